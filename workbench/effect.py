@@ -1,0 +1,166 @@
+"""One physical effect: declarative data and one short function, from which everything else is derived.
+
+An effect is made by a function decorated with `@effect` in one file of `workbench/effects/`; `catalogue()` finds it.
+Its `step(s, z, p)` is written once in CasADi SX (workbench.effects.elementary has the functions that kernels may hold):
+`s` the declared signals, `z` the states, `p` the parameters (after `derive`, where there is one), all by name. It
+returns ({state: next value}, output); what the output means is fixed by the port (docs/architecture.md).
+"""
+
+import importlib
+import pkgutil
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
+from functools import cache
+from types import MappingProxyType, SimpleNamespace
+
+from workbench.errors import WorkbenchError, nearest
+from workbench.parameter import Parameter
+
+FORCE, ANGLE, COMMAND, SENSOR, TIME = "force", "angle", "command", "sensor", "time"
+PORTS = (FORCE, ANGLE, COMMAND, SENSOR, TIME)
+SIGNALS = (
+    "q dq v a dt t u tau dir motor_q load_q ratio pole_pairs locked temperature normal".split()
+)  # fixed: an effect reads these and no others
+PLACES = ("axis", "motor", "joint", "load", "command", "sensor")
+
+
+@dataclass(frozen=True)
+class Border:
+    """How parameters are written outside (campaigns, reports) where that differs from the linear form inside.
+
+    parameters: outside name -> Parameter. inward(outside values) -> inside values, outward the reverse, both dictionaries
+    of floats (example: a = x0**-d; mgl, phase = sine and cosine amplitudes).
+    """
+
+    parameters: Mapping[str, Parameter]
+    inward: Callable[[Mapping[str, float]], Mapping[str, float]]
+    outward: Callable[[Mapping[str, float]], Mapping[str, float]]
+
+
+@dataclass(frozen=True)
+class Effect:
+    """See the module. `linear` parameters enter the output linearly and no state; this is checked when steps are built."""
+
+    name: str
+    cause: str
+    formula: str
+    source: str
+    port: str
+    parameters: Mapping[str, Parameter]
+    step: Callable
+    linear: tuple[str, ...] = ()
+    states: Mapping[str, int] = field(default_factory=dict)
+    reads: tuple[str, ...] = ()
+    provides: tuple[str, ...] = ()
+    derive: Callable | None = None
+    virgin: Callable | None = None
+    holds: tuple[str, ...] = ()
+    places: tuple[str, ...] = ("axis", "motor", "load")
+    at: str = "axis"
+    border: Border | None = None
+
+    def __post_init__(self):
+        for name in ("parameters", "states"):
+            object.__setattr__(self, name, MappingProxyType(dict(getattr(self, name))))
+        if self.port not in PORTS:
+            raise WorkbenchError(f"effect '{self.name}': unknown port '{self.port}'; {nearest(self.port, PORTS)}")
+        for signal in (*self.reads, *self.provides):
+            if signal not in SIGNALS:
+                raise WorkbenchError(f"effect '{self.name}': unknown signal '{signal}'; {nearest(signal, SIGNALS)}")
+        for name in self.linear:
+            if name not in self.parameters:
+                raise WorkbenchError(
+                    f"effect '{self.name}': linear parameter '{name}' is not declared; {nearest(name, self.parameters)}"
+                )
+
+    @property
+    def key(self) -> str:
+        """Name and place, unique in a plant unless an effect is there twice."""
+        return f"{self.name}@{self.at}"
+
+    @property
+    def shape(self) -> tuple[str, ...]:
+        """Parameters that are searched: all that are not linear."""
+        return tuple(n for n in self.parameters if n not in self.linear)
+
+    def __call__(self, *, at: str | None = None, fixed: bool | None = None, **values: float) -> "Effect":
+        """Return this effect with inside values set (and, with fixed=, all of those held or freed), at another place."""
+        parameters = dict(self.parameters)
+        for name, value in values.items():
+            if name not in parameters:
+                raise WorkbenchError(
+                    f"effect '{self.name}': unknown parameter '{name}'; {nearest(name, parameters)}"
+                )
+            parameters[name] = parameters[name].at(value, fixed=fixed, where=f"{self.name}.{name}")
+        return replace(self, parameters=parameters, at=self.at if at is None else at)
+
+    def free(self, *names: str) -> "Effect":
+        """Return this effect with the named inside parameters no longer fixed."""
+        return replace(
+            self, parameters={n: replace(p, fixed=False) if n in names else p for n, p in self.parameters.items()}
+        )
+
+    @property
+    def outside(self) -> Mapping[str, Parameter]:
+        """Parameters as a campaign writes them, with this effect's values."""
+        if self.border is None:
+            return self.parameters
+        values = self.border.outward({n: p.value for n, p in self.parameters.items()})
+        fixed = all(p.fixed for p in self.parameters.values())
+        return {n: replace(p, value=float(values[n]), fixed=fixed) for n, p in self.border.parameters.items()}
+
+    def declared(self, values: Mapping[str, float], fixed: Mapping[str, bool], where: str) -> "Effect":
+        """Return this effect with values as a campaign writes them (SI); what is absent keeps its default.
+
+        Raises WorkbenchError for an unknown name (nearest names) and a value outside its physical bounds.
+        """
+        known = self.outside
+        for name in values:
+            if name not in known:
+                raise WorkbenchError(f"{where}: effect '{self.name}' has no parameter '{name}'; {nearest(name, known)}")
+        held = {n: fixed.get(n, p.fixed) for n, p in known.items()}
+        out = {n: p.at(values.get(n, p.value), where=f"{where}: {self.name}.{n}") for n, p in known.items()}
+        if self.border is None:
+            return replace(self, parameters={n: replace(p, fixed=held[n]) for n, p in out.items()})
+        inside = self.border.inward({n: p.value for n, p in out.items()})
+        given = {n: h for n, h in held.items() if n in values}
+        parameters = {}
+        for name, p in self.parameters.items():
+            same = name in given
+            hold = given[name] if same else (p.fixed if name in known else all(given.values()) and bool(given))
+            parameters[name] = replace(p.at(inside[name], where=f"{where}: {self.name}.{name}"), fixed=hold)
+        return replace(self, parameters=parameters)
+
+
+def namespace(**values) -> SimpleNamespace:
+    """Signals, states or parameters by name, as a step sees them."""
+    return SimpleNamespace(**values)
+
+
+_makers: dict[str, Callable[[], Effect]] = {}
+
+
+def effect(make: Callable[..., Effect]) -> Callable[..., Effect]:
+    """Decorator: put the effect that `make()` returns, named as the function, into the catalogue."""
+    if make.__name__ in _makers and _makers[make.__name__].__module__ != make.__module__:
+        raise WorkbenchError(f"effect '{make.__name__}' is defined twice in the catalogue.")
+    _makers[make.__name__] = make
+    return make
+
+
+@cache
+def catalogue() -> Mapping[str, Effect]:
+    """Every effect, by name, in the order of their names. Imports all of workbench.effects."""
+    import workbench.effects as package
+
+    for module in pkgutil.iter_modules(package.__path__):
+        importlib.import_module(f"workbench.effects.{module.name}")
+    return MappingProxyType({name: _makers[name]() for name in sorted(_makers)})
+
+
+def find(name: str, where: str = "effect") -> Effect:
+    """Return an effect of the catalogue; WorkbenchError with the nearest names where there is none."""
+    known = catalogue()
+    if name not in known:
+        raise WorkbenchError(f"{where}: unknown effect '{name}'; {nearest(name, known)}")
+    return known[name]

@@ -1,0 +1,21 @@
+"""Errors that a user can mend: one sentence that says what is wrong, where, and what would mend it."""
+
+import difflib
+from collections.abc import Iterable
+
+USER_ERROR = 2
+INTERNAL_ERROR = 70  # EX_SOFTWARE of sysexits.h: our failure, not the user's
+
+
+class WorkbenchError(Exception):
+    """Something that the user can mend. The message is a whole sentence; no traceback is shown for it."""
+
+
+def nearest(name: str, names: Iterable[str], most: int = 3) -> str:
+    """Return the names closest to `name` as a clause, "did you mean 'a' or 'b'?", or the whole list where none is close."""
+    names = sorted(set(names))
+    folded = {n.casefold(): n for n in names}
+    close = [folded[c] for c in difflib.get_close_matches(name.casefold(), folded, n=most, cutoff=0.5)]
+    if close:
+        return "did you mean " + " or ".join(f"'{c}'" for c in close) + "?"
+    return "known: " + (", ".join(names) if names else "none") + "."

@@ -1,0 +1,20 @@
+"""A result is a sentence with its numbers."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+
+@dataclass(frozen=True)
+class Finding:
+    """One thing that was found.
+
+    kind: a short word to sort by ("not determined", "at bound", "resampled", "cause", "nothing missing", ...).
+    subject: what it is about (a parameter's full name, a record, an effect).
+    sentence: what a person reads. evidence: the numbers behind it, SI. remedy: what would change it, or "".
+    """
+
+    kind: str
+    subject: str
+    sentence: str
+    evidence: Mapping[str, float] = field(default_factory=dict)
+    remedy: str = ""

@@ -1,0 +1,58 @@
+"""One measured record: frozen, SI, with its source."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from types import MappingProxyType
+
+import numpy as np
+
+IDENTIFICATION, VALIDATION = "identification", "validation"
+ROLES = (IDENTIFICATION, VALIDATION)
+
+
+@dataclass(frozen=True)
+class Source:
+    """Where a record came from: path as given, sha256 of the bytes read, reader, and channel -> column."""
+
+    path: Path
+    sha256: str
+    reader: str
+    columns: Mapping[str, str]
+
+
+@dataclass(frozen=True, eq=False)
+class Record:
+    """Channels sampled at one uniform rate.
+
+    name: the file's stem. role: "identification" or "validation". time: (n,) s, the bench clock, uniform.
+    channels: name -> (n,) array in SI; "torque" or "force", "position", and further channels as measured.
+    units: name -> SI unit string. resolution: name -> encoder step in SI, where known. locked: the load is held.
+    start_time: s. All arrays are made read-only.
+    """
+
+    name: str
+    role: str
+    time: np.ndarray
+    channels: Mapping[str, np.ndarray]
+    units: Mapping[str, str]
+    source: Source
+    resolution: Mapping[str, float] = field(default_factory=dict)
+    motion: str = ""
+    locked: bool = False
+
+    def __post_init__(self):
+        for array in (self.time, *self.channels.values()):
+            array.setflags(write=False)
+        for name in ("channels", "units", "resolution"):
+            object.__setattr__(self, name, MappingProxyType(dict(getattr(self, name))))
+
+    @property
+    def dt(self) -> float:
+        """Sample time in s."""
+        return float((self.time[-1] - self.time[0]) / (self.time.size - 1))
+
+    @property
+    def drive(self) -> np.ndarray:
+        """The drive's torque or force as reported, in N*m or N."""
+        return self.channels["torque" if "torque" in self.channels else "force"]
