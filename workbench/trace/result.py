@@ -1,0 +1,69 @@
+"""What a trace returns."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+from workbench.identify.result import Estimate, Fit
+from workbench.finding import Finding
+
+CAUSE, NOTHING, UNKNOWN = "cause", "nothing_missing", "unknown"
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """One effect that was tried jointly with the declared model.
+
+    effect, at: its name and place ("inertia at axis" where a fixed parameter was set free: kind "correction", else
+    "addition"). gain: relative reduction of the held-out squared error by blocked cross-validation (1 is all of it).
+    scatter: one standard error of that gain over blocks. held_out: nrmse on held-out blocks. nrmse: on what was fitted.
+    earns: whether it would be added.
+    """
+
+    effect: str
+    at: str
+    kind: str
+    gain: float
+    scatter: float
+    held_out: float
+    nrmse: float
+    earns: bool
+    sentence: str
+
+
+@dataclass(frozen=True)
+class Cause:
+    """One effect that was added: where it acts, its parameters, and the share of the residual's power that it explains."""
+
+    effect: str
+    at: str
+    sentence: str
+    parameters: tuple[Estimate, ...]
+    share_identification: float
+    share_validation: float
+    rivals: tuple[str, ...] = ()
+    experiment: str = ""
+
+
+@dataclass(frozen=True, eq=False)
+class Trace:
+    """verdict: "cause", "nothing_missing" or "unknown". ranked: candidates, best first, of the first step.
+
+    steps: the ranked candidates of every step (one list an addition tried). before, after: fits of the declared and of
+    the extended plant. floor: role -> nrmse that encoder resolution and torque noise alone would leave.
+    """
+
+    verdict: str
+    sentence: str
+    ranked: tuple[Candidate, ...]
+    steps: tuple[tuple[Candidate, ...], ...]
+    causes: tuple[Cause, ...]
+    before: Fit
+    after: Fit
+    floor: Mapping[str, float]
+    findings: tuple[Finding, ...] = ()
+    unknown: Mapping[str, object] = field(default_factory=dict)
+
+    @property
+    def added(self) -> tuple[str, ...]:
+        """Names of the effects in the extended model that the declared one lacks."""
+        return tuple(c.effect for c in self.causes)
