@@ -1,0 +1,123 @@
+"""A plant: effects composed into one residual per body, 0 = sum of forces(q, v, a) - u'.
+
+Composition is `plant + effect`. What is computed from a plant (columns, simulation, description) lives to its right.
+"""
+
+import hashlib
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from math import inf
+
+from workbench import effect as fx
+from workbench.effect import Effect
+from workbench.errors import WorkbenchError, nearest
+
+ONE_MASS, TWO_MASS = "one mass", "two mass"
+KINDS = (ONE_MASS, TWO_MASS)
+PLACES = {ONE_MASS: ("axis",), TWO_MASS: ("motor", "load", "joint")}
+SENSORS = ("position", "load_position")
+
+
+@dataclass(frozen=True)
+class Geometry:
+    """gear_ratio: motor turns per output turn (positions are output-side). pole_pairs: of the motor."""
+
+    gear_ratio: float = 1.0
+    pole_pairs: float = 1.0
+
+
+@dataclass(frozen=True)
+class Limits:
+    """drive: largest torque or force, N*m or N. speed: largest speed, rad/s or m/s. inf: not stated."""
+
+    drive: float = inf
+    speed: float = inf
+
+
+def places(kind: str, effect: Effect) -> tuple[str, ...]:
+    """Return where `effect` can act on a plant of this kind ("axis"; "motor", "load", "joint"; "command"; "sensor.position")."""
+    sensors = tuple(f"sensor.{s}" for s in SENSORS[: 1 if kind == ONE_MASS else 2])
+    if effect.port in (fx.FORCE, fx.ANGLE):
+        return tuple(p for p in PLACES[kind] if p in effect.places)
+    return tuple(p for p in ("command", *sensors) if p.split(".")[0] in effect.places)
+
+
+@dataclass(frozen=True)
+class Plant:
+    """kind: "one mass" or "two mass". rotary: torque in N*m over rad, else force in N over m."""
+
+    kind: str
+    effects: tuple[Effect, ...] = ()
+    rotary: bool = True
+    geometry: Geometry = field(default_factory=Geometry)
+    limits: Limits = field(default_factory=Limits)
+
+    def __post_init__(self):
+        if self.kind not in KINDS:
+            raise WorkbenchError(f"unknown plant '{self.kind}'; {nearest(self.kind, KINDS)}")
+        seen = set()
+        for e in self.effects:
+            allowed = places(self.kind, e)
+            if e.at not in allowed:
+                raise WorkbenchError(
+                    f"effect '{e.name}' cannot act at '{e.at}' on a plant of {self.kind}; {nearest(e.at, allowed)}"
+                )
+            if e.key in seen:
+                raise WorkbenchError(f"effect '{e.name}' acts twice at '{e.at}'; declare it once.")
+            seen.add(e.key)
+
+    def __add__(self, effect: Effect) -> "Plant":
+        return replace(self, effects=(*self.effects, effect))
+
+    def __contains__(self, key: str) -> bool:
+        return any(e.key == key or e.name == key for e in self.effects)
+
+    def __getitem__(self, key: str) -> Effect:
+        """The effect of this key ("inertia@axis") or, where it is there once, of this name."""
+        found = [e for e in self.effects if key in (e.key, e.name)]
+        if len(found) != 1:
+            raise WorkbenchError(
+                f"the plant has {len(found)} effects '{key}'; {nearest(key, (e.key for e in self.effects))}"
+            )
+        return found[0]
+
+    def without(self, key: str) -> "Plant":
+        """Return this plant without one effect."""
+        gone = self[key].key
+        return replace(self, effects=tuple(e for e in self.effects if e.key != gone))
+
+    def swap(self, effect: Effect) -> "Plant":
+        """Return this plant with the effect of the same key replaced."""
+        return replace(self, effects=tuple(effect if e.key == effect.key else e for e in self.effects))
+
+    def with_values(self, values: Mapping[str, Mapping[str, float]]) -> "Plant":
+        """Return this plant with inside parameter values set: {effect key: {parameter: value}}."""
+        return replace(self, effects=tuple(e(**values.get(e.key, {})) for e in self.effects))
+
+    @property
+    def effort(self) -> str:
+        """SI unit of the drive: "N*m" or "N"."""
+        return "N*m" if self.rotary else "N"
+
+    @property
+    def displacement(self) -> str:
+        """SI unit of the position: "rad" or "m"."""
+        return "rad" if self.rotary else "m"
+
+    def digest_lines(self) -> tuple[str, ...]:
+        """One line a fact that behaviour depends on, values rounded to 9 digits; two digests differ where these do."""
+        head = (
+            f"kind {self.kind}",
+            f"rotary {self.rotary}",
+            f"geometry.gear_ratio {self.geometry.gear_ratio:.9g}",
+            f"geometry.pole_pairs {self.geometry.pole_pairs:.9g}",
+            f"limits.drive {self.limits.drive:.9g}",
+            f"limits.speed {self.limits.speed:.9g}",
+        )
+        body = (f"{e.key}.{n} {p.value:.9g}" for e in self.effects for n, p in e.parameters.items())
+        return (*head, *sorted(body))
+
+    @property
+    def digest(self) -> str:
+        """sha256 over digest_lines, on which tuning runs and which gain tables carry."""
+        return hashlib.sha256("\n".join(self.digest_lines()).encode()).hexdigest()
