@@ -1,0 +1,120 @@
+# The project's commands; `make help` lists them. Beneath it: GNU make, a POSIX shell and python3 (3.11 or newer).
+#
+## make           run the main study and write reports/harmonic_drive_axis/
+## make STUDY     run one study: a folder under studies/
+## make all       run every study
+## make test      check style and run the tests
+## make bench     run the benchmarks
+## make lock      pin the dependencies of pyproject.toml again (make lock UPGRADE=--upgrade: to the newest)
+## make clean     remove everything that these commands made: .venv, caches and reports
+
+MAIN    := harmonic_drive_axis
+PYTHON  ?= python3
+WORKERS ?= 2
+UPGRADE ?=
+
+VENV    := .venv
+BIN     := $(VENV)/bin
+STUDIES := $(sort $(MAIN) $(notdir $(patsubst %/study.toml,%,$(wildcard studies/*/study.toml))))
+VERBS   := all bench clean help lock test
+
+CLASH   := $(filter $(VERBS),$(STUDIES))
+ifneq ($(CLASH),)
+$(error The study '$(CLASH)' has the name of a command of this Makefile: rename its folder under studies/)
+endif
+
+.DEFAULT_GOAL := $(MAIN)
+.PHONY: $(VERBS) $(STUDIES)
+
+# --- the environment ------------------------------------------------------------------------------------------------
+#
+# PLACE names what a virtual environment cannot outlive: its folder (scripts hold absolute paths) and its Python.
+# PINS names what is installed in it. Two empty files in .venv say what is true of it:
+#
+#   whole-PLACE           nothing was left half done. Taken away before anything is changed and put back after it, so a
+#                         set-up killed at any moment leaves an environment without it, and the next one starts afresh.
+#   installed-PLACE-PINS  these very pins are installed. While it is there, make neither installs nor asks the network.
+
+PLACE := $(shell $(PYTHON) -c 'import os, sys, zlib; print("%d.%d-%08x" % (sys.version_info[:2] + \
+           (zlib.crc32((os.getcwd() + getattr(sys, "base_prefix", "")).encode()) & 0xffffffff,)))')
+PINS  := $(shell cat requirements.lock pyproject.toml | cksum | tr ' ' '-')
+WHOLE := $(VENV)/whole-$(PLACE)
+READY := $(VENV)/installed-$(PLACE)-$(PINS)
+
+ifndef LOCKED
+
+# One set-up at a time: a second make waits here and then finds everything done. The lock is on this folder, is held by
+# whatever still runs of the set-up, and goes when that ends, however it ends. Python takes it because not every system
+# has flock(1); the recursive make looks again at what is there once the lock is held.
+UNDER_LOCK := $(PYTHON) -c 'import fcntl, os, sys; fd = os.open(".", os.O_RDONLY); os.set_inheritable(fd, True); \
+                fcntl.flock(fd, fcntl.LOCK_EX); os.execvp(sys.argv[1], sys.argv[1:])'
+
+$(READY):
+	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11) and \
+	    "This project needs Python 3.11 or newer; here python3 is %d.%d. Name another one: make PYTHON=..." \
+	    % sys.version_info[:2])'
+	@$(UNDER_LOCK) $(MAKE) --no-print-directory LOCKED=1 $@
+
+else
+
+PIP       := $(BIN)/python -m pip --disable-pip-version-check --quiet
+UV        := $(BIN)/uv --quiet
+INSTALLER ?= uv
+
+$(WHOLE):
+	@echo "Making a new environment in $(VENV)."
+	@rm -rf $(VENV)
+	@$(PYTHON) -m venv $(VENV)
+	@touch $@
+
+# uv is pinned in the lock as everything else is, so pip fetches it with its hashes; where there is no uv for this
+# machine (or with INSTALLER=pip), pip installs the rest of the lock by itself, which takes longer and gives the same.
+# awk parts the lock: an entry begins at the margin, and its hashes follow indented.
+$(READY): | $(WHOLE)
+	@echo "Installing what requirements.lock pins."
+	@rm -f $(VENV)/whole-* $(VENV)/installed-*
+	@awk '/^[^ ]/ { ours = /^uv==/ }  ours' requirements.lock > $(VENV)/uv.txt
+	@awk '/^[^ ]/ { ours = /^uv==/ } !ours' requirements.lock > $(VENV)/rest.txt
+	@if test $(INSTALLER) = uv && $(PIP) install --require-hashes -r $(VENV)/uv.txt && $(UV) --version > /dev/null; then \
+	    $(UV) pip install --python $(BIN)/python --require-hashes -r requirements.lock && \
+	    $(UV) pip install --python $(BIN)/python --no-build-isolation --no-deps --editable . ; \
+	else \
+	    echo "Without uv: pip installs, which takes a little longer." && \
+	    $(PIP) install --require-hashes -r $(VENV)/rest.txt && \
+	    $(PIP) install --no-build-isolation --no-deps --no-index --editable . ; \
+	fi || { echo "The set-up did not finish, for the reason above. It needs the network once; run make again." >&2; exit 1; }
+	@touch $(WHOLE)
+	@touch $@
+
+endif
+
+# --- what is run in it ----------------------------------------------------------------------------------------------
+
+$(STUDIES): $(READY)
+	@$(BIN)/workbench run studies/$@
+
+all: $(STUDIES)
+
+test: $(READY)
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/python -m pytest -n $(WORKERS)
+
+bench: $(READY)
+	@$(BIN)/python -m benchmarks
+
+# One file for every system and Python (--universal), one version of each package (--fork-strategy fewest) so that the
+# numbers of a study do not depend on the Python, hashes for all, and no address that a download came from.
+lock: $(READY)
+	$(BIN)/uv pip compile pyproject.toml --quiet $(UPGRADE) --all-extras --universal --python-version 3.11 \
+	    --fork-strategy fewest --generate-hashes --no-emit-index-url --no-emit-find-links --no-annotate --no-header \
+	    --output-file requirements.lock
+
+help:
+	@sed -n 's/^## //p' Makefile
+	@echo "Studies: $(STUDIES)"
+
+clean:
+	rm -rf $(VENV) .pytest_cache .ruff_cache .hypothesis
+	find reports -mindepth 1 -maxdepth 1 ! -name README.md -exec rm -rf {} +
+	find . -name .git -prune -o -name __pycache__ -prune -exec rm -rf {} +
