@@ -1,0 +1,56 @@
+"""What happens to the command before it acts: transport delay and actuator lag."""
+
+from workbench.effect import COMMAND, TIME, Effect, effect
+from workbench.effects.elementary import exp
+from workbench.parameter import Parameter
+
+
+@effect
+def transport_delay() -> Effect:
+    """u'(t) = u(t - delay)."""
+
+    def step(s, z, p):
+        return {}, p.delay
+
+    return Effect(
+        name="transport_delay",
+        cause="bus cycles and computation between the logged command and the torque",
+        formula="u'(t) = u(t - delay)",
+        source="Astrom and Wittenmark, Computer-Controlled Systems, 1997",
+        port=TIME,
+        parameters={"delay": Parameter(0.0, "s", "transport delay", lower=0.0, upper=0.05, scale="time")},
+        step=step,
+        places=("command",),
+        at="command",
+    )
+
+
+@effect
+def actuator_lag() -> Effect:
+    """T du'/dt + u' = u, by the exact step for a command that is linear between samples.
+
+    With e = exp(-dt/T) and w = (1 - e) T/dt: u'+ = e u' + (w - e) u_before + (1 - w) u.
+    """
+
+    def step(s, z, p):
+        ratio = s.dt / p.time_constant
+        e = exp(-ratio)
+        w = (1.0 - e) / ratio
+        y = e * z.y + (w - e) * z.before + (1.0 - w) * s.u
+        return {"y": y, "before": s.u}, y
+
+    return Effect(
+        name="actuator_lag",
+        cause="finite bandwidth of the current loop",
+        formula="T du'/dt + u' = u",
+        source="first-order hold equivalent, Franklin, Powell, Workman 1998",
+        port=COMMAND,
+        parameters={
+            "time_constant": Parameter(1e-4, "s", "time constant", lower=1e-6, upper=0.1, scale="time"),
+        },
+        states={"y": 1, "before": 1},
+        reads=("u", "dt"),
+        step=step,
+        places=("command",),
+        at="command",
+    )

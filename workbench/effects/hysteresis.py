@@ -1,0 +1,113 @@
+"""Hysteresis by Maxwell slip: stop operators in parallel, their stiffnesses derived from a virgin curve.
+
+Each element is a spring that slips at its own deflection, x_i <- clip(x_i + dq, -D_i, D_i). A bank with the virgin curve
+y(x) holds Masing's rule: after a reversal the curve is y stretched by two (Al-Bender, Lampaert, Swevers 2005).
+"""
+
+from math import log
+
+import casadi as ca
+
+from workbench.effect import FORCE, Border, Effect, effect, namespace
+from workbench.effects.elementary import clip, exp, power
+from workbench.parameter import Parameter
+
+ELEMENTS = 24
+SMALL = (0.003, 0.01, 0.025)  # three knots below the first equidistributed one: loss at micro-radian amplitudes
+
+
+def knots(elements: int = ELEMENTS, small: tuple[float, ...] = SMALL) -> tuple[float, ...]:
+    """Return the arguments c_i = (D_i/x0)^d at which the curve 1 - exp(-c) is interpolated, increasing.
+
+    c_i = -2 ln(1 - i/(N + 1/2)) equidistributes sqrt(|y''|), the optimum for a piecewise linear interpolation (de Boor
+    1978); the largest error is about h0/(2 N^2).
+    """
+    spread = [-2.0 * log(1.0 - i / (elements + 0.5)) for i in range(1, elements + 1)]
+    return tuple(c for c in small if c < 0.5 * spread[0]) + tuple(spread)
+
+
+def bank(c: tuple[float, ...], x0, d):
+    """Return (k, D): stiffnesses in 1/x and slip deflections, of a bank of height one, as CasADi vectors.
+
+    The height at knot i is 1 - exp(-c_i) whatever x0 and d are, and exactly one at the last, so that sum k D = 1.
+    """
+    heights = [0.0] + [1.0 - ca.exp(-v) for v in c[:-1]] + [1.0]
+    slips = [x0 * power(v, 1.0 / d) for v in c]
+    before = [0.0, *slips[:-1]]
+    slopes = [(heights[i + 1] - heights[i]) / (slips[i] - before[i]) for i in range(len(c))] + [0.0]
+    stiffnesses = [slopes[i] - slopes[i + 1] for i in range(len(c))]
+    return ca.vertcat(*stiffnesses), ca.vertcat(*slips)
+
+
+@effect
+def presliding_hysteresis(elements: int = ELEMENTS) -> Effect:
+    """Virgin curve y(x) = h0 (1 - exp(-(x/x0)^d)), d <= 1, Masing's rule; saturates at h0, the Coulomb friction.
+
+    d <= 1 keeps the curve concave, all elements stiff and the bank passive. Outside it is written h0 (1 - exp(-a x^d)).
+    """
+    c = knots(elements)
+
+    def virgin(x, p):
+        return p.h0 * (1.0 - exp(-power(x / p.x0, p.d)))
+
+    def derive(p):
+        k, slip = bank(c, p.x0, p.d)
+        return namespace(h0=p.h0, k=k, slip=slip)
+
+    def step(s, z, p):
+        x = clip(z.x + s.dq, -p.slip, p.slip)
+        direction = ca.dot(p.k, x)
+        return {"x": x}, p.h0 * direction, {"dir": direction}
+
+    return Effect(
+        name="presliding_hysteresis",
+        cause="asperities of bearings and teeth deflect before they slip: friction with memory of past reversals",
+        formula="virgin curve h0 (1 - exp(-a x^d)), Masing's rule",
+        source="Al-Bender, Lampaert, Swevers 2005; Tjahjowidodo, Al-Bender, Van Brussel 2013",
+        port=FORCE,
+        parameters={
+            "h0": Parameter(0.0, "F", "height: Coulomb friction when sliding", lower=0.0),
+            "x0": Parameter(1e-3, "x", "presliding length", lower=1e-12, scale="stroke"),
+            "d": Parameter(1.0, "1", "exponent of the virgin curve", lower=0.3, upper=1.0, fixed=True, scale="number"),
+        },
+        linear=("h0",),
+        states={"x": len(c)},
+        reads=("dq",),
+        provides=("dir",),
+        derive=derive,
+        virgin=virgin,
+        step=step,
+        holds=("passive", "rate independent", "odd", "masing"),
+        places=("axis", "motor", "load", "joint"),
+        border=Border(
+            parameters={
+                "h0": Parameter(0.0, "F", "height: Coulomb friction when sliding", lower=0.0),
+                "a": Parameter(1e3, "1/x^d", "rate of the virgin curve", lower=1e-12),
+                "d": Parameter(1.0, "1", "exponent of the virgin curve", lower=0.3, upper=1.0, fixed=True),
+            },
+            inward=lambda o: {"h0": o["h0"], "x0": o["a"] ** (-1.0 / o["d"]), "d": o["d"]},
+            outward=lambda i: {"h0": i["h0"], "a": i["x0"] ** -i["d"], "d": i["d"]},
+        ),
+    )
+
+
+def stop_direction(width: float) -> Effect:
+    """`dir` where a port has no hysteresis of its own: a stop operator that saturates after `width`, without force."""
+
+    def step(s, z, p):
+        x = clip(z.x + s.dq, -p.width, p.width)
+        return {"x": x}, ca.SX(0), {"dir": x / p.width}
+
+    return Effect(
+        name="direction",
+        cause="direction of motion",
+        formula="x <- clip(x + dq, -w, w), dir = x/w",
+        source="stop operator, Krasnosel'skii and Pokrovskii 1989",
+        port=FORCE,
+        parameters={"width": Parameter(width, "x", "two encoder counts", lower=1e-15, fixed=True)},
+        states={"x": 1},
+        reads=("dq",),
+        provides=("dir",),
+        step=step,
+        places=("axis", "motor", "load", "joint"),
+    )

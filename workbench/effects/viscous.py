@@ -1,0 +1,71 @@
+"""Friction that depends on velocity alone."""
+
+from workbench.effect import FORCE, Effect, effect
+from workbench.effects.elementary import absolute
+from workbench.parameter import Parameter
+
+
+@effect
+def viscous_friction() -> Effect:
+    """T = b v."""
+
+    def step(s, z, p):
+        return {}, p.viscous * s.v
+
+    return Effect(
+        name="viscous_friction",
+        cause="shear of lubricant and eddy currents, in proportion to speed",
+        formula="T = b v",
+        source="Armstrong-Helouvry, Dupont, Canudas de Wit 1994",
+        port=FORCE,
+        parameters={"viscous": Parameter(0.0, "F*s/x", "viscous coefficient", lower=0.0)},
+        linear=("viscous",),
+        reads=("v",),
+        step=step,
+        holds=("passive", "odd"),
+    )
+
+
+@effect
+def nonlinear_viscous_friction() -> Effect:
+    """T = b2 v |v|: the part of viscous friction that grows faster than speed."""
+
+    def step(s, z, p):
+        return {}, p.quadratic * s.v * absolute(s.v)
+
+    return Effect(
+        name="nonlinear_viscous_friction",
+        cause="churning of lubricant and windage, growing with the square of speed",
+        formula="T = b2 v |v|",
+        source="Armstrong-Helouvry, Dupont, Canudas de Wit 1994",
+        port=FORCE,
+        # The sign is free: shear thinning bends the curve down, which is passive only beside a viscous term.
+        parameters={"quadratic": Parameter(0.0, "F*s^2/x^2", "coefficient of v |v|")},
+        linear=("quadratic",),
+        reads=("v",),
+        step=step,
+        holds=("odd",),
+    )
+
+
+@effect
+def linear_damping() -> Effect:
+    """T = c v, v the rate of the joint's deflection."""
+
+    def step(s, z, p):
+        return {}, p.damping * s.v
+
+    return Effect(
+        name="linear_damping",
+        cause="material damping of the joint",
+        formula="T = c v",
+        source="Kelvin-Voigt element",
+        port=FORCE,
+        parameters={"damping": Parameter(0.0, "F*s/x", "damping", lower=0.0)},
+        linear=("damping",),
+        reads=("v",),
+        step=step,
+        holds=("passive", "odd"),
+        places=("joint",),
+        at="joint",
+    )

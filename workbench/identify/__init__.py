@@ -1,0 +1,1 @@
+"""Parameters with intervals from records: inverse dynamics, separable least squares, and what the data do not determine."""

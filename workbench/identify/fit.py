@@ -1,0 +1,76 @@
+"""Fit a plant to identification records, and see it on all records."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from workbench.identify import intervals
+from workbench.identify.passes import Passes, predicted
+from workbench.identify.problem import Problem
+from workbench.identify.result import Fit, Series
+from workbench.identify.solve import Solution, solve
+from workbench.motion import motion
+from workbench.plant import Plant
+from workbench.record import IDENTIFICATION, ROLES, VALIDATION, Record
+
+
+def passes_of(records: Sequence[Record], bandwidth: float) -> tuple[Passes, ...]:
+    """Return passes over the motions of the records; they may be shared by fits of many plants."""
+    return tuple(Passes(motion(r, bandwidth)) for r in records)
+
+
+def identify(plant: Plant, passes: Sequence[Passes], theta: np.ndarray | None = None) -> Fit:
+    """Fit `plant` on the identification records among `passes` and evaluate it on all of them.
+
+    theta: start of the free shape parameters on their search scale; the plant's values where absent.
+    """
+    problem = Problem(plant, [p for p in passes if p.motion.record.role == IDENTIFICATION])
+    return seen(problem, solve(problem, theta), passes)
+
+
+def series_of(plant: Plant, passes: Passes) -> tuple[Series, np.ndarray]:
+    """Return one record seen through the evaluation filter, and the unfiltered prediction (n,)."""
+    m = passes.motion
+    prediction = predicted(passes, plant)
+    both = m.filter(np.stack([m.u, prediction]))
+    series = Series(m.record.name, m.record.role, m.t, m.q, m.v, both[0], both[1], m.filter.trim)
+    return series, prediction
+
+
+def seen(problem: Problem, solution: Solution, passes: Sequence[Passes]) -> Fit:
+    """Return the Fit of a solved problem."""
+    plant = problem.with_linear(problem.with_shape(solution.theta), solution.c)
+    names, cov, t, condition = intervals.covariance(problem, solution)
+    estimates = intervals.estimates(plant, names, cov, t)
+    series, predictions = {}, {}
+    for p in passes:
+        series[p.motion.record.name], predictions[p.motion.record.name] = series_of(plant, p)
+    power = {r: 0.0 for r in ROLES}
+    left = {r: 0.0 for r in ROLES}
+    count = {r: 0 for r in ROLES}
+    nrmse = {}
+    for name, s in series.items():
+        keep = slice(s.trim, s.time.size - s.trim)
+        measured, residual = s.measured[keep], s.residual[keep]
+        nrmse[name] = ratio(residual @ residual, measured @ measured)
+        power[s.role] += measured @ measured
+        left[s.role] += residual @ residual
+        count[s.role] += measured.size
+    return Fit(
+        plant=plant,
+        estimates=estimates,
+        identification=ratio(left[IDENTIFICATION], power[IDENTIFICATION]),
+        validation=ratio(left[VALIDATION], power[VALIDATION]),
+        nrmse=nrmse,
+        rms={r: float(np.sqrt(left[r] / max(count[r], 1))) for r in ROLES},
+        series=series,
+        predictions=predictions,
+        findings=tuple(intervals.findings(problem, estimates, names, cov)),
+        condition=condition,
+        details={"theta": solution.theta, "cost": solution.cost},
+    )
+
+
+def ratio(left: float, whole: float) -> float:
+    """Root of a ratio of powers; NaN where there is nothing to compare with."""
+    return float(np.sqrt(left / whole)) if whole > 0 else float("nan")

@@ -1,0 +1,145 @@
+"""The separable least-squares problem that a plant and some records pose.
+
+Residual: F(chain(u) - required(q)), stacked over records without the trimmed ends. Linear in the linear parameters; the
+shape parameters are searched on a scale of their own (logarithmic where the parameter is positive by nature).
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from math import exp, log
+
+import numpy as np
+
+from workbench import effect as fx
+from workbench.identify.passes import Passes
+from workbench.parameter import Parameter
+from workbench.plant import Plant
+
+LOGARITHMIC = ("speed", "stroke", "rate")
+STEP = 1e-4  # relative step of the directional derivative of a pass
+
+
+@dataclass(frozen=True)
+class Name:
+    """One parameter of a plant: effect key and inside name."""
+
+    key: str
+    parameter: str
+
+
+def scale_of(p: Parameter) -> float:
+    """The size of one unit of the search scale where it is not logarithmic."""
+    return max(abs(p.value), 1e-3 * (p.upper - p.lower) if np.isfinite(p.upper - p.lower) else 0.0, 1e-12)
+
+
+def to_search(p: Parameter) -> float:
+    return log(p.value) if p.scale in LOGARITHMIC else p.value
+
+
+def from_search(p: Parameter, value: float) -> float:
+    return float(np.clip(exp(value) if p.scale in LOGARITHMIC else value, p.lower, p.upper))
+
+
+class Problem:
+    """`free_linear`, `free_shape`: what is searched, as Name; `fixed` linear parameters move to the measured side."""
+
+    def __init__(self, plant: Plant, passes: Sequence[Passes]):
+        self.plant = plant
+        self.passes = tuple(passes)
+        self.free_linear: list[Name] = []
+        self.fixed_linear: list[Name] = []
+        self.free_shape: list[Name] = []
+        for e in plant.effects:
+            for n, p in e.parameters.items():
+                if n in e.linear and e.port == fx.FORCE:
+                    (self.fixed_linear if p.fixed else self.free_linear).append(Name(e.key, n))
+                elif not p.fixed:
+                    self.free_shape.append(Name(e.key, n))
+
+    def parameter(self, name: Name) -> Parameter:
+        return self.plant[name.key].parameters[name.parameter]
+
+    @cached_property
+    def bounds(self) -> tuple[np.ndarray, np.ndarray]:
+        """Lower and upper bounds of the free linear parameters."""
+        free = [self.parameter(n) for n in self.free_linear]
+        return np.array([p.lower for p in free]), np.array([p.upper for p in free])
+
+    @property
+    def lengths(self) -> list[int]:
+        """Samples that count, per record."""
+        return [p.motion.keep.stop - p.motion.keep.start for p in self.passes]
+
+    def start(self) -> np.ndarray:
+        return np.array([to_search(self.parameter(n)) for n in self.free_shape])
+
+    def with_shape(self, theta: np.ndarray) -> Plant:
+        """Return the plant with the free shape parameters set from their search values."""
+        values: dict[str, dict[str, float]] = {}
+        for n, value in zip(self.free_shape, theta, strict=True):
+            values.setdefault(n.key, {})[n.parameter] = from_search(self.parameter(n), value)
+        return self.plant.with_values(values)
+
+    def with_linear(self, plant: Plant, c: np.ndarray) -> Plant:
+        """Return `plant` with the free linear parameters set."""
+        values: dict[str, dict[str, float]] = {}
+        for n, value in zip(self.free_linear, c, strict=True):
+            p = self.parameter(n)
+            values.setdefault(n.key, {})[n.parameter] = float(np.clip(value, p.lower, p.upper))
+        return plant.with_values(values)
+
+    def assemble(self, theta: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return (y (N,), Phi (N, m)): measured less fixed, and the columns of the free linear parameters, filtered."""
+        plant = self.with_shape(theta)
+        at = {(n.key, n.parameter): i for i, n in enumerate(self.free_linear)}
+        y = np.empty(sum(self.lengths))
+        phi = np.empty((y.size, len(at)), order="F")
+        row = 0
+        for p, length in zip(self.passes, self.lengths, strict=True):
+            keep, part = p.motion.keep, slice(row, row + length)
+            y[part] = p.filtered_drive(plant)[keep]
+            for e, name, column in p.filtered(plant):
+                index = at.get((e.key, name))
+                if index is None:
+                    value = e.parameters[name].value if name else 1.0
+                    if value != 0.0:
+                        y[part] -= value * column[keep]
+                else:
+                    phi[part, index] = column[keep]
+            row += length
+        return y, phi
+
+    def tangents(self, theta: np.ndarray, c: np.ndarray, y: np.ndarray, phi: np.ndarray) -> np.ndarray:
+        """Return d(Phi c - y)/d theta (N, k), one directional derivative of the whole pass each."""
+        base = phi @ c - y
+        result = np.empty((y.size, theta.size), order="F")
+        for k, name in enumerate(self.free_shape):
+            p = self.parameter(name)
+            step = STEP if p.scale in LOGARITHMIC else self.step_of(p, theta[k])
+            if from_search(p, theta[k] + step) >= p.upper:
+                step = -step
+            moved = theta.copy()
+            moved[k] += step
+            y1, phi1 = self.assemble(moved)
+            result[:, k] = (phi1 @ c - y1 - base) / step
+        return result
+
+    def step_of(self, p: Parameter, value: float) -> float:
+        """Step of the directional derivative for a parameter on a linear scale."""
+        if p.scale == "time":
+            return 0.02 * self.passes[0].motion.dt
+        if p.scale == "order":  # a phase of 0.01 rad at the end of the travel
+            travel = max(float(np.ptp(q.motion.q)) for q in self.passes)
+            return 0.01 / max(travel, 1e-12)
+        return STEP * max(abs(value), 1e-3)
+
+    def blocks(self, seconds: float) -> list[slice]:
+        """Return contiguous blocks of about this length, none across records."""
+        found, row = [], 0
+        for p, length in zip(self.passes, self.lengths, strict=True):
+            count = max(1, round(length * p.motion.dt / seconds))
+            edges = np.linspace(row, row + length, count + 1).astype(int)
+            found += [slice(a, b) for a, b in zip(edges[:-1], edges[1:], strict=True)]
+            row += length
+        return found

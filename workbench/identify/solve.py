@@ -1,0 +1,117 @@
+"""Variable projection: bounded linear least squares inside, damped Gauss-Newton over the shape parameters outside."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from workbench.identify.problem import LOGARITHMIC, Problem, from_search
+
+ITERATIONS = 25
+TOLERANCE = 1e-9  # relative decrease of the cost at which the search stops
+LARGEST = 1.0  # largest step of a shape parameter on its logarithmic scale
+
+
+@dataclass(frozen=True, eq=False)
+class Solution:
+    """theta: shape on the search scale; c: free linear; y, phi: assembled at theta; tangents: d(Phi c - y)/d theta."""
+
+    theta: np.ndarray
+    c: np.ndarray
+    y: np.ndarray
+    phi: np.ndarray
+    cost: float
+    tangents: np.ndarray
+
+    @property
+    def residual(self) -> np.ndarray:
+        return self.y - self.phi @ self.c
+
+
+def scales(phi: np.ndarray) -> np.ndarray:
+    """Column norms, one where a column is zero."""
+    norms = np.sqrt(np.einsum("ij,ij->j", phi, phi))
+    return np.where(norms > 0, norms, 1.0)
+
+
+def bounded(phi: np.ndarray, y: np.ndarray, lower: np.ndarray, upper: np.ndarray) -> np.ndarray:
+    """Return c of min |phi c - y| with lower <= c <= upper, by QR of the scaled columns, then a small bounded problem.
+
+    Directions that the columns do not determine (below 1e-9 of the largest singular value) take the least norm.
+    """
+    if phi.shape[1] == 0:
+        return np.zeros(0)
+    norms = scales(phi)
+    q, r = np.linalg.qr(phi / norms)
+    return bounded_small(r, q.T @ y, lower * norms, upper * norms) / norms
+
+
+def bounded_small(r: np.ndarray, b: np.ndarray, lower: np.ndarray, upper: np.ndarray) -> np.ndarray:
+    """The bounded problem on a small square matrix."""
+    c = np.linalg.lstsq(r, b, rcond=1e-9)[0]
+    if np.all(c >= lower) and np.all(c <= upper):
+        return c
+    from scipy.optimize import lsq_linear
+
+    c = lsq_linear(r, b, bounds=(lower, upper), method="bvls", tol=1e-12).x
+    return np.clip(c, lower, upper)
+
+
+def cost_at(problem: Problem, theta: np.ndarray) -> tuple[float, np.ndarray, np.ndarray, np.ndarray]:
+    """Return (squared residual, c, y, phi) with the linear parameters solved at this shape."""
+    y, phi = problem.assemble(theta)
+    c = bounded(phi, y, *problem.bounds)
+    e = y - phi @ c
+    return float(e @ e), c, y, phi
+
+
+def solve(problem: Problem, theta: np.ndarray | None = None) -> Solution:
+    """Minimise over shape and linear parameters from a start; the result is never worse than the start."""
+    theta = problem.start() if theta is None else np.array(theta, dtype=float)
+    cost, c, y, phi = cost_at(problem, theta)
+    tangents = problem.tangents(theta, c, y, phi)
+    damping = 1e-3
+    for _ in range(ITERATIONS if theta.size else 0):
+        norms, sizes = scales(phi), scales(tangents)
+        # joint Gauss-Newton step in (c, theta): the linear part may move along
+        joint = np.hstack([phi / norms, tangents / sizes])
+        g = joint.T @ (y - phi @ c)
+        h = joint.T @ joint
+        improved = False
+        for _ in range(8):
+            damped = h.copy()
+            index = np.arange(phi.shape[1], joint.shape[1])
+            damped[index, index] += damping
+            step = np.linalg.lstsq(damped, g, rcond=1e-12)[0][phi.shape[1] :] / sizes
+            step = limited(problem, theta, step)
+            trial = clipped(problem, theta + step)
+            new_cost, new_c, new_y, new_phi = cost_at(problem, trial)
+            if new_cost < cost:
+                improved = True
+                break
+            damping *= 10
+        if not improved:
+            break
+        gain = (cost - new_cost) / cost
+        theta, cost, c, y, phi = trial, new_cost, new_c, new_y, new_phi
+        tangents = problem.tangents(theta, c, y, phi)
+        damping = max(damping / 10, 1e-9)
+        if gain < TOLERANCE:
+            break
+    return Solution(theta, c, y, phi, cost, tangents)
+
+
+def limited(problem: Problem, theta: np.ndarray, step: np.ndarray) -> np.ndarray:
+    """Shorten a step so that no logarithmic parameter moves by more than a factor e."""
+    logs = [problem.parameter(n).scale in LOGARITHMIC for n in problem.free_shape]
+    largest = max((abs(s) for s, is_log in zip(step, logs, strict=True) if is_log), default=0.0)
+    return step * min(1.0, LARGEST / largest) if largest > 0 else step
+
+
+def clipped(problem: Problem, theta: np.ndarray) -> np.ndarray:
+    """Keep shape parameters within their bounds."""
+    result = theta.copy()
+    for k, name in enumerate(problem.free_shape):
+        p = problem.parameter(name)
+        value = from_search(p, theta[k])
+        result[k] = np.log(value) if p.scale in LOGARITHMIC else value
+    return result

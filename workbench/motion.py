@@ -1,0 +1,137 @@
+"""From a record to the signals that a plant is asked to explain, and the filter that both sides of the balance pass.
+
+Operators with memory see the raw position behind a dead band of one count; everything else sees zero-phase filtered
+motion. The low pass is 1/(1 + (f/f_c)^8), applied in the frequency domain on a record extended by odd reflection, so
+that it has no phase and a record may end in motion.
+"""
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import casadi as ca
+import numpy as np
+
+from workbench.kernel.program import read
+from workbench.kernel.scan import scan
+from workbench.record import Record
+
+PAD = 0.5  # s, of odd reflection at both ends
+TRIM = 0.05  # s, at both ends, that no error counts
+MOTION_BAND = 2.0  # band of the motion's own low pass over the evaluation bandwidth: flat (0.4 %) where errors count
+
+
+def fast_length(n: int) -> int:
+    """Smallest length >= n with no prime factor above 5, for which the FFT is fast."""
+    best = 1 << (n - 1).bit_length()
+    five = 1
+    while five < best:
+        three = five
+        while three < best:
+            value = three
+            while value < n:
+                value *= 2
+            best = min(best, value)
+            three *= 3
+        five *= 5
+    return best
+
+
+@dataclass(frozen=True)
+class LowPass:
+    """F = 1/(1 + (f/bandwidth)^8) without phase, for records of one rate and length.
+
+    bandwidth, rate: Hz. n: samples. derivative: how many times the result is differentiated.
+    """
+
+    bandwidth: float
+    rate: float
+    n: int
+
+    def __call__(self, x: np.ndarray, derivative: int = 0) -> np.ndarray:
+        """Filter the last axis of x (..., n); returns the same shape."""
+        x = np.asarray(x, dtype=float)
+        pad = min(int(PAD * self.rate), self.n - 1)
+        total = fast_length(self.n + 2 * pad)
+        left = pad + (total - self.n - 2 * pad) // 2
+        left = min(left, self.n - 1)
+        right = min(total - self.n - left, self.n - 1)
+        first, last = x[..., :1], x[..., -1:]
+        extended = np.concatenate(
+            [2 * first - x[..., left:0:-1], x, 2 * last - x[..., -2 : -right - 2 : -1]], axis=-1
+        )
+        size = extended.shape[-1]
+        spectrum = np.fft.rfft(extended, axis=-1)
+        spectrum *= _response(self.bandwidth, self.rate, size, derivative)
+        return np.fft.irfft(spectrum, size, axis=-1)[..., left : left + self.n]
+
+    @property
+    def trim(self) -> int:
+        """Samples at each end that no error counts."""
+        return int(TRIM * self.rate)
+
+
+@lru_cache(maxsize=64)
+def _response(bandwidth: float, rate: float, size: int, derivative: int) -> np.ndarray:
+    f = np.fft.rfftfreq(size, 1 / rate)
+    return (2j * np.pi * f) ** derivative / (1 + (f / bandwidth) ** 8)
+
+
+@lru_cache(maxsize=1)
+def _dead_band():
+    """Program of the play operator z+ = clip(z, q - r, q + r), output z+ - z."""
+    q, z, r = ca.SX.sym("q"), ca.SX.sym("z"), ca.SX.sym("r")
+    after = ca.fmin(ca.fmax(z, q - r), q + r)
+    return read(ca.Function("dead_band", [q, z, r], [after, after - z]))
+
+
+def increments(position: np.ndarray, resolution: float) -> np.ndarray:
+    """Return increments (n,) of the position behind a dead band one count wide, starting from zero at the first sample."""
+    return scan(_dead_band(), position[None, :], position[:1], np.array([0.5 * resolution]))[0]
+
+
+@dataclass(frozen=True, eq=False)
+class Motion:
+    """One record as signals. u: drive as reported; q, v, a: filtered position and its derivatives; dq: raw increments.
+
+    filter: F of the evaluation bandwidth. counts: encoder resolution in SI (0 where unknown).
+    """
+
+    record: Record
+    u: np.ndarray
+    q: np.ndarray
+    dq: np.ndarray
+    v: np.ndarray
+    a: np.ndarray
+    filter: LowPass
+    counts: float
+
+    @property
+    def t(self) -> np.ndarray:
+        return self.record.time
+
+    @property
+    def dt(self) -> float:
+        return self.record.dt
+
+    @property
+    def keep(self) -> slice:
+        """The samples in which errors count."""
+        return slice(self.filter.trim, self.u.size - self.filter.trim)
+
+
+def motion(record: Record, bandwidth: float) -> Motion:
+    """Return the motion of a record. bandwidth: evaluation bandwidth in Hz."""
+    position = record.channels["position"]
+    counts = record.resolution.get("position", 0.0)
+    smooth = LowPass(MOTION_BAND * bandwidth, 1 / record.dt, position.size)
+    q, v, a = (smooth(position, derivative=k) for k in range(3))
+    return Motion(
+        record=record,
+        u=record.drive,
+        q=q,
+        dq=increments(position, counts),
+        v=v,
+        a=a,
+        filter=LowPass(bandwidth, 1 / record.dt, position.size),
+        counts=counts,
+    )

@@ -1,0 +1,45 @@
+"""What a declared model may lack: undeclared effects of the catalogue where they can act, and fixed values that are wrong."""
+
+from dataclasses import dataclass
+
+from workbench.effect import catalogue
+from workbench.plant import Plant, places
+
+ADDITION, CORRECTION = "addition", "correction"
+
+
+@dataclass(frozen=True)
+class Suspect:
+    """effect, at: what would be added, or whose fixed parameters would be set free. plant: the plant with it."""
+
+    effect: str
+    at: str
+    kind: str
+    plant: Plant
+
+    @property
+    def key(self) -> str:
+        return f"{self.effect}@{self.at}"
+
+
+def suspects(plant: Plant) -> list[Suspect]:
+    """Return every candidate, in the order of their names (the result does not depend on the order of declaration)."""
+    found = []
+    for name, effect in catalogue().items():
+        for place in places(plant.kind, effect):
+            if f"{name}@{place}" in (e.key for e in plant.effects):
+                continue
+            if all(s in plant_signals(plant) for s in effect.reads):
+                found.append(Suspect(name, place, ADDITION, plant + effect(at=place)))
+    for e in plant.effects:
+        # a parameter held by definition (the exponent of a virgin curve) is no value from a data sheet
+        default = catalogue().get(e.name)
+        held = [n for n, p in e.parameters.items() if p.fixed and not (default and default.parameters[n].fixed)]
+        if held:
+            found.append(Suspect(e.name, e.at, CORRECTION, plant.swap(e.free(*held))))
+    return sorted(found, key=lambda s: (s.effect, s.at, s.kind))
+
+
+def plant_signals(plant: Plant) -> set[str]:
+    """Signals that every record of such a plant has."""
+    return set("q dq v a dt t u tau dir ratio pole_pairs locked".split())

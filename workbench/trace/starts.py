@@ -1,0 +1,91 @@
+"""Where a candidate's shape parameters start: from the data, by the word in each parameter's `scale`.
+
+A residual is binned over position and transformed, so that orders are read off its spectrum over angle; speeds, strokes
+and times come from what the records cover.
+"""
+
+from collections.abc import Sequence
+from itertools import product
+
+import numpy as np
+
+from workbench.effect import Effect
+from workbench.identify.problem import to_search
+from workbench.identify.passes import Passes
+from workbench.plant import Plant
+
+BINS = 1 << 14  # of position, for the spectrum over angle
+PEAKS = 4  # orders tried, the largest first, beside the known ones
+MOST = 64  # starts a candidate
+
+
+def order_spectrum(passes: Sequence[Passes], residuals: Sequence[np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
+    """Return (orders, amplitude): |sum r exp(-i k q)| 2/N over all records, k in 1/x up to half the bins.
+
+    residuals: (n,) each, zero where nothing counts. Padded four times, so that a peak is found within a quarter of the
+    resolution 2 pi/travel.
+    """
+    low = min(float(p.motion.q.min()) for p in passes)
+    high = max(float(p.motion.q.max()) for p in passes)
+    width = max(high - low, 1e-300) / BINS
+    total = np.zeros(BINS)
+    for p, r in zip(passes, residuals, strict=True):
+        index = np.clip(((p.motion.q - low) / width).astype(int), 0, BINS - 1)
+        # a dwell would put many samples into one bin: weigh samples by the distance they cover
+        weight = np.abs(p.motion.v) * p.motion.dt / width
+        total += np.bincount(index, weights=r * np.minimum(weight, 1.0), minlength=BINS)
+    spectrum = np.abs(np.fft.rfft(total, 4 * BINS))
+    orders = 2 * np.pi * np.arange(spectrum.size) / (4 * BINS * width)
+    return orders, 2 * spectrum / max(np.count_nonzero(total), 1)
+
+
+def peaks(orders: np.ndarray, amplitude: np.ndarray, travel: float) -> list[float]:
+    """Return the orders of the largest local maxima with at least one period in the travel."""
+    inside = np.flatnonzero(
+        (amplitude[1:-1] > amplitude[:-2]) & (amplitude[1:-1] >= amplitude[2:]) & (orders[1:-1] * travel > 2 * np.pi)
+    )
+    best = sorted(inside + 1, key=lambda i: -amplitude[i])[: 4 * PEAKS]
+    chosen: list[float] = []
+    for i in best:  # a lobe of a larger peak is no order of its own
+        if all(abs(orders[i] - c) * travel > 4 * np.pi for c in chosen):
+            chosen.append(float(orders[i]))
+    return chosen[:PEAKS]
+
+
+def grid(scale: str, passes: Sequence[Passes], residuals: Sequence[np.ndarray], plant: Plant) -> list[float]:
+    """Return start values for one shape parameter, in SI."""
+    motions = [p.motion for p in passes]
+    if scale == "speed":
+        top = max(float(np.abs(m.v).max()) for m in motions)
+        return list(top * np.array([0.003, 0.01, 0.03, 0.07, 0.15, 0.3]))
+    if scale == "stroke":
+        travel = max(float(np.ptp(m.q)) for m in motions)
+        least = max(4 * max(m.counts for m in motions), 1e-5 * travel)
+        return list(np.geomspace(least, 0.2 * travel, 6))
+    if scale == "time":
+        return list(min(m.dt for m in motions) * np.array([0.1, 0.5, 1.5, 4.0]))
+    if scale == "rate":
+        longest = max(float(np.ptp(m.t)) for m in motions)
+        return list(np.geomspace(3.0 / longest, 0.1 / min(m.dt for m in motions), 6))
+    if scale == "order":
+        travel = max(float(np.ptp(m.q)) for m in motions)
+        found = peaks(*order_spectrum(passes, residuals), travel)
+        if plant.rotary:  # orders that a motor behind a gear makes; the spectrum decides among them
+            ratio, pairs = plant.geometry.gear_ratio, plant.geometry.pole_pairs
+            known = {1.0, 2.0, ratio, 2 * ratio, pairs * ratio, 2 * pairs * ratio, 6 * pairs * ratio}
+            found += sorted(k for k in known if k * travel > 2 * np.pi)
+        return found + [f / 2 for f in found[:PEAKS]]  # a peak may be the second harmonic
+    return []
+
+
+def starts(
+    effect: Effect, passes: Sequence[Passes], residuals: Sequence[np.ndarray], plant: Plant
+) -> list[dict[str, float]]:
+    """Return starts of a candidate: {shape parameter: search value}, every combination of its grids."""
+    free = [n for n in effect.shape if not effect.parameters[n].fixed]
+    grids = []
+    for n in free:
+        p = effect.parameters[n]
+        values = [float(np.clip(v, p.lower, p.upper)) for v in grid(p.scale, passes, residuals, plant)] or [p.value]
+        grids.append([to_search(p.at(v)) for v in dict.fromkeys(values)])
+    return [dict(zip(free, combination, strict=True)) for combination in product(*grids)][:MOST]

@@ -1,0 +1,202 @@
+"""The trace, first version: one effect after another, each fitted jointly and judged on data that its fold did not see."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from workbench.effect import find
+from workbench.finding import Finding
+from workbench.identify.fit import seen
+from workbench.identify.passes import Passes
+from workbench.identify.problem import Problem
+from workbench.identify.result import Fit
+from workbench.identify.solve import Solution, solve
+from workbench.plant import Plant
+from workbench.record import IDENTIFICATION, VALIDATION
+from workbench.trace.candidates import ADDITION, Suspect, suspects
+from workbench.trace.floor import floor as noise_floor
+from workbench.trace.result import CAUSE, NOTHING, UNKNOWN, Candidate, Cause, Trace
+from workbench.trace.score import HeldOut, gain, held_out
+from workbench.trace.search import fitted
+
+STEPS = 4  # effects added at most
+SHARE = 0.05  # of the residual's power that an effect must explain on held-out blocks
+CERTAIN = 3.0  # standard errors by which its gain must differ from zero
+ABOVE_FLOOR = 2.0  # residual over floor at which something is plainly left that no candidate explains
+
+Progress = Callable[[str], None]
+
+
+class State:
+    """A plant with its solution, and what is left of the records."""
+
+    def __init__(self, plant: Plant, passes: Sequence[Passes], problem: Problem | None = None, solution: Solution | None = None):
+        self.passes = passes
+        self.problem = problem or Problem(plant, passes)
+        self.solution = solution or solve(self.problem)
+        self.plant = self.problem.with_linear(self.problem.with_shape(self.solution.theta), self.solution.c)
+        self.errors: HeldOut = held_out(self.problem, self.solution)
+
+    def residuals(self) -> list[np.ndarray]:
+        """Residual of each identification record (n,), zero in the trimmed ends."""
+        found, row = [], 0
+        for p, length in zip(self.passes, self.problem.lengths, strict=True):
+            full = np.zeros(p.motion.u.size)
+            full[p.motion.keep] = self.solution.residual[row : row + length]
+            found.append(full)
+            row += length
+        return found
+
+
+def judged(state: State, suspect: Suspect) -> tuple[Candidate, State]:
+    """Fit one suspect jointly and score it against the present state."""
+    problem, solution = fitted(suspect, state.passes, state.residuals())
+    after = State(suspect.plant, state.passes, problem, solution)
+    g, scatter = gain(state.errors, after.errors)
+    earns = g > SHARE and g > CERTAIN * scatter
+    power = float(after.solution.y @ after.solution.y)
+    title = _title(suspect.effect)
+    verb = "Correcting the declared" if suspect.kind != ADDITION else "Adding"
+    sentence = (
+        f"{verb} {title} takes away {100 * g:.1f} % of the held-out residual power (standard error {100 * scatter:.1f} %)."
+        if g > 0
+        else f"{verb} {title} explains nothing on held-out blocks."
+    )
+    candidate = Candidate(
+        suspect.effect, suspect.at, suspect.kind, g, scatter,
+        float(np.sqrt(after.errors.total / power)), float(np.sqrt(after.solution.cost / power)), earns, sentence,
+    )  # fmt: skip
+    return candidate, after
+
+
+def step(state: State, progress: Progress) -> tuple[list[Candidate], State | None]:
+    """Judge every suspect; return them best first, and the state with the best one added where it earns its place."""
+    judgements = []
+    for suspect in suspects(state.plant):
+        progress(f"trying {suspect.key}")
+        judgements.append(judged(state, suspect))
+    judgements.sort(key=lambda j: (-j[0].gain, j[0].effect, j[0].at))
+    ranked = [candidate for candidate, _ in judgements]
+    best = next(((c, s) for c, s in judgements if c.earns), None)
+    return ranked, best[1] if best else None
+
+
+def trace(plant: Plant, passes: Sequence[Passes], progress: Progress = lambda _: None) -> Trace:
+    """Trace the residual of `plant` on the identification records among `passes`.
+
+    Returns the verdict with its evidence. Validation records are evaluated, never used for a choice.
+    """
+    identification = [p for p in passes if p.motion.record.role == IDENTIFICATION]
+    progress("fitting the declared model")
+    declared = state = State(plant, identification)
+    steps, added = [], []
+    fits = [_fit(state, passes)]
+    for _ in range(STEPS):
+        ranked, better = step(state, progress)
+        steps.append(tuple(ranked))
+        if better is None:
+            break
+        added.append(next(c for c in ranked if c.earns))
+        state = better
+        fits.append(_fit(state, passes))
+    floor = noise_floor(passes, state.plant)
+    before, after = fits[0], fits[-1]
+    causes = tuple(_cause(c, fits[i], fits[i + 1], after) for i, c in enumerate(added))
+    verdict = CAUSE if causes else (UNKNOWN if _plainly_left(after, floor) else NOTHING)
+    findings = list(_not_carried(causes))
+    return Trace(
+        verdict, _verdict_sentence(verdict, causes, before, after, floor), steps[0], tuple(steps), causes,
+        before, after, floor, tuple(findings), _where(declared) if verdict == UNKNOWN else {},
+    )  # fmt: skip
+
+
+def _fit(state: State, passes: Sequence[Passes]) -> Fit:
+    return seen(state.problem, state.solution, passes)
+
+
+def _title(effect: str) -> str:
+    return effect.replace("_", " ")
+
+
+def _plainly_left(fit: Fit, floor) -> bool:
+    least = floor[IDENTIFICATION]
+    return bool(least > 0 and fit.identification > ABOVE_FLOOR * least)
+
+
+def _share(before: float, after: float) -> float:
+    return 1.0 - (after / before) ** 2 if before > 0 else 0.0
+
+
+def _cause(candidate: Candidate, before: Fit, here: Fit, last: Fit) -> Cause:
+    effect = find(candidate.effect)
+    estimates = tuple(e for e in last.estimates if (e.effect, e.at) == (candidate.effect, candidate.at))
+    identification = _share(before.rms[IDENTIFICATION], here.rms[IDENTIFICATION])
+    validation = _share(before.rms[VALIDATION], here.rms[VALIDATION])
+    verb = "is declared with a wrong value" if candidate.kind != ADDITION else "is missing"
+    sentence = (
+        f"{_title(candidate.effect).capitalize()} at the {candidate.at} {verb}: {effect.cause}. It explains "
+        f"{100 * identification:.1f} % of the residual power on the identification records and {100 * validation:.1f} % "
+        "on the validation record."
+    )
+    return Cause(candidate.effect, candidate.at, sentence, estimates, identification, validation)
+
+
+def _not_carried(causes: Sequence[Cause]):
+    for c in causes:
+        if c.share_validation < 0.5 * c.share_identification:
+            yield Finding(
+                "not carried over", c.effect,
+                f"{_title(c.effect).capitalize()} explains {100 * c.share_identification:.0f} % on identification but only "
+                f"{100 * c.share_validation:.0f} % on validation; do not rely on it before a second validation record.",
+                {"identification": c.share_identification, "validation": c.share_validation},
+            )  # fmt: skip
+
+
+def _verdict_sentence(verdict: str, causes: Sequence[Cause], before: Fit, after: Fit, floor) -> str:
+    if verdict == CAUSE:
+        names = " and ".join(_title(c.effect) for c in causes)
+        is_are = "is" if len(causes) == 1 else "are"
+        what = "missing" if len(causes) > 1 or "missing" in causes[0].sentence else "declared with a wrong value"
+        return (
+            f"{names.capitalize()} {is_are} {what}. With it, the validation error falls from "
+            f"{100 * before.validation:.2f} % to {100 * after.validation:.2f} % and the identification error from "
+            f"{100 * before.identification:.2f} % to {100 * after.identification:.2f} % "
+            f"(noise floor {100 * floor[IDENTIFICATION]:.2f} %)."
+        )
+    if verdict == UNKNOWN:
+        return (
+            f"Something is missing that no effect of the catalogue explains: the residual is "
+            f"{before.identification / floor[IDENTIFICATION]:.1f} times the noise floor, and no candidate earns its place."
+        )
+    return (
+        f"Nothing is missing: the residual, {100 * before.identification:.2f} % on identification, is "
+        f"{before.identification / floor[IDENTIFICATION]:.2f} times the noise floor, and no effect of the catalogue "
+        "explains a share of it that holds on held-out blocks."
+        if floor[IDENTIFICATION] > 0
+        else "Nothing is missing: no effect of the catalogue explains a share of the residual that holds on held-out blocks."
+    )
+
+
+def _where(state: State) -> dict[str, object]:
+    """The coordinate in which the residual's power is most concentrated, in ten bins of equal population each."""
+    signals = {"position": [], "velocity": [], "time": []}
+    power = []
+    for p, r in zip(state.passes, state.residuals(), strict=True):
+        m, keep = p.motion, p.motion.keep
+        for name, values in (("position", m.q), ("velocity", m.v), ("time", m.t)):
+            signals[name].append(values[keep])
+        power.append(r[keep] ** 2)
+    power = np.concatenate(power)
+    best = {}
+    for name, parts in signals.items():
+        values = np.concatenate(parts)
+        edges = np.quantile(values, np.linspace(0, 1, 11))
+        index = np.clip(np.searchsorted(edges, values, side="right") - 1, 0, 9)
+        shares = np.bincount(index, weights=power, minlength=10) / power.sum()
+        k = int(np.argmax(shares))
+        if shares[k] > best.get("share", 0.0):
+            best = {"coordinate": name, "low": float(edges[k]), "high": float(edges[k + 1]), "share": float(shares[k])}
+    return best
+
+
