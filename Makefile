@@ -6,6 +6,7 @@
 ## make test      check style and run the tests
 ## make bench     run the benchmarks
 ## make lock      pin the dependencies of pyproject.toml again (make lock UPGRADE=--upgrade: to the newest)
+## make setup     set up .venv only; every command does so where it has to
 ## make clean     remove everything that these commands made: .venv, caches and reports
 
 MAIN    := harmonic_drive_axis
@@ -16,7 +17,7 @@ UPGRADE ?=
 VENV    := .venv
 BIN     := $(VENV)/bin
 STUDIES := $(sort $(MAIN) $(notdir $(patsubst %/study.toml,%,$(wildcard studies/*/study.toml))))
-VERBS   := all bench clean help lock test
+VERBS   := all bench clean help lock setup test
 
 CLASH   := $(filter $(VERBS),$(STUDIES))
 ifneq ($(CLASH),)
@@ -61,9 +62,10 @@ PIP       := $(BIN)/python -m pip --disable-pip-version-check --quiet
 UV        := $(BIN)/uv --quiet
 INSTALLER ?= uv
 
+# The second try: of a killed venv, a child that installs pip may still be writing, without a hold on the lock.
 $(WHOLE):
 	@echo "Making a new environment in $(VENV)."
-	@rm -rf $(VENV)
+	@rm -rf $(VENV) 2> /dev/null || { sleep 5 && rm -rf $(VENV); }
 	@$(PYTHON) -m venv $(VENV)
 	@touch $@
 
@@ -94,6 +96,8 @@ $(STUDIES): $(READY)
 	@$(BIN)/workbench run studies/$@
 
 all: $(STUDIES)
+
+setup: $(READY)
 
 test: $(READY)
 	$(BIN)/ruff check .

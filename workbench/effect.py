@@ -39,7 +39,7 @@ class Border:
 
 @dataclass(frozen=True)
 class Effect:
-    """See the module. `linear` parameters enter the output linearly and no state; this is checked when steps are built."""
+    """See the module. motions: kinds of axis on which it exists. `linear` parameters enter the output linearly and no state; this is checked when steps are built."""
 
     name: str
     cause: str
@@ -56,6 +56,7 @@ class Effect:
     virgin: Callable | None = None
     holds: tuple[str, ...] = ()
     places: tuple[str, ...] = ("axis", "motor", "load")
+    motions: tuple[str, ...] = ("rotary", "linear")
     at: str = "axis"
     border: Border | None = None
 

@@ -87,6 +87,7 @@ def gravity() -> Effect:
         step=step,
         holds=("conservative",),
         places=("axis", "load"),
+        motions=("rotary",),  # on a linear axis weight is a constant offset
         border=Border(
             parameters={
                 "mgl": Parameter(0.0, "F", "weight times lever", lower=0.0),

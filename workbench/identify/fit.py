@@ -12,6 +12,7 @@ from workbench.identify.solve import Solution, solve
 from workbench.motion import motion
 from workbench.plant import Plant
 from workbench.record import IDENTIFICATION, ROLES, VALIDATION, Record
+from workbench.threads import one_thread
 
 
 def passes_of(records: Sequence[Record], bandwidth: float) -> tuple[Passes, ...]:
@@ -19,6 +20,7 @@ def passes_of(records: Sequence[Record], bandwidth: float) -> tuple[Passes, ...]
     return tuple(Passes(motion(r, bandwidth)) for r in records)
 
 
+@one_thread
 def identify(plant: Plant, passes: Sequence[Passes], theta: np.ndarray | None = None) -> Fit:
     """Fit `plant` on the identification records among `passes` and evaluate it on all of them.
 

@@ -8,6 +8,7 @@ from workbench.identify.problem import LOGARITHMIC, Problem, from_search
 
 ITERATIONS = 25
 TOLERANCE = 1e-9  # relative decrease of the cost at which the search stops
+WELL_CONDITIONED = 1e8  # of the normal equations: eight digits are left
 LARGEST = 1.0  # largest step of a shape parameter on its logarithmic scale
 
 
@@ -34,15 +35,24 @@ def scales(phi: np.ndarray) -> np.ndarray:
 
 
 def bounded(phi: np.ndarray, y: np.ndarray, lower: np.ndarray, upper: np.ndarray) -> np.ndarray:
-    """Return c of min |phi c - y| with lower <= c <= upper, by QR of the scaled columns, then a small bounded problem.
+    """Return c of min |phi c - y| with lower <= c <= upper.
 
-    Directions that the columns do not determine (below 1e-9 of the largest singular value) take the least norm.
+    Normal equations of the scaled columns and their Cholesky factor where these are well conditioned, else QR. Directions
+    that the columns do not determine (below 1e-9 of the largest singular value) take the least norm.
     """
     if phi.shape[1] == 0:
         return np.zeros(0)
-    norms = scales(phi)
-    q, r = np.linalg.qr(phi / norms)
-    return bounded_small(r, q.T @ y, lower * norms, upper * norms) / norms
+    gram, moment = phi.T @ phi, phi.T @ y
+    norms = np.sqrt(np.diag(gram))
+    norms = np.where(norms > 0, norms, 1.0)
+    scaled = gram / np.outer(norms, norms)
+    if np.linalg.cond(scaled) < WELL_CONDITIONED:
+        factor = np.linalg.cholesky(scaled)
+        r, b = factor.T, np.linalg.solve(factor, moment / norms)
+    else:
+        q, r = np.linalg.qr(phi / norms)
+        b = q.T @ y
+    return bounded_small(r, b, lower * norms, upper * norms) / norms
 
 
 def bounded_small(r: np.ndarray, b: np.ndarray, lower: np.ndarray, upper: np.ndarray) -> np.ndarray:

@@ -25,7 +25,10 @@ class Suspect:
 def suspects(plant: Plant) -> list[Suspect]:
     """Return every candidate, in the order of their names (the result does not depend on the order of declaration)."""
     found = []
+    motion = "rotary" if plant.rotary else "linear"
     for name, effect in catalogue().items():
+        if motion not in effect.motions:
+            continue
         for place in places(plant.kind, effect):
             if f"{name}@{place}" in (e.key for e in plant.effects):
                 continue

@@ -14,6 +14,7 @@ from workbench.identify.result import Fit
 from workbench.identify.solve import Solution, solve
 from workbench.plant import Plant
 from workbench.record import IDENTIFICATION, VALIDATION
+from workbench.threads import one_thread
 from workbench.trace.candidates import ADDITION, Suspect, suspects
 from workbench.trace.floor import floor as noise_floor
 from workbench.trace.result import CAUSE, NOTHING, UNKNOWN, Candidate, Cause, Trace
@@ -23,6 +24,7 @@ from workbench.trace.search import fitted
 STEPS = 4  # effects added at most
 SHARE = 0.05  # of the residual's power that an effect must explain on held-out blocks
 CERTAIN = 3.0  # standard errors by which its gain must differ from zero
+ALIKE = 2.0  # standard errors of a difference within which two candidates are told apart by their simplicity
 ABOVE_FLOOR = 2.0  # residual over floor at which something is plainly left that no candidate explains
 
 Progress = Callable[[str], None]
@@ -37,6 +39,11 @@ class State:
         self.solution = solution or solve(self.problem)
         self.plant = self.problem.with_linear(self.problem.with_shape(self.solution.theta), self.solution.c)
         self.errors: HeldOut = held_out(self.problem, self.solution)
+
+    @property
+    def freedom(self) -> int:
+        """Free parameters."""
+        return len(self.problem.free_linear) + len(self.problem.free_shape)
 
     def residuals(self) -> list[np.ndarray]:
         """Residual of each identification record (n,), zero in the trimmed ends."""
@@ -76,12 +83,31 @@ def step(state: State, progress: Progress) -> tuple[list[Candidate], State | Non
     for suspect in suspects(state.plant):
         progress(f"trying {suspect.key}")
         judgements.append(judged(state, suspect))
-    judgements.sort(key=lambda j: (-j[0].gain, j[0].effect, j[0].at))
+    judgements = simplest_first(judgements)
     ranked = [candidate for candidate, _ in judgements]
     best = next(((c, s) for c, s in judgements if c.earns), None)
     return ranked, best[1] if best else None
 
 
+def simplest_first(judgements: list[tuple[Candidate, State]]) -> list[tuple[Candidate, State]]:
+    """Order by gain; of those that the data cannot tell from the best, the one with the fewest free parameters leads."""
+    judgements = sorted(judgements, key=lambda j: (-j[0].gain, j[0].effect, j[0].at))
+    if not judgements:
+        return judgements
+    leader = judgements[0]
+    level = [j for j in judgements if j is leader or alike(leader[1], j[1], leader[0].gain)]
+    simplest = min(level, key=lambda j: (j[1].freedom, -j[0].gain, j[0].effect, j[0].at))
+    return [simplest, *(j for j in judgements if j is not simplest)]
+
+
+def alike(best: State, other: State, share: float) -> bool:
+    """Whether `other` leaves as much on held-out blocks as `best`, within the scatter of the difference over blocks."""
+    difference = other.errors.errors - best.errors.errors
+    scatter = float(np.std(difference, ddof=1) * np.sqrt(difference.size)) if difference.size > 1 else 0.0
+    return float(difference.sum()) <= ALIKE * scatter and share > SHARE
+
+
+@one_thread
 def trace(plant: Plant, passes: Sequence[Passes], progress: Progress = lambda _: None) -> Trace:
     """Trace the residual of `plant` on the identification records among `passes`.
 
