@@ -54,7 +54,7 @@ $(READY):
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11) and \
 	    "This project needs Python 3.11 or newer; here python3 is %d.%d. Name another one: make PYTHON=..." \
 	    % sys.version_info[:2])'
-	@$(UNDER_LOCK) $(MAKE) --no-print-directory LOCKED=1 $@
+	@$(UNDER_LOCK) $(MAKE) --no-print-directory --silent LOCKED=1 $@
 
 else
 
@@ -110,6 +110,7 @@ bench: $(READY)
 # One file for every system and Python (--universal), one version of each package (--fork-strategy fewest) so that the
 # numbers of a study do not depend on the Python, hashes for all, and no address that a download came from.
 lock: $(READY)
+	@test -x $(BIN)/uv || { echo "Only uv can write the lock, and it could not be had on this machine." >&2; exit 1; }
 	$(BIN)/uv pip compile pyproject.toml --quiet $(UPGRADE) --all-extras --universal --python-version 3.11 \
 	    --fork-strategy fewest --generate-hashes --no-emit-index-url --no-emit-find-links --no-annotate --no-header \
 	    --output-file requirements.lock
