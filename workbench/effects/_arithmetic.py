@@ -16,7 +16,7 @@ BELOW_ONE = 1.0 - 2.0**-53
 # fit of 2**((j + 1/2)/2**n), where j is the exponent at which that octave begins. A longer range takes more squarings.
 FROM_MINUS_1021 = (5.9814909079623564e-05, 0.7079209871015584, 0.49880732972663083, 13)  # j = k - 1, to k = 1024
 FROM_MINUS_72 = (0.00012453944236091613, 0.6778441607144275, 0.540442055763247, 12)  # j = k - 1, to k = 1024
-FOURS = (0.07169247757285138, 0.7930407722317807, 2.514667785785177, 5)  # j = 2*k + 52, from k = 0 to 27
+FOURS = (0.07092020715034542, 0.7844981474966605, 2.4607836406013117, 5)  # j = 2*k + 51, from k = 0 to 27
 
 
 def arithmetic(function: Callable) -> Callable:

@@ -58,15 +58,16 @@ _EXP = (
     -1.6533477746561568e-06,
     4.124531899682314e-08,
 )
-# (r*coth(r) - 1)/r**2 in r**2, for |r| <= atanh(1/2): error of 1 + r**2 Q 5e-17.
+# (r*coth(r) - 1)/r**2 in r**2, for |r| <= 0.6: error of 1 + r**2 Q 2e-18.
 _TANH = (
-    0.33333333333332144,
-    -0.02222222222121325,
-    0.002116402087406631,
-    -0.00021163981612850282,
-    2.137490736059562e-05,
-    -2.1527298676716685e-06,
-    1.9454029844892742e-07,
+    0.33333333333333287,
+    -0.0222222222221817,
+    0.0021164021151493764,
+    -0.0002116401928931543,
+    2.1377643694891198e-05,
+    -2.1636507531678604e-06,
+    2.1712751140358164e-07,
+    -1.8919925065681736e-08,
 )
 # In z = r**2 on [0, (pi/2)**2]: (sin(r) - r)/r**3, error of sin 2e-19, and (cos(r) - 1 + z/2)/z**2, of cos 6e-18.
 _SIN = (
@@ -173,8 +174,8 @@ def exp(x):
 def expm1(x):
     """e**x - 1 = (2**k - 1) + 2**k * expm1(r), r in [-ln(4/3), ln(3/2)]; at most 2 ulp (1.6 measured).
 
-    -1 below -45; infinite where it overflows (709.78), NaN for infinity itself. With r from -ln2/2, 2*expm1(r) + 1 would cancel more; from
-    -ln(4/3) on, no term is coarser than the result by more than a bit.
+    -1 below -45; infinite where it overflows (709.78), NaN for infinity itself. With r from -ln2/2, 2*expm1(r) + 1
+    would cancel more; from -ln(4/3) on, no term is coarser than the result by more than a bit.
     """
     low = less(x, -45.0)
     x = only(no(low), x)
@@ -186,9 +187,9 @@ def expm1(x):
 
 @arithmetic
 def tanh(x):
-    """(e**2x - 1)/(e**2x + 1), for |x| = k*ln2 + r with r in [-0.144, 0.549]; at most 2 ulp (1.9 measured).
+    """(e**2x - 1)/(e**2x + 1), for |x| = k*ln2 + r with r in [-0.093, 0.6]; at most 2 ulp (1.6 measured).
 
-    With D = r*coth(r) and p = 4**k, tanh|x| = r/D for k = 0, else 1 - 2(D - r)/((p + 1)D + (p - 1)r): from tanh = 1/2
+    With D = r*coth(r), tanh|x| = r/D for k = 0, else 1 - (D - r)/(D + h(D + r)) with h = (4**k - 1)/2: from tanh = 0.54
     on, the subtraction shrinks the error of the quotient. +-1 beyond |x| = 19.0625.
     """
     # Not absolute(x): its derivative at 0 is 0.
@@ -196,14 +197,13 @@ def tanh(x):
     a = x * sign
     high = less(19.0625, a)
     a = only(no(high), a)
-    k = floor((a + 0.14384103622589) * _LOG2_E)
+    k = floor((a + 0.09314718055991) * _LOG2_E)
     r = a - k * _LN2_HIGH - k * _LN2_LOW
     z = square(r)
     d = 1.0 + z * polynomial(_TANH, z)
-    p = power_of_two(k, FOURS)
+    h = power_of_two(k, FOURS) - 0.5
     one = less(0.0, k)
-    value = one + 2.0 * (r - one * d) / ((p + 1.0) * d + (p - 1.0) * r)
-    return (value + high) * sign
+    return (one + (r - one * d) / (d + h * (d + r)) + high) * sign
 
 
 def _half_turns(x):
@@ -245,9 +245,9 @@ def log(x):
     """
     y = x + x * 2.0**-60  # x itself, but CasADi does not look through a sum
     two_to_e = (y - y * BELOW_ONE) * 2.0**52
-    # m = x/two_to_e, in (1, 2]. One of the two is a whole number and the other below 1, so that floor changes nothing but
-    # the derivative: two_to_e seems to have one.
-    m = y * maximum(floor(1.0 / two_to_e), 1.0) / maximum(floor(two_to_e), 1.0)
+    # Of two_to_e and its inverse, one is a whole number and the other at most 1: the quotient of the two maxima is
+    # two_to_e again, but floor has taken away the derivative that two_to_e seems to have.
+    m = y / (maximum(floor(two_to_e), 1.0) / maximum(floor(1.0 / two_to_e), 1.0))  # in (1, 2]
     root = two_to_e
     for _ in range(10):
         root = sqrt(root)
