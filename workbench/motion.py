@@ -116,7 +116,8 @@ class Motion:
     @property
     def keep(self) -> slice:
         """The samples in which errors count."""
-        return slice(self.filter.trim, self.u.size - self.filter.trim)
+        first = int(np.searchsorted(self.t, self.record.counts_from))
+        return slice(max(self.filter.trim, first), self.u.size - self.filter.trim)
 
 
 def motion(record: Record, bandwidth: float) -> Motion:

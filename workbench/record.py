@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from math import inf
 from pathlib import Path
 from types import MappingProxyType
 
@@ -28,7 +29,8 @@ class Record:
     name: the file's stem. role: "identification" or "validation". time: (n,) s, the bench clock, uniform.
     channels: name -> (n,) array in SI; "torque" or "force", "position", and further channels as measured.
     units: name -> SI unit string. resolution: name -> encoder step in SI, where known. locked: the load is held.
-    start_time: s. All arrays are made read-only.
+    counts_from: s; before it no error counts: earlier samples only bring operators with memory into their state. All
+    arrays are made read-only.
     """
 
     name: str
@@ -40,6 +42,7 @@ class Record:
     resolution: Mapping[str, float] = field(default_factory=dict)
     motion: str = ""
     locked: bool = False
+    counts_from: float = -inf
 
     def __post_init__(self):
         for array in (self.time, *self.channels.values()):

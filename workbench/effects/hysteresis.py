@@ -91,6 +91,41 @@ def presliding_hysteresis(elements: int = ELEMENTS) -> Effect:
     )
 
 
+def maxwell_slip(slips: tuple[float, ...], *, searched: bool = False) -> Effect:
+    """Maxwell slip with stiffnesses from data: T = sum k_i x_i, x_i <- clip(x_i + dq, -D_i, D_i), k_i >= 0.
+
+    slips: the deflections D_i in SI; held, so that the fit is a non-negative least squares, unless `searched`.
+    """
+    springs = [f"k{i}" for i in range(1, len(slips) + 1)]
+    limits = [f"slip{i}" for i in range(1, len(slips) + 1)]
+
+    def step(s, z, p):
+        every = vars(p)
+        slip = ca.vertcat(*(every[n] for n in limits))
+        x = clip(z.x + s.dq, -slip, slip)
+        return {"x": x}, ca.dot(ca.vertcat(*(every[n] for n in springs)), x)
+
+    stiff = {n: Parameter(0.0, "F/x", f"stiffness of element {i}", lower=0.0) for i, n in enumerate(springs, 1)}
+    slip = {
+        n: Parameter(v, "x", f"slip deflection of element {i}", lower=1e-12, fixed=not searched, scale="stroke")
+        for i, (n, v) in enumerate(zip(limits, slips, strict=True), 1)
+    }
+    return Effect(
+        name="maxwell_slip",
+        cause="asperities that deflect before they slip, each at its own deflection",
+        formula="T = sum k_i x_i, x_i <- clip(x_i + dq, -D_i, D_i)",
+        source="Iwan 1966; Lampaert, Al-Bender, Swevers 2003",
+        port=FORCE,
+        parameters=stiff | slip,
+        linear=tuple(springs),
+        states={"x": len(slips)},
+        reads=("dq",),
+        step=step,
+        holds=("passive", "rate independent", "odd", "masing"),
+        places=("axis", "motor", "load", "joint"),
+    )
+
+
 def stop_direction(width: float) -> Effect:
     """`dir` where a port has no hysteresis of its own: a stop operator that saturates after `width`, without force."""
 

@@ -35,7 +35,7 @@ def series_of(plant: Plant, passes: Passes) -> tuple[Series, np.ndarray]:
     m = passes.motion
     prediction = predicted(passes, plant)
     both = m.filter(np.stack([m.u, prediction]))
-    series = Series(m.record.name, m.record.role, m.t, m.q, m.v, both[0], both[1], m.filter.trim)
+    series = Series(m.record.name, m.record.role, m.t, m.q, m.v, both[0], both[1], m.keep)
     return series, prediction
 
 
@@ -52,8 +52,7 @@ def seen(problem: Problem, solution: Solution, passes: Sequence[Passes]) -> Fit:
     count = {r: 0 for r in ROLES}
     nrmse = {}
     for name, s in series.items():
-        keep = slice(s.trim, s.time.size - s.trim)
-        measured, residual = s.measured[keep], s.residual[keep]
+        measured, residual = s.measured[s.keep], s.residual[s.keep]
         nrmse[name] = ratio(residual @ residual, measured @ measured)
         power[s.role] += measured @ measured
         left[s.role] += residual @ residual

@@ -28,7 +28,7 @@ class Estimate:
 class Series:
     """One record seen through the evaluation filter: time (n,) s, and measured, predicted, residual drive (n,) SI.
 
-    position, velocity: the zero-phase filtered motion. trim: samples at each end that do not count. role as the record's.
+    position, velocity: the zero-phase filtered motion. keep: the samples in which errors count. role as the record's.
     """
 
     record: str
@@ -38,7 +38,7 @@ class Series:
     velocity: np.ndarray
     measured: np.ndarray
     predicted: np.ndarray
-    trim: int
+    keep: slice
 
     @property
     def residual(self) -> np.ndarray:

@@ -17,12 +17,12 @@ from numpy import floor, sqrt
 INF, NAN = np.inf, np.nan
 
 
-@numba.njit(inline="always")
+@numba.njit
 def select(condition, a, b):
     return a if condition else b
 
 
-@numba.njit(inline="always")
+@numba.njit
 def fabs(a):
     return abs(a)
 
@@ -33,7 +33,7 @@ def source(program: Program) -> str:
     """Return the text of a module with `scan(signals, states, constants, out)`: see `scan`."""
     n_signals, n_states, n_constants = program.inputs
     text = [PREAMBLE.format(name=program.name)]
-    text += ["@numba.njit(cache=True, nogil=True)", "def scan(signals, states, constants, out):"]
+    text += ['@numba.njit(cache=True, nogil=True, error_model="numpy")', "def scan(signals, states, constants, out):"]
     text += [f"    i1_{k} = states[{k}]" for k in range(n_states)]
     text += [f"    i2_{k} = constants[{k}]" for k in range(n_constants)]
     text.append("    for n in range(signals.shape[1]):")

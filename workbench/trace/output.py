@@ -1,0 +1,102 @@
+"""trace.json and the predictions beside it."""
+
+import json
+from math import isfinite
+from pathlib import Path
+
+import numpy as np
+
+from workbench.identify.result import Estimate
+from workbench.record import IDENTIFICATION, VALIDATION
+from workbench.trace.result import Cause, Trace
+
+FORMAT = 1
+
+
+def number(value: float) -> float | None:
+    """A float that JSON can hold; None for NaN and infinity."""
+    return float(value) if isfinite(value) else None
+
+
+def estimate(e: Estimate) -> dict:
+    return {
+        "value": number(e.value),
+        "unit": e.unit,
+        "interval_95": [number(e.low), number(e.high)],
+        "fixed": e.fixed,
+        "meaning": e.meaning,
+    }
+
+
+def cause(c: Cause) -> dict:
+    return {
+        "effect": c.effect,
+        "at": c.at,
+        "sentence": c.sentence,
+        "parameters": {e.parameter: estimate(e) for e in c.parameters},
+        "share": {IDENTIFICATION: number(c.share_identification), VALIDATION: number(c.share_validation)},
+        "rivals": list(c.rivals),
+        "experiment": c.experiment,
+    }
+
+
+def as_dict(trace: Trace, predictions: dict[str, str]) -> dict:
+    """Return the content of trace.json. predictions: record stem -> path of its CSV relative to trace.json."""
+    before, after = trace.before, trace.after
+    return {
+        "format": FORMAT,
+        "verdict": trace.verdict,
+        "sentence": trace.sentence,
+        "ranked": [c.effect for c in trace.ranked],
+        "added": list(trace.added),
+        "causes": [cause(c) for c in trace.causes],
+        "nrmse": {
+            IDENTIFICATION: {
+                "before": number(before.identification),
+                "after": number(after.identification),
+                "floor": number(trace.floor[IDENTIFICATION]),
+            },
+            VALIDATION: {
+                "before": number(before.validation),
+                "after": number(after.validation),
+                "floor": number(trace.floor[VALIDATION]),
+            },
+        },
+        "candidates": [
+            [
+                {
+                    "effect": c.effect,
+                    "at": c.at,
+                    "kind": c.kind,
+                    "gain": number(c.gain),
+                    "standard_error": number(c.scatter),
+                    "nrmse_held_out": number(c.held_out),
+                    "nrmse": number(c.nrmse),
+                    "earns_its_place": c.earns,
+                }
+                for c in step
+            ]
+            for step in trace.steps
+        ],
+        "model": [
+            {"effect": e.effect, "at": e.at, "parameter": e.parameter, **estimate(e)} for e in after.estimates
+        ],
+        "findings": [
+            {"kind": f.kind, "subject": f.subject, "sentence": f.sentence, "remedy": f.remedy}
+            for f in (*trace.findings, *after.findings)
+        ],
+        "unknown": dict(trace.unknown),
+        "predictions": predictions,
+    }
+
+
+def write(trace: Trace, folder: Path) -> None:
+    """Write trace.json and predictions/<record>.csv into an existing folder."""
+    paths = {}
+    (folder / "predictions").mkdir()
+    for name, prediction in trace.after.predictions.items():
+        paths[name] = f"predictions/{name}.csv"
+        rows = np.column_stack([trace.after.series[name].time, prediction])
+        np.savetxt(folder / paths[name], rows, fmt="%.9g", delimiter=",", header="time_s,prediction", comments="")
+    text = json.dumps(as_dict(trace, paths), indent=1, allow_nan=False)
+    (folder / "trace.json").write_text(text + "\n", encoding="utf-8")
