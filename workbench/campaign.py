@@ -1,0 +1,108 @@
+"""A campaign: the folder that an engineer brings, with the records and the plant that they believe in.
+
+`load` turns it into frozen values, SI inside, or refuses with one sentence that names file, row or key, and the mend.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from types import MappingProxyType
+
+from workbench import effect as fx
+from workbench.errors import WorkbenchError
+from workbench.finding import Finding
+from workbench.plant import KINDS, TWO_MASS, Geometry, Limits, Plant
+from workbench.readers import declaration
+from workbench.readers.declaration import Table
+from workbench.readers.records import channels, records
+from workbench.record import Record
+from workbench.units import effect_unit
+
+FILE = "campaign.toml"
+BAND = 0.45  # of the sampling rate: what is left below Nyquist for the filters to fall
+
+
+@dataclass(frozen=True)
+class Campaign:
+    """folder: as given. bandwidth: Hz, below which errors are compared. records: in the order declared.
+
+    findings: what was done to the data on the way in (resampled). notes: key path -> text that its writer left.
+    """
+
+    folder: Path
+    title: str
+    plant: Plant
+    records: tuple[Record, ...]
+    bandwidth: float
+    findings: tuple[Finding, ...] = ()
+    notes: Mapping[str, str] = field(default_factory=dict)
+
+    def __post_init__(self):
+        object.__setattr__(self, "notes", MappingProxyType(dict(self.notes)))
+
+    def with_role(self, role: str) -> tuple[Record, ...]:
+        """Return the records of one role, "identification" or "validation"."""
+        return tuple(r for r in self.records if r.role == role)
+
+
+def load(folder: Path | str, *, resample: bool = False) -> Campaign:
+    """Return the campaign of a folder that holds campaign.toml and its records.
+
+    resample: records whose time steps differ by more than 1 % are interpolated at their median step, and a finding says
+    so; else they are refused. Raises WorkbenchError for whatever the engineer can mend.
+    """
+    folder = Path(folder)
+    top = declaration.read(
+        folder / FILE,
+        ("title", "plant", "evaluation_bandwidth", "channels", "records"),
+        ("actuator_limit", "speed_limit", "geometry", "initial_condition", "effects"),
+    )
+    notes = {"initial_condition": top.text("initial_condition")}
+    kind = top.choice("plant", KINDS, "plant")
+    title, bandwidth = top.text("title"), top.quantity("evaluation_bandwidth", "Hz", above=0.0)
+    measured = channels(top, kind == TWO_MASS, notes)
+    plant = _plant(top, kind, "torque" in measured, notes)
+    frozen, findings = records(top, folder, measured, resample)
+    rate, slowest = min((1 / r.dt, r.name) for r in frozen)
+    if bandwidth >= BAND * rate:
+        raise WorkbenchError(
+            f"{top.path('evaluation_bandwidth')} is {bandwidth:g} Hz, but record '{slowest}' is sampled at {rate:g} Hz; "
+            f"give less than {BAND * rate:g} Hz, or log faster."
+        )
+    return Campaign(folder, title, plant, frozen, bandwidth, findings, {k: n for k, n in notes.items() if n})
+
+
+def _plant(top: Table, kind: str, rotary: bool, notes: dict[str, str]) -> Plant:
+    """Return the plant as declared, values in SI."""
+    given = top.table("geometry", optional=("gear_ratio", "pole_pairs"))
+    geometry = Geometry(**{key: given.number(key, above=0.0) for key in given.values})
+    stated = (("drive", "actuator_limit", "F"), ("speed", "speed_limit", "x/s"))
+    limits = {name: top.quantity(key, effect_unit(unit, rotary), above=0.0) for name, key, unit in stated if key in top}
+    plant = Plant(kind, (), rotary, geometry, Limits(**limits))
+    for one in top.tables("effects", "effect", ("effect", "at"), ("law", "parameters")):
+        effect = fx.find(one.text("effect"), one.path("effect"))
+        effect = replace(_declared(effect, one, rotary), at=one.text("at"))
+        try:
+            plant = plant + effect
+        except WorkbenchError as e:
+            raise WorkbenchError(f"{one.path('at')}: {e}") from e
+        notes[f"effects.{effect.key}.law"] = one.text("law")
+    return plant
+
+
+def _declared(effect: fx.Effect, one: Table, rotary: bool) -> fx.Effect:
+    """Return the effect with the values of its parameters table."""
+    known = effect.outside
+    given = one.table("parameters", optional=tuple(known))
+    values, fixed = {}, {}
+    # Numbers without unit first: they may be the exponent in the unit of another ("1/x^d").
+    for name in sorted(given.values, key=lambda n: known[n].unit != "1"):
+        powers = {n: values.get(n, p.value) for n, p in known.items() if p.unit == "1"}
+        values[name] = given.quantity(name, effect_unit(known[name].unit, rotary, powers), optional=("fixed",))
+        known[name].at(values[name], where=given.path(name))
+        if "fixed" in (table := given.table(name, optional=("value", "unit", "fixed"))):
+            fixed[name] = table.flag("fixed")
+    try:
+        return effect.declared(values, fixed, given.where)
+    except ArithmeticError as e:
+        raise WorkbenchError(f"{given.where}: these values cannot be held together ({e}); check their sizes.") from e

@@ -1,0 +1,74 @@
+"""The time axis of a record: it increases, at one rate, or it is resampled and that is said."""
+
+from collections.abc import Callable, Mapping
+
+import numpy as np
+
+from workbench.errors import WorkbenchError
+from workbench.finding import Finding
+
+FEWEST = 100  # samples
+TOLERANCE = 0.01  # of the median step
+LONGEST_GAP = 10  # median steps; what lies in a longer gap is not measured, and a straight line is not it
+
+
+def uniform(
+    name: str,
+    time: np.ndarray,
+    channels: Mapping[str, np.ndarray],
+    place: Callable[[int], str],
+    *,
+    resample: bool = False,
+) -> tuple[np.ndarray, Mapping[str, np.ndarray], Finding | None]:
+    """Return time, channels and a finding where they were resampled.
+
+    time: (n,) s. channels: name -> (n,). place: sample number -> "file, row". Every step must be within 1 % of the median
+    step; with resample=True, channels are interpolated linearly at the median step from the first sample on, and the
+    finding (kind "resampled", subject `name`) says how many steps were off and the longest. Raises WorkbenchError with
+    file and row for time that does not increase, a step that is off, and a gap longer than ten steps.
+    """
+    if time.size < FEWEST:
+        raise WorkbenchError(
+            f"{place(time.size - 1)}: the record ends after {time.size} samples; at least {FEWEST} are needed, so "
+            "measure longer."
+        )
+    with np.errstate(over="ignore"):  # an infinite step is a gap
+        steps = np.diff(time)
+    back = np.flatnonzero(steps <= 0)
+    if back.size:
+        k = int(back[0]) + 1
+        raise WorkbenchError(
+            f"{place(k)}: time does not increase ({time[k - 1]:.9g} s, then {time[k]:.9g} s); sort the rows, or split "
+            "the record where the clock restarts."
+        )
+    median = float(np.median(steps))
+    off = np.flatnonzero(np.abs(steps - median) > TOLERANCE * median)
+    if not off.size:
+        return time, channels, None
+    worst = int(np.argmax(steps))
+    if steps[worst] > LONGEST_GAP * median:
+        raise WorkbenchError(
+            f"{place(worst + 1)}: a gap of {steps[worst]:.6g} s in time, {steps[worst] / median:.0f} median steps of "
+            f"{median:.6g} s; split the record there into two files."
+        )
+    if not resample:
+        k = int(off[0])
+        raise WorkbenchError(
+            f"{place(k + 1)}: the time step is {steps[k]:.6g} s and the median step {median:.6g} s, more than 1 % apart "
+            f"({off.size} of {steps.size} steps are); log at one rate, or allow resampling."
+        )
+    return _resampled(name, time, channels, median, off.size)
+
+
+def _resampled(name, time, channels, step, off):
+    # The last instant is kept where rounding alone would lose it.
+    count = int(np.floor((time[-1] - time[0]) / step + 1e-6)) + 1
+    even = np.minimum(time[0] + step * np.arange(count), time[-1])
+    gap = float(np.diff(time).max())
+    sentence = (
+        f"Record '{name}' was resampled to {1 / step:.6g} Hz by straight lines, since {off} of {time.size - 1} time steps "
+        f"were more than 1 % off the median; the longest was {gap:.6g} s."
+    )
+    evidence = {"steps_off": float(off), "steps": float(time.size - 1), "longest_gap": gap, "step": step}
+    finding = Finding("resampled", name, sentence, evidence, "Log at one rate, with the clock of the drive.")
+    return even, {n: np.interp(even, time, c) for n, c in channels.items()}, finding
