@@ -1,0 +1,34 @@
+"""What a description over amplitude is."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from workbench.errors import WorkbenchError
+
+
+@dataclass(frozen=True, eq=False)
+class Equivalent:
+    """The force F = k_e x + c_e dx/dt that is the first harmonic of an effect under x = A cos(w t).
+
+    amplitude: A (n,), zero to peak (half of the stroke between reversals), rad or m. stiffness: k_e (n,), and loss:
+    c_e w (n,), both in N*m/rad or N/m; the energy lost in a cycle is pi A^2 c_e w. The arrays are read-only copies.
+    """
+
+    amplitude: np.ndarray
+    stiffness: np.ndarray
+    loss: np.ndarray
+
+    def __post_init__(self):
+        for name in ("amplitude", "stiffness", "loss"):
+            array = np.array(getattr(self, name), dtype=float)
+            array.flags.writeable = False
+            object.__setattr__(self, name, array)
+
+
+def positive(amplitudes) -> np.ndarray:
+    """Return amplitudes as an array (n,); WorkbenchError where one is not a finite number above zero."""
+    array = np.atleast_1d(np.asarray(amplitudes, dtype=float))
+    if array.ndim != 1 or not np.all((array > 0.0) & np.isfinite(array)):
+        raise WorkbenchError(f"amplitudes are {amplitudes}; a list of finite numbers above zero is needed.")
+    return array
