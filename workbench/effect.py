@@ -89,9 +89,7 @@ class Effect:
         parameters = dict(self.parameters)
         for name, value in values.items():
             if name not in parameters:
-                raise WorkbenchError(
-                    f"effect '{self.name}': unknown parameter '{name}'; {nearest(name, parameters)}"
-                )
+                raise WorkbenchError(f"effect '{self.name}': unknown parameter '{name}'; {nearest(name, parameters)}")
             parameters[name] = parameters[name].at(value, fixed=fixed, where=f"{self.name}.{name}")
         return replace(self, parameters=parameters, at=self.at if at is None else at)
 

@@ -56,9 +56,7 @@ class LowPass:
         left = min(left, self.n - 1)
         right = min(total - self.n - left, self.n - 1)
         first, last = x[..., :1], x[..., -1:]
-        extended = np.concatenate(
-            [2 * first - x[..., left:0:-1], x, 2 * last - x[..., -2 : -right - 2 : -1]], axis=-1
-        )
+        extended = np.concatenate([2 * first - x[..., left:0:-1], x, 2 * last - x[..., -2 : -right - 2 : -1]], axis=-1)
         size = extended.shape[-1]
         spectrum = np.fft.rfft(extended, axis=-1)
         spectrum *= _response(self.bandwidth, self.rate, size, derivative)

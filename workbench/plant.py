@@ -60,7 +60,9 @@ class Plant:
             allowed = places(self.kind, e)
             motion = "rotary" if self.rotary else "linear"
             if motion not in e.motions:
-                raise WorkbenchError(f"effect '{e.name}' exists on a {' or '.join(e.motions)} axis only; this one is {motion}.")
+                raise WorkbenchError(
+                    f"effect '{e.name}' exists on a {' or '.join(e.motions)} axis only; this one is {motion}."
+                )
             if e.at not in allowed:
                 raise WorkbenchError(
                     f"effect '{e.name}' cannot act at '{e.at}' on a plant of {self.kind}; {nearest(e.at, allowed)}"

@@ -4,12 +4,10 @@ Each element is a spring that slips at its own deflection, x_i <- clip(x_i + dq,
 y(x) holds Masing's rule: after a reversal the curve is y stretched by two (Al-Bender, Lampaert, Swevers 2005).
 """
 
-from math import log
-
 import casadi as ca
 
 from workbench.effect import FORCE, Border, Effect, effect, namespace
-from workbench.effects.elementary import clip, exp, power
+from workbench.effects.elementary import clip, exp, expm1, log, power
 from workbench.parameter import Parameter
 
 ELEMENTS = 24
@@ -31,7 +29,7 @@ def bank(c: tuple[float, ...], x0, d):
 
     The height at knot i is 1 - exp(-c_i) whatever x0 and d are, and exactly one at the last, so that sum k D = 1.
     """
-    heights = [0.0] + [1.0 - ca.exp(-v) for v in c[:-1]] + [1.0]
+    heights = [0.0] + [1.0 - exp(-v) for v in c[:-1]] + [1.0]
     slips = [x0 * power(v, 1.0 / d) for v in c]
     before = [0.0, *slips[:-1]]
     slopes = [(heights[i + 1] - heights[i]) / (slips[i] - before[i]) for i in range(len(c))] + [0.0]
@@ -48,7 +46,7 @@ def presliding_hysteresis(elements: int = ELEMENTS) -> Effect:
     c = knots(elements)
 
     def virgin(x, p):
-        return p.h0 * (1.0 - exp(-power(x / p.x0, p.d)))
+        return -p.h0 * expm1(-power(x / p.x0, p.d))  # no cancellation at small strokes
 
     def derive(p):
         k, slip = bank(c, p.x0, p.d)

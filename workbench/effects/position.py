@@ -1,6 +1,8 @@
 """Torques that depend on position: cogging, gravity, springs to ground, and a constant."""
 
-from math import atan2, cos as cosine, hypot, sin as sine
+from math import atan2, hypot
+from math import cos as cosine
+from math import sin as sine
 
 from workbench.effect import FORCE, Border, Effect, effect
 from workbench.effects.elementary import cos, sin

@@ -47,9 +47,9 @@ def seen(problem: Problem, solution: Solution, passes: Sequence[Passes]) -> Fit:
     series, predictions = {}, {}
     for p in passes:
         series[p.motion.record.name], predictions[p.motion.record.name] = series_of(plant, p)
-    power = {r: 0.0 for r in ROLES}
-    left = {r: 0.0 for r in ROLES}
-    count = {r: 0 for r in ROLES}
+    power = dict.fromkeys(ROLES, 0.0)
+    left = dict.fromkeys(ROLES, 0.0)
+    count = dict.fromkeys(ROLES, 0)
     nrmse = {}
     for name, s in series.items():
         measured, residual = s.measured[s.keep], s.residual[s.keep]

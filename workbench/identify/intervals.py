@@ -39,7 +39,12 @@ def covariance(problem: Problem, solution: Solution) -> tuple[list[Name], np.nda
     t: Student's 97.5 % quantile. condition: of the columns scaled to unit length.
     """
     names = [*problem.free_linear, *problem.free_shape]
-    values = np.concatenate([solution.c, [problem.with_shape(solution.theta)[n.key].parameters[n.parameter].value for n in problem.free_shape]])
+    values = np.concatenate(
+        [
+            solution.c,
+            [problem.with_shape(solution.theta)[n.key].parameters[n.parameter].value for n in problem.free_shape],
+        ]
+    )
     a = np.hstack([solution.phi, solution.tangents])
     inside = [
         k
@@ -49,7 +54,9 @@ def covariance(problem: Problem, solution: Solution) -> tuple[list[Name], np.nda
     # a shape parameter searched on a logarithmic scale: d/dp = (d/dtheta)/p
     natural = np.array(
         [
-            1.0 / values[k] if k >= len(problem.free_linear) and problem.parameter(names[k]).scale in LOGARITHMIC else 1.0
+            1.0 / values[k]
+            if k >= len(problem.free_linear) and problem.parameter(names[k]).scale in LOGARITHMIC
+            else 1.0
             for k in inside
         ]
     )
@@ -133,18 +140,33 @@ def findings(problem: Problem, found: tuple[Estimate, ...], names: list[Name], c
                     "record a motion in which this effect is a larger part of the drive",
                 )
             )  # fmt: skip
-    deviations = np.sqrt(np.maximum(np.diag(cov), 1e-300))
-    for i in range(len(names)):
-        for j in range(i):
-            r = cov[i, j] / (deviations[i] * deviations[j])
-            if abs(r) > CORRELATED:
-                a, b = (f"{n.key}.{n.parameter}" for n in (names[j], names[i]))
-                said.append(
-                    Finding(
-                        "known only together", f"{a}, {b}",
-                        f"{a} and {b} are known only together (correlation {r:.3f}): these records hardly tell them apart.",
-                        {"correlation": float(r)},
-                        "record motions of other amplitudes and speeds",
-                    )
-                )  # fmt: skip
+    for group, r in known_together(cov):
+        together = [f"{names[k].key}.{names[k].parameter}" for k in group]
+        said.append(
+            Finding(
+                "known only together", ", ".join(together),
+                f"{', '.join(together[:-1])} and {together[-1]} are known only together (correlation up to {r:.3f}): these "
+                "records hardly tell them apart.",
+                {"correlation": r},
+                "record motions of other amplitudes and speeds",
+            )
+        )  # fmt: skip
     return sorted(said, key=lambda f: (f.kind, f.subject))
+
+
+def known_together(cov: np.ndarray) -> list[tuple[list[int], float]]:
+    """Return groups of parameters linked by correlations above CORRELATED, each with its largest one."""
+    deviations = np.sqrt(np.maximum(np.diag(cov), 1e-300))
+    r = np.clip(np.abs(cov / np.outer(deviations, deviations)), 0.0, 1.0)
+    groups: list[tuple[list[int], float]] = []
+    left = set(range(len(r)))
+    while left:
+        group, reach = set(), {min(left)}
+        while reach:
+            group |= reach
+            reach = {j for i in reach for j in left - group if r[i, j] > CORRELATED}
+        left -= group
+        if len(group) > 1:
+            members = sorted(group)
+            groups.append((members, max(float(r[i, j]) for i in members for j in members if i != j)))
+    return groups

@@ -167,11 +167,7 @@ def _build(name, step, derive, states, definition) -> Step:
         if i == 0:
             after, provided = following, given
         outputs.append(output)
-    graph = ca.Function(
-        f"{effect.name}_columns",
-        [s, z, constants],
-        [after, ca.vertcat(*outputs, *(provided[n] for n in effect.provides))],
-    )
-    return Step(
-        effect.name, effect.reads, effect.provides, columns, effect.shape, z.numel(), read(graph), function
-    )
+    # sine and cosine of one angle share their reduction, and columns of one effect most of their work
+    results = ca.cse([after, ca.vertcat(*outputs, *(provided[n] for n in effect.provides))])
+    graph = ca.Function(f"{effect.name}_columns", [s, z, constants], results)
+    return Step(effect.name, effect.reads, effect.provides, columns, effect.shape, z.numel(), read(graph), function)

@@ -78,9 +78,7 @@ def as_dict(trace: Trace, predictions: dict[str, str]) -> dict:
             ]
             for step in trace.steps
         ],
-        "model": [
-            {"effect": e.effect, "at": e.at, "parameter": e.parameter, **estimate(e)} for e in after.estimates
-        ],
+        "model": [{"effect": e.effect, "at": e.at, "parameter": e.parameter, **estimate(e)} for e in after.estimates],
         "findings": [
             {"kind": f.kind, "subject": f.subject, "sentence": f.sentence, "remedy": f.remedy}
             for f in (*trace.findings, *after.findings)

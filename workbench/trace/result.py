@@ -3,8 +3,8 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-from workbench.identify.result import Estimate, Fit
 from workbench.finding import Finding
+from workbench.identify.result import Estimate, Fit
 
 CAUSE, NOTHING, UNKNOWN = "cause", "nothing_missing", "unknown"
 

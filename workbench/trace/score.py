@@ -5,15 +5,16 @@ Gauss-Newton step from the optimum), the shape parameters on the rest, and predi
 contiguous and longer than the residual's memory, so coloured noise does not leak from one into the other.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from workbench.identify.intervals import block_seconds
-from workbench.identify.problem import Problem
+from workbench.identify.problem import LOGARITHMIC, Problem, to_search
 from workbench.identify.solve import Solution, bounded_small, scales
 
 FOLDS = 6
+DETERMINED = 1e-9  # eigenvalue of the scaled normal equations, over the largest, above which a direction counts
 
 
 @dataclass(frozen=True, eq=False)
@@ -28,19 +29,23 @@ class HeldOut:
 
 
 def held_out(problem: Problem, solution: Solution) -> HeldOut:
-    """Return the held-out squared error of every block."""
+    """Return the held-out squared error of every block.
+
+    Each fold estimates its deviation from the common solution, so that a direction which the rest of the data does not
+    determine keeps the common value.
+    """
     columns = np.hstack([solution.phi, solution.tangents])
     norms = scales(columns)
     columns = columns / norms
-    target = solution.y  # the tangents are taken at the optimum: a step of zero is the optimum itself
+    target = solution.residual
     blocks = problem.blocks(block_seconds(problem))
     grams = np.array([columns[b].T @ columns[b] for b in blocks])
     moments = np.array([columns[b].T @ target[b] for b in blocks])
     powers = np.array([target[b] @ target[b] for b in blocks])
     lower, upper = problem.bounds
-    free = solution.theta.size
-    lower = np.concatenate([lower, np.full(free, -np.inf)]) * norms
-    upper = np.concatenate([upper, np.full(free, np.inf)]) * norms
+    least, most = shape_room(problem, solution.theta)
+    lower = np.concatenate([np.minimum(lower - solution.c, 0.0), least]) * norms
+    upper = np.concatenate([np.maximum(upper - solution.c, 0.0), most]) * norms
     errors = np.empty(len(blocks))
     folds = np.arange(len(blocks)) % FOLDS
     for fold in range(FOLDS):
@@ -55,10 +60,26 @@ def held_out(problem: Problem, solution: Solution) -> HeldOut:
     return HeldOut(np.maximum(errors, 0.0))
 
 
+def shape_room(problem: Problem, theta: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return how far each shape parameter may deviate in a fold: to its bounds, and by a factor e at most."""
+    least, most = np.full(theta.size, -np.inf), np.full(theta.size, np.inf)
+    for k, name in enumerate(problem.free_shape):
+        p = problem.parameter(name)
+        if p.scale in LOGARITHMIC:
+            least[k], most[k] = -1.0, 1.0
+        low, high = (
+            to_search(replace(p, value=b)) if b > 0 or p.scale not in LOGARITHMIC else -np.inf
+            for b in (p.lower, p.upper)
+        )
+        least[k] = max(least[k], min(low - theta[k], 0.0))
+        most[k] = min(most[k], max(high - theta[k], 0.0))
+    return least, most
+
+
 def from_normal(gram: np.ndarray, moment: np.ndarray, lower: np.ndarray, upper: np.ndarray) -> np.ndarray:
     """Solve the bounded least squares given by normal equations; undetermined directions take the least norm."""
     values, vectors = np.linalg.eigh(gram)
-    keep = values > 1e-12 * max(values[-1], 1e-300) if values.size else np.zeros(0, bool)
+    keep = values > DETERMINED * max(values[-1], 1e-300) if values.size else np.zeros(0, bool)
     root = np.sqrt(values[keep])
     r = root[:, None] * vectors[:, keep].T
     b = (vectors[:, keep].T @ moment) / root

@@ -10,8 +10,8 @@ from itertools import product
 import numpy as np
 
 from workbench.effect import Effect
-from workbench.identify.problem import to_search
 from workbench.identify.passes import Passes
+from workbench.identify.problem import to_search
 from workbench.plant import Plant
 
 BINS = 1 << 14  # of position, for the spectrum over angle

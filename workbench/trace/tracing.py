@@ -1,7 +1,6 @@
 """The trace, first version: one effect after another, each fitted jointly and judged on data that its fold did not see."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import replace
 
 import numpy as np
 
@@ -33,7 +32,9 @@ Progress = Callable[[str], None]
 class State:
     """A plant with its solution, and what is left of the records."""
 
-    def __init__(self, plant: Plant, passes: Sequence[Passes], problem: Problem | None = None, solution: Solution | None = None):
+    def __init__(
+        self, plant: Plant, passes: Sequence[Passes], problem: Problem | None = None, solution: Solution | None = None
+    ):
         self.passes = passes
         self.problem = problem or Problem(plant, passes)
         self.solution = solution or solve(self.problem)
@@ -108,17 +109,17 @@ def alike(best: State, other: State, share: float) -> bool:
 
 
 @one_thread
-def trace(plant: Plant, passes: Sequence[Passes], progress: Progress = lambda _: None) -> Trace:
+def trace(plant: Plant, passes: Sequence[Passes], progress: Progress = lambda _: None, most: int = STEPS) -> Trace:
     """Trace the residual of `plant` on the identification records among `passes`.
 
-    Returns the verdict with its evidence. Validation records are evaluated, never used for a choice.
+    most: effects added at most. Returns the verdict with its evidence. Validation records are evaluated, never used for a choice.
     """
     identification = [p for p in passes if p.motion.record.role == IDENTIFICATION]
     progress("fitting the declared model")
     declared = state = State(plant, identification)
     steps, added = [], []
     fits = [_fit(state, passes)]
-    for _ in range(STEPS):
+    for _ in range(most):
         ranked, better = step(state, progress)
         steps.append(tuple(ranked))
         if better is None:
@@ -185,10 +186,10 @@ def _verdict_sentence(verdict: str, causes: Sequence[Cause], before: Fit, after:
         is_are = "is" if len(causes) == 1 else "are"
         what = "missing" if len(causes) > 1 or "missing" in causes[0].sentence else "declared with a wrong value"
         return (
-            f"{names.capitalize()} {is_are} {what}. With it, the validation error falls from "
+            f"{names.capitalize()} {is_are} {what}. With {'it' if len(causes) == 1 else 'them'}, the validation error falls from "
             f"{100 * before.validation:.2f} % to {100 * after.validation:.2f} % and the identification error from "
             f"{100 * before.identification:.2f} % to {100 * after.identification:.2f} % "
-            f"(noise floor {100 * floor[IDENTIFICATION]:.2f} %)."
+            f"(noise floor {100 * floor[IDENTIFICATION]:.2g} %)."
         )
     if verdict == UNKNOWN:
         return (
@@ -224,5 +225,3 @@ def _where(state: State) -> dict[str, object]:
         if shares[k] > best.get("share", 0.0):
             best = {"coordinate": name, "low": float(edges[k]), "high": float(edges[k + 1]), "share": float(shares[k])}
     return best
-
-

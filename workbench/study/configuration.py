@@ -1,0 +1,153 @@
+"""study.toml: what a study asks, and what it must reach."""
+
+import os
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from math import isfinite
+from pathlib import Path
+
+from workbench.errors import WorkbenchError, nearest
+from workbench.readers.declaration import Table, read
+
+FILE = "study.toml"
+DATA = "WORKBENCH_DATA"
+KEYS = ("question", "campaign", "data", "describe", "requirements")
+
+
+class MissingData(WorkbenchError):
+    """Measured data that the project may not carry is not on this machine."""
+
+
+@dataclass(frozen=True)
+class Requirement:
+    """A figure of the study and its bound. at_most, at_least: in `unit`. equals: a word, for figures that are words."""
+
+    name: str
+    unit: str = "1"
+    at_most: float | None = None
+    at_least: float | None = None
+    equals: str | None = None
+
+    def passed(self, value) -> bool:
+        """Whether a figure meets the bound; NaN meets none."""
+        if self.equals is not None:
+            return value == self.equals
+        if not isinstance(value, (int, float)) or not isfinite(value):
+            return False
+        return (self.at_most is None or value <= self.at_most) and (self.at_least is None or value >= self.at_least)
+
+    @property
+    def bound(self) -> str:
+        if self.equals is not None:
+            return self.equals
+        sides = [f"≥ {self.at_least:g}"] if self.at_least is not None else []
+        sides += [f"≤ {self.at_most:g}"] if self.at_most is not None else []
+        return " and ".join(sides)
+
+
+@dataclass(frozen=True)
+class Study:
+    """folder: the study's own. name: the folder's. table: the checked table of study.toml, for the study's own steps.
+
+    campaign: folder of its campaign, or None. data: file -> (path under WORKBENCH_DATA, sha256) of measured files.
+    describe: (lowest, highest, count) of amplitudes in SI.
+    """
+
+    folder: Path
+    name: str
+    title: str
+    question: str
+    table: Table
+    campaign: Path | None
+    data: Mapping[str, tuple[str, str]]
+    describe: tuple[float, float, int] | None
+    requirements: tuple[Requirement, ...] = field(default=())
+
+    def measured(self, key: str) -> Path:
+        """Return the path of a measured file, its sha256 checked; MissingData where this machine does not have it."""
+        import hashlib
+
+        path, digest = self.data[key]
+        root = os.environ.get(DATA)
+        if not root:
+            raise MissingData(
+                f"study '{self.name}' needs measured data that the project may not carry ({path}); "
+                f"set {DATA} to the folder that holds it."
+            )
+        file = Path(root) / path
+        if not file.is_file():
+            raise MissingData(f"{file}: there is no such file; study '{self.name}' needs it. Set {DATA} to its folder.")
+        found = hashlib.sha256(file.read_bytes()).hexdigest()
+        if found != digest:
+            raise WorkbenchError(
+                f"{file}: its sha256 is {found[:16]}..., study '{self.name}' was written for {digest[:16]}...; "
+                "obtain the original file."
+            )
+        return file
+
+
+def find(name: str) -> Path:
+    """Return the folder of a study given as a path or as a name under studies/."""
+    for folder in (Path(name), Path("studies") / name):
+        if (folder / FILE).is_file():
+            return Path(os.path.abspath(folder))
+    known = sorted(p.parent.name for p in Path("studies").glob(f"*/{FILE}"))
+    raise WorkbenchError(
+        f"there is no study '{name}' ({FILE} is looked for there and under studies/); {nearest(name, known)}"
+    )
+
+
+def load(folder: Path, further: tuple[str, ...] = ()) -> Study:
+    """Return the study of a folder. further: tables of study.toml that the study's own steps read.
+
+    Raises WorkbenchError naming the file and key.
+    """
+    top = read(folder / FILE, ("title",), (*KEYS, *further))
+    campaign = None
+    if "campaign" in top:
+        text = top.text("campaign")
+        campaign = (folder / text).resolve()
+        if not (campaign / "campaign.toml").is_file():
+            raise WorkbenchError(f"{top.path('campaign')}: there is no campaign.toml in '{text}'.")
+    data = {}
+    if "data" in top:
+        inner = top.table("data", optional=tuple(top.values["data"]) if isinstance(top.values["data"], dict) else ())
+        for key in inner.values:
+            one = inner.table(key, ("path", "sha256"))
+            data[key] = (one.text("path"), one.text("sha256"))
+    describe = None
+    if "describe" in top:
+        one = top.table("describe", ("lowest", "highest", "count"))
+        describe = (
+            one.number("lowest", above=0.0),
+            one.number("highest", above=0.0),
+            int(one.number("count", above=1.0)),
+        )
+        if describe[0] >= describe[1]:
+            raise WorkbenchError(f"{one.path('lowest')} is {describe[0]:g}, not below 'highest', {describe[1]:g}.")
+    return Study(
+        folder, folder.name, top.text("title"), top.text("question"), top, campaign, data, describe, requirements(top)
+    )  # fmt: skip
+
+
+def requirements(top: Table) -> tuple[Requirement, ...]:
+    """Return [requirements]: figure -> { at_most, at_least, unit } or { equals }."""
+    if "requirements" not in top:
+        return ()
+    values = top.values["requirements"]
+    inner = top.table("requirements", optional=tuple(values) if isinstance(values, dict) else ())
+    found = []
+    for name in inner.values:
+        one = inner.table(name, optional=("at_most", "at_least", "equals", "unit"))
+        if not {"at_most", "at_least", "equals"} & set(one.values):
+            raise WorkbenchError(f"{inner.path(name)}: a requirement needs 'at_most', 'at_least' or 'equals'.")
+        found.append(
+            Requirement(
+                name,
+                one.text("unit", "1"),
+                one.number("at_most") if "at_most" in one else None,
+                one.number("at_least") if "at_least" in one else None,
+                one.text("equals") if "equals" in one else None,
+            )
+        )
+    return tuple(found)

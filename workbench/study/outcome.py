@@ -1,0 +1,35 @@
+"""What the steps of a study bring together."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from workbench.describe import Equivalent
+from workbench.effect import Effect
+from workbench.finding import Finding
+from workbench.plant import Plant
+from workbench.record import Record
+from workbench.report.contents import Chapter
+from workbench.trace.result import Trace
+
+
+@dataclass(frozen=True, eq=False)
+class Outcome:
+    """plant: as declared. campaign: its title. bandwidth: of the evaluation filter, Hz. trace: with the fits before and
+    after. equivalents: described effects. figures: name -> number or word, by which requirements are judged; units: name
+    -> unit of a figure ("1" where absent). chapters: further chapters of the report. tables: further content of
+    results.json. files: writers of further outputs, called with the study's output folder.
+    """
+
+    plant: Plant
+    campaign: str
+    bandwidth: float
+    trace: Trace
+    records: tuple[Record, ...] = ()
+    equivalents: tuple[tuple[Effect, Equivalent], ...] = ()
+    figures: Mapping[str, float | str] = field(default_factory=dict)
+    units: Mapping[str, str] = field(default_factory=dict)
+    chapters: tuple[Chapter, ...] = ()
+    findings: tuple[Finding, ...] = ()
+    tables: Mapping[str, object] = field(default_factory=dict)
+    files: tuple[Callable[[Path], None], ...] = ()

@@ -1,0 +1,125 @@
+"""Run a study: its steps, its checks, its report; written whole, and not at all where nothing has changed."""
+
+import importlib.util
+import sys
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+from workbench.outputs import whole
+from workbench.study import configuration, stamp
+from workbench.study.configuration import Study
+
+STEPS = "study.py"
+
+
+@dataclass(frozen=True)
+class Ran:
+    """folder: of the outputs. fresh: whether anything was computed. passed: whether every check has."""
+
+    folder: Path
+    fresh: bool
+    passed: bool
+    lines: tuple[str, ...]
+
+
+def steps_of(study_folder: Path):
+    """Return the study's own module (study.py), or None."""
+    path = study_folder / STEPS
+    if not path.is_file():
+        return None
+    name = f"workbench_study_{study_folder.name}"
+    spec = importlib.util.spec_from_file_location(name, path)
+    module = importlib.util.module_from_spec(spec)
+    sys.modules[name] = module
+    spec.loader.exec_module(module)
+    return module
+
+
+def further_keys(study_folder: Path) -> tuple[str, ...]:
+    """Tables of study.toml that the study's own steps read: FURTHER = (...) in its study.py, read without running it."""
+    import ast
+
+    path = study_folder / STEPS
+    if not path.is_file():
+        return ()
+    for node in ast.parse(path.read_text(encoding="utf-8")).body:
+        if isinstance(node, ast.Assign) and any(getattr(t, "id", "") == "FURTHER" for t in node.targets):
+            return tuple(ast.literal_eval(node.value))
+    return ()
+
+
+def input_files(study: Study) -> list[Path]:
+    """Files outside the study's folder that its results depend on."""
+    found = [study.measured(key) for key in study.data]
+    if study.campaign is not None and study.folder not in study.campaign.parents:
+        found += stamp.files(study.campaign)
+    return found
+
+
+def run(name: str, out: Path | None = None, say: Callable[[str], None] = lambda _: None) -> Ran:
+    """Run a study given by path or name. out: folder of the outputs, reports/<name> beside studies/ where absent."""
+    folder = configuration.find(name)
+    study = configuration.load(folder, further_keys(folder))
+    place = out or folder.parent.parent / "reports" / study.name
+    digest = stamp.inputs(folder, input_files(study))
+    if stamp.unchanged(place, digest):
+        return Ran(place, False, _all_passed(place), _lines(place))
+    from workbench.study import results, standard
+
+    module = steps_of(folder)
+    outcome = (module.run if module else standard.run)(study, say)
+    judged = results.checks(study, outcome)
+    from workbench.report import write as write_report
+    from workbench.trace.output import write as write_trace
+
+    say("writing the report")
+    with whole(place, stamp.FILE) as beside:
+        write_trace(outcome.trace, beside)
+        results.write(study, outcome, judged, beside)
+        for writer in outcome.files:
+            writer(beside)
+        write_report(report_of(study, outcome, judged), beside)
+        stamp.write(beside, digest)
+    return Ran(place, True, all(c.passed for c in judged), _lines(place))
+
+
+def report_of(study: Study, outcome, judged):
+    """Return what the report of a study is made of."""
+    from workbench.report.contents import Recorded, StudyResult
+
+    return StudyResult(
+        name=study.name,
+        title=study.title,
+        question=study.question,
+        campaign=outcome.campaign,
+        records=tuple(Recorded.of(r) for r in outcome.records),
+        plant=outcome.plant,
+        bandwidth=outcome.bandwidth,
+        trace=outcome.trace,
+        equivalent=outcome.equivalents,
+        checks=judged,
+        findings=outcome.findings,
+        chapters=outcome.chapters,
+    )
+
+
+def _results(place: Path) -> dict:
+    import json
+
+    return json.loads((place / "results.json").read_text(encoding="utf-8"))
+
+
+def _all_passed(place: Path) -> bool:
+    return all(c["passed"] for c in _results(place)["checks"])
+
+
+def _lines(place: Path) -> tuple[str, ...]:
+    """What the command line says: the finding first, then the checks, then where to look."""
+    content = _results(place)
+    lines = [content["sentence"], ""]
+    for c in content["checks"]:
+        value = f"{c['value']:.4g}" if isinstance(c["value"], float) else str(c["value"])
+        unit = "" if c["unit"] == "1" else f" {c['unit']}"
+        lines.append(f"  {'passed' if c['passed'] else 'FAILED'}  {c['name']}: {value}{unit} (bound {c['bound']})")
+    return (*lines, "", f"{place / 'report.html'}", f"{place / 'report.pdf'}")

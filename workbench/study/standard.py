@@ -1,0 +1,75 @@
+"""The steps that every study of a campaign takes: read, trace, describe."""
+
+from collections.abc import Callable
+
+import numpy as np
+
+from workbench.campaign import Campaign, load
+from workbench.describe import Equivalent, equivalent
+from workbench.effect import Effect
+from workbench.errors import WorkbenchError
+from workbench.identify.fit import passes_of
+from workbench.plant import Plant
+from workbench.record import IDENTIFICATION, VALIDATION
+from workbench.study.configuration import Study
+from workbench.study.outcome import Outcome
+from workbench.trace.result import Trace
+from workbench.trace.tracing import trace
+
+Say = Callable[[str], None]
+
+
+def trace_campaign(campaign: Campaign, say: Say = lambda _: None) -> Trace:
+    """Trace what the declared plant of a campaign lacks."""
+    return trace(campaign.plant, passes_of(campaign.records, campaign.bandwidth), say)
+
+
+def described(plant: Plant, amplitudes: np.ndarray) -> tuple[tuple[Effect, Equivalent], ...]:
+    """Return (effect, equivalent) of every effect that holds Masing's rule."""
+    return tuple((e, equivalent(e, amplitudes)) for e in plant.effects if "masing" in e.holds and e.virgin is not None)
+
+
+def trace_figures(found: Trace) -> dict[str, float | str]:
+    """Return the figures of a trace by which a study is judged."""
+    return {
+        "verdict": found.verdict,
+        "first_cause": found.ranked[0].effect if found.causes else "none",
+        "added": ", ".join(found.added) or "none",
+        "identification_error_before": found.before.identification,
+        "identification_error_after": found.after.identification,
+        "identification_floor": found.floor[IDENTIFICATION],
+        "validation_error_before": found.before.validation,
+        "validation_error_after": found.after.validation,
+        "validation_floor": found.floor[VALIDATION],
+    }
+
+
+def amplitudes(study: Study) -> np.ndarray:
+    """Return the amplitudes of a study, even in the logarithm; WorkbenchError where it states none."""
+    if study.describe is None:
+        raise WorkbenchError(f"{study.table.path('describe')}: state lowest, highest and count of the amplitudes.")
+    lowest, highest, count = study.describe
+    return np.geomspace(lowest, highest, count)
+
+
+def run(study: Study, say: Say) -> Outcome:
+    """Read the campaign, trace its residual, and describe the extended plant over amplitude."""
+    if study.campaign is None:
+        raise WorkbenchError(
+            f"{study.table.path('campaign')}: name the campaign's folder, or add a study.py with steps."
+        )
+    say("reading the campaign")
+    campaign = load(study.campaign)
+    found = trace_campaign(campaign, say)
+    say("describing the plant over amplitude")
+    equivalents = described(found.after.plant, amplitudes(study)) if study.describe else ()
+    return Outcome(
+        plant=campaign.plant,
+        campaign=campaign.title,
+        bandwidth=campaign.bandwidth,
+        trace=found,
+        records=campaign.records,
+        equivalents=equivalents,
+        figures=trace_figures(found),
+        findings=(*campaign.findings, *found.findings, *found.after.findings),
+    )
