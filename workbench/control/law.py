@@ -1,0 +1,55 @@
+"""A control law: declarative data and short functions in CasADi SX, as an effect is, for the sampled loop to run.
+
+`step(s, z, p)` returns ({state: next value}, command). It sees in `s`: r (target), y (reading), e = r - y, vh (filtered
+velocity), dt (sample time), limit (of the drive; infinite where not stated), and the columns of its table by name.
+A law with a table also has `amplitude(s, z, p)`, which returns ({state: next value}, where to look up) and sees besides
+stroke (distance since the last motion reversal), share (1 from rest, 1/2 after a reversal), reversal (1 in the sample in
+which one is found) and count (the encoder's resolution).
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from types import MappingProxyType
+
+import numpy as np
+
+from workbench.control.table import Table
+from workbench.errors import WorkbenchError
+
+
+@dataclass(frozen=True)
+class Law:
+    """See the module. parameters, columns (of the table), states: names. start(target, reading) -> {state: value}."""
+
+    name: str
+    parameters: tuple[str, ...]
+    step: Callable
+    states: tuple[str, ...] = ()
+    columns: tuple[str, ...] = ()
+    amplitude: Callable | None = None
+    start: Callable | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Controller:
+    """A law with its numbers.
+
+    parameters: name -> scalar, or (lanes,) array with a value a lane. tables: none, one for all lanes, or several of
+    one grid of knots. table (lanes,): which of the tables a lane uses; the first where absent. reversal: distance back
+    that counts as a reversal, in SI; three encoder counts where absent.
+    """
+
+    name: str
+    law: Law
+    parameters: Mapping[str, float | np.ndarray] = field(default_factory=dict)
+    tables: tuple[Table, ...] = ()
+    table: np.ndarray | None = None
+    reversal: float | None = None
+
+    def __post_init__(self):
+        object.__setattr__(self, "parameters", MappingProxyType(dict(self.parameters)))
+        for name, value in self.parameters.items():
+            if not np.isfinite(value).all():
+                raise WorkbenchError(f"controller '{self.name}': {name} is not finite.")
+        if len({t.grid for t in self.tables}) > 1:
+            raise WorkbenchError(f"controller '{self.name}': its tables have different knots; use one grid for all.")

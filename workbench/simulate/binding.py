@@ -1,0 +1,215 @@
+"""Numbers put to a design: which vary over lanes, where each row starts, and how long the loop runs."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from workbench import effect as fx
+from workbench.control.law import Controller
+from workbench.control.table import stacked
+from workbench.errors import WorkbenchError, nearest
+from workbench.kernel import arrays
+from workbench.plant import Plant
+from workbench.simulate import noise
+from workbench.simulate.criteria import Criteria
+from workbench.simulate.design import Design, Piece, design
+from workbench.simulate.dynamics import SOFT, constants_of
+from workbench.simulate.scenario import Loop, ScenarioArrays
+
+BACK = 3  # encoder counts back that count as a reversal
+NEVER = -2.0  # k_settled before anything is settled; -1 is the sample before the first
+
+
+@dataclass(frozen=True, eq=False)
+class Bound:
+    """A design with its numbers.
+
+    frontier: for each piece, the values (scalar or (lanes,)) that it takes from constants. initial: row -> value.
+    strength: noise over noise.SIGMA. delays: whole substeps. rows_of_tables, base: tables, and first row of each lane's.
+    """
+
+    design: Design
+    loop: Loop
+    scenarios: ScenarioArrays
+    frontier: tuple[tuple, ...]
+    initial: dict[str, np.ndarray | float]
+    delays: np.ndarray
+    strength: np.ndarray
+    table: np.ndarray
+    base: np.ndarray
+    grid: tuple[int, int]
+    drive: np.ndarray | None
+    samples: int
+    window_from: int
+
+    @property
+    def lanes(self) -> int:
+        return self.scenarios.lanes
+
+
+def evaluated(piece: Piece, values: dict) -> tuple:
+    """Return what a piece takes from constants; WorkbenchError where it is not a number."""
+    result = arrays.evaluate(piece.before, [values[n] for n in piece.constants])[0]
+    for value in result:
+        if np.isnan(value).any():
+            raise WorkbenchError(
+                "the plant's or the controller's numbers combine to something that is not a number: look for "
+                "a parameter that is zero where another is divided by it."
+            )
+    return tuple(result)
+
+
+def samples_of(duration: float, loop: Loop) -> int:
+    """Return the number of samples in `duration` seconds."""
+    if not (np.isfinite(duration) and duration > 0.0):
+        raise WorkbenchError(f"the simulation's duration is {duration:g} s; it must be positive.")
+    return max(int(round(duration / loop.sample_time)), 1)
+
+
+def delays_of(plant: Plant, loop: Loop, scenarios: ScenarioArrays) -> np.ndarray:
+    """Return the delay of the command in whole substeps, scalar or (lanes,): the loop's, the plant's, the scenario's."""
+    total = loop.delay + scenarios.delay
+    for e in plant.effects:
+        if e.port == fx.TIME and e.at == "command":
+            if e.reads or "delay" not in e.parameters:
+                raise WorkbenchError(f"effect '{e.name}' is a delay that changes with time; it cannot be simulated.")
+            total = total + e.parameters["delay"].value
+    return np.floor(total / loop.substep + 0.5).astype(np.int64)
+
+
+def factors(scenarios: ScenarioArrays) -> dict:
+    """Scenario fields as constants of the design."""
+    names = ("target", "inertia", "friction", "load", "phase", "load_inertia")
+    return {n: getattr(scenarios, n)[()] for n in names}
+
+
+def limits(plant: Plant, loop: Loop) -> dict[str, float]:
+    """Constants of the loop and the drive."""
+    return {
+        "limit": plant.limits.drive,
+        "speed_slope": 1.0 / (SOFT * plant.limits.speed),
+        "sample_time": loop.sample_time,
+        "sample_rate": 1.0 / loop.sample_time,
+        "h": loop.substep,
+        "smoothing": loop.smoothing,
+        "count": loop.resolution,
+    }
+
+
+def of_controller(controller: Controller, lanes: int) -> dict:
+    """Constants of the law and of its table's ends."""
+    missing = set(controller.law.parameters) - set(controller.parameters)
+    if missing:
+        raise WorkbenchError(f"controller '{controller.name}': {sorted(missing)[0]} is not given.")
+    values = {}
+    for name, value in controller.parameters.items():
+        if name not in controller.law.parameters:
+            raise WorkbenchError(
+                f"controller '{controller.name}': unknown parameter '{name}'; {nearest(name, controller.law.parameters)}"
+            )
+        value = np.asarray(value, dtype=float)
+        if value.ndim and value.shape != (lanes,):
+            raise WorkbenchError(
+                f"controller '{controller.name}': {name} has shape {value.shape}; one value or one for each of the "
+                f"{lanes} lanes is needed."
+            )
+        values[f"law.{name}"] = value[()]
+    if controller.tables:
+        knots = controller.tables[0].knots
+        values |= {"knot.first": knots[0], "knot.last": knots[-1]}
+    return values
+
+
+def tables_of(controller: Controller | None, lanes: int):
+    """Return (rows, first row of each lane's table, (shift, offset))."""
+    if controller is None or not controller.tables:
+        return np.zeros((1, 2)), np.zeros(lanes, dtype=np.int64), (0, 0)
+    which = np.zeros(lanes, dtype=np.int64) if controller.table is None else controller.table
+    if which.shape != (lanes,):
+        raise WorkbenchError(
+            f"controller '{controller.name}': one table number for each of the {lanes} lanes is needed."
+        )
+    shift, offset, knots = controller.tables[0].grid
+    return stacked(controller.tables), which * knots, (shift, offset)
+
+
+def bind(plant, loop: Loop, controller: Controller | None, scenarios: ScenarioArrays, samples: int, criteria: Criteria,
+         aim=None, drive=None) -> Bound:  # fmt: skip
+    """Return a design for `plant` (or one plant a lane) with its numbers. aim: what the band is about; the target."""
+    plants = [plant] if isinstance(plant, Plant) else list(plant)
+    lanes = scenarios.lanes
+    if len(plants) not in (1, lanes):
+        raise WorkbenchError(f"{len(plants)} plants for {lanes} scenarios: give one plant, or one for each.")
+    quantised, noisy = loop.resolution > 0.0, bool((scenarios.noise > 0.0).any())
+    made = design(plants[0], controller.law if controller else None, quantised=quantised, noisy=noisy)
+    width = max(2.0 * loop.resolution, 1e-12)
+    each = [constants_of(p, made.symbols, width) for p in plants]
+    if any(e.keys() != each[0].keys() or p.limits != plants[0].limits for e, p in zip(each, plants, strict=True)):
+        raise WorkbenchError("plants of one run must have the same effects and limits, and differ in values alone.")
+    values = each[0] if len(each) == 1 else {n: _joined([e[n] for e in each]) for n in each[0]}
+    values = values | factors(scenarios) | limits(plants[0], loop) | criteria.constants(loop)
+    values |= of_controller(controller, lanes) if controller else {}
+    back = controller.reversal if controller and controller.reversal is not None else BACK * loop.resolution
+    step = scenarios.target - scenarios.start
+    aim = values["target"] if aim is None else aim
+    values |= {
+        "back": max(back - 0.5 * loop.resolution, 0.0),  # readings are whole counts: half a count is for rounding
+        "aim": aim,
+        "band": criteria.band * np.abs(aim - scenarios.start),
+        "step_sign": np.sign(step) + 0.0,
+    }
+    check_mass(made, values, scenarios)
+    table, base, grid = tables_of(controller, lanes)
+    delays = delays_of(plants[0], loop, scenarios)
+    window = max(int(round(criteria.window / loop.sample_time)), 1)
+    return Bound(
+        design=made,
+        loop=loop,
+        scenarios=scenarios,
+        frontier=tuple(evaluated(p, values) for p in made.pieces),
+        initial=initial(made, controller, values, scenarios),
+        delays=delays,
+        strength=np.broadcast_to(scenarios.noise / noise.SIGMA, (lanes,)),
+        table=table,
+        base=base,
+        grid=grid,
+        drive=drive,
+        samples=samples,
+        window_from=max(samples - window, 0),
+    )
+
+
+def _joined(values: list[float]):
+    return values[0] if all(v == values[0] for v in values) else np.array(values)
+
+
+def check_mass(made: Design, values: dict, scenarios: ScenarioArrays) -> None:
+    """Refuse a mass that is not positive at the start."""
+    rest = {n: scenarios.start if n == "q" else 0.0 for n in made.mass.rows}
+    before = evaluated(made.mass, values)
+    mass = arrays.evaluate(made.mass.after, [rest[n] for n in made.mass.rows], before)[0][0]
+    if not (np.min(mass) > 0.0):
+        raise WorkbenchError(
+            f"the mass of the plant is {np.min(mass):g} in at least one scenario; it must be positive: "
+            "set the effect 'inertia', or the scenario's load_inertia."
+        )
+
+
+def initial(made: Design, controller: Controller | None, values: dict, scenarios: ScenarioArrays) -> dict:
+    """Return row -> value at the start: at rest, every memory empty, the reading that of the start position."""
+    start = {n: scenarios.start if n == "q" else 0.0 for n in made.start.rows}
+    y = arrays.evaluate(made.start.after, [start[n] for n in made.start.rows], evaluated(made.start, values))[0][0]
+    rows = {
+        "q": scenarios.start,
+        "y": y,
+        "furthest": y,
+        "turned": y,
+        "share": 1.0,
+        "k_outside": -1.0,
+        "k_astray": -1.0,
+        "k_settled": NEVER,
+        "peak": scenarios.start * values["step_sign"],
+    }
+    if controller is not None and controller.law.start is not None:
+        rows |= {f"law.{n}": v for n, v in controller.law.start(values["target"], y).items()}
+    return rows

@@ -1,0 +1,104 @@
+"""The two calls: a controlled loop over scenarios, and a plant under a given drive."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from workbench.control.law import Controller
+from workbench.errors import WorkbenchError, nearest
+from workbench.plant import Plant
+from workbench.simulate.binding import Bound, bind, samples_of
+from workbench.simulate.criteria import Criteria
+from workbench.simulate.metrics import Metrics, Trajectories, entry_time, finished
+from workbench.simulate.run import LANES, run_lanes
+from workbench.simulate.scenario import Loop, Scenario, ScenarioArrays, arrays_of
+
+
+def named(bound: Bound, record: Sequence[str]) -> tuple[str, ...]:
+    """Return the rows to record; "u" is the command after its limit, "kp" and "kd" those in use where they are scheduled."""
+    known = {n.removeprefix("gain."): n for n in bound.design.rows} | {"u": "u_c"}
+    for name in record:
+        if name not in known:
+            raise WorkbenchError(f"there is no signal '{name}' to record; {nearest(name, known)}")
+    return tuple(known[n] for n in record)
+
+
+def simulate(
+    plant: Plant | Sequence[Plant],
+    loop: Loop,
+    controller: Controller,
+    scenarios: Sequence[Scenario] | ScenarioArrays,
+    duration: float,
+    record: Sequence[str] = (),
+    *,
+    every: int = 1,
+    own: bool = False,
+    criteria: Criteria | None = None,
+    threads: int | None = None,
+    lanes: int = LANES,
+) -> Metrics:
+    """Return the metrics of a closed loop in every scenario, from rest at each one's start.
+
+    plant: one, or one a scenario (same effects, other values). controller: its gains may vary over scenarios. duration: s.
+    record: signals to keep ("q", "v", "y", "vh", "u", "kp", "kd", "amplitude", an effect's state "key.x[0]"), every so
+    many samples. own: run a second time for time_own. threads: how many share the work (the result is the same); all
+    cores where absent. lanes: scenarios that one kernel moves side by side.
+
+    Raises WorkbenchError for a plant that has no forward dynamics (no inertia, not affine in acceleration, an implicit
+    cycle, two masses), a duration that is not positive, no scenarios, or numbers of another length than the scenarios. A
+    run that goes to infinity is no error: its metrics are infinite and `finite` is False.
+    """
+    criteria = criteria or Criteria()
+    arrays = arrays_of(scenarios)
+    samples = samples_of(duration, loop)
+    bound = bind(plant, loop, controller, arrays, samples, criteria)
+    final, kept = run_lanes(bound, named(bound, record), every, lanes, threads)
+    metrics = finished(bound, final, criteria.band, _trajectories(bound, record, every, kept))
+    if not own:
+        return metrics
+    aim = np.where(metrics.finite, metrics.final_position, arrays.target)
+    second = bind(plant, loop, controller, arrays, samples, criteria, aim=aim)
+    again, _ = run_lanes(second, (), 1, lanes, threads)
+    band = criteria.band * np.abs(aim - arrays.start)
+    time = np.where(metrics.finite, entry_time(again, aim, band, loop.sample_time), np.inf)
+    return replace(metrics, time_own=time)
+
+
+def _trajectories(bound: Bound, record, every: int, kept) -> Trajectories | None:
+    if not record:
+        return None
+    time = np.arange(0, bound.samples, every) * bound.loop.sample_time
+    return Trajectories(time, {name: kept[:, i] for i, name in enumerate(record)})
+
+
+def open_loop(
+    plant: Plant,
+    drive: np.ndarray,
+    dt: float,
+    substeps: int = 2,
+    *,
+    scenarios: Sequence[Scenario] | ScenarioArrays | None = None,
+    resolution: float = 0.0,
+    record: Sequence[str] = (),
+    threads: int | None = None,
+    lanes: int = LANES,
+) -> Trajectories:
+    """Return time (n,), "q", "v", "y" and `record` (n, lanes) under a given drive, held over each sample.
+
+    drive: (n, lanes) or (n,) commands in N*m or N, before the plant's own command maps. Sample k is the state at k dt,
+    before drive[k] acts. Without scenarios every lane starts at rest at zero. Errors as for `simulate`.
+    """
+    drive = np.asarray(drive, dtype=float)
+    drive = drive[:, None] if drive.ndim == 1 else drive
+    if not drive.size or not np.isfinite(drive).all():
+        raise WorkbenchError("the drive of an open loop needs one finite value or more a lane.")
+    arrays = ScenarioArrays(drive.shape[1]) if scenarios is None else arrays_of(scenarios)
+    if arrays.lanes != drive.shape[1]:
+        raise WorkbenchError(f"the drive has {drive.shape[1]} columns for {arrays.lanes} scenarios.")
+    limited = np.clip(drive, -plant.limits.drive, plant.limits.drive)
+    loop = Loop(dt, substeps, resolution=resolution)
+    bound = bind(plant, loop, None, arrays, len(drive), Criteria(), drive=limited)
+    names = tuple(dict.fromkeys(("q", "v", "y", *record)))
+    _, kept = run_lanes(bound, named(bound, names), 1, lanes, threads)
+    return _trajectories(bound, names, 1, kept)

@@ -1,0 +1,129 @@
+"""What happens once a sample: reading, velocity, reversals, the law, and the running metrics.
+
+The reading is res floor(q/res + phase); the velocity a filtered backward difference. A reversal is found where the reading
+has come back by more than `back` from its furthest point since the last one; from rest, any motion by as much is a start.
+"""
+
+import casadi as ca
+
+from workbench.control.law import Law
+from workbench.effect import namespace
+from workbench.effects.elementary import absolute, clip, maximum, where
+from workbench.simulate.dynamics import Symbols, call, fixed_signals, sensor_maps
+
+AMPLITUDE = "amplitude"
+
+
+def reading(effects, symbols: Symbols, *, quantised: bool) -> dict[str, ca.SX]:
+    """Return name -> value: "y", and the next states of sensor maps."""
+    q = symbols.state("q")
+    after: dict[str, ca.SX] = {}
+    signals = fixed_signals(symbols) | {"v": symbols.state("v"), "dt": symbols.constant("sample_time")}
+    y = q
+    for e in sensor_maps(effects):
+        moved, y, _ = call(e, signals | {"q": y}, symbols)
+        after |= moved
+    if quantised:
+        count = symbols.constant("count")
+        y = count * ca.floor(y / count + symbols.constant("phase"))
+    return {"y": y, **after}
+
+
+def velocity(symbols: Symbols, y: ca.SX) -> dict[str, ca.SX]:
+    """vh <- vh + (1 - exp(-Ts/tf)) ((y - y_before)/Ts - vh)."""
+    vh = symbols.state("vh")
+    rate = (y - symbols.state("y")) * symbols.constant("sample_rate")
+    return {"vh": vh + symbols.constant("smoothing") * (rate - vh)}
+
+
+def reversals(symbols: Symbols, y: ca.SX) -> tuple[dict[str, ca.SX], ca.SX]:
+    """Return name -> next state of the detector (furthest, way, turned, share, reversals), and 1 where one is found.
+
+    way: -1, 0 (at rest), 1. turned: the reading at the last reversal, at first the first reading. share: 1 from rest and
+    1/2 after a reversal, the amplitude of the equivalent motion over the stroke.
+    """
+    furthest, way, turned, share, count = (
+        symbols.state(n) for n in ("furthest", "way", "turned", "share", "reversals")
+    )
+    delta = y - furthest
+    onward = way * delta > 0.0
+    other = ca.logic_and(way * delta <= 0.0, symbols.constant("back") < absolute(delta))
+    found = ca.logic_and(other, way != 0.0)
+    after = {
+        "furthest": where(ca.logic_or(onward, other), y, furthest),
+        "way": where(other, (delta > 0.0) - (delta < 0.0), way),
+        "turned": where(other, furthest, turned),
+        "share": where(found, 0.5, share),
+        "reversals": count + found,
+    }
+    return after, found
+
+
+def control_signals(symbols: Symbols, y: ca.SX, vh: ca.SX) -> dict[str, ca.SX]:
+    """What a law reads."""
+    r = symbols.constant("target")
+    constants = {n: symbols.constant(n) for n in ("limit", "count")}
+    return {"r": r, "y": y, "vh": vh, "e": r - y, "dt": symbols.constant("sample_time"), **constants}
+
+
+def law_parts(law: Law, symbols: Symbols):
+    """Return the law's states and parameters as namespaces."""
+    z = namespace(**{n: symbols.state(f"law.{n}") for n in law.states})
+    return z, namespace(**{n: symbols.constant(f"law.{n}") for n in law.parameters})
+
+
+def sense(effects, law: Law | None, symbols: Symbols, *, quantised: bool) -> dict[str, ca.SX]:
+    """Reading, velocity, reversals and, for a law with a table, where to look up."""
+    out = reading(effects, symbols, quantised=quantised)
+    y = out["y"]
+    out |= velocity(symbols, y)
+    moved, found = reversals(symbols, y)
+    out |= moved
+    if law is not None and law.amplitude is not None:
+        z, p = law_parts(law, symbols)
+        signals = control_signals(symbols, y, out["vh"])
+        signals |= {"stroke": absolute(y - moved["turned"]), "share": moved["share"], "reversal": found}
+        states, amplitude = law.amplitude(namespace(**signals), z, p)
+        out |= {f"law.{n}": v for n, v in states.items()}
+        out[AMPLITUDE] = clip(amplitude, symbols.constant("knot.first"), symbols.constant("knot.last"))
+    return out
+
+
+def command(law: Law, symbols: Symbols) -> dict[str, ca.SX]:
+    """The law's command, limited to the drive's torque, and its next states."""
+    z, p = law_parts(law, symbols)
+    signals = control_signals(symbols, symbols.state("y"), symbols.state("vh"))
+    signals |= {n: symbols.state(f"gain.{n}") for n in law.columns}
+    states, u = law.step(namespace(**signals), z, p)
+    limit = symbols.constant("limit")
+    return {"u_c": clip(u, -limit, limit), **{f"law.{n}": v for n, v in states.items()}}
+
+
+def metrics(symbols: Symbols) -> dict[str, ca.SX]:
+    """Running metrics of one sample; workbench.simulate.metrics says what they become.
+
+    `aim` is the value that the band is about: the target, or in a second pass the final value.
+    """
+    k, window = symbols.clock("k"), symbols.clock("window")
+    q, u = symbols.state("q"), symbols.state("u_c")
+    error = symbols.constant("aim") - q
+    outside = symbols.constant("band") < absolute(error)
+    was = symbols.state("outside")
+    astray = symbols.constant("hold_band") < absolute(symbols.constant("target") - symbols.state("y"))
+    k_astray = where(astray, k, symbols.state("k_astray"))
+    settled = symbols.state("k_settled")
+    held = ca.logic_and(symbols.constant("hold") <= k - k_astray, settled < 0.0)
+    return {
+        "outside": outside,
+        "k_outside": where(outside, k, symbols.state("k_outside")),
+        "e_outside": where(outside, error, symbols.state("e_outside")),
+        "e_inside": where(was, error, symbols.state("e_inside")),
+        "k_astray": k_astray,
+        "k_settled": where(held, k_astray, settled),
+        "peak": maximum(symbols.state("peak"), q * symbols.constant("step_sign")),
+        "peak_speed": maximum(symbols.state("peak_speed"), absolute(symbols.state("v"))),
+        "peak_torque": maximum(symbols.state("peak_torque"), absolute(u)),
+        "final_error": maximum(symbols.state("final_error"), window * absolute(symbols.constant("target") - q)),
+        "sum_u": symbols.state("sum_u") + window * u,
+        "sum_uu": symbols.state("sum_uu") + window * (u * u),
+    }
