@@ -39,7 +39,10 @@ class Border:
 
 @dataclass(frozen=True)
 class Effect:
-    """See the module. motions: kinds of axis on which it exists. `linear` parameters enter the output linearly and no state; this is checked when steps are built."""
+    """See the module. motions: kinds of axis on which it exists. `linear` parameters enter the output linearly and no state;
+    this is checked when steps are built. traced: offered as what a model may lack (False: another spelling of an effect
+    that is). An effect that can be at a joint and at a sensor is the same map of both, and takes its port from `at`.
+    """
 
     name: str
     cause: str
@@ -59,8 +62,11 @@ class Effect:
     motions: tuple[str, ...] = ("rotary", "linear")
     at: str = "axis"
     border: Border | None = None
+    traced: bool = True
 
     def __post_init__(self):
+        if {"joint", "sensor"} <= set(self.places):
+            object.__setattr__(self, "port", SENSOR if self.at.startswith("sensor") else ANGLE)
         for name in ("parameters", "states"):
             object.__setattr__(self, name, MappingProxyType(dict(getattr(self, name))))
         if self.port not in PORTS:

@@ -8,7 +8,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from math import inf
 
-from workbench import effect as fx
 from workbench.effect import Effect
 from workbench.errors import WorkbenchError, nearest
 
@@ -37,9 +36,9 @@ class Limits:
 def places(kind: str, effect: Effect) -> tuple[str, ...]:
     """Return where `effect` can act on a plant of this kind ("axis"; "motor", "load", "joint"; "command"; "sensor.position")."""
     sensors = tuple(f"sensor.{s}" for s in SENSORS[: 1 if kind == ONE_MASS else 2])
-    if effect.port in (fx.FORCE, fx.ANGLE):
-        return tuple(p for p in PLACES[kind] if p in effect.places)
-    return tuple(p for p in ("command", *sensors) if p.split(".")[0] in effect.places)
+    bodies = tuple(p for p in PLACES[kind] if p in effect.places)
+    # a map that can be at a joint and at a sensor acts in the joint where there is one
+    return bodies or tuple(p for p in ("command", *sensors) if p.split(".")[0] in effect.places)
 
 
 @dataclass(frozen=True)
