@@ -1,0 +1,153 @@
+"""The cause, and the evidence for it: every candidate that was tried, ranked on data that its fit did not see."""
+
+from collections.abc import Sequence
+
+from workbench.plant import Plant
+from workbench.report import figures, numbers
+from workbench.report.contents import (
+    GOOD,
+    QUIET,
+    Chapter,
+    Figure,
+    Heading,
+    Items,
+    Marked,
+    Paragraph,
+    StudyResult,
+    Table,
+)
+from workbench.report.wording import capital, listed, parameters, said, title
+from workbench.trace.result import CAUSE, UNKNOWN, Candidate, Cause
+
+BEST = 10
+
+
+def cause(result: StudyResult) -> Chapter:
+    """Candidates, the cause with its law and parameters, and what speaks against it."""
+    trace = result.trace
+    blocks = [Paragraph(how(result)), ranked(result), table(result), *later(result)]
+    for c in trace.causes:
+        blocks += described(c, trace.after.plant)
+    if trace.verdict == UNKNOWN and trace.unknown:
+        blocks += [
+            Heading("Where it shows"),
+            Items(tuple(f"{capital(k)}: {_shown(v)}." for k, v in trace.unknown.items())),
+        ]
+    heading = "The cause and its evidence" if trace.verdict == CAUSE else "The candidates that were tried"
+    return Chapter(heading, (*blocks, *said(trace.findings)))
+
+
+def how(result: StudyResult) -> str:
+    """Say what a candidate must do."""
+    from workbench.trace.tracing import CERTAIN, SHARE
+
+    return (
+        f"{capital(numbers.count(len(result.trace.ranked)))} candidates were fitted together with the declared model: each "
+        "effect of the catalogue that can act on this axis and was not declared, and each value that was declared as fixed, "
+        "set free. A candidate counts by what it takes away on blocks of the records that its fit did not see. It earns its "
+        f"place if that is more than {numbers.percent(SHARE)} of the residual's power and more than {CERTAIN:g} times its own "
+        "scatter; of candidates that the data cannot tell apart, the one with the fewest parameters leads."
+    )
+
+
+def ranked(result: StudyResult) -> Figure:
+    """The bar chart of the first step."""
+    from workbench.trace.tracing import SHARE
+
+    best = result.trace.ranked[:BEST]
+    added = [(c.effect, c.at) for c in result.trace.causes]
+    heading = leading(best, added)
+    caption = (
+        f"Reduction of the held-out squared residual by the best {len(best)} of {len(result.trace.ranked)} candidates, each "
+        "alone beside the declared model. Error bars: one standard error over blocks."
+    )
+    alt = "A bar chart. " + " ".join(f"{capital(title(c.effect))}: {_gain(c)}." for c in best)
+    return Figure("candidates", lambda: figures.ranking(heading, best, added, SHARE), caption, alt)
+
+
+def leading(best: Sequence[Candidate], added: Sequence[tuple[str, str]]) -> str:
+    """Return what the chart shows in one sentence."""
+    if not best:
+        return "There was no candidate to try"
+    first, *rest = best
+    if not added:
+        return f"No candidate earns its place: the best, {title(first.effect)}, takes away {numbers.percent(max(first.gain, 0.0))}"
+    then = max(rest, key=lambda c: c.gain, default=None)
+    tail = f"; {title(then.effect)}, the next, {numbers.percent(max(then.gain, 0.0))}" if then else ""
+    return (
+        f"{capital(title(first.effect))} takes away {numbers.percent(first.gain)} of the held-out residual power{tail}"
+    )
+
+
+def _gain(c: Candidate) -> str:
+    return f"{numbers.plus_minus(100 * c.gain, 100 * c.scatter)}\u00a0%"
+
+
+def table(result: StudyResult) -> Table:
+    """The best ten in numbers."""
+    added = [(c.effect, c.at) for c in result.trace.causes]
+    rows = tuple(
+        (
+            str(i + 1),
+            title(c.effect),
+            c.at,
+            "value set free" if c.kind == "correction" else "new effect",
+            numbers.plus_minus(100 * c.gain, 100 * c.scatter),
+            numbers.percent(c.held_out, 3),
+            numbers.percent(c.nrmse, 3),
+            _fate(c, added),
+        )
+        for i, c in enumerate(result.trace.ranked[:BEST])
+    )
+    columns = ("rank", "candidate", "at", "what", "gain (%)", "held-out error", "fitted error", "result")
+    caption = "The candidates of the first step: held-out gain with one standard error, and the errors that they reach."
+    return Table(columns, rows, caption, "rplprrrl")
+
+
+def _fate(c: Candidate, added: Sequence[tuple[str, str]]) -> Marked | str:
+    if (c.effect, c.at) in added:
+        return Marked("added", GOOD)
+    return "earns its place" if c.earns else Marked("does not count", QUIET)
+
+
+def later(result: StudyResult) -> tuple[Items, ...]:
+    """What the following steps tried, each beside the model as the step before had left it."""
+    texts = []
+    for i, step in enumerate(result.trace.steps[1:], start=2):
+        if step:
+            c = step[0]
+            end = "was added" if c.earns else "does not earn its place, so the search ended"
+            texts.append(
+                f"Step {i}: the best of {len(step)} further candidates, {title(c.effect)} ({_gain(c)}), {end}."
+            )
+    return (Items(tuple(texts)),) if texts else ()
+
+
+def described(c: Cause, plant: Plant) -> list:
+    """One cause: its sentence, law, source, shares and parameters, and how it would be told from its rivals."""
+    effect = plant[f"{c.effect}@{c.at}"]
+    facts = [
+        ("Acts at", c.at),
+        ("Physical cause", effect.cause),
+        ("Law", effect.formula),
+        ("Source", effect.source),
+        ("Explains, on identification", f"{numbers.percent(c.share_identification, 3)} of the residual's power"),
+        ("Explains, on validation", f"{numbers.percent(c.share_validation, 3)} of the residual's power"),
+    ]
+    if c.rivals:
+        facts.append(("Hardly told apart from", listed([title(r) for r in c.rivals])))
+    if c.experiment:
+        facts.append(("Experiment that decides", c.experiment))
+    name = capital(title(c.effect))
+    return [
+        Heading(name),
+        Paragraph(c.sentence),
+        Table(
+            ("fact", "what is known"), tuple((Marked(k, "strong"), v) for k, v in facts), f"{name}: what it is.", "lp"
+        ),
+        parameters(c.parameters, f"{name}: its parameters with 95 % intervals."),
+    ]
+
+
+def _shown(value: object) -> str:
+    return numbers.number(value) if isinstance(value, int | float) else str(value)

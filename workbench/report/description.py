@@ -1,0 +1,69 @@
+"""Equivalent stiffness and loss over amplitude: what a controller sees of the nonlinearity."""
+
+import numpy as np
+
+from workbench.report import figures, numbers
+from workbench.report.contents import Chapter, Figure, Paragraph, StudyResult, Table
+from workbench.report.wording import capital, listed, title
+
+ROWS = 8
+
+
+def description(result: StudyResult) -> Chapter:
+    """The curves, and a small table of them."""
+    names = listed([title(e.name) for e, _ in result.equivalent])
+    text = (
+        f"Under a sinusoidal motion of amplitude A, {names} {'acts' if len(result.equivalent) == 1 else 'act'} in the first "
+        "harmonic like a spring k\u2091 with a damper c\u2091. A is zero to peak, half of the stroke between reversals. The loss "
+        "c\u2091\u03c9 does not depend on frequency where the effect does not; the energy lost in a cycle is \u03c0A\u00b2c\u2091\u03c9."
+    )
+    return Chapter("Equivalent stiffness and loss over amplitude", (Paragraph(text), drawn(result), table(result)))
+
+
+def drawn(result: StudyResult) -> Figure:
+    """Stiffness and loss over amplitude."""
+    curves = [(title(e.name), q) for e, q in result.equivalent]
+    heading = falling(result)
+    caption = f"Equivalent stiffness (top) and loss (bottom) over amplitude, of {listed([n for n, _ in curves])}."
+    draw = lambda: figures.description(heading, curves, result.plant.rotary)  # noqa: E731
+    return Figure("equivalent", draw, caption, f"Two graphs over amplitude. {heading}.")
+
+
+def falling(result: StudyResult) -> str:
+    """Say by how much the stiffness changes over the amplitudes, for the effect in which it changes most."""
+    unit = result.plant.displacement
+
+    def change(pair) -> float:
+        first, last = (abs(float(pair[1].stiffness[i])) for i in (0, -1))
+        return first / last if first > 0 and last > 0 else 1.0
+
+    effect, q = max(result.equivalent, key=lambda pair: abs(np.log(change(pair))))
+    ratio = change((effect, q))
+    low, high = (numbers.scaled(float(q.amplitude[i]), unit, 2) for i in (0, -1))
+    if 0.9 < ratio < 1.1:
+        return f"Equivalent stiffness hardly changes from {low} to {high}"
+    verb = "falls" if ratio > 1 else "rises"
+    first, last = (numbers.quantity(float(q.stiffness[i]), f"{result.plant.effort}/{unit}") for i in (0, -1))
+    return f"Stiffness of {title(effect.name)} {verb} from {first} at {low} to {last} at {high}"
+
+
+def table(result: StudyResult) -> Table:
+    """A few amplitudes of each curve."""
+    rotary = result.plant.rotary
+    unit = "N\u00b7m/rad" if rotary else "N/m"
+    rows = []
+    for effect, q in result.equivalent:
+        for k, i in enumerate(np.unique(np.linspace(0, q.amplitude.size - 1, ROWS).astype(int))):
+            values = (float(a[i]) for a in (q.stiffness, q.loss))
+            amplitude = numbers.scaled(float(q.amplitude[i]), result.plant.displacement)
+            loss_factor = numbers.number(float(q.loss[i] / q.stiffness[i]), 2) if q.stiffness[i] else "\u2013"
+            name = capital(title(effect.name)) if k == 0 else ""
+            rows.append((name, amplitude, *map(numbers.number, values), loss_factor))
+    columns = (
+        "effect",
+        "amplitude",
+        f"k\u2091 ({unit})",
+        f"c\u2091\u03c9 ({unit})",
+        "loss factor c\u2091\u03c9 / k\u2091",
+    )
+    return Table(columns, tuple(rows), "Equivalent stiffness and loss at a few amplitudes.", "prrrr")

@@ -1,0 +1,128 @@
+"""How figures are drawn: matplotlib without its global state, and SVG that is the same bytes for the same numbers.
+
+Text stays text, so that a figure can be searched and read aloud. Colours are told apart by colour-blind readers (Okabe
+and Ito 2008) and lie apart in lightness; a page in dark mode swaps them by the style that is put into the SVG.
+"""
+
+import re
+import warnings
+from collections.abc import Callable
+from html import escape
+from io import BytesIO
+from pathlib import Path
+from textwrap import fill
+
+import numpy as np
+
+from workbench.report import numbers
+from workbench.report.wording import printable
+
+INK, MUTED, GRID = "#1f2933", "#5b6672", "#d9dee4"
+BEFORE, AFTER, MEASURED = "#d55e00", "#0b62a0", "#a6b0bb"
+SERIES = (AFTER, BEFORE, "#117a54", "#a03b7e", INK)
+STYLES = ("-", "--", "-.", ":", (0, (5, 1, 1, 1, 1, 1)))
+DARK = {INK: "#e3e8ee", MUTED: "#a6b0bb", GRID: "#3a434e", MEASURED: "#687482", BEFORE: "#ff9c4a", AFTER: "#6bb6ff", "#117a54": "#52d09b", "#a03b7e": "#f096cf"}  # fmt: skip
+
+WIDTH = 5.4  # inches: paper shows it a fifth larger, and on a telephone its type is still legible
+BINS = 700  # of a long trace: about one per pixel
+LETTERS = 78  # of a title's line
+
+SETTINGS = {
+    "svg.fonttype": "none",
+    "svg.hashsalt": "workbench",
+    "font.family": ["DejaVu Sans"],
+    "font.size": 8.2,
+    "axes.titlesize": 8.2,
+    "axes.labelsize": 8.2,
+    "legend.fontsize": 7.8,
+    "legend.frameon": False,
+    "legend.borderaxespad": 0.2,
+    "text.color": INK,
+    "axes.labelcolor": INK,
+    "axes.edgecolor": MUTED,
+    "xtick.color": MUTED,
+    "ytick.color": MUTED,
+    "xtick.labelcolor": INK,
+    "ytick.labelcolor": INK,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.linewidth": 0.7,
+    "axes.grid": True,
+    "axes.axisbelow": True,
+    "axes.formatter.useoffset": False,
+    "grid.color": GRID,
+    "grid.linewidth": 0.5,
+    "lines.linewidth": 1.2,
+    "hatch.linewidth": 0.6,
+    "savefig.transparent": True,
+}
+
+
+def fonts() -> Path:
+    """Return the folder of the fonts that matplotlib brings, with which Typst sets the text of figures too."""
+    import matplotlib
+
+    return Path(matplotlib.get_data_path(), "fonts", "ttf")
+
+
+def svg(title: str, draw: Callable, *, rows: int = 1, height: float = 2.6, share: str | bool = False) -> bytes:
+    """Return a figure under a title that says what is found. draw(axes): axes is a list, one for each row."""
+    import matplotlib
+    from matplotlib.backends.backend_svg import FigureCanvasSVG
+    from matplotlib.figure import Figure
+
+    title = printable(title)
+    with matplotlib.rc_context(), warnings.catch_warnings():
+        # text stays text: a letter that this font lacks is drawn with another one where the figure is shown
+        warnings.filterwarnings("ignore", "Glyph .* missing")
+        # what a user has set for other drawings must not enter the bytes
+        matplotlib.rcdefaults()
+        matplotlib.rcParams.update(SETTINGS)
+        figure = Figure(figsize=(WIDTH, height), layout="constrained")
+        FigureCanvasSVG(figure)
+        axes = figure.subplots(rows, 1, squeeze=False, sharex=share)[:, 0]
+        draw(list(axes))
+        figure.suptitle(fill(title, LETTERS), parse_math=False, x=0.008, ha="left", fontsize=8.9, fontweight="bold")
+        out = BytesIO()
+        figure.savefig(out, format="svg", metadata={"Date": None, "Creator": None, "Format": None, "Type": None})
+    return finished(out.getvalue().decode("utf-8"), title)
+
+
+def finished(text: str, title: str) -> bytes:
+    """Return the SVG with a title of its own, fonts to fall back on and colours for dark mode, and without its header."""
+    start = text.index("<svg")
+    text = re.sub(r"\s*<metadata>.*?</metadata>", "", text[start:], flags=re.DOTALL)
+    text = text.replace("'DejaVu Sans'", "'DejaVu Sans', Verdana, sans-serif")
+    swap = "".join(
+        f'[style*="{role}: {light}"]{{{role}:{dark} !important}}'
+        for light, dark in DARK.items()
+        for role in ("fill", "stroke")
+    )
+    # matplotlib leaves black text without a fill; all other colours are stated
+    head = f"<title>{escape(title)}</title><style>@media screen and (prefers-color-scheme: dark){{{swap}}}</style>"
+    end = text.index(">") + 1
+    return (text[:end] + head + text[end:]).encode("utf-8")
+
+
+def envelope(x: np.ndarray, y: np.ndarray, bins: int = BINS) -> tuple[np.ndarray, np.ndarray]:
+    """Return a trace thinned to the least and the largest value of each bin, in their order; short ones stay whole."""
+    if x.size <= 2 * bins:
+        return x, y
+    edges = np.linspace(0, x.size, bins + 1).astype(int)
+    index = []
+    for a, b in zip(edges[:-1], edges[1:], strict=True):
+        low, high = a + int(np.argmin(y[a:b])), a + int(np.argmax(y[a:b]))
+        index += sorted({low, high})
+    return x[index], y[index]
+
+
+def decades(axis) -> None:
+    """Label the decades of a logarithmic axis "10⁻³", as text."""
+    from matplotlib.ticker import FuncFormatter, NullFormatter
+
+    def text(value, _):
+        e = int(round(np.log10(value)))
+        return {0: "1", 1: "10"}.get(e, f"10{str(e).translate(numbers.SUPERSCRIPT)}")
+
+    axis.set_major_formatter(FuncFormatter(text))
+    axis.set_minor_formatter(NullFormatter())

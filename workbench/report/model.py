@@ -1,0 +1,47 @@
+"""The declared model and the extended one: which effects they hold, and their parameters."""
+
+from workbench.plant import Plant
+from workbench.report.contents import CODE, Chapter, Heading, Marked, Paragraph, StudyResult, Table
+from workbench.report.wording import listed, parameters, said, title
+
+HELD = "Values marked as fixed were declared as known and were not fitted."
+
+
+def declared(result: StudyResult) -> Chapter:
+    """What the engineer believes in, and what the records say about it."""
+    fit = result.trace.before
+    text = (
+        f"The model is a plant of {result.plant.kind}: at every moment the effects below together need the {result.drive} "
+        "that the drive gives. Their parameters were fitted to the identification records, all at once."
+    )
+    blocks = [
+        Paragraph(text),
+        effects(fit.plant, "The effects of the declared model."),
+        parameters(fit.estimates, f"Parameters of the declared model with 95 % intervals. {HELD}"),
+        *undetermined(fit.findings),
+    ]
+    return Chapter("The declared model", tuple(blocks))
+
+
+def extended(result: StudyResult) -> Chapter:
+    """The declared model with what it lacked: the one that all that follows is computed with."""
+    trace = result.trace
+    names = listed([title(c.effect) for c in trace.causes])
+    text = (
+        f"With {names}, all parameters were fitted again together. What a parameter moves by, from the declared to the "
+        "extended model, is the part of the missing effect that it had stood in for."
+    )
+    caption = f"Parameters of the extended model with 95 % intervals, beside the declared model's values. {HELD}"
+    blocks = (Paragraph(text), parameters(trace.after.estimates, caption, trace.before.estimates))
+    return Chapter("The extended model", (*blocks, *undetermined(trace.after.findings)))
+
+
+def undetermined(findings) -> tuple:
+    """Return the findings on parameters under a heading; nothing where all are determined."""
+    return (Heading("What these records do not determine"), *said(findings)) if findings else ()
+
+
+def effects(plant: Plant, caption: str) -> Table:
+    """Which effects a plant holds, where they act, and their laws."""
+    rows = tuple((title(e.name), e.at, Marked(e.formula, CODE), e.cause) for e in plant.effects)
+    return Table(("effect", "at", "law", "cause"), rows, caption, "llwp")

@@ -1,0 +1,139 @@
+"""The finding, and the records that it rests on."""
+
+from workbench.record import IDENTIFICATION, ROLES, VALIDATION
+from workbench.report import numbers
+from workbench.report.contents import (  # fmt: skip
+    BAD,
+    CODE,
+    GOOD,
+    PLAIN,
+    STRONG,
+    Callout,
+    Chapter,
+    Check,
+    Items,
+    Marked,
+    Paragraph,
+    Recorded,
+    StudyResult,
+    Table,
+)
+from workbench.report.wording import bound, capital, listed, said, title
+from workbench.trace.result import NOTHING, UNKNOWN, Cause
+
+TONES = {NOTHING: GOOD, UNKNOWN: BAD}
+
+
+def finding(result: StudyResult) -> Chapter:
+    """The verdict in a box, errors before and after, the requirements, and what else was found."""
+    trace = result.trace
+    blocks = [Callout(trace.sentence, TONES.get(trace.verdict, PLAIN)), errors(result)]
+    if trace.causes:
+        blocks.append(Items(tuple(sized(c) for c in trace.causes)))
+    if result.checks:
+        blocks += [
+            Callout(judged(result.checks), GOOD if all(c.passed for c in result.checks) else BAD),
+            required(result),
+        ]
+    return Chapter("The finding", (*blocks, *said(result.findings)))
+
+
+def sized(c: Cause) -> str:
+    """Return how large a cause is, and how it would be told from its rivals."""
+    values = (f"{e.meaning} {numbers.estimate(e.value, e.high - e.value, e.unit)}" for e in c.parameters)
+    text = f"{capital(title(c.effect))} acts at the {c.at}: {listed(list(values))}."
+    if c.rivals:
+        text += f" These records hardly tell it from {listed([title(r) for r in c.rivals])}."
+    return text + (f" An experiment that decides: {c.experiment.rstrip('.')}." if c.experiment else "")
+
+
+def errors(result: StudyResult) -> Table:
+    """Errors on identification and validation of the declared and the extended model, beside the noise floor."""
+    trace = result.trace
+    fits = (trace.before, trace.after) if trace.causes else (trace.before,)
+    roles = [role for role in ROLES if any(r.role == role for r in result.records)]
+    rows = []
+    for role in roles:
+        errors = [numbers.percent(getattr(f, role), 3) for f in fits]
+        rows.append((capital(role), *_stressed(errors), numbers.percent(trace.floor.get(role, float("nan")), 3)))
+    factor, unit = numbers.prefixed(max(trace.before.rms.values()), result.plant.effort)
+    for role in roles:
+        left = [numbers.number(f.rms[role] * factor) for f in fits]
+        whole = trace.before.rms[role] / getattr(trace.before, role) if getattr(trace.before, role) else float("nan")
+        least = numbers.number(trace.floor.get(role, float("nan")) * whole * factor)
+        rows.append((f"{capital(role)}, rms residual ({unit})", *_stressed(left), least))
+    models = ("declared model", "extended model")[: len(fits)]
+    caption = (
+        f"Error of the predicted {result.drive} in per cent of the measured {result.drive}, and what is left of it, both "
+        f"behind the evaluation filter ({numbers.exact(result.bandwidth)} Hz). Parameters come from the identification "
+        "records alone; the noise floor is what encoder steps and drive noise would leave of a perfect model."
+    )
+    return Table(("error", *models, "noise floor"), tuple(rows), caption, "p" + "r" * (len(models) + 1))
+
+
+def _stressed(texts: list[str]) -> tuple[str | Marked, ...]:
+    return (*texts[:-1], Marked(texts[-1], STRONG))
+
+
+def judged(checks: tuple[Check, ...]) -> str:
+    """Return one sentence on the requirements."""
+    failed = [c.name for c in checks if not c.passed]
+    if not failed:
+        return (
+            f"All {len(checks)} requirements of the study hold."
+            if len(checks) > 1
+            else "The study's requirement holds."
+        )
+    verb = "does" if len(failed) == 1 else "do"
+    return f"{len(failed)} of {len(checks)} requirements {verb} not hold: {listed(failed)}."
+
+
+def required(result: StudyResult) -> Table:
+    """Every requirement with its value and bound."""
+    rows = tuple(
+        (
+            c.name,
+            c.value if isinstance(c.value, str) else numbers.number(c.value),
+            bound(c.bound),
+            numbers.unit(c.unit),
+            Marked("passed", GOOD) if c.passed else Marked("failed", BAD),
+        )
+        for c in result.checks
+    )
+    return Table(("requirement", "value", "bound", "unit", "result"), rows, "Requirements of the study.", "prrll")
+
+
+def records(result: StudyResult) -> Chapter:
+    """What was measured, and how well each record is predicted."""
+    trace = result.trace
+    unit = numbers.unit(result.plant.effort)
+    heads = ["record", "role", "motion", "samples", "rate (Hz)", "length (s)", f"rms {result.drive} ({unit})"]
+    heads += ["declared", "extended"] if trace.causes else ["error"]
+    rows = tuple(_row(r, result) for r in result.records)
+    roles = [r.role for r in result.records]
+    text = (
+        f"The campaign has {_some(roles.count(IDENTIFICATION))} for identification, from which all parameters come, and "
+        f"{_some(roles.count(VALIDATION))} for validation, read only after the model had been chosen; together they last "
+        f"{numbers.exact(sum(r.duration for r in result.records), 3)} s."
+    )
+    caption = (
+        "The records, and the error of each model on each of them"
+        if trace.causes
+        else "The records, and the error on each"
+    )
+    return Chapter(
+        "The records", (Paragraph(text), Table(tuple(heads), rows, caption + ".", "llprrrr" + "r" * (len(heads) - 7)))
+    )
+
+
+def _some(count: int) -> str:
+    return f"{numbers.count(count)} record{'' if count == 1 else 's'}"
+
+
+def _row(r: Recorded, result: StudyResult) -> tuple[str | Marked, ...]:
+    fits = (result.trace.before, result.trace.after) if result.trace.causes else (result.trace.before,)
+    errors = (numbers.percent(f.nrmse.get(r.name, float("nan"))) for f in fits)
+    return (
+        Marked(r.name, CODE), r.role, r.motion, numbers.count(r.samples), numbers.exact(r.rate),
+        numbers.number(r.duration), numbers.number(r.drive_rms), *errors,
+    )  # fmt: skip

@@ -1,0 +1,77 @@
+"""Pieces of text that several chapters share."""
+
+import re
+from collections.abc import Iterable, Sequence
+
+from workbench.finding import Finding
+from workbench.identify.result import Estimate
+from workbench.report import numbers
+from workbench.report.contents import BAD, CODE, QUIET, Items, Marked, Table
+
+PROPER = {"stribeck": "Stribeck", "coulomb": "Coulomb", "lugre": "LuGre"}
+
+
+def title(effect: str) -> str:
+    """Return the name of an effect as it is read: "stribeck friction" of "stribeck_friction"."""
+    return " ".join(PROPER.get(word, word) for word in effect.split("_"))
+
+
+def printable(text: str) -> str:
+    """Return text without control and private characters, whose numbers do not part from their per cent sign at a line's end."""
+    text = re.sub(r"[\x00-\x08\x0b-\x1f\x7f-\x9f\ud800-\uf8ff\ufffe\uffff\U000f0000-\U0010ffff]", "", text)
+    return re.sub(r"(?<=\d) (?=%)", "\u00a0", text)
+
+
+def capital(text: str) -> str:
+    """Return text with a capital first letter; the rest stays."""
+    return text[:1].upper() + text[1:]
+
+
+def listed(texts: Sequence[str]) -> str:
+    """Return "a, b and c"."""
+    return " and ".join(p for p in (", ".join(texts[:-1]), *texts[-1:]) if p)
+
+
+def bound(text: str) -> str:
+    """Return a bound with the signs that are printed: "<= 0.11" is "≤ 0.11"."""
+    return text.replace("<=", "\u2264").replace(">=", "\u2265").replace("!=", "\u2260")
+
+
+def said(findings: Iterable[Finding]) -> tuple[Items, ...]:
+    """Return findings as a list of sentences, each with what would change it; nothing where there are none."""
+    texts = [f.sentence + (f" What would change it: {f.remedy.rstrip('.')}." if f.remedy else "") for f in findings]
+    return (Items(tuple(texts)),) if texts else ()
+
+
+def of_effects(estimates: Sequence[Estimate]) -> str:
+    """Return whether the place must be told: only where an effect or a place differs."""
+    return "at" if len({e.at for e in estimates}) > 1 else ""
+
+
+def interval(e: Estimate) -> tuple[str, str | Marked]:
+    """Return (value, 95 % interval) of an estimate as cells."""
+    value, wide = numbers.with_interval(e.value, e.low, e.high)
+    if e.fixed:
+        return value, Marked("fixed", QUIET)
+    if not wide:
+        return value, Marked("none: on its bound", BAD)
+    undetermined = not e.low * e.high > 0
+    return value, Marked(f"{wide}, not determined", BAD) if undetermined else wide
+
+
+def parameters(estimates: Sequence[Estimate], caption: str, before: Sequence[Estimate] = ()) -> Table:
+    """Return a table of parameters with their intervals; with `before`, beside what the declared model found."""
+    earlier = {(e.effect, e.at, e.parameter): interval(e)[0] for e in before}
+    rows, last = [], None
+    for e in estimates:
+        here = (e.effect, e.at)
+        name = f"{title(e.effect)} ({e.at})" if of_effects(estimates) else title(e.effect)
+        value, wide = interval(e)
+        was = (earlier.get((*here, e.parameter), Marked("\u2013", QUIET)),) if before else ()
+        first = name if here != last else ""
+        rows.append((first, Marked(e.parameter, CODE), e.meaning, *was, value, wide, numbers.unit(e.unit)))
+        last = here
+    was = ("declared model",) if before else ()
+    now = "extended model" if before else "value"
+    columns = ("effect", "parameter", "meaning", *was, now, "95 % interval", "unit")
+    return Table(columns, tuple(rows), caption, "llp" + "r" * len(was) + "rrl")

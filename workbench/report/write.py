@@ -1,0 +1,91 @@
+"""Write a report: chapters become data, and one Typst template makes both the page and the PDF of them.
+
+Nothing of the moment or the machine enters: no date, no path, no random name; fonts come from Typst and matplotlib.
+"""
+
+import json
+from collections.abc import Sequence
+from dataclasses import fields
+from importlib.resources import files
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+from workbench.report import drawing
+from workbench.report.chapters import standard
+from workbench.report.contents import Block, Chapter, Figure, Marked, StudyResult
+from workbench.report.wording import printable
+
+TEMPLATE = ("report.typ", "report.css")
+STANDARDS = ["a-3a", "ua-1"]  # archived with its structure; readable by a screen reader
+EPOCH = 0  # PDF/A wants a date: the same one always
+
+
+def write(result: StudyResult, folder: Path) -> None:
+    """Write report.html, report.pdf and figures/*.svg into an existing folder; the same bytes for the same result."""
+    chapters = standard(result)
+    figures = drawn(chapters)
+    data = {
+        "title": result.title,
+        "name": result.name,
+        "question": result.question,
+        "campaign": result.campaign,
+        "chapters": [{"title": c.title, "blocks": [as_data(b) for b in c.blocks]} for c in chapters],
+    }
+    (folder / "figures").mkdir(exist_ok=True)
+    for name, svg in figures.items():
+        (folder / "figures" / name).write_bytes(svg)
+    for name, content in compiled(data, figures).items():
+        (folder / name).write_bytes(content)
+
+
+def drawn(chapters: Sequence[Chapter]) -> dict[str, bytes]:
+    """Return file name -> SVG of every figure."""
+    figures = {}
+    for block in (b for c in chapters for b in c.blocks if isinstance(b, Figure)):
+        name = f"{block.name}.svg"
+        if name in figures:
+            raise ValueError(f"Two figures of the report are named '{block.name}'.")
+        figures[name] = block.svg() if callable(block.svg) else block.svg
+    return figures
+
+
+def as_data(block: Block) -> dict:
+    """Return a block as JSON data for the template; a figure names its file."""
+    data = {f.name: getattr(block, f.name) for f in fields(block)}
+    if isinstance(block, Figure):
+        data["svg"] = f"{block.name}.svg"
+    return {"kind": type(block).__name__.lower(), **data}
+
+
+def plain(value):
+    """Return data as JSON holds it: every string printable, marked text as an object."""
+    if isinstance(value, str):
+        return printable(value)
+    if isinstance(value, Marked):
+        return {"text": printable(value.text), "tone": value.tone}
+    if isinstance(value, dict):
+        return {k: plain(v) for k, v in value.items()}
+    return [plain(v) for v in value]
+
+
+def compiled(data: dict, figures: dict[str, bytes]) -> dict[str, bytes]:
+    """Return file name -> content of the page and the PDF."""
+    import typst
+
+    with TemporaryDirectory() as place:
+        root = Path(place)
+        for name in TEMPLATE:
+            (root / name).write_bytes(files("workbench.report").joinpath(name).read_bytes())
+        for name, svg in figures.items():
+            (root / name).write_bytes(svg)
+        (root / "report.json").write_text(json.dumps(plain(data)), encoding="utf-8")
+
+        def one(kind: str, **options) -> bytes:
+            # with warnings, so that "HTML export is under development" is not printed on every run
+            made, _ = typst.compile_with_warnings(
+                str(root / TEMPLATE[0]), root=place, format=kind, sys_inputs={"format": kind}, timestamp=EPOCH,
+                font_paths=[str(drawing.fonts())], ignore_system_fonts=True, **options,
+            )  # fmt: skip
+            return made
+
+        return {"report.html": one("html"), "report.pdf": one("pdf", pdf_standards=STANDARDS)}
