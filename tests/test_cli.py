@@ -1,0 +1,104 @@
+"""The command line: verbs, exit codes, sentences."""
+
+import json
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from workbench.cli import main
+
+ROOT = Path(__file__).resolve().parent.parent
+CAMPAIGN = ROOT / "studies" / "harmonic_drive_axis" / "campaign"
+
+
+def test_help_names_every_verb(capsys):
+    with pytest.raises(SystemExit) as stopped:
+        main(["--help"])
+    assert stopped.value.code == 0
+    said = capsys.readouterr().out
+    for verb in ("run", "trace", "effects"):
+        assert verb in said
+
+
+def test_without_a_verb_the_help_is_shown_and_the_exit_code_is_2(capsys):
+    assert main([]) == 2 and "usage" in capsys.readouterr().out
+
+
+def test_effects_lists_names_formulas_units_and_causes(capsys):
+    assert main(["effects"]) == 0
+    said = capsys.readouterr().out
+    from workbench.effect import catalogue
+
+    for e in catalogue().values():
+        assert e.name in said and e.formula in said and e.cause in said
+
+
+def test_an_unknown_effect_is_answered_with_the_nearest(capsys):
+    assert main(["effects", "stribek_friction"]) == 2
+    assert "stribeck_friction" in capsys.readouterr().err
+
+
+def test_an_unknown_study_is_answered_with_one_sentence_and_no_traceback(capsys, monkeypatch):
+    monkeypatch.chdir(ROOT)
+    assert main(["run", "harmonic_drive_axes"]) == 2
+    said = capsys.readouterr().err
+    assert "harmonic_drive_axis" in said and "Traceback" not in said and said.count("\n") == 1
+
+
+def test_a_folder_without_a_campaign_is_refused_and_nothing_is_written(tmp_path, capsys):
+    assert main(["trace", str(tmp_path), "--out", str(tmp_path / "out")]) == 2
+    assert "campaign.toml" in capsys.readouterr().err and not (tmp_path / "out").exists()
+
+
+def test_an_internal_error_has_an_exit_code_of_its_own(monkeypatch, capsys):
+    import workbench.cli as cli
+
+    def broken(given):
+        raise RuntimeError("broken")
+
+    monkeypatch.setattr(cli, "do_effects", broken)
+    assert main(["effects"]) == 70
+    assert "internal error" in capsys.readouterr().err
+
+
+def test_trace_writes_what_the_format_asks_for(tmp_path, capsys):
+    out = tmp_path / "out"
+    assert main(["trace", str(CAMPAIGN), "--out", str(out)]) == 0
+    said = capsys.readouterr().out
+    trace = json.loads((out / "trace.json").read_text())
+    assert trace["verdict"] == "cause" and trace["ranked"][0] == "stribeck_friction" == trace["added"][0]
+    assert trace["sentence"] in said
+    assert set(trace["nrmse"]) == {"identification", "validation"}
+    assert trace["nrmse"]["validation"]["after"] < trace["nrmse"]["validation"]["before"]
+    cause = trace["causes"][0]
+    assert cause["at"] == "axis" and set(cause["parameters"]) == {"drop", "speed"}
+    low, high = cause["parameters"]["speed"]["interval_95"]
+    assert low < cause["parameters"]["speed"]["value"] < high
+    for path in trace["predictions"].values():
+        assert (out / path).read_text().startswith("time_s,prediction\n")
+
+
+def test_a_record_cut_short_is_refused_with_its_row_and_the_earlier_output_stays(tmp_path, capsys):
+    folder, out = tmp_path / "campaign", tmp_path / "out"
+    shutil.copytree(CAMPAIGN, folder)
+    out.mkdir()
+    (out / "trace.json").write_text("earlier")
+    import gzip
+
+    record = folder / "val_moves.csv.gz"
+    lines = gzip.decompress(record.read_bytes()).decode().splitlines()
+    lines[500] = lines[500].rsplit(",", 1)[0]
+    record.write_bytes(gzip.compress("\n".join(lines).encode()))
+    assert main(["trace", str(folder), "--out", str(out)]) == 2
+    said = capsys.readouterr().err
+    assert "val_moves" in said and "501" in said
+    assert (out / "trace.json").read_text() == "earlier"
+
+
+def test_help_imports_nothing_heavy():
+    code = "import sys; from workbench.cli import parser; parser(); print([m for m in ('numpy', 'casadi', 'numba') if m in sys.modules])"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, cwd=ROOT)
+    assert done.stdout.strip() == "[]", done.stderr

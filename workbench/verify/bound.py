@@ -1,0 +1,71 @@
+"""The time-optimal bound: full torque, full speed, full braking with the help of friction, at rest on the target."""
+
+import numpy as np
+
+from workbench.identify.passes import Passes, required
+from workbench.plant import Plant
+from workbench.verify.equivalent import friction_of
+
+POINTS = 400  # of speed
+SLIDING = 400  # samples over which friction with memory comes to sliding
+
+
+def sliding_torque(plant: Plant, speeds: np.ndarray, counts: float) -> np.ndarray:
+    """Return the torque or force of all friction when sliding forward at each speed (n,), N*m or N."""
+    from types import SimpleNamespace
+
+    rest, _, viscous = friction_of(plant)
+    reach = max((10.0 * e.parameters["x0"].value for e in rest.effects if "x0" in e.parameters), default=100 * counts)
+    result = np.empty(speeds.size)
+    ones = np.ones(SLIDING)
+    for i, v in enumerate(speeds):
+        motion = SimpleNamespace(
+            q=0.0 * ones, dq=reach / SLIDING * ones, v=v * ones, a=0.0 * ones, t=np.arange(SLIDING) * 1e-3, dt=1e-3,
+            u=0.0 * ones, counts=counts, record=SimpleNamespace(channels={}, name="sliding"),
+        )  # fmt: skip
+        result[i] = required(Passes(motion), rest)[-1] + viscous * v
+    return result
+
+
+def time_optimal(
+    plant: Plant, step: float, *, load_inertia: float = 0.0, counts: float = 1e-6, band: float = 0.01, speeds=None
+) -> float:
+    """Return the least time in s in which a step (rad or m, from rest) can enter the band about the target to stay there.
+
+    Bang-bang with the plant's torque and speed limits, sliding friction helping the brake, and the axis at rest exactly
+    on the target; the time counts to the edge of the band. Forces that depend on position are left out.
+    """
+    _, inertia, _ = friction_of(plant)
+    mass, step = inertia + load_inertia, abs(step)
+    drive, fastest = plant.limits.drive, plant.limits.speed
+    v = np.linspace(0.0, 1.0, POINTS) * min(fastest, np.sqrt(2 * drive * step / mass))
+    coarse = np.linspace(0.0, v[-1], 24)
+    friction = np.interp(v, coarse, sliding_torque(plant, coarse, counts))
+    speeding, braking = (drive - friction) / mass, (drive + friction) / mass
+    if np.any(speeding <= 0.0):
+        v = v[: np.argmax(speeding <= 0.0)]
+        speeding, braking = speeding[: v.size], braking[: v.size]
+    run_up, run_down = _distance(v, speeding), _distance(v, braking)
+    time_up, time_down = _time(v, speeding), _time(v, braking)
+    total = run_up + run_down
+    if total[-1] >= step:  # the speed limit is not reached: switch where both branches meet
+        top = float(np.interp(step, total, v))
+        rise, fall = float(np.interp(top, v, time_up)), float(np.interp(top, v, time_down))
+    else:
+        top = v[-1]
+        rise, fall = time_up[-1] + (step - total[-1]) / top, time_down[-1]
+    # the last stretch, inside the band, does not count
+    crossing = float(np.interp(band * step, run_down, v))
+    return rise + fall - float(np.interp(crossing, v, time_down))
+
+
+def _distance(v: np.ndarray, acceleration: np.ndarray) -> np.ndarray:
+    """Distance from rest to each speed: integral of v/a dv."""
+    y = v / acceleration
+    return np.concatenate([[0.0], np.cumsum(np.diff(v) * (y[1:] + y[:-1]) / 2)])
+
+
+def _time(v: np.ndarray, acceleration: np.ndarray) -> np.ndarray:
+    """Time from rest to each speed: integral of 1/a dv."""
+    y = 1.0 / acceleration
+    return np.concatenate([[0.0], np.cumsum(np.diff(v) * (y[1:] + y[:-1]) / 2)])

@@ -1,0 +1,101 @@
+"""Controllers side by side: the same steps with and without load, and sentences on who beats whom, and on what."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from workbench.finding import Finding
+from workbench.simulate import Metrics
+from workbench.verify.task import Task
+
+PHASES = 8  # encoder phases and noise seeds that a row is the worst of
+LEVEL = {"time": 0.01, "error": 0.25}  # relative differences below which two controllers count as equal
+
+
+@dataclass(frozen=True)
+class Row:
+    """One controller under one load; the worst over PHASES encoder phases, SI. error_counts: in encoder counts."""
+
+    controller: str
+    load_inertia: float
+    time_1pct: float
+    bound: float
+    overshoot: float
+    final_error: float
+    error_counts: float
+    settling: float
+    peak_torque: float
+    ripple: float
+
+    @property
+    def over_bound(self) -> float:
+        """1 % time over the time-optimal bound."""
+        return self.time_1pct / self.bound
+
+
+@dataclass(frozen=True, eq=False)
+class Comparison:
+    """rows: every controller under every load. sentences: which baseline is beaten on what, and which is not."""
+
+    rows: tuple[Row, ...]
+    findings: tuple[Finding, ...]
+
+    def row(self, controller: str, load_inertia: float = 0.0) -> Row:
+        return next(r for r in self.rows if r.controller == controller and r.load_inertia == load_inertia)
+
+
+def compare(task: Task, controllers: Mapping[str, object]) -> Comparison:
+    """Run every controller (name -> maker(lanes) of a Controller) under every load of the task."""
+    rows = []
+    for load in task.load_inertias:
+        scenarios = task.scenarios(load_inertias=(load,), frictions=(1.0,), inertias=(1.0,), phases=PHASES)
+        bound = task.bound(load)
+        for name, maker in controllers.items():
+            rows.append(_row(task, name, load, bound, task.run(maker(scenarios.lanes), scenarios)))
+    return Comparison(tuple(rows), ())
+
+
+def _row(task: Task, name: str, load: float, bound: float, m: Metrics) -> Row:
+    error = float(np.max(m.final_error))
+    return Row(
+        name, load, float(np.max(m.time_1pct)), bound, float(np.max(m.overshoot)), error,
+        error / task.loop.resolution if task.loop.resolution else float("nan"), float(np.max(m.settling)),
+        float(np.max(m.peak_torque)), float(np.max(m.ripple)),
+    )  # fmt: skip
+
+
+def verdicts(comparison: Comparison, ours: str, baselines: Sequence[str]) -> Comparison:
+    """Return the comparison with a finding for each baseline and load: where `ours` is better, equal or worse."""
+    found = []
+    for load in dict.fromkeys(r.load_inertia for r in comparison.rows):
+        mine = comparison.row(ours, load)
+        where = "with the load" if load else "without load"
+        for name in baselines:
+            other = comparison.row(name, load)
+            time = _word(mine.time_1pct, other.time_1pct, LEVEL["time"], "faster", "slower", "as fast")
+            error = _word(
+                mine.final_error, other.final_error, LEVEL["error"], "more accurate", "less accurate", "as accurate"
+            )
+            found.append(
+                Finding(
+                    "comparison", f"{ours} against {name}",
+                    f"{where.capitalize()}, {ours} is {time} and {error} than {name}: 1 % time {_ms(mine.time_1pct)} against "
+                    f"{_ms(other.time_1pct)}, final error {mine.final_error:.2g} against {other.final_error:.2g} "
+                    f"({mine.error_counts:.1f} against {other.error_counts:.1f} counts).",
+                    {"time": mine.time_1pct, "time_other": other.time_1pct, "error": mine.final_error, "error_other": other.final_error},
+                )
+            )  # fmt: skip
+    return Comparison(comparison.rows, tuple(found))
+
+
+def _ms(seconds: float) -> str:
+    return f"{1e3 * seconds:.1f} ms" if np.isfinite(seconds) else "never"
+
+
+def _word(mine: float, other: float, level: float, better: str, worse: str, equal: str) -> str:
+    if not np.isfinite(other) and not np.isfinite(mine):
+        return equal
+    if mine < other * (1 - level):
+        return better
+    return worse if mine > other * (1 + level) else f"no {better}, no {worse}"

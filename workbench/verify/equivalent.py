@@ -1,0 +1,56 @@
+"""The equivalent stiffness and loss of all friction of a plant together, by the settled first harmonic of its forces.
+
+Effects that read the direction (Stribeck, asymmetry) have no describing function of their own: they ride on the hysteresis.
+So the forces are stepped together through q = A cos(w t), as identification steps them along a record.
+"""
+
+from collections.abc import Sequence
+from types import SimpleNamespace
+
+import numpy as np
+
+from workbench import effect as fx
+from workbench.describe import Equivalent
+from workbench.identify.passes import Passes, required
+from workbench.plant import Plant
+
+CYCLES = 3  # the last one is taken: a hysteresis is settled after the first reversal pair
+SAMPLES = 1024  # a cycle
+
+
+def friction_of(plant: Plant) -> tuple[Plant, float, float]:
+    """Return (plant with only forces that are neither inertia nor linear viscous, inertia, viscous coefficient), SI."""
+    inertia = sum(e.parameters["inertia"].value for e in plant.effects if e.name == "inertia")
+    viscous = sum(e.parameters["viscous"].value for e in plant.effects if e.name == "viscous_friction")
+    rest = plant
+    for e in plant.effects:
+        if e.name in ("inertia", "viscous_friction") or e.port != fx.FORCE:
+            rest = rest.without(e.key)
+    return rest, inertia, viscous
+
+
+def equivalent_of(plant: Plant, amplitudes: Sequence[float], omegas: Sequence[float], counts: float) -> Equivalent:
+    """Return the Equivalent of a plant's friction at amplitudes (n,), rad or m, each at its frequency omegas (n,), rad/s.
+
+    counts: encoder resolution, the width of the direction where no hysteresis gives it.
+    """
+    stiffness, loss = [], []
+    phase = 2 * np.pi * np.arange(CYCLES * SAMPLES + 1) / SAMPLES
+    last = slice((CYCLES - 1) * SAMPLES, CYCLES * SAMPLES)
+    for amplitude, omega in zip(amplitudes, omegas, strict=True):
+        q = amplitude * np.cos(phase)
+        motion = SimpleNamespace(
+            q=q,
+            dq=np.diff(q, prepend=0.0),  # from the relaxed state at zero out to A
+            v=-amplitude * omega * np.sin(phase),
+            a=-amplitude * omega**2 * np.cos(phase),
+            t=phase / omega,
+            dt=2 * np.pi / SAMPLES / omega,
+            u=np.zeros(q.size),
+            counts=counts,
+            record=SimpleNamespace(channels={}, name="a settled cycle"),
+        )
+        force = required(Passes(motion), plant)[last]
+        stiffness.append(2 * np.mean(force * np.cos(phase[last])) / amplitude)
+        loss.append(-2 * np.mean(force * np.sin(phase[last])) / amplitude)
+    return Equivalent(np.asarray(amplitudes), np.maximum(stiffness, 0.0), np.maximum(loss, 0.0))
