@@ -158,7 +158,7 @@ def bind(plant, loop: Loop, controller: Controller | None, scenarios: ScenarioAr
         "band": criteria.band * np.abs(aim - scenarios.start),
         "step_sign": np.sign(step) + 0.0,
     }
-    check_mass(made, values, scenarios)
+    values["per_mass"] = 1.0 / mass_of(made, values, scenarios)
     table, base, grid = tables_of(controller, lanes)
     delays = delays_of(plants[0], loop, scenarios)
     window = max(int(round(criteria.window / loop.sample_time)), 1)
@@ -183,8 +183,8 @@ def _joined(values: list[float]):
     return values[0] if all(v == values[0] for v in values) else np.array(values)
 
 
-def check_mass(made: Design, values: dict, scenarios: ScenarioArrays) -> None:
-    """Refuse a mass that is not positive at the start."""
+def mass_of(made: Design, values: dict, scenarios: ScenarioArrays):
+    """Return the mass at the start, scalar or (lanes,); WorkbenchError where it is not positive."""
     rest = {n: scenarios.start if n == "q" else 0.0 for n in made.mass.rows}
     before = evaluated(made.mass, values)
     mass = arrays.evaluate(made.mass.after, [rest[n] for n in made.mass.rows], before)[0][0]
@@ -193,6 +193,7 @@ def check_mass(made: Design, values: dict, scenarios: ScenarioArrays) -> None:
             f"the mass of the plant is {np.min(mass):g} in at least one scenario; it must be positive: "
             "set the effect 'inertia', or the scenario's load_inertia."
         )
+    return np.float64(mass) if np.ndim(mass) == 0 else mass
 
 
 def initial(made: Design, controller: Controller | None, values: dict, scenarios: ScenarioArrays) -> dict:

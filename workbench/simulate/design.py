@@ -10,6 +10,7 @@ import casadi as ca
 
 from workbench.control.law import Law
 from workbench.effect import Effect
+from workbench.kernel.choice import with_choices
 from workbench.kernel.program import Program
 from workbench.kernel.split import split
 from workbench.plant import Plant
@@ -39,7 +40,7 @@ def piece(made: Stage, symbols: Symbols) -> Piece:
         tuple(n for n in made.inputs if n in symbols.constants),
         made.outputs,
         before,
-        after,
+        with_choices(after),
     )
 
 

@@ -166,7 +166,9 @@ def substep(effects: tuple[Effect, ...], symbols: Symbols, *, speed_limited: boo
     mass = symbols.constant("inertia") * mass + symbols.constant("load_inertia")
     rest = rest + symbols.constant("load")
     drive = u + symbols.state("noise") if noisy else u
-    acceleration = (drive - rest) * (1.0 / mass)
+    # A mass that is the same in every step is divided by once a run, outside the loop.
+    moves = ca.depends_on(mass, ca.vertcat(*symbols.states.values(), *symbols.clocks.values()))
+    acceleration = (drive - rest) / mass if moves else (drive - rest) * symbols.constant("per_mass")
     v_after = v + acceleration * h
     after = {n: ca.substitute(x, a, acceleration) for n, x in after.items()}
     return {"q": q + v_after * h, "v": v_after, **after, "mass": mass}

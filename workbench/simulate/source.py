@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 import casadi as ca
 
+from workbench.kernel.choice import Choice
 from workbench.kernel.program import Line
 from workbench.simulate import noise
 from workbench.simulate.design import Design, Piece
@@ -23,7 +24,7 @@ import numba
 import numpy as np
 from numpy import floor, sqrt
 
-from workbench.kernel.intrinsics import bits, select
+from workbench.kernel.intrinsics import bits, branch, select
 
 INF, NAN = np.inf, np.nan
 fabs = np.abs
@@ -69,14 +70,17 @@ def places(design: Design, layout: Layout) -> dict[str, int]:
     return at if "u" in at else at | {"u": at["u_c"]}
 
 
-def expression(line: Line) -> str:
-    """The text of a line, with the NaN rule of fmin and fmax left out where an operand is a constant, never NaN."""
+def expression(line: Line, lanes: int) -> str:
+    """The text of a line. Beside a constant, which is never NaN, fmin and fmax need one comparison, and in this form are
+    one instruction of the processor; of two zeros of unlike sign they may return the other one."""
     if line.op in (ca.OP_FMIN, ca.OP_FMAX):
-        less, more = ("<", "<=") if line.op == ca.OP_FMIN else (">", ">=")
+        sign = "<" if line.op == ca.OP_FMIN else ">"
         if _known(line.b):
-            return f"select({line.a} {more} {line.b}, {line.a}, {line.b})"
+            return f"select({line.a} {sign} {line.b}, {line.a}, {line.b})"
         if _known(line.a):
-            return f"select({line.b} {less} {line.a}, {line.b}, {line.a})"
+            return f"select({line.b} {sign} {line.a}, {line.b}, {line.a})"
+    if isinstance(line, Choice) and lanes == 1:
+        return line.text.replace("select", "branch", 1)
     return line.text
 
 
@@ -84,16 +88,21 @@ def _known(name: str) -> bool:
     return not name.startswith(("w", "i0_")) and name != "NAN"
 
 
+def cell(row: int, lanes: int) -> str:
+    """Where a row is in one lane. A single lane has its rows in variables: a store and a load would cost it latency."""
+    return f"r_{row}" if lanes == 1 else f"x[{row * lanes} + lane]"
+
+
 def lanes_loop(piece: Piece, at: dict[str, int], constants, rows: int, lanes: int) -> list[str]:
     """Lines of one loop over lanes."""
     text = [f"for lane in range({lanes}):"]
     for j, name in enumerate(piece.rows):
-        text.append(f"    i0_{j} = " + (f"x[{at[name] * lanes} + lane]" if name in at else f"clock_{name}"))
+        text.append(f"    i0_{j} = " + (cell(at[name], lanes) if name in at else f"clock_{name}"))
     for m, (kind, number) in enumerate(constants):
-        text.append(f"    i1_{m} = " + (f"x[{(rows + number) * lanes} + lane]" if kind == "row" else f"c_{number}"))
-    text += [f"    {line.out} = {expression(line)}" for line in piece.after.lines]
+        text.append(f"    i1_{m} = " + (cell(rows + number, lanes) if kind == "row" else f"c_{number}"))
+    text += [f"    {line.out} = {expression(line, lanes)}" for line in piece.after.lines]
     outputs = zip(piece.outputs, piece.after.outputs[0], strict=True)
-    return text + [f"    x[{at[name] * lanes} + lane] = {value}" for name, value in outputs]
+    return text + [f"    {cell(at[name], lanes)} = {value}" for name, value in outputs]
 
 
 def look_up(design: Design, at: dict[str, int], lanes: int) -> list[str]:
@@ -103,12 +112,12 @@ def look_up(design: Design, at: dict[str, int], lanes: int) -> list[str]:
         return []
     text = [
         f"for lane in range({lanes}):",
-        f"    amplitude = x[{at[AMPLITUDE] * lanes} + lane]",
+        f"    amplitude = {cell(at[AMPLITUDE], lanes)}",
         f"    row = {2 * len(columns)} * (base[lane] + ((bits(amplitude) >> shift) - offset))",
     ]
     for j, name in enumerate(columns):
-        place = at[f"gain.{name}"] * lanes
-        text.append(f"    x[{place} + lane] = table[row + {2 * j}] + table[row + {2 * j + 1}] * amplitude")
+        place = cell(at[f"gain.{name}"], lanes)
+        text.append(f"    {place} = table[row + {2 * j}] + table[row + {2 * j + 1}] * amplitude")
     return text
 
 
@@ -120,7 +129,7 @@ def delayed(at: dict[str, int], layout: Layout) -> tuple[list[str], list[str]]:
     put = [
         f"slot = (k % {slots}) * {lanes}",
         f"for lane in range({lanes}):",
-        f"    ring[slot + lane] = x[{at['u_c'] * lanes} + lane]",
+        f"    ring[slot + lane] = {cell(at['u_c'], lanes)}",
     ]
     if layout.delay == "uniform":
         take = [
@@ -128,14 +137,14 @@ def delayed(at: dict[str, int], layout: Layout) -> tuple[list[str], list[str]]:
             "if past >= 0:",
             f"    slot = ((past // {steps}) % {slots}) * {lanes}",
             f"    for lane in range({lanes}):",
-            f"        x[{at['u'] * lanes} + lane] = ring[slot + lane]",
+            f"        {cell(at['u'], lanes)} = ring[slot + lane]",
         ]
     else:
         take = [
             f"for lane in range({lanes}):",
             f"    past = k * {steps} + j - delays[lane]",
             "    if past >= 0:",
-            f"        x[{at['u'] * lanes} + lane] = ring[((past // {steps}) % {slots}) * {lanes} + lane]",
+            f"        {cell(at['u'], lanes)} = ring[((past // {steps}) % {slots}) * {lanes} + lane]",
         ]
     return put, take
 
@@ -160,9 +169,9 @@ def source(design: Design, layout: Layout) -> str:
     scalars = sum(len(v) for v in layout.varying) - layout.extra_rows
     put, take = delayed(at, layout)
     given = [] if design.law is not None else [
-        f"for lane in range({lanes}):", f"    x[{at['u_c'] * lanes} + lane] = drive[k * {lanes} + lane]"
+        f"for lane in range({lanes}):", f"    {cell(at['u_c'], lanes)} = drive[k * {lanes} + lane]"
     ]  # fmt: skip
-    noisy = noise.source(f"x[{at['noise'] * lanes} + lane]", "strength[lane]", lanes) if design.noisy else []
+    noisy = noise.source(cell(at["noise"], lanes), "strength[lane]", lanes) if design.noisy else []
     clocks = [
         "clock_k = float(k)",
         "clock_t = clock_k * sample_time",
@@ -171,8 +180,11 @@ def source(design: Design, layout: Layout) -> str:
     sample = [*clocks, *given, *sense, *look_up(design, at, lanes), *control, *recorded(at, layout), *noisy, *put]
     inner = [*take, "clock_t = clock_k * sample_time + j * h", *step]
     text = [f"    c_{i} = c[{i}]" for i in range(scalars)]
+    own = range(rows + layout.extra_rows) if lanes == 1 else ()
+    text += [f"    r_{i} = x[{i}]" for i in own]
     text += ["    for k in range(samples):"]
     text += [f"        {line}" for line in sample]
     text += [f"        for j in range({layout.substeps}):"]
     text += [f"            {line}" for line in inner]
+    text += [f"    x[{i}] = r_{i}" for i in own]
     return HEAD.format(arguments=ARGUMENTS) + "\n".join(text) + "\n"
