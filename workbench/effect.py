@@ -133,6 +133,12 @@ class Effect:
         for name, p in self.parameters.items():
             same = name in given
             hold = given[name] if same else (p.fixed if name in known else all(given.values()) and bool(given))
+            if not p.lower <= inside[name] <= p.upper:
+                written = ", ".join(f"{n} = {out[n].value:g}" for n in given or out)
+                raise WorkbenchError(
+                    f"{where}: {self.name} with {written} has a {p.meaning} of {inside[name]:g}, outside its physical "
+                    f"bounds {p.lower:g} to {p.upper:g}; check the value and its unit."
+                )
             parameters[name] = replace(p.at(inside[name], where=f"{where}: {self.name}.{name}"), fixed=hold)
         return replace(self, parameters=parameters)
 
