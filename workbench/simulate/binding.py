@@ -9,7 +9,7 @@ from workbench.control.law import Controller
 from workbench.control.table import stacked
 from workbench.errors import WorkbenchError, nearest
 from workbench.kernel import arrays
-from workbench.plant import Plant
+from workbench.plant import ONE_MASS, Plant
 from workbench.simulate import noise
 from workbench.simulate.criteria import Criteria
 from workbench.simulate.design import Design, Piece, design
@@ -140,6 +140,9 @@ def bind(plant, loop: Loop, controller: Controller | None, scenarios: ScenarioAr
     lanes = scenarios.lanes
     if len(plants) not in (1, lanes):
         raise WorkbenchError(f"{len(plants)} plants for {lanes} scenarios: give one plant, or one for each.")
+    for p in plants:
+        if p.kind != ONE_MASS:
+            raise WorkbenchError(f"plants of {p.kind} cannot be simulated yet; simulate one of {ONE_MASS}.")
     quantised, noisy = loop.resolution > 0.0, bool((scenarios.noise > 0.0).any())
     made = design(plants[0], controller.law if controller else None, quantised=quantised, noisy=noisy)
     width = max(2.0 * loop.resolution, 1e-12)

@@ -17,7 +17,7 @@ from workbench.effects.elementary import clip
 from workbench.effects.hysteresis import stop_direction
 from workbench.errors import WorkbenchError
 from workbench.kernel.step import apply, view
-from workbench.plant import ONE_MASS, Plant
+from workbench.plant import Plant
 
 SOFT = 0.02  # share of the speed limit over which the accelerating torque falls to zero
 DIRECTION = "direction"  # the effect that gives `dir` where the plant has no hysteresis
@@ -193,8 +193,6 @@ def limited_by_speed(u: ca.SX, v: ca.SX, slope: ca.SX) -> ca.SX:
 
 def constants_of(plant: Plant, symbols: Symbols, width: float) -> dict[str, float]:
     """Return the values of the effects' constants. width: of the stop operator that gives `dir` where no effect does."""
-    if plant.kind != ONE_MASS:
-        raise WorkbenchError(f"plants of {plant.kind} cannot be simulated yet; simulate one of {ONE_MASS}.")
     values = {"ratio": plant.geometry.gear_ratio, "pole_pairs": plant.geometry.pole_pairs}
     for e in directed(plant.effects):
         if e.key not in symbols.derive:

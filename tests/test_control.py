@@ -1,0 +1,60 @@
+"""Controllers as data: gains over amplitude, found by the leading bits of a number."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from workbench.control import Table, fixed_pd, gains_at, grid, scheduled_pd
+from workbench.control.table import look_up
+from workbench.errors import WorkbenchError
+
+KNOTS = grid(1e-6, 2e-4)
+
+
+def schedule(knots=KNOTS, **more):
+    return SimpleNamespace(
+        knots=knots, kp=100.0 * (knots / knots[0]) ** -0.3, kd=np.linspace(2.0, 1.0, knots.size), **more
+    )
+
+
+def test_knots_lie_on_eighths_of_octaves_and_cover_the_range():
+    knots = grid(1e-6, 2e-4, per_octave=8)
+    mantissa, _ = np.frexp(knots)
+    assert (mantissa * 16 == np.round(mantissa * 16)).all()
+    assert knots[0] <= 1e-6 < knots[1] and knots[-2] < 2e-4 <= knots[-1]
+
+
+@pytest.mark.parametrize("per_octave", [1, 4, 16])
+def test_look_up_by_bits_is_linear_interpolation_clipped_at_both_ends(per_octave):
+    s = schedule(grid(1e-6, 2e-4, per_octave))
+    table = Table(s.knots, {"kp": s.kp, "kd": s.kd})
+    amplitude = np.concatenate([np.geomspace(1e-8, 1e-2, 4001), s.knots, np.nextafter(s.knots, 0.0)])
+    for found, column in zip(gains_at(table, amplitude), (s.kp, s.kd), strict=True):
+        np.testing.assert_allclose(found, np.interp(amplitude, s.knots, column), rtol=1e-13)
+
+
+def test_tables_of_one_grid_are_looked_up_lane_by_lane():
+    a, b = Table(KNOTS, {"kp": KNOTS}), Table(KNOTS, {"kp": 2.0 * KNOTS})
+    rows = np.concatenate([a.rows, b.rows])
+    at = np.array([3e-5, 3e-5, 1.7e-4])
+    (found,) = look_up(rows, a.shift, a.offset, np.array([0, KNOTS.size, KNOTS.size]), at)
+    np.testing.assert_allclose(found, at * [1.0, 2.0, 2.0], rtol=1e-14)
+
+
+@pytest.mark.parametrize("knots", [[1e-5, 2e-5, 3e-5], [1.0, 1.25, 1.75], [1.0, 1.1], [2.0, 1.0], [1.0]])
+def test_knots_off_the_grid_are_refused(knots):
+    with pytest.raises(WorkbenchError, match="knots"):
+        Table(np.array(knots), {"kp": np.ones(len(knots))})
+
+
+def test_what_is_wrong_with_a_controller_is_a_sentence():
+    with pytest.raises(WorkbenchError, match="did you mean 'frozen'"):
+        scheduled_pd(schedule(), "frosen")
+    with pytest.raises(WorkbenchError, match="kp is not finite"):
+        fixed_pd(float("nan"), 1.0)
+    with pytest.raises(WorkbenchError, match="different knots"):
+        scheduled_pd([schedule(), schedule(grid(1e-6, 4e-4))])
+    with pytest.raises(WorkbenchError, match="table numbers"):
+        scheduled_pd([schedule()], table=[0, 1])
+    assert scheduled_pd(schedule(rule="frozen", reversal=1e-5)).reversal == 1e-5
