@@ -66,7 +66,7 @@ def scenarios(n: int, seed: int = 0, noise: float = 0.01) -> list[Scenario]:
 LIVELY = SimpleNamespace(knots=KNOTS, kp=SCHEDULE.kp, kd=0.05 * SCHEDULE.kd)  # too little damping: it overshoots
 LOOP = Loop(1e-4, 2, velocity_filter=5e-4, resolution=COUNT)
 CONTROLLERS = [
-    scheduled_pd(SCHEDULE, "following"),
+    scheduled_pd([SCHEDULE, LIVELY], "following", table=np.arange(37) % 2),
     scheduled_pd(SCHEDULE, "frozen", scale=np.linspace(0.5, 1.0, 37)),
     pi_cascade(30.0, 1.0, 20.0, np.linspace(0.5, 2.0, 37)),
 ]
@@ -268,6 +268,17 @@ def test_a_run_that_goes_to_infinity_is_reported_and_harms_no_other():
     np.testing.assert_array_equal(m.finite, [True, False, True])
     for values in (m.time_1pct, m.final_error, m.overshoot, m.peak_torque, m.peak_speed, m.ripple):
         assert np.isinf(values[1]) and np.isfinite(values[[0, 2]]).all()
+
+
+def test_every_scenario_may_have_a_plant_of_its_own():
+    plants = [plain(viscous) for viscous in (0.01, 0.02, 0.05)]
+    many = [Scenario(target=0.1)] * 3
+    together = simulate(plants, LOOP, fixed_pd(20.0, 0.5), many, 0.2)
+    for i, plant in enumerate(plants):
+        alone = simulate(plant, LOOP, fixed_pd(20.0, 0.5), many[:1], 0.2)
+        assert alone.final_position[0] == together.final_position[i]
+    with pytest.raises(WorkbenchError, match="2 plants for 3 scenarios"):
+        simulate(plants[:2], LOOP, fixed_pd(20.0, 0.5), many, 0.2)
 
 
 def forced(step, **more) -> Effect:
