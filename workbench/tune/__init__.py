@@ -1,0 +1,7 @@
+"""PD gains at each amplitude of the equivalent linear axis: the fastest within stated limits, on the exact sampled loop."""
+
+from workbench.tune.gains import Gains
+from workbench.tune.goal import TuningGoal
+from workbench.tune.tuning import tune
+
+__all__ = ["Gains", "TuningGoal", "tune"]
