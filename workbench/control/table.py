@@ -15,7 +15,7 @@ import numpy as np
 from workbench.errors import WorkbenchError
 
 MANTISSA = 52
-FINEST = 8  # largest b: 256 knots an octave
+FINEST = 12  # largest b: 4096 knots an octave
 
 
 def grid(first: float, last: float, per_octave: int = 4) -> np.ndarray:
@@ -50,8 +50,8 @@ class Table:
 
     def __post_init__(self):
         knots = np.asarray(self.knots, dtype=float)
-        if knots.ndim != 1 or knots.size < 2 or not (np.diff(knots) > 0).all() or not knots[0] > 0:
-            raise WorkbenchError("a gain table needs two or more knots, positive and increasing.")
+        if knots.ndim != 1 or not knots.size or not (np.diff(knots) > 0).all() or not knots[0] > 0:
+            raise WorkbenchError("a gain table needs knots that are positive and increasing.")
         object.__setattr__(self, "knots", knots)
         object.__setattr__(self, "columns", {n: np.asarray(c, dtype=float) for n, c in self.columns.items()})
         for name, column in self.columns.items():

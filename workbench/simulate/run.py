@@ -12,6 +12,17 @@ from workbench.simulate.design import Design
 from workbench.simulate.source import Layout, places, source
 
 LANES = 32
+WORTH = 5000  # chunks times samples, about a millisecond, from which on threads are worth their start
+_CORES = os.cpu_count() or 1
+
+
+@lru_cache(maxsize=4)
+def _pool(workers: int) -> ThreadPoolExecutor:
+    return ThreadPoolExecutor(workers)
+
+
+if hasattr(os, "register_at_fork"):  # a forked child has none of its parent's threads
+    os.register_at_fork(after_in_child=_pool.cache_clear)
 
 
 @lru_cache(maxsize=128)
@@ -72,13 +83,11 @@ def run_lanes(
             out[i].ravel(), bound.samples, bound.window_from, every, shift, offset, uniform,
             bound.loop.sample_time, bound.loop.substep)  # fmt: skip
 
-    workers = min(threads or os.cpu_count() or 1, chunks)
-    chunk(0)  # alone, because the first call compiles
-    if workers > 1 and chunks > 1:
-        with ThreadPoolExecutor(workers) as pool:
-            list(pool.map(chunk, range(1, chunks)))
+    workers = min(threads or (_CORES if chunks * bound.samples > WORTH else 1), chunks)
+    if workers > 1:
+        list(_pool(workers).map(chunk, range(chunks)))
     else:
-        for i in range(1, chunks):
+        for i in range(chunks):
             chunk(i)
     final = {name: x[:, row].reshape(-1)[:n] for name, row in at.items()}
     recorded = np.moveaxis(out, 0, -2).reshape(kept, len(record), -1)[..., :n] if record else None
