@@ -1,7 +1,8 @@
-"""What happens to the command before it acts: transport delay and actuator lag."""
+"""What happens to the command before it acts: transport delay, actuator lag, a torque constant that falls."""
 
 from workbench.effect import COMMAND, TIME, Effect, effect
-from workbench.effects.elementary import exp
+from workbench.effects._arithmetic import sqrt
+from workbench.effects.elementary import exp, square
 from workbench.parameter import Parameter
 
 
@@ -51,6 +52,32 @@ def actuator_lag() -> Effect:
         states={"y": 1, "before": 1},
         reads=("u", "dt"),
         step=step,
+        places=("command",),
+        at="command",
+    )
+
+
+@effect
+def torque_constant_saturation() -> Effect:
+    """u' = u/sqrt(1 + c u^2): the torque constant falls with current, K(u) = K0/sqrt(1 + c u^2).
+
+    Odd, smooth and increasing, so that it has an inverse; u' stays below 1/sqrt(c), and K has fallen by 29 % where u is
+    that large. To second order every even law K0 (1 - c u^2/2) is the same; c = 0 is a constant that does not fall.
+    """
+
+    def step(s, z, p):
+        return {}, s.u / sqrt(1.0 + p.fall * square(s.u))
+
+    return Effect(
+        name="torque_constant_saturation",
+        cause="iron that saturates: at high current the motor gives less torque than its constant promises",
+        formula="u' = u/sqrt(1 + c u^2)",
+        source="Hanselman, Brushless Permanent Magnet Motor Design, 2003 (saturation); form chosen for its inverse",
+        port=COMMAND,
+        parameters={"fall": Parameter(0.0, "1/F/F", "c: fall of the torque constant with drive squared", lower=0.0)},
+        reads=("u",),
+        step=step,
+        holds=("odd",),
         places=("command",),
         at="command",
     )

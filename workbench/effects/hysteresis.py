@@ -7,7 +7,7 @@ y(x) holds Masing's rule: after a reversal the curve is y stretched by two (Al-B
 import casadi as ca
 
 from workbench.effect import FORCE, Border, Effect, effect, namespace
-from workbench.effects.elementary import clip, exp, expm1, log, power
+from workbench.effects.elementary import clip, exp, expm1, log, minimum, power
 from workbench.parameter import Parameter
 
 ELEMENTS = 24
@@ -103,6 +103,10 @@ def maxwell_slip(slips: tuple[float, ...], *, searched: bool = False) -> Effect:
         x = clip(z.x + s.dq, -slip, slip)
         return {"x": x}, ca.dot(ca.vertcat(*(every[n] for n in springs)), x)
 
+    def virgin(x, p):
+        every = vars(p)
+        return sum(every[k] * minimum(x, every[d]) for k, d in zip(springs, limits, strict=True))
+
     stiff = {n: Parameter(0.0, "F/x", f"stiffness of element {i}", lower=0.0) for i, n in enumerate(springs, 1)}
     slip = {
         n: Parameter(v, "x", f"slip deflection of element {i}", lower=1e-12, fixed=not searched, scale="stroke")
@@ -118,6 +122,7 @@ def maxwell_slip(slips: tuple[float, ...], *, searched: bool = False) -> Effect:
         linear=tuple(springs),
         states={"x": len(slips)},
         reads=("dq",),
+        virgin=virgin,
         step=step,
         holds=("passive", "rate independent", "odd", "masing"),
         places=("axis", "motor", "load", "joint"),

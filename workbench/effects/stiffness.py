@@ -1,6 +1,7 @@
 """Stiffness of a joint, in its deflection."""
 
 from workbench.effect import FORCE, Effect, effect
+from workbench.effects.elementary import clip
 from workbench.parameter import Parameter
 
 
@@ -42,6 +43,33 @@ def cubic_stiffness() -> Effect:
         port=FORCE,
         parameters={"k3": Parameter(0.0, "F/x^3", "cubic stiffness", lower=0.0)},
         linear=("k3",),
+        reads=("q",),
+        step=step,
+        holds=("conservative", "odd"),
+        places=("joint",),
+        at="joint",
+    )
+
+
+@effect
+def piecewise_stiffness() -> Effect:
+    """T = k1 x inside |x| <= x_thr, and k1 x + k2 (x - x_thr sgn x) outside: there the slope is k1 + k2, not k2."""
+
+    def step(s, z, p):
+        return {}, p.k1 * s.q + p.k2 * (s.q - clip(s.q, -p.threshold, p.threshold))
+
+    return Effect(
+        name="piecewise_stiffness",
+        cause="teeth and bearing take the load one after another: the joint is soft about zero and stiffer beyond",
+        formula="T = k1 x + k2 (|x| - x_thr)+ sgn(x)",
+        source="Kircanski and Goldenberg 1997; manufacturers' three-segment stiffness",
+        port=FORCE,
+        parameters={
+            "k1": Parameter(0.0, "F/x", "stiffness about zero", lower=0.0),
+            "k2": Parameter(0.0, "F/x", "what the stiffness is more outside the threshold"),
+            "threshold": Parameter(1e-3, "x", "deflection at which the stiffness changes", lower=1e-12, scale="stroke"),
+        },
+        linear=("k1", "k2"),
         reads=("q",),
         step=step,
         holds=("conservative", "odd"),

@@ -1,7 +1,7 @@
 """Friction that depends on velocity alone."""
 
 from workbench.effect import FORCE, Effect, effect
-from workbench.effects.elementary import absolute
+from workbench.effects.elementary import absolute, maximum, minimum
 from workbench.parameter import Parameter
 
 
@@ -68,4 +68,29 @@ def linear_damping() -> Effect:
         holds=("passive", "odd"),
         places=("joint",),
         at="joint",
+    )
+
+
+@effect
+def directional_viscous_friction() -> Effect:
+    """T = b+ v forward, b- v backward. Another spelling of viscous friction with the viscous part of coulomb_asymmetry."""
+
+    def step(s, z, p):
+        return {}, p.forward * maximum(s.v, 0.0) + p.backward * minimum(s.v, 0.0)
+
+    return Effect(
+        name="directional_viscous_friction",
+        cause="lubricant, seals or tooth flanks that drag more in one direction than in the other",
+        formula="T = b+ max(v, 0) + b- min(v, 0)",
+        source="Janot, Gautier, Brunot 2019 (asymmetric friction)",
+        port=FORCE,
+        parameters={
+            "forward": Parameter(0.0, "F*s/x", "viscous coefficient forward", lower=0.0),
+            "backward": Parameter(0.0, "F*s/x", "viscous coefficient backward", lower=0.0),
+        },
+        linear=("forward", "backward"),
+        reads=("v",),
+        step=step,
+        holds=("passive",),
+        traced=False,
     )

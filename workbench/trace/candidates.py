@@ -2,10 +2,11 @@
 
 from dataclasses import dataclass
 
-from workbench.effect import catalogue
+from workbench.effect import COMMAND, FORCE, TIME, Effect, catalogue
 from workbench.plant import Plant, places
 
 ADDITION, CORRECTION = "addition", "correction"
+RUN = ((FORCE, "axis"), (COMMAND, "command"), (TIME, "command"))  # ports and places that identification evaluates
 
 
 @dataclass(frozen=True)
@@ -27,9 +28,11 @@ def suspects(plant: Plant) -> list[Suspect]:
     found = []
     motion = "rotary" if plant.rotary else "linear"
     for name, effect in catalogue().items():
-        if motion not in effect.motions:
+        if motion not in effect.motions or not offered(effect, plant):
             continue
         for place in places(plant.kind, effect):
+            if (effect.port, place) not in RUN:
+                continue
             if f"{name}@{place}" in (e.key for e in plant.effects):
                 continue
             if all(s in plant_signals(plant) for s in effect.reads):
@@ -41,6 +44,15 @@ def suspects(plant: Plant) -> list[Suspect]:
         if held:
             found.append(Suspect(e.name, e.at, CORRECTION, plant.swap(e.free(*held))))
     return sorted(found, key=lambda s: (s.effect, s.at, s.kind))
+
+
+def offered(effect: Effect, plant: Plant) -> bool:
+    """Whether an effect is a candidate: no other spelling of one, and not a second source of the direction of motion.
+
+    Two effects that provide `dir` are two descriptions of one contact; and the second would change what others read.
+    """
+    given = {s for e in plant.effects for s in e.provides}
+    return effect.traced and not given & set(effect.provides)
 
 
 def plant_signals(plant: Plant) -> set[str]:

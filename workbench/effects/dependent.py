@@ -1,0 +1,49 @@
+"""Dry friction that depends on something beside the motion: on the load, and on time."""
+
+from workbench.effect import FORCE, Effect, effect
+from workbench.effects.elementary import absolute
+from workbench.parameter import Parameter
+
+
+@effect
+def load_dependent_friction() -> Effect:
+    """T = mu |tau| dir. tau: the torque through the joint; on one mass the applied drive, never J a."""
+
+    def step(s, z, p):
+        return {}, p.mu * absolute(s.tau) * s.dir
+
+    return Effect(
+        name="load_dependent_friction",
+        cause="tooth and bearing contacts rub in proportion to the torque that they carry",
+        formula="T = mu |tau| dir",
+        source="Bittencourt and Gunnarsson 2012; Amontons' law",
+        port=FORCE,
+        parameters={"mu": Parameter(0.0, "1", "friction per torque carried", lower=0.0, upper=1.0)},
+        linear=("mu",),
+        reads=("tau", "dir"),
+        step=step,
+        holds=("passive",),
+    )
+
+
+@effect
+def friction_drift() -> Effect:
+    """T = r t dir: Coulomb friction that changes steadily, t on the bench clock that runs on from record to record.
+
+    A first-order picture over one campaign: it holds neither before nor after it, and says nothing of what drifts.
+    """
+
+    def step(s, z, p):
+        return {}, p.rate * s.t * s.dir
+
+    return Effect(
+        name="friction_drift",
+        cause="friction that drifts while the axis is measured: it warms up, or its grease is spread",
+        formula="T = r t dir",
+        source="Simoni, Beschi, Legnani, Visioli 2015 (friction and temperature)",
+        port=FORCE,
+        parameters={"rate": Parameter(0.0, "F/s", "change of Coulomb friction per time")},
+        linear=("rate",),
+        reads=("t", "dir"),
+        step=step,
+    )

@@ -1,0 +1,49 @@
+"""What a channel does beside measuring: it drifts, or its clock is another one."""
+
+from workbench.effect import SENSOR, TIME, Effect, effect
+from workbench.parameter import Parameter
+
+
+@effect
+def sensor_trend() -> Effect:
+    """y = q + r t, t on the bench clock."""
+
+    def step(s, z, p):
+        return {}, s.q + p.rate * s.t
+
+    return Effect(
+        name="sensor_trend",
+        cause="a reading that drifts: the mount of a scale warms up, or an analogue channel has an offset that moves",
+        formula="y = q + r t",
+        source="measurement practice",
+        port=SENSOR,
+        parameters={"rate": Parameter(0.0, "x/s", "drift of the reading")},
+        reads=("q", "t"),
+        step=step,
+        places=("sensor",),
+        at="sensor.position",
+    )
+
+
+@effect
+def clock_skew() -> Effect:
+    """y(t) = x(t - (d + s t)): the channel is stamped by a clock that is late by d and gains s seconds a second."""
+
+    def step(s, z, p):
+        return {}, p.offset + p.skew * s.t
+
+    return Effect(
+        name="clock_skew",
+        cause="channels logged by two devices whose clocks were not started together, or do not run alike",
+        formula="y(t) = x(t - d - s t)",
+        source="measurement practice",
+        port=TIME,
+        parameters={
+            "offset": Parameter(0.0, "s", "delay of the channel", lower=-0.05, upper=0.05, scale="time"),
+            "skew": Parameter(0.0, "1", "seconds gained a second", lower=-1e-2, upper=1e-2),
+        },
+        reads=("t",),
+        step=step,
+        places=("sensor",),
+        at="sensor.position",
+    )
