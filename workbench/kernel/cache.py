@@ -1,5 +1,6 @@
 """Generated kernel source on disk, named by the hash of its text, so that numba compiles each once per machine."""
 
+import contextlib
 import hashlib
 import importlib.util
 import os
@@ -26,18 +27,42 @@ def write_whole(path: Path, text: str) -> None:
     os.replace(beside, path)
 
 
+def is_text(path: Path, text: str) -> bool:
+    """Whether a file is there and holds exactly this; a machine that went down may have left half of it."""
+    try:
+        return path.read_bytes() == text.encode()
+    except OSError:
+        return False
+
+
+def drop_broken(path: Path) -> None:
+    """Take away what numba kept of a kernel and cannot read back: it would raise, where it should compile again.
+
+    Its files are pickles, which begin with 0x80 and end with a full stop.
+    """
+    for kept in (path.parent / "__pycache__").glob(f"{path.stem}.*.nb[ci]"):
+        with contextlib.suppress(OSError):
+            content = kept.read_bytes()
+            if content[:1] != b"\x80" or content[-1:] != b".":
+                kept.unlink()
+
+
 @lru_cache(maxsize=512)
 def load(text: str, name: str) -> ModuleType:
-    """Return a module with this source. A folder that cannot be written falls back to a temporary one."""
+    """Return a module with this source. A folder that cannot be written falls back to a temporary one.
+
+    What is broken there is made again.
+    """
     digest = hashlib.sha256(text.encode()).hexdigest()[:20]
     module_name = f"{name}_{digest}"
     path = folder() / "kernels" / f"{module_name}.py"
-    if not path.exists():
+    if not is_text(path, text):
         try:
             write_whole(path, text)
         except OSError:
             path = Path(tempfile.mkdtemp(prefix="workbench-kernels-")) / path.name
             write_whole(path, text)
+    drop_broken(path)
     spec = importlib.util.spec_from_file_location(module_name, path)
     module = importlib.util.module_from_spec(spec)
     sys.modules[module_name] = module  # numba finds a cached function's globals by this name
