@@ -5,6 +5,7 @@ CasADi keeps an SX function as a straight-line program; `read` turns it into dat
 """
 
 from dataclasses import dataclass
+from math import copysign
 
 import casadi as ca
 
@@ -68,8 +69,9 @@ class Program:
 
 def literal(value: float) -> str:
     """A float as source text that reads back to the same bits."""
-    text = repr(float(value))
-    return f"({text})" if text.startswith("-") else {"inf": "INF", "nan": "NAN"}.get(text, text)
+    text = repr(abs(float(value)))
+    text = {"inf": "INF", "nan": "NAN"}.get(text, text)
+    return f"(-{text})" if copysign(1.0, value) < 0 else text
 
 
 def read(function: ca.Function) -> Program:
