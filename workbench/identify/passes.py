@@ -4,6 +4,7 @@ Order of evaluation: time and command maps on the measured drive; forces with me
 Results are kept per effect and shape, so that candidates share the columns of the declared model.
 """
 
+import math
 from collections import OrderedDict
 from collections.abc import Iterator
 
@@ -23,6 +24,10 @@ from workbench.plant import ONE_MASS, Plant
 KEEP = 160  # columns kept a record: the declared model, and a few dozen trial shapes
 NEWTON = 4  # steps of the inverse of a command map: exact after one where the map is affine in u
 LAGRANGE = 8  # points of the interpolation in time; error below 1e-3 up to 0.35 of the sampling rate
+# Steps a sample of a command map that integrates over dt. A command is band-limited, no ramp between samples: taken as
+# one, a lag below the sample time damps 90 Hz at 1 kHz six times too much. Odd, so that the inverse of such a step,
+# which rings at half its rate, rings at half the sampling rate, where the evaluation filter leaves nothing.
+FINER = 7
 
 
 def shape_values(effect: Effect) -> tuple[float, ...]:
@@ -30,24 +35,38 @@ def shape_values(effect: Effect) -> tuple[float, ...]:
     return tuple(effect.parameters[n].value for n in effect.shape)
 
 
+def weights(u) -> list:
+    """Return Lagrange's weights of the samples -3 to 4 about a place u in [0, 1) between the samples 0 and 1."""
+    points = range(1 - LAGRANGE // 2, LAGRANGE // 2 + 1)
+    return [math.prod((u - j) / (i - j) for j in points if j != i) for i in points]
+
+
 def shifted(x: np.ndarray, delay: np.ndarray | float, dt: float) -> np.ndarray:
     """Return x(t - delay) for x (n,) sampled every dt, delay scalar or (n,) in s, by 8-point Lagrange interpolation.
 
     Beyond the ends the first or last value is held.
     """
-    n = x.size
-    place = np.arange(n) - np.asarray(delay) / dt
-    base = np.floor(place).astype(int)
-    u = place - base
-    result = np.zeros(n)
-    points = np.arange(LAGRANGE) - (LAGRANGE // 2 - 1)
-    for i in points:
-        weight = np.ones(n)
-        for j in points:
-            if j != i:
-                weight *= (u - j) / (i - j)
-        result += weight * x[np.clip(base + i, 0, n - 1)]
+    steps = -np.asarray(delay, dtype=float) / dt
+    if steps.ndim and np.all(steps == steps[0]):  # one delay: the same weights everywhere
+        steps = steps[0]
+    whole = np.floor(steps)
+    first = whole.astype(int) + (1 - LAGRANGE // 2)
+    result = np.zeros(x.size)
+    if steps.ndim:
+        first = first + np.arange(x.size)
+        for i, weight in enumerate(weights(steps - whole)):
+            result += weight * x[np.clip(first + i, 0, x.size - 1)]
+        return result
+    before, after = max(-first, 0), max(first + LAGRANGE, 0)
+    held = np.concatenate([np.full(before, x[0]), x, np.full(after, x[-1])])
+    for i, weight in enumerate(weights(steps - whole)):
+        result += weight * held[before + first + i :][: x.size]
     return result
+
+
+def finer(x: np.ndarray) -> np.ndarray:
+    """Return x (n,) at FINER times its rate, (n FINER,), by the same interpolation; every FINER-th value is x itself."""
+    return np.stack([shifted(x, -k / FINER, 1.0) for k in range(FINER)], axis=1).ravel()
 
 
 def inverse_program(effect: Effect) -> Program:
@@ -92,8 +111,8 @@ class Passes:
         m = self.motion
         u, path = m.u, ("u",)
         for e in command_maps(plant):
-            path += ((e.step, shape_values(e)),)
-            u = self._keep(("applied", path), lambda e=e, u=u: self._forward(e, u))
+            before, path = path, (*path, (e.step, shape_values(e)))
+            u = self._keep(("applied", path), lambda e=e, u=u, b=before: self._forward(e, u, b))
         return u
 
     def filtered_drive(self, plant: Plant) -> np.ndarray:
@@ -101,11 +120,19 @@ class Passes:
         path = tuple((e.step, shape_values(e)) for e in command_maps(plant))
         return self._keep(("drive", path), lambda: self.motion.filter(self.applied(plant)))
 
-    def _forward(self, effect: Effect, u: np.ndarray) -> np.ndarray:
-        signals = {"u": u, "dt": self.motion.dt, "t": self.motion.t}
+    def _forward(self, effect: Effect, u: np.ndarray, path: tuple) -> np.ndarray:
         values = {n: p.value for n, p in effect.parameters.items()}
-        output = build(effect).run(signals, values, states=self._rest(effect, u))[0]
+        many = steps_a_sample(effect)
+        fine = self._keep(("finer", path), lambda: finer(u)) if many > 1 else u
+        signals = {"u": fine, **self._clock(many)}
+        output = build(effect).run(signals, values, states=self._rest(effect, u))[0][::many]
         return shifted(u, output, self.motion.dt) if effect.port == fx.TIME else output
+
+    def _clock(self, many: int) -> dict[str, np.ndarray | float]:
+        """Time and its step where each sample is taken in `many` steps."""
+        m = self.motion
+        ahead = np.arange(many) * (m.dt / many)
+        return {"dt": m.dt / many, "t": (m.t[:, None] + ahead).ravel() if many > 1 else m.t}
 
     def _rest(self, effect: Effect, u: np.ndarray) -> np.ndarray:
         """States of a command map that has settled at the first command."""
@@ -120,9 +147,11 @@ class Passes:
                 delay = build(e).run({"t": m.t}, values)[0]
                 u = shifted(u, -delay, m.dt)
             else:
-                rest = {"dt": np.full(u.size, m.dt), "t": m.t}
-                signals = np.stack([u, *(rest[r] for r in e.reads if r != "u")])
-                u = scan.scan(inverse_program(e), signals, self._rest(e, u), np.array(list(values.values())))[0]
+                many = steps_a_sample(e)
+                fine = finer(u) if many > 1 else u
+                rest = self._clock(many)
+                signals = np.stack([fine, *(np.broadcast_to(rest[r], fine.shape) for r in e.reads if r != "u")])
+                u = scan.scan(inverse_program(e), signals, self._rest(e, u), np.array(list(values.values())))[0][::many]
         return u
 
     # --- columns of the forces -----------------------------------------------------------------------------------
@@ -176,6 +205,10 @@ class Passes:
 def _name(effect: Effect):
     """What a column is kept under: the stop operator is made anew for every record, so by name; others by definition."""
     return effect.name if effect.name == "direction" else effect.step
+
+
+def steps_a_sample(effect: Effect) -> int:
+    return FINER if effect.states and "dt" in effect.reads else 1
 
 
 def command_maps(plant: Plant) -> list[Effect]:
