@@ -71,16 +71,20 @@ def leading(best: Sequence[Candidate], added: Sequence[tuple[str, str]]) -> str:
         return "There was no candidate to try"
     first, *rest = best
     if not added:
-        return f"No candidate earns its place: the best, {title(first.effect)}, takes away {numbers.percent(max(first.gain, 0.0))}"
+        return f"No candidate earns its place: the best, {title(first.effect)}, takes away {_gain(first)}"
     then = max(rest, key=lambda c: c.gain, default=None)
-    tail = f"; {title(then.effect)}, the next, {numbers.percent(max(then.gain, 0.0))}" if then else ""
-    return (
-        f"{capital(title(first.effect))} takes away {numbers.percent(first.gain)} of the held-out residual power{tail}"
-    )
+    tail = f"; {title(then.effect)}, the next, {numbers.percent(max(then.gain, 0.0), 3)}" if then else ""
+    return f"{capital(title(first.effect))} takes away {numbers.percent(first.gain, 3)} of the held-out residual power{tail}"
 
 
 def _gain(c: Candidate) -> str:
-    return f"{numbers.plus_minus(100 * c.gain, 100 * c.scatter)}\u00a0%"
+    return f"{_share(c)}\u00a0%"
+
+
+def _share(c: Candidate) -> str:
+    """Return gain and scatter in per cent, to hundredths at most: what is less does not matter."""
+    places = 2 if 100 * c.scatter < 1 else 1
+    return f"{numbers.placed(100 * c.gain, places)} \u00b1 {numbers.placed(100 * c.scatter, places)}"
 
 
 def table(result: StudyResult) -> Table:
@@ -92,7 +96,7 @@ def table(result: StudyResult) -> Table:
             title(c.effect),
             c.at,
             "value set free" if c.kind == "correction" else "new effect",
-            numbers.plus_minus(100 * c.gain, 100 * c.scatter),
+            _share(c),
             numbers.percent(c.held_out, 3),
             numbers.percent(c.nrmse, 3),
             _fate(c, added),

@@ -25,7 +25,7 @@ DARK = {INK: "#e3e8ee", MUTED: "#a6b0bb", GRID: "#3a434e", MEASURED: "#687482", 
 
 WIDTH = 5.4  # inches: paper shows it a fifth larger, and on a telephone its type is still legible
 BINS = 700  # of a long trace: about one per pixel
-LETTERS = 78  # of a title's line
+LETTERS = 64  # of a title's line: the bold letters of other fonts may be wider
 
 SETTINGS = {
     "svg.fonttype": "none",

@@ -12,6 +12,8 @@ from workbench.report.wording import title as title_of
 from workbench.trace.result import Candidate
 
 WITH, WITHOUT = {"color": AFTER, "linestyle": "-"}, {"color": BEFORE, "linestyle": (0, (4, 1.5))}
+DENSE = 1500  # samples of an excerpt from which dashes would only look like noise
+PORTIONS = 60  # bins over a coordinate
 LONGEST = 28  # letters of a candidate's name
 
 
@@ -25,7 +27,8 @@ def excerpt(title: str, before: Series, after: Series | None, window: slice, dri
         top, bottom = axes
         top.plot(*envelope(t, before.measured[window] * factor), color=MEASURED, linewidth=3.2, label="measured")
         top.plot(*envelope(t, before.predicted[window] * factor), **WITHOUT, label="declared model")
-        bottom.plot(*envelope(t, before.residual[window] * small), **WITHOUT, linewidth=0.9, label="declared model")
+        dense = {**WITHOUT, "linestyle": "-"} if t.size > DENSE else WITHOUT
+        bottom.plot(*envelope(t, before.residual[window] * small), **dense, linewidth=0.9, label="declared model")
         if after is not None:
             top.plot(*envelope(t, after.predicted[window] * factor), **WITH, label="extended model")
             bottom.plot(*envelope(t, after.residual[window] * small), **WITH, linewidth=0.9, label="extended model")
@@ -66,12 +69,23 @@ def against(
     return drawing.svg(title, draw, rows=len(coordinates), height=0.35 + 1.6 * len(coordinates))
 
 
-def bands(values: np.ndarray, residual: np.ndarray, bins: int = 60, least: int = 8) -> tuple[np.ndarray, ...]:
-    """Return (centre, 10 %, median, 90 %) of the residual in bins of even width that hold at least so many samples."""
-    edges = np.linspace(*np.quantile(values, (0.002, 0.998)), bins + 1)
+def borders(values: np.ndarray) -> np.ndarray:
+    """Return the borders of bins: half of them even in the values, half in how many fall into each.
+
+    The first reach the largest speeds; the second resolve what happens near standstill, where most samples are.
+    """
+    half = np.linspace(0, 1, PORTIONS // 2 + 1)
+    low, high = np.min(values), np.max(values)
+    return np.unique(np.concatenate((low + (high - low) * half, np.quantile(values, half))))
+
+
+def bands(values: np.ndarray, residual: np.ndarray, least: int = 8) -> tuple[np.ndarray, ...]:
+    """Return (centre, 10 %, median, 90 %) of the residual in the bins that hold at least so many samples."""
+    low, high = np.quantile(values, (0.002, 0.998))
+    edges = borders(values[(values >= low) & (values <= high)])
     index = np.digitize(values, edges) - 1
     rows = []
-    for k in range(bins):
+    for k in range(edges.size - 1):
         inside = residual[index == k]
         if inside.size >= least:
             rows.append(((edges[k] + edges[k + 1]) / 2, *np.quantile(inside, (0.1, 0.5, 0.9))))

@@ -55,7 +55,7 @@ def number(value: float, figures: int = 3) -> str:
 
 def exact(value: float, figures: int = 6) -> str:
     """Return a number that was declared, without zeros at its end: "60", "0.11"."""
-    value = float(value)
+    value = float(f"{value:.{figures - 1}e}")
     least = next((k for k in range(1, figures) if float(f"{value:.{k - 1}e}") == value), figures)
     return number(value, max(least, min(exponent(value, figures) + 1, LARGEST) if value else 1))
 

@@ -35,7 +35,8 @@ def finding(result: StudyResult) -> Chapter:
             Callout(judged(result.checks), GOOD if all(c.passed for c in result.checks) else BAD),
             required(result),
         ]
-    return Chapter("The finding", (*blocks, *said(result.findings)))
+    elsewhere = (*trace.findings, *trace.before.findings, *trace.after.findings)  # told where they belong
+    return Chapter("The finding", (*blocks, *said(f for f in result.findings if f not in elsewhere)))
 
 
 def sized(c: Cause) -> str:

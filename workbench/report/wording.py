@@ -71,7 +71,7 @@ def parameters(estimates: Sequence[Estimate], caption: str, before: Sequence[Est
         first = name if here != last else ""
         rows.append((first, Marked(e.parameter, CODE), e.meaning, *was, value, wide, numbers.unit(e.unit)))
         last = here
-    was = ("declared model",) if before else ()
-    now = "extended model" if before else "value"
+    was = ("declared",) if before else ()
+    now = "extended" if before else "value"
     columns = ("effect", "parameter", "meaning", *was, now, "95 % interval", "unit")
     return Table(columns, tuple(rows), caption, "llp" + "r" * len(was) + "rrl")

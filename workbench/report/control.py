@@ -1,0 +1,221 @@
+"""Chapters on the controller: gains over amplitude, the step, who beats whom, and what the found effect is worth."""
+
+import numpy as np
+
+from workbench.report import numbers
+from workbench.report.contents import BAD, GOOD, Callout, Chapter, Figure, Items, Marked, Paragraph, Table
+from workbench.report.drawing import AFTER, BEFORE, MUTED, SERIES, STYLES, decades, envelope, svg
+from workbench.verify.compare import Comparison
+from workbench.verify.design import Designed
+from workbench.verify.task import Task
+
+DRAWN = 3  # decades below the step that the error is drawn over, at least
+
+
+def schedule_chapter(designed: Designed, rule: str) -> Chapter:
+    """The gains tuned at each amplitude, and the schedule through them."""
+    g, s, final = designed.gains, designed.schedule, designed.final[rule]
+    plant = designed.plant
+    kp_unit, kd_unit = (numbers.unit(f"{plant.effort}{t}/{plant.displacement}") for t in ("", "*s"))
+    span = f"from {numbers.quantity(float(g.kp[0]), kp_unit)} to {numbers.quantity(float(g.kp[-1]), kp_unit)}"
+    heading = f"Kp falls {span} over amplitude; |S| stays below {np.max(g.sensitivity_peak):.2f}"
+
+    def draw(axes):
+        for axis, tuned, fitted, two, name, unit in (
+            (axes[0], g.kp, s.kp, final.kp, "Kp", kp_unit),
+            (axes[1], g.kd, s.kd, final.kd, "Kd", kd_unit),
+        ):
+            axis.loglog(g.amplitude, tuned, "o", ms=3, color=MUTED, label="tuned at each amplitude")
+            axis.loglog(s.knots, fitted, "-", color=AFTER, label="schedule")
+            axis.loglog(final.knots, two, "--", color=BEFORE, label="two modes, after the simulated loop")
+            axis.set_ylabel(numbers.label(name, unit))
+        axes[2].semilogx(g.amplitude, g.sensitivity_peak, "-", color=AFTER)
+        axes[2].set_ylabel("Ms")
+        axes[2].set_xlabel(numbers.label("amplitude A", numbers.unit(plant.displacement)))
+        for axis in axes:
+            decades(axis.xaxis)
+        for axis in axes[:2]:
+            decades(axis.yaxis)
+        axes[0].legend(loc="lower left")
+
+    figure = Figure(
+        "gains",
+        lambda: svg(heading, draw, rows=3, height=5.4, share=True),
+        "Gains over amplitude (top, middle) and the sensitivity peak of the exact sampled loop with the tuned gains.",
+        f"Three graphs over amplitude. {heading}.",
+    )
+    pick = np.unique(np.linspace(0, g.amplitude.size - 1, 9).astype(int))
+    rows = tuple(
+        (
+            numbers.scaled(float(g.amplitude[i]), plant.displacement),
+            numbers.number(float(g.kp[i])),
+            numbers.number(float(g.kd[i])),
+            numbers.scaled(float(g.time[i]), "s"),
+            numbers.percent(float(g.overshoot[i])),
+            numbers.percent(float(g.error_ratio[i])),
+            numbers.number(float(g.sensitivity_peak[i])),
+            ", ".join(g.binding[i]) or "none",
+        )
+        for i in pick
+    )
+    columns = (
+        "amplitude",
+        f"Kp ({kp_unit})",
+        f"Kd ({kd_unit})",
+        "1 % time",
+        "overshoot",
+        "error share",
+        "Ms",
+        "limited by",
+    )
+    text = (
+        f"At each of {g.amplitude.size} amplitudes the gains are the fastest whose response enters the band of 1 % of its own "
+        "final value to stay there, within the limits on overshoot, drive, speed and the sensitivity of the exact sampled "
+        f"loop. The schedule holds {s.knots.size} knots, even in the logarithm to base two; between them gains are linear in "
+        f"the amplitude, at most {numbers.percent(float(s.interpolation_error))} away from the tuned ones."
+    )
+    said = [f.sentence for f in (*g.findings, *s.findings)]
+    blocks = [Paragraph(text), figure, Table(columns, rows, "Gains at some of the amplitudes.", "rrrrrrrp")]
+    return Chapter("Gains per amplitude, and the schedule", tuple(blocks + ([Items(tuple(said))] if said else [])))
+
+
+def step_chapter(task: Task, controllers: dict) -> Chapter:
+    """The same step under every controller: position, what is left of it, and torque."""
+    plant, step = task.plant, task.step
+    unit, effort = numbers.unit(plant.displacement), numbers.unit(plant.effort)
+    bound = task.bound()
+    scenarios = task.scenarios(load_inertias=task.load_inertias[:1], frictions=(1.0,), inertias=(1.0,), phases=1)
+    traces = {
+        name: task.run(make(1), scenarios, ("q", "u"), every=1).trajectories for name, make in controllers.items()
+    }
+    target = float(np.ravel(scenarios.target)[0])
+    heading = f"Every controller comes to rest near the bound of {numbers.scaled(bound, 's')}; what is left differs by decades"
+
+    def draw(axes):
+        for k, (name, t) in enumerate(traces.items()):
+            style = {"color": SERIES[k % len(SERIES)], "ls": STYLES[k % len(STYLES)], "lw": 1.1}
+            q, u = t["q"][:, 0], t["u"][:, 0]
+            axes[0].plot(*envelope(t.time, q), label=name, **style)
+            left = np.maximum(np.abs(target - q), 0.05 * task.loop.resolution)
+            axes[1].semilogy(*envelope(t.time, left), **style)
+            axes[2].plot(*envelope(t.time, u), **style)
+        axes[0].axvline(bound, color=MUTED, lw=0.8, ls=":")
+        axes[1].axvline(bound, color=MUTED, lw=0.8, ls=":")
+        axes[1].axhline(task.loop.resolution, color=MUTED, lw=0.8)
+        axes[1].text(0, task.loop.resolution * 1.15, " one encoder count", color=MUTED, va="bottom")
+        axes[0].set_ylabel(numbers.label("position", unit))
+        axes[1].set_ylabel(numbers.label("error, absolute", unit))
+        axes[2].set_ylabel(numbers.label("command", effort))
+        axes[2].set_xlabel("time (s)")
+        decades(axes[1].yaxis)
+        axes[0].legend(loc="lower right")
+
+    figure = Figure(
+        "step",
+        lambda: svg(heading, draw, rows=3, height=5.8, share=True),
+        f"A step of {numbers.quantity(step, plant.displacement)} without load. Dotted: the time-optimal bound.",
+        f"Three graphs over time for {len(traces)} controllers. {heading}.",
+    )
+    text = (
+        "The simulated loop has all that the drive has: sampling, a quantised encoder, delay, the velocity filter, torque and "
+        "speed limits, torque noise, and the identified friction. Every controller was tuned by the same search on the same "
+        "scenarios, with the same limits, also on its sensitivity."
+    )
+    return Chapter("The step", (Paragraph(text), figure))
+
+
+def _time(seconds: float) -> str:
+    return numbers.scaled(seconds, "s", 4) if np.isfinite(seconds) else "never"
+
+
+def comparison_table(comparison: Comparison, caption: str, unit: str) -> Table:
+    """Every controller under every load."""
+    rows = []
+    for r in comparison.rows:
+        load = "none" if r.load_inertia == 0 else numbers.number(r.load_inertia, 2)
+        rows.append(
+            (
+                r.controller,
+                load,
+                _time(r.time_1pct),
+                numbers.number(r.over_bound) if np.isfinite(r.time_1pct) else "–",
+                numbers.percent(r.overshoot),
+                numbers.number(r.final_error, 2),
+                numbers.number(r.error_counts, 2),
+                _time(r.settling),
+                numbers.number(r.peak_torque),
+            )
+        )
+    columns = (
+        "controller", "load inertia", "1 % time", "of the bound", "overshoot", f"final error ({unit})", "in counts",
+        "settled", "peak command",
+    )  # fmt: skip
+    return Table(columns, tuple(rows), caption, "prrrrrrrr")
+
+
+def comparison_chapter(comparison: Comparison, task: Task) -> Chapter:
+    """Who is beaten on what, and who is not."""
+    c = task.criteria
+    caption = (
+        "The worst of eight encoder phases and noise seeds each. Settled: within "
+        f"±{c.counts:g} counts for {numbers.scaled(c.hold, 's')}. Load inertia in {numbers.unit('kg*m^2' if task.plant.rotary else 'kg')}."
+    )
+    beaten = tuple(f.sentence for f in comparison.findings)
+    return Chapter(
+        "Against the baselines",
+        (comparison_table(comparison, caption, numbers.unit(task.plant.displacement)), Items(beaten)),
+    )
+
+
+def worth_chapter(declared: Comparison, extended: Comparison, cause: str, task: Task) -> Chapter:
+    """The same controllers tuned on the declared and on the extended model, all run on the extended plant."""
+    rows = []
+    for r in extended.rows:
+        other = declared.row(r.controller, r.load_inertia)
+        better = r.final_error < other.final_error * 0.8 or r.time_1pct < other.time_1pct * 0.99
+        worse = r.final_error > other.final_error * 1.25 or r.time_1pct > other.time_1pct * 1.01
+        word = (
+            Marked("better", GOOD)
+            if better and not worse
+            else Marked("worse", BAD)
+            if worse and not better
+            else "mixed"
+        )
+        rows.append(
+            (
+                r.controller,
+                "none" if r.load_inertia == 0 else numbers.number(r.load_inertia, 2),
+                _time(other.time_1pct),
+                _time(r.time_1pct),
+                numbers.number(other.final_error, 2),
+                numbers.number(r.final_error, 2),
+                "equal" if not better and not worse else word,
+            )
+        )
+    unit = numbers.unit(task.plant.displacement)
+    columns = (
+        "controller", "load inertia", "1 % time, declared", "1 % time, extended", f"error ({unit}), declared",
+        f"error ({unit}), extended", "extended is",
+    )  # fmt: skip
+    return Chapter(
+        "What the found effect is worth",
+        (
+            Callout(worth_sentence(declared, extended, cause)),
+            Table(
+                columns,
+                tuple(rows),
+                "Tuned on the declared and on the extended model, run on the extended plant.",
+                "prrrrrl",
+            ),
+        ),
+    )
+
+
+def worth_sentence(declared: Comparison, extended: Comparison, cause: str) -> str:
+    """Say what the scheduled PD gains by knowing the effect."""
+    a, b = declared.rows[0], extended.rows[0]
+    time = f"{_time(a.time_1pct)} to {_time(b.time_1pct)}"
+    return (
+        f"Tuned with {cause} in the model instead of without it, {b.controller} goes from a 1 % time of {time} and a final "
+        f"error of {numbers.number(a.final_error, 2)} to {numbers.number(b.final_error, 2)} without load, on the plant that has it."
+    )
