@@ -5,14 +5,14 @@ shape parameters are searched on a scale of their own (logarithmic where the par
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from math import exp, log
 
 import numpy as np
 
 from workbench import effect as fx
-from workbench.identify.passes import Passes
+from workbench.identify.passes import Passes, command_maps
 from workbench.parameter import Parameter
 from workbench.plant import Plant
 
@@ -108,7 +108,23 @@ class Problem:
                 else:
                     phi[part, index] = column[keep]
             row += length
-        return y, phi
+        factor = self.command_scale(plant)
+        return (y, phi) if factor == 1.0 else (y * factor, phi * factor)
+
+    def command_scale(self, plant: Plant) -> float:
+        """Return rms of the command over rms of what command maps make of it, both filtered; 1 without such maps.
+
+        Residuals are compared as commands: else a map that attenuates everything would explain everything.
+        """
+        if not command_maps(plant):
+            return 1.0
+        bare = replace(plant, effects=tuple(e for e in plant.effects if e.at != "command"))
+        power = [0.0, 0.0]
+        for p in self.passes:
+            for k, q in enumerate((bare, plant)):
+                drive = p.filtered_drive(q)[p.motion.keep]
+                power[k] += float(drive @ drive)
+        return float(np.sqrt(power[0] / power[1])) if power[1] > 0.0 else np.inf
 
     def tangents(self, theta: np.ndarray, c: np.ndarray, y: np.ndarray, phi: np.ndarray) -> np.ndarray:
         """Return d(Phi c - y)/d theta (N, k), one directional derivative of the whole pass each."""

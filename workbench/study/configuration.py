@@ -12,6 +12,7 @@ from workbench.readers.declaration import Table, read
 FILE = "study.toml"
 DATA = "WORKBENCH_DATA"
 KEYS = ("question", "campaign", "data", "describe", "requirements")
+CONTROL = ("loop", "axis", "tuning", "schedule", "task", "export")  # read by study.controlling
 
 
 class MissingData(WorkbenchError):
@@ -102,7 +103,7 @@ def load(folder: Path, further: tuple[str, ...] = ()) -> Study:
 
     Raises WorkbenchError naming the file and key.
     """
-    top = read(folder / FILE, ("title",), (*KEYS, *further))
+    top = read(folder / FILE, ("title",), (*KEYS, *CONTROL, *further))
     campaign = None
     if "campaign" in top:
         text = top.text("campaign")

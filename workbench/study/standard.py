@@ -63,7 +63,7 @@ def run(study: Study, say: Say) -> Outcome:
     found = trace_campaign(campaign, say)
     say("describing the plant over amplitude")
     equivalents = described(found.after.plant, amplitudes(study)) if study.describe else ()
-    return Outcome(
+    outcome = Outcome(
         plant=campaign.plant,
         campaign=campaign.title,
         bandwidth=campaign.bandwidth,
@@ -73,3 +73,8 @@ def run(study: Study, say: Say) -> Outcome:
         figures=trace_figures(found),
         findings=(*campaign.findings, *found.findings, *found.after.findings),
     )
+    if "task" not in study.table:
+        return outcome
+    from workbench.study.control import with_control
+
+    return with_control(outcome, study, say)

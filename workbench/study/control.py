@@ -1,0 +1,115 @@
+"""The controller's half of a study: design on the extended plant, baselines, comparison, what the effect is worth, export."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from workbench.finding import Finding
+from workbench.report import control as chapters
+from workbench.report.contents import Chapter
+from workbench.study.configuration import Study
+from workbench.study.controlling import Control, control_of
+from workbench.trace.result import Trace
+from workbench.verify.compare import Comparison, compare, verdicts
+from workbench.verify.design import RULES, Designed, design
+
+BASELINES = ("fixed PD", "PI cascade")
+
+
+@dataclass(frozen=True, eq=False)
+class Controlled:
+    """What a study gets from here; the fields are those of Outcome."""
+
+    figures: dict[str, float | str]
+    units: dict[str, str]
+    chapters: tuple[Chapter, ...]
+    findings: tuple[Finding, ...]
+    tables: dict[str, object]
+    files: tuple = field(default=())
+
+
+def run(study: Study, found: Trace, say: Callable[[str], None]) -> Controlled:
+    """Design, compare and export for the plant that the trace ended with."""
+    control = control_of(study.table, found.after.plant)
+    plant = control.limited(found.after.plant)
+    declared = control.limited(found.before.plant)
+    task = control.task.on(plant)
+    made = design(
+        plant, control.amplitudes, control.goal, task,
+        per_octave=control.per_octave, tolerance=control.tolerance, seed=control.seed, say=say,
+    )  # fmt: skip
+    say("comparing the controllers")
+    ours = f"scheduled PD, {control.rule}"
+    makers = {name: tuned.controller for name, tuned in made.tuned.items()}
+    comparison = verdicts(compare(task, makers), ours, BASELINES)
+    parts = [chapters.schedule_chapter(made, control.rule), chapters.step_chapter(task, makers)]
+    parts.append(chapters.comparison_chapter(comparison, task))
+    figures, units = figures_of(made, comparison, ours, plant.displacement)
+    tables = {"controllers": controllers(made), "comparison": [vars(r) for r in comparison.rows]}
+    if found.causes:
+        say("tuning on the declared model, for what the effect is worth")
+        blind = design(
+            declared, control.amplitudes, control.goal, task,
+            per_octave=control.per_octave, tolerance=control.tolerance, seed=control.seed, say=say, baselines=False,
+        )  # fmt: skip
+        names = [f"scheduled PD, {r}" for r in RULES]
+        without = compare(task, {n: blind.tuned[n].controller for n in names})
+        known = Comparison(tuple(r for r in comparison.rows if r.controller in names), ())
+        cause = " and ".join(c.effect.replace("_", " ") for c in found.causes)
+        parts.append(chapters.worth_chapter(without, known, cause, task))
+        tables["comparison_tuned_on_declared"] = [vars(r) for r in without.rows]
+    return Controlled(
+        figures, units, tuple(parts), comparison.findings, tables, (lambda folder: write_gains(made, control, folder),)
+    )
+
+
+def write_gains(made: Designed, control: Control, folder) -> None:
+    """Write the gain table of the study's rule into gains/."""
+    from workbench.export import export
+
+    place = folder / "gains"
+    place.mkdir()
+    export(made.final[control.rule], made.plant, place, scale=control.scale)
+
+
+def controllers(made: Designed) -> list[dict]:
+    """Every tuned controller as results.json holds it."""
+    return [
+        {"controller": n, "numbers": t.numbers, "cost": t.value, "points_tried": t.evaluations, "seed": t.seed}
+        for n, t in made.tuned.items()
+    ]
+
+
+def figures_of(made: Designed, comparison: Comparison, ours: str, x: str) -> tuple[dict, dict]:
+    """Return (figures, units) by which a study may be judged."""
+    first = comparison.rows[0].load_inertia
+    mine = [r for r in comparison.rows if r.controller == ours]
+    fixed = comparison.row("fixed PD", first)
+    free = comparison.row(ours, first)
+    figures = {
+        "sensitivity_peak": float(np.max(made.gains.sensitivity_peak)),
+        "schedule_interpolation_error": float(made.schedule.interpolation_error),
+        "schedule_knots": float(made.schedule.knots.size),
+        "scheduled_time_over_bound": free.over_bound,
+        "scheduled_time_over_bound_worst": max(r.over_bound for r in mine),
+        "scheduled_final_error": free.final_error,
+        "scheduled_final_error_worst": max(r.final_error for r in mine),
+        "scheduled_error_over_fixed": free.final_error / fixed.final_error,
+    }
+    return figures, {n: x for n in figures if n.startswith("scheduled_final_error")}
+
+
+def with_control(outcome, study: Study, say: Callable[[str], None]):
+    """Return the outcome of a study with the controller's half added."""
+    c = run(study, outcome.trace, say)
+    return replace(
+        outcome,
+        figures={**outcome.figures, **c.figures},
+        units={**outcome.units, **c.units},
+        chapters=(*outcome.chapters, *c.chapters),
+        findings=(*outcome.findings, *c.findings),
+        tables={**outcome.tables, **c.tables},
+        files=(*outcome.files, *c.files),
+    )
+

@@ -1,0 +1,107 @@
+"""From a plant to controllers: gains per amplitude, a schedule, and every family tuned on the simulated loop."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from workbench.describe import Equivalent
+from workbench.plant import Plant
+from workbench.schedule import Schedule, fit_schedule
+from workbench.simulate import Loop
+from workbench.tune import Gains, TuningGoal, tune
+from workbench.verify.equivalent import equivalent_of, friction_of
+from workbench.verify.families import Linear, blended, cascade_family, pd_family, scheduled_family
+from workbench.verify.optimise import Tuned, optimise
+from workbench.verify.task import Task
+
+RULES = ("following", "frozen")
+ROUNDS = 2  # of describing and tuning: friction that depends on speed is described at the loop's own frequency
+FASTEST = 0.2  # natural frequency times sample time that the first round assumes at most
+LOWEST_KNOT = 1.0  # of the lowest tuned amplitude
+
+
+@dataclass(frozen=True, eq=False)
+class Designed:
+    """equivalent, gains: over the tuned amplitudes. schedule: of the tuned gains. tuned: family name -> its best point.
+
+    final: the schedule of two modes that the simulated loop ended with, rule -> Schedule; what is exported.
+    """
+
+    plant: Plant
+    equivalent: Equivalent
+    gains: Gains
+    schedule: Schedule
+    tuned: dict[str, Tuned]
+    final: dict[str, Schedule]
+
+
+def gains_of(
+    plant: Plant, amplitudes: np.ndarray, goal: TuningGoal, loop: Loop, margins: bool = True
+) -> tuple[Equivalent, Gains]:
+    """Return the equivalent friction of a plant and the gains tuned to it, at amplitudes (n,), rad or m."""
+    friction, inertia, viscous = friction_of(plant)
+    omega = np.minimum(np.sqrt(goal.drive / (amplitudes * inertia)), FASTEST / loop.sample_time)
+    for _ in range(ROUNDS):
+        equivalent = equivalent_of(friction, amplitudes, omega, loop.resolution)
+        gains = tune(equivalent, inertia, viscous, goal, loop)
+        omega = np.sqrt((gains.kp + equivalent.stiffness) / inertia)
+    return equivalent, gains
+
+
+def linear_of(plant: Plant, equivalent: Equivalent, loop: Loop) -> Linear:
+    """Return the linearisations that every law must be robust on: gross sliding, and the stiffest presliding spring."""
+    _, inertia, viscous = friction_of(plant)
+    return Linear(loop, inertia, viscous, np.array([0.0, float(equivalent.stiffness.max())]))
+
+
+def two_modes(schedule: Schedule, tuned: Tuned, rule: str) -> Schedule:
+    """Return the schedule with the gains of gross sliding beyond the switch, as the search found them."""
+    from dataclasses import replace
+
+    blend = blended(schedule, tuned.point, rule)
+    return replace(schedule, kp=blend.kp, kd=blend.kd, rule=rule)
+
+
+def design(
+    plant: Plant,
+    amplitudes: np.ndarray,
+    goal: TuningGoal,
+    task: Task,
+    *,
+    per_octave: int = 2,
+    tolerance: float = 0.02,
+    seed: int = 1,
+    say: Callable[[str], None] = lambda _: None,
+    baselines: bool = True,
+) -> Designed:
+    """Tune gains and schedule on the equivalents, then every family on the simulated loop of `task`, on this plant."""
+    loop = task.loop
+    say("tuning gains at each amplitude")
+    equivalent, gains = gains_of(plant, amplitudes, goal, loop)
+    say("fitting the schedule")
+    schedule = fit_schedule(
+        gains,
+        per_octave=per_octave,
+        lowest=float(amplitudes[0]),
+        highest=float(amplitudes[-1]),
+        tolerance=tolerance,
+        plant_digest=plant.digest,
+        loop=loop,
+    )
+    linear = linear_of(plant, equivalent, loop)
+    gross = (float(gains.kp[-1]), float(gains.kd[-1]))
+    families = [scheduled_family(linear, schedule, rule, gross) for rule in RULES]
+    if baselines:
+        middle = int(np.argmin(np.abs(np.log(amplitudes / (1e-2 * task.step)))))
+        start = (float(gains.kp[middle]), float(gains.kd[middle]))
+        families.append(pd_family(linear, start))
+        kv = start[0] / start[1]
+        families.append(cascade_family(linear, (kv, start[1], 0.1 * kv * start[1]), plant.limits.speed))
+    tuned = {}
+    own = task.on(plant)
+    for family in families:
+        say(f"tuning {family.name} on the simulated loop")
+        tuned[family.name] = optimise(own, family, seed)
+    final = {rule: two_modes(schedule, tuned[f"scheduled PD, {rule}"], rule) for rule in RULES}
+    return Designed(plant, equivalent, gains, schedule, tuned, final)
