@@ -1,0 +1,7 @@
+"""Gains over amplitude: a shape-constrained fit at knots even in log2, and what it is worth between them."""
+
+from workbench.schedule.check import BetweenKnots, Passivity, between_knots, passivity
+from workbench.schedule.fit import fewest_knots, fit_schedule
+from workbench.schedule.table import Schedule
+
+__all__ = ["BetweenKnots", "Passivity", "Schedule", "between_knots", "fewest_knots", "fit_schedule", "passivity"]

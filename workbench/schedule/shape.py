@@ -1,0 +1,78 @@
+"""Log gains at the knots: a least-squares quadratic program with bounded slopes, in cvxpy with OSQP."""
+
+import numpy as np
+
+from workbench.errors import WorkbenchError
+
+CURVATURE = 1e-7  # weight of squared second differences: knots that no data hold lie on a straight line in log-log
+EXACT = 1e-6  # largest violation and dual residual that is accepted before the projection
+SETTINGS = {
+    "eps_abs": 1e-9,
+    "eps_rel": 1e-9,
+    "max_iter": 200000,
+    "polishing": True,
+    "adaptive_rho": True,
+    "adaptive_rho_interval": 25,
+}
+
+
+def solve(rows: np.ndarray, target: np.ndarray, low: np.ndarray, high: np.ndarray, ceiling: np.ndarray) -> np.ndarray:
+    """Return x (m,) that minimises |rows x - target|^2/n + CURVATURE |second differences|^2, low <= diff(x) <= high.
+
+    rows (n, m), target (n,); low, high (m - 1,). ceiling (n,): where True, rows x <= target also. OSQP's defaults end at
+    1e-3; here the answer's feasibility and its dual residual are checked, and the steps then clipped, so that bounds hold
+    exactly. WorkbenchError where there is no such x.
+    """
+    import cvxpy as cp
+
+    m = rows.shape[1]
+    x = cp.Variable(m)
+    steps, bends = np.diff(np.eye(m), axis=0), np.diff(np.eye(m), n=2, axis=0)
+    share = m / target.size  # so that the Hessian's diagonal is about 1
+    hessian = share * rows.T @ rows + m * CURVATURE * bends.T @ bends
+    gradient = share * rows.T @ target
+    cost = 0.5 * cp.quad_form(x, cp.psd_wrap(hessian)) - gradient @ x
+    limits = [steps @ x >= low, steps @ x <= high]
+    if ceiling.any():
+        limits.append(rows[ceiling] @ x <= target[ceiling])
+    problem = cp.Problem(cp.Minimize(cost), limits)
+    problem.solve(solver=cp.OSQP, **SETTINGS)
+    if x.value is None or problem.status not in ("optimal", "optimal_inaccurate"):
+        raise WorkbenchError(
+            "no gains at these knots keep monotony, slope and the sensitivity limit; widen the slope bounds."
+        )
+    dual = hessian @ x.value - gradient + steps.T @ (limits[1].dual_value - limits[0].dual_value)
+    if ceiling.any():
+        dual += rows[ceiling].T @ limits[2].dual_value
+    step = np.diff(x.value)
+    wrong = max(np.abs(dual).max(), (low - step).max(), (step - high).max())
+    if wrong > EXACT:
+        raise WorkbenchError(f"the quadratic program of the gains ended {wrong:.1g} off its optimum; use fewer knots.")
+    middle = m // 2
+    out = np.concatenate([[0.0], np.cumsum(np.clip(step, low, high))])
+    return out - out[middle] + x.value[middle]
+
+
+def interpolation(knots: np.ndarray, amplitude: np.ndarray) -> np.ndarray:
+    """Return (n, m): weights of the knots at amplitudes within them, linear in amplitude."""
+    i = np.clip(np.searchsorted(knots, amplitude, side="right") - 1, 0, knots.size - 2)
+    share = np.clip((amplitude - knots[i]) / (knots[i + 1] - knots[i]), 0.0, 1.0)
+    out = np.zeros((amplitude.size, knots.size))
+    rows = np.arange(amplitude.size)
+    out[rows, i], out[rows, i + 1] = 1.0 - share, share
+    return out
+
+
+def fit(knots, amplitude, gain, low: np.ndarray, high: np.ndarray, ceiling: np.ndarray) -> np.ndarray:
+    """Return gains at the knots whose interpolation, linear in amplitude, fits the logs of `gain` (n,) at `amplitude` (n,).
+
+    low, high (m - 1,): bounds of the steps of log gain from knot to knot. Gauss-Newton: the log of an interpolated gain is
+    linearised at the solution before, beginning from the given gains.
+    """
+    weights, target = interpolation(knots, amplitude), np.log(gain)
+    x = np.interp(np.log(knots), np.log(amplitude), target)
+    for _ in range(2):
+        level = weights @ np.exp(x)
+        rows = weights * np.exp(x) / level[:, None]
+        x = solve(rows, target - np.log(level) + rows @ x, low, high, ceiling)
+    return np.exp(x)
