@@ -11,7 +11,8 @@ from typing import Protocol
 import numpy as np
 
 from workbench.errors import WorkbenchError, nearest
-from workbench.readers import csv
+from workbench.readers import csv, mat, mdf, tdms
+from workbench.readers.sheet import Sheet
 from workbench.record import Source
 
 
@@ -21,17 +22,15 @@ class Reader(Protocol):
     name: str
     suffixes: tuple[str, ...]
 
-    def read(self, content: bytes, path: Path, columns: Mapping[str, str]) -> Mapping[str, np.ndarray]:
-        """Return channel -> (n,) float array, all of one length and finite, from the column that `columns` names.
+    def read(self, content: bytes, path: Path, columns: Mapping[str, str]) -> Sheet:
+        """Return the columns that `columns` (channel -> column) names.
 
-        Raises WorkbenchError naming `path` and the row. Arrays are the caller's own.
+        Raises WorkbenchError naming `path`, and the row or sample.
         """
 
-    def place(self, path: Path, sample: int) -> str:
-        """Return where sample number `sample` (from 0) stands, for a sentence: "moves.csv, row 12"."""
 
-
-READERS: tuple[Reader, ...] = (csv.Csv(),)
+READERS: tuple[Reader, ...] = (csv.Csv(), mat.Mat(), mdf.Mdf(), tdms.Tdms())
+SUFFIXES = tuple(s for r in READERS for s in r.suffixes)
 
 
 def reader(path: Path) -> Reader:
@@ -39,12 +38,11 @@ def reader(path: Path) -> Reader:
     for candidate in READERS:
         if path.name.lower().endswith(candidate.suffixes):
             return candidate
-    known = ", ".join(s for r in READERS for s in r.suffixes)
-    raise WorkbenchError(f"{path}: no reader for this kind of file; readable are {known}.")
+    raise WorkbenchError(f"{path}: no reader for this kind of file; readable are {', '.join(SUFFIXES)}.")
 
 
-def read(path: Path, columns: Mapping[str, str]) -> tuple[Mapping[str, np.ndarray], Source]:
-    """Return channel -> (n,) array in the file's own units, and the Source; `columns` is channel -> column.
+def load(path: Path, columns: Mapping[str, str]) -> tuple[Sheet, Source]:
+    """Return the named columns (`columns` is channel -> column) with their places and units, and the Source.
 
     Raises WorkbenchError where the file cannot be read or holds anything but finite numbers in these columns.
     """
@@ -62,10 +60,16 @@ def read(path: Path, columns: Mapping[str, str]) -> tuple[Mapping[str, np.ndarra
     return chosen.read(content, path, columns), Source(path, sha256, chosen.name, dict(columns))
 
 
+def read(path: Path, columns: Mapping[str, str]) -> tuple[Mapping[str, np.ndarray], Source]:
+    """Return channel -> (n,) array in the file's own units, and the Source; `columns` and errors as for `load`."""
+    sheet, source = load(path, columns)
+    return sheet.channels, source
+
+
 def _beside(path: Path) -> str:
     """Return the nearest names beside a missing file, as a clause."""
     try:
-        names = [p.name for p in path.parent.iterdir() if p.name.lower().endswith(READERS[0].suffixes)]
+        names = [p.name for p in path.parent.iterdir() if p.name.lower().endswith(SUFFIXES)]
     except OSError:
         return "nor its folder."
     return nearest(path.name, sorted(names)[:50])

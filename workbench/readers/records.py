@@ -8,9 +8,10 @@ import numpy as np
 
 from workbench.errors import WorkbenchError
 from workbench.finding import Finding
-from workbench.readers import read, reader
+from workbench.readers import load, reader
 from workbench.readers.declaration import Table
 from workbench.readers.sampling import uniform
+from workbench.readers.stated import stated
 from workbench.record import IDENTIFICATION, ROLES, VALIDATION, Record
 from workbench.units import effect_unit, to_si
 
@@ -94,11 +95,11 @@ def records(
 
 def _record(one: Table, folder: Path, name: str, channels: Mapping[str, Channel], resample: bool):
     path = _inside(folder, one)
-    raw, source = read(path, {n: c.column for n, c in channels.items()})
-    data = {n: to_si(raw[n], c.unit, c.si, f"{path}: column '{c.column}'") for n, c in channels.items()}
-    place = reader(path).place
-    time, data, resampled = uniform(name, data.pop("time"), data, lambda k: place(path, k), resample=resample)
-    findings = [resampled] if resampled else []
+    sheet, source = load(path, {n: c.column for n, c in channels.items()})
+    data = {n: to_si(sheet.channels[n], c.unit, c.si, f"{path}: column '{c.column}'") for n, c in channels.items()}
+    time, data, resampled = uniform(name, data.pop("time"), data, sheet.place, resample=resample)
+    findings = [f for n, c in channels.items() if (f := stated(name, c.column, sheet.units.get(n, ""), c.unit, c.si))]
+    findings += [resampled] if resampled else []
     start = one.number("start_time_s", float(time[0]))
     if abs(start - time[0]) > time[1] - time[0]:
         findings.append(_clock(name, start, time))

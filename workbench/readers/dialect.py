@@ -1,0 +1,150 @@
+"""How a text table is written, found from its bytes: packing, encoding, comments, delimiter, units row, decimal mark.
+
+The declared column names are known, and they say which delimiter it is: the one that finds them all in the header.
+"""
+
+import csv
+import gzip
+import zlib
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from workbench.errors import WorkbenchError, nearest
+from workbench.units.registry import legible, tidy
+
+GZIP = b"\x1f\x8b"
+UTF8, UTF16 = b"\xef\xbb\xbf", (b"\xff\xfe", b"\xfe\xff")  # byte-order marks
+COMMENT = (b"#", b"%")
+DELIMITERS = (",", ";", "\t", " ")
+NO_UNIT = ("", "-", "1")
+
+
+@dataclass(frozen=True)
+class Dialect:
+    """header: column names. units: cells of the units row, or none. body: the samples in UTF-8, a line each; where the
+    delimiter is a blank, one blank between cells. first: row of the first sample, counted as editors count."""
+
+    header: Sequence[str]
+    units: Sequence[str]
+    body: bytes
+    first: int
+    delimiter: str
+
+
+def dialect(content: bytes, path: Path, columns: Mapping[str, str]) -> Dialect:
+    """Return how a file is written; WorkbenchError where it is empty, or has no header with every declared column."""
+    lines = _utf8(_plain(content, path), path).replace(b"\r\n", b"\n").replace(b"\r", b"\n")
+    line, row, body, first = _parted(lines, columns.values())
+    if not line.strip():
+        raise WorkbenchError(f"{path}, row {row}: is blank; put the header with the column names there.")
+    delimiter = _delimiter(line, columns.values())
+    header = _names(line, delimiter)
+    _complete(header, f"{path}, row {row}", columns)
+    body = body.rstrip(b"\n")
+    if delimiter == " ":
+        body = b"\n".join(b" ".join(line.split()) for line in body.split(b"\n"))
+    head, _, rest = body.partition(b"\n")
+    units = [c.strip().strip("[]()").strip() for c in head.decode().split(delimiter)]
+    if len(units) == len(header) and _are_units([units[header.index(c)] for c in columns.values()]):
+        body, first = rest, first + 1
+    else:
+        units = ()
+    if not body:
+        raise WorkbenchError(f"{path}: holds no samples below its header; export the record again.")
+    return Dialect(header, units, body, first, delimiter)
+
+
+def _plain(content: bytes, path: Path) -> bytes:
+    """Return the text's bytes, unpacked where they are gzip by name or by content."""
+    if path.suffix.lower() == ".gz" or content.startswith(GZIP):
+        try:
+            content = gzip.decompress(content) if content else content
+        except (OSError, EOFError, zlib.error) as e:
+            raise WorkbenchError(f"{path}: is no whole gzip file ({e}); copy or pack it again.") from e
+    if not content.removeprefix(UTF8).strip():
+        raise WorkbenchError(f"{path}: is empty; a header row and samples are needed, so export the record again.")
+    return content
+
+
+def _utf8(content: bytes, path: Path) -> bytes:
+    """Return the text in UTF-8 without a mark; what is no UTF-8 is Latin-1, in which old software writes "°" and "µ"."""
+    if content.startswith(UTF16):
+        try:
+            return content.decode("utf-16").encode()
+        except UnicodeError as e:
+            raise WorkbenchError(f"{path}: begins as UTF-16 text and is none; save the file as UTF-8.") from e
+    if not content.isascii():
+        try:
+            content.decode()
+        except UnicodeDecodeError:
+            return content.decode("latin-1").encode()
+    return content.removeprefix(UTF8)
+
+
+def _parted(lines: bytes, columns: Sequence[str]) -> tuple[str, int, bytes, int]:
+    """Return (header line, its row, the rest, row of the rest).
+
+    Comments stand above the header, and blank lines among them. A comment may be the header itself (as NumPy writes it)
+    where the line below has not the declared columns.
+    """
+    comments: list[tuple[str, int]] = []
+    row, rest = 1, lines
+    while True:
+        line, _, after = rest.partition(b"\n")
+        if after and (line.startswith(COMMENT) or (comments and not line.strip())):
+            comments.append((line.decode(), row))
+            row, rest = row + 1, after
+            continue
+        shown = line.decode()
+        if comments and not _finds_all(shown, columns):
+            for comment, at in reversed(comments):
+                for text in (comment, comment.lstrip("#% ")):
+                    if _finds_all(text, columns):
+                        return text, at, rest, row
+        return shown, row, after, row + 1
+
+
+def _finds_all(line: str, columns: Sequence[str]) -> bool:
+    return any(set(columns) <= set(_names(line, d)) for d in DELIMITERS)
+
+
+def _delimiter(line: str, columns: Sequence[str]) -> str:
+    """Return the delimiter that finds most of the declared columns; of equals the one that makes most cells."""
+    cells = {d: _names(line, d) for d in DELIMITERS}
+    return max(DELIMITERS, key=lambda d: (len(set(columns) & set(cells[d])), d != " ", len(cells[d])))
+
+
+def _names(line: str, delimiter: str) -> list[str]:
+    try:
+        row = next(csv.reader([line.strip(" ")], delimiter=delimiter, skipinitialspace=True), [])
+    except csv.Error:
+        return []
+    return [name.strip() for name in row]
+
+
+def _complete(header: Sequence[str], where: str, columns: Mapping[str, str]) -> None:
+    """Every declared column is there, and no name is there twice."""
+    twice = sorted({name for name in header if name and header.count(name) > 1})
+    if twice:
+        raise WorkbenchError(f"{where}: column '{twice[0]}' is there twice; rename or remove one of them.")
+    for channel, column in columns.items():
+        if column not in header:
+            raise WorkbenchError(
+                f"{where}: there is no column '{column}' for channel '{channel}'; {nearest(column, header)}"
+            )
+
+
+def _are_units(cells: Sequence[str]) -> bool:
+    """Whether the declared columns' cells are units: no sample among them, and at least one that is known."""
+    told = [c for c in cells if c not in NO_UNIT]
+    return not any(_sample(c) for c in told) and any(legible(tidy(c)) for c in told)
+
+
+def _sample(cell: str) -> bool:
+    """Whether a cell is a sample, if only a "nan"."""
+    try:
+        float(cell.replace(",", "."))
+    except ValueError:
+        return False
+    return True

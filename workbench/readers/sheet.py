@@ -1,0 +1,91 @@
+"""What a reader returns, and what the binary formats share: the same checks, the same sentences."""
+
+import importlib
+import logging
+from collections.abc import Callable, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from pathlib import Path
+from types import MappingProxyType, ModuleType
+
+import numpy as np
+
+from workbench.errors import WorkbenchError
+
+
+@dataclass(frozen=True, eq=False)
+class Sheet:
+    """channels: channel -> (n,) float array of the caller's own, all of one length and finite, in the file's own units.
+
+    place: sample number from 0 -> where it stands, for a sentence ("moves.csv, row 12"). units: channel -> its unit as
+    the file writes it, where the file does.
+    """
+
+    channels: Mapping[str, np.ndarray]
+    place: Callable[[int], str]
+    units: Mapping[str, str] = field(default_factory=dict)
+
+    def __post_init__(self):
+        object.__setattr__(self, "units", MappingProxyType({c: u for c, u in self.units.items() if u}))
+
+
+def library(module: str, extra: str, path: Path) -> ModuleType:
+    """Import what reads a format; WorkbenchError naming the extra where it is not installed."""
+    try:
+        return importlib.import_module(module)
+    except ImportError as e:
+        kind = f"{path.suffix.lower()} files" if extra != "hdf5" else "a .mat file of version 7.3"
+        raise WorkbenchError(
+            f"{path}: reading {kind} needs the extra '{extra}': pip install 'servo-workbench[{extra}]'."
+        ) from e
+
+
+@contextmanager
+def quiet(logger: str):
+    """Keep a library from writing on stderr of broken bytes: what matters is refused with a sentence."""
+    log = logging.getLogger(logger)
+    was, log.disabled = log.disabled, True
+    try:
+        yield
+    finally:
+        log.disabled = was
+
+
+def place(path: Path) -> Callable[[int], str]:
+    """Return the place of samples in a file that has no rows: they are counted from 1."""
+    return lambda sample: f"{path}, sample {sample + 1}"
+
+
+def vector(values: object, column: str, path: Path) -> np.ndarray:
+    """Return a row, a column or a plain vector of real numbers as (n,) floats; WorkbenchError for anything else."""
+    array = np.asarray(values)
+    if array.dtype.kind not in "fiub":
+        kinds = {"c": "complex numbers", "U": "text", "S": "text", "M": "dates", "V": "a structure"}
+        kind = kinds.get(array.dtype.kind, "no plain numbers")
+        raise WorkbenchError(f"{path}: '{column}' holds {kind}; save it as a vector of real numbers.")
+    if array.size != max(array.shape, default=1):
+        shape = " x ".join(map(str, array.shape))
+        raise WorkbenchError(f"{path}: '{column}' is {shape}; save each of its columns as a vector of its own.")
+    return np.array(array.ravel(), dtype=float)
+
+
+def sheet(vectors: Mapping[str, np.ndarray], columns: Mapping[str, str], path: Path, units=None) -> Sheet:
+    """Return channel -> (n,) array as a Sheet; WorkbenchError unless all are of one length, not empty, and finite."""
+    where = place(path)
+    sizes = {columns[channel]: v.size for channel, v in vectors.items()}
+    (first, size), *others = sizes.items()
+    for column, other in others:
+        if other != size:
+            raise WorkbenchError(
+                f"{path}: '{column}' has {other} samples and '{first}' {size}; save all of one record at one rate."
+            )
+    if not size:
+        raise WorkbenchError(f"{path}: '{first}' holds no samples; export the record again.")
+    for channel, v in vectors.items():
+        bad = np.flatnonzero(~np.isfinite(v))
+        if bad.size:
+            raise WorkbenchError(
+                f"{where(int(bad[0]))}: '{columns[channel]}' holds '{v[bad[0]]}'; a finite number is needed, so mend the "
+                "sample or cut the record there."
+            )
+    return Sheet(vectors, where, units or {})

@@ -1,0 +1,29 @@
+"""Units that a file states itself, against those that its campaign declares."""
+
+from math import isclose
+
+from workbench.errors import WorkbenchError
+from workbench.finding import Finding
+from workbench.units import to_si
+from workbench.units.registry import legible, tidy
+
+
+def stated(record: str, column: str, unit: str, declared: str, si: str) -> Finding | None:
+    """Return a finding where the file states another unit than is declared, or None.
+
+    What cannot be read as a unit ("Nm", "counts") says nothing.
+    """
+    if tidy(unit) == "1" or not legible(tidy(unit)):
+        return None
+    try:
+        one, other = (to_si(1.0, u, si, column) for u in (unit, declared))
+        if isclose(one, other, rel_tol=1e-9):
+            return None
+    except WorkbenchError:  # of another dimension
+        pass
+    return Finding(
+        "unit",
+        record,
+        f"Record '{record}' states column '{column}' in '{unit}', and it is declared in '{declared}'; the latter is used.",
+        remedy="Mend the unit of this channel in campaign.toml, or export the record again.",
+    )
