@@ -51,6 +51,7 @@ def schedule_chapter(designed: Designed, rule: str) -> Chapter:
             numbers.number(float(g.kp[i])),
             numbers.number(float(g.kd[i])),
             numbers.scaled(float(g.time[i]), "s"),
+            _time(float(designed.simulated.time_own[i])),
             numbers.percent(float(g.overshoot[i])),
             numbers.percent(float(g.error_ratio[i])),
             numbers.number(float(g.sensitivity_peak[i])),
@@ -63,6 +64,7 @@ def schedule_chapter(designed: Designed, rule: str) -> Chapter:
         f"Kp ({kp_unit})",
         f"Kd ({kd_unit})",
         "1 % time",
+        "simulated",
         "overshoot",
         "error share",
         "Ms",
@@ -74,8 +76,13 @@ def schedule_chapter(designed: Designed, rule: str) -> Chapter:
         f"loop. The schedule holds {s.knots.size} knots, even in the logarithm to base two; between them gains are linear in "
         f"the amplitude, at most {numbers.percent(float(s.interpolation_error))} away from the tuned ones."
     )
-    said = [f.sentence for f in (*g.findings, *s.findings)]
-    blocks = [Paragraph(text), figure, Table(columns, rows, "Gains at some of the amplitudes.", "rrrrrrrp")]
+    peak, at = designed.between.worst_sensitivity
+    text += (
+        f" Between the knots the sensitivity peak is at most {numbers.number(peak)} (at {numbers.scaled(at, plant.displacement)}). "
+        "The table holds the 1 % time of the linear axis beside that of the nonlinear one, simulated from rest."
+    )
+    said = [f.sentence for f in (*g.findings, *s.findings, *designed.findings)]
+    blocks = [Paragraph(text), figure, Table(columns, rows, "Gains at some of the amplitudes.", "rrrrrrrrp")]
     return Chapter("Gains per amplitude, and the schedule", tuple(blocks + ([Items(tuple(said))] if said else [])))
 
 
@@ -150,14 +157,15 @@ def comparison_table(comparison: Comparison, caption: str, unit: str) -> Table:
         "controller", "load inertia", "1 % time", "of the bound", "overshoot", f"final error ({unit})", "in counts",
         "settled", "peak command",
     )  # fmt: skip
-    return Table(columns, tuple(rows), caption, "prrrrrrrr")
+    return Table(columns, tuple(rows), caption, "lrrrrrrrr")
 
 
 def comparison_chapter(comparison: Comparison, task: Task) -> Chapter:
     """Who is beaten on what, and who is not."""
     c = task.criteria
     caption = (
-        "The worst of eight encoder phases and noise seeds each. Settled: within "
+        "The worst of eight encoder phases and noise seeds each. The bound comes to rest on the target; a controller that "
+        "overshoots within the band may be below it. Settled: within "
         f"±{c.counts:g} counts for {numbers.scaled(c.hold, 's')}. Load inertia in {numbers.unit('kg*m^2' if task.plant.rotary else 'kg')}."
     )
     beaten = tuple(f.sentence for f in comparison.findings)
@@ -205,7 +213,7 @@ def worth_chapter(declared: Comparison, extended: Comparison, cause: str, task: 
                 columns,
                 tuple(rows),
                 "Tuned on the declared and on the extended model, run on the extended plant.",
-                "prrrrrl",
+                "lrrrrrl",
             ),
         ),
     )

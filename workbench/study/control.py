@@ -40,9 +40,9 @@ def run(study: Study, found: Trace, say: Callable[[str], None]) -> Controlled:
         per_octave=control.per_octave, tolerance=control.tolerance, seed=control.seed, say=say,
     )  # fmt: skip
     say("comparing the controllers")
-    ours = f"scheduled PD, {control.rule}"
+    ours = f"scheduled PD ({control.rule})"
     makers = {name: tuned.controller for name, tuned in made.tuned.items()}
-    comparison = verdicts(compare(task, makers), ours, BASELINES)
+    comparison = verdicts(compare(task, makers), ours, BASELINES, plant.displacement)
     parts = [chapters.schedule_chapter(made, control.rule), chapters.step_chapter(task, makers)]
     parts.append(chapters.comparison_chapter(comparison, task))
     figures, units = figures_of(made, comparison, ours, plant.displacement)
@@ -53,7 +53,7 @@ def run(study: Study, found: Trace, say: Callable[[str], None]) -> Controlled:
             declared, control.amplitudes, control.goal, task,
             per_octave=control.per_octave, tolerance=control.tolerance, seed=control.seed, say=say, baselines=False,
         )  # fmt: skip
-        names = [f"scheduled PD, {r}" for r in RULES]
+        names = [f"scheduled PD ({r})" for r in RULES]
         without = compare(task, {n: blind.tuned[n].controller for n in names})
         known = Comparison(tuple(r for r in comparison.rows if r.controller in names), ())
         cause = " and ".join(c.effect.replace("_", " ") for c in found.causes)
@@ -112,4 +112,3 @@ def with_control(outcome, study: Study, say: Callable[[str], None]):
         tables={**outcome.tables, **c.tables},
         files=(*outcome.files, *c.files),
     )
-

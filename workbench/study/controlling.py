@@ -125,6 +125,10 @@ def numbers(table: Table, key: str, default: tuple[float, ...], unit: str | None
         inner = table.table(key, ("values", "unit"))
         return tuple(to_si(v, inner.text("unit"), unit, inner.path("unit")) for v in numbers(inner, "values", ()))
     values = table.values[key]
-    if not isinstance(values, list) or not values or any(isinstance(v, bool) or not isinstance(v, (int, float)) for v in values):
+    if (
+        not isinstance(values, list)
+        or not values
+        or any(isinstance(v, bool) or not isinstance(v, (int, float)) for v in values)
+    ):
         raise WorkbenchError(f"{table.path(key)} must be a list of numbers, such as [1.0, 1.5].")
     return tuple(float(v) for v in values)

@@ -42,6 +42,11 @@ class State:
         self.errors: HeldOut = held_out(self.problem, self.solution)
 
     @property
+    def power(self) -> float:
+        """Sum of squares of the measured drive behind the filter, where errors count."""
+        return sum(float(np.sum(p.motion.filter(p.motion.u)[p.motion.keep] ** 2)) for p in self.passes)
+
+    @property
     def freedom(self) -> int:
         """Free parameters."""
         return len(self.problem.free_linear) + len(self.problem.free_shape)
@@ -63,7 +68,7 @@ def judged(state: State, suspect: Suspect) -> tuple[Candidate, State]:
     after = State(suspect.plant, state.passes, problem, solution)
     g, scatter = gain(state.errors, after.errors)
     earns = g > SHARE and g > CERTAIN * scatter
-    power = float(after.solution.y @ after.solution.y)
+    power = state.power
     title = _title(suspect.effect)
     verb = "Correcting the declared" if suspect.kind != ADDITION else "Adding"
     sentence = (

@@ -65,27 +65,34 @@ def _row(task: Task, name: str, load: float, bound: float, m: Metrics) -> Row:
     )  # fmt: skip
 
 
-def verdicts(comparison: Comparison, ours: str, baselines: Sequence[str]) -> Comparison:
-    """Return the comparison with a finding for each baseline and load: where `ours` is better, equal or worse."""
+def verdicts(comparison: Comparison, ours: str, baselines: Sequence[str], unit: str) -> Comparison:
+    """Return the comparison with a finding for each baseline and load: where `ours` is better, equal or worse.
+
+    unit: of position, "rad" or "m".
+    """
     found = []
     for load in dict.fromkeys(r.load_inertia for r in comparison.rows):
         mine = comparison.row(ours, load)
         where = "with the load" if load else "without load"
         for name in baselines:
             other = comparison.row(name, load)
-            time = _word(mine.time_1pct, other.time_1pct, LEVEL["time"], "faster", "slower", "as fast")
-            error = _word(
-                mine.final_error, other.final_error, LEVEL["error"], "more accurate", "less accurate", "as accurate"
-            )
+            time = _side(mine.time_1pct, other.time_1pct, LEVEL["time"])
+            error = _side(mine.final_error, other.final_error, LEVEL["error"])
             found.append(
                 Finding(
-                    "comparison", f"{ours} against {name}",
-                    f"{where.capitalize()}, {ours} is {time} and {error} than {name}: 1 % time {_ms(mine.time_1pct)} against "
-                    f"{_ms(other.time_1pct)}, final error {mine.final_error:.2g} against {other.final_error:.2g} "
-                    f"({mine.error_counts:.1f} against {other.error_counts:.1f} counts).",
-                    {"time": mine.time_1pct, "time_other": other.time_1pct, "error": mine.final_error, "error_other": other.final_error},
+                    "comparison",
+                    f"{ours} against {name}",
+                    f"Against {name} {where}, {ours} is {_words(time, error)}: 1 % time {_ms(mine.time_1pct)} against "
+                    f"{_ms(other.time_1pct)}, final error {_micro(mine.final_error)} against {_micro(other.final_error)} "
+                    f"µ{unit} ({mine.error_counts:.1f} against {other.error_counts:.1f} counts).",
+                    {
+                        "time": mine.time_1pct,
+                        "time_other": other.time_1pct,
+                        "error": mine.final_error,
+                        "error_other": other.final_error,
+                    },
                 )
-            )  # fmt: skip
+            )
     return Comparison(comparison.rows, tuple(found))
 
 
@@ -93,9 +100,19 @@ def _ms(seconds: float) -> str:
     return f"{1e3 * seconds:.1f} ms" if np.isfinite(seconds) else "never"
 
 
-def _word(mine: float, other: float, level: float, better: str, worse: str, equal: str) -> str:
-    if not np.isfinite(other) and not np.isfinite(mine):
-        return equal
-    if mine < other * (1 - level):
-        return better
-    return worse if mine > other * (1 + level) else f"no {better}, no {worse}"
+def _micro(value: float) -> str:
+    return f"{1e6 * value:.3g}"
+
+
+def _side(mine: float, other: float, level: float) -> int:
+    """1 where mine is smaller (better) by more than the level, -1 where it is larger, else 0."""
+    if not np.isfinite(mine) or not np.isfinite(other):
+        return int(np.isfinite(mine)) - int(np.isfinite(other))
+    return int(mine < other * (1 - level)) - int(mine > other * (1 + level))
+
+
+def _words(time: int, error: int) -> str:
+    """How two comparisons are said: "faster but less accurate"."""
+    fast = {1: "faster", 0: "as fast", -1: "slower"}[time]
+    exact = {1: "more accurate", 0: "as accurate", -1: "less accurate"}[error]
+    return f"{fast} {'but' if time * error < 0 or (time == 0 and error < 0) else 'and'} {exact}"

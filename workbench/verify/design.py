@@ -1,14 +1,16 @@
 """From a plant to controllers: gains per amplitude, a schedule, and every family tuned on the simulated loop."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
+from workbench.control import fixed_pd
 from workbench.describe import Equivalent
+from workbench.finding import Finding
 from workbench.plant import Plant
-from workbench.schedule import Schedule, fit_schedule
-from workbench.simulate import Loop
+from workbench.schedule import BetweenKnots, Schedule, between_knots, fit_schedule, passivity
+from workbench.simulate import Loop, Metrics, ScenarioArrays, simulate
 from workbench.tune import Gains, TuningGoal, tune
 from workbench.verify.equivalent import equivalent_of, friction_of
 from workbench.verify.families import Linear, blended, cascade_family, pd_family, scheduled_family
@@ -25,6 +27,9 @@ LOWEST_KNOT = 1.0  # of the lowest tuned amplitude
 class Designed:
     """equivalent, gains: over the tuned amplitudes. schedule: of the tuned gains. tuned: family name -> its best point.
 
+    simulated: the nonlinear loop's steps of each amplitude under the gains tuned for it. between: the schedule's
+    sensitivity and stability between its knots.
+
     final: the schedule of two modes that the simulated loop ended with, rule -> Schedule; what is exported.
     """
 
@@ -32,8 +37,11 @@ class Designed:
     equivalent: Equivalent
     gains: Gains
     schedule: Schedule
+    simulated: Metrics
+    between: BetweenKnots
     tuned: dict[str, Tuned]
     final: dict[str, Schedule]
+    findings: tuple[Finding, ...] = ()
 
 
 def gains_of(
@@ -57,8 +65,6 @@ def linear_of(plant: Plant, equivalent: Equivalent, loop: Loop) -> Linear:
 
 def two_modes(schedule: Schedule, tuned: Tuned, rule: str) -> Schedule:
     """Return the schedule with the gains of gross sliding beyond the switch, as the search found them."""
-    from dataclasses import replace
-
     blend = blended(schedule, tuned.point, rule)
     return replace(schedule, kp=blend.kp, kd=blend.kd, rule=rule)
 
@@ -89,6 +95,19 @@ def design(
         plant_digest=plant.digest,
         loop=loop,
     )
+    say("checking the gains on the simulated loop, and between the knots")
+    simulated = steps_of(plant, gains, task)
+    friction, inertia, viscous = friction_of(plant)
+
+    def equivalent_at(a):
+        omega = np.exp(
+            np.interp(np.log(a), np.log(amplitudes), np.log(np.sqrt((gains.kp + equivalent.stiffness) / inertia)))
+        )
+        return equivalent_of(friction, a, omega, loop.resolution)
+
+    between = between_knots(
+        schedule, equivalent_at, inertia, loop, viscous=viscous, sensitivity=goal.sensitivity, points=3
+    )
     linear = linear_of(plant, equivalent, loop)
     gross = (float(gains.kp[-1]), float(gains.kd[-1]))
     families = [scheduled_family(linear, schedule, rule, gross) for rule in RULES]
@@ -103,5 +122,20 @@ def design(
     for family in families:
         say(f"tuning {family.name} on the simulated loop")
         tuned[family.name] = optimise(own, family, seed)
-    final = {rule: two_modes(schedule, tuned[f"scheduled PD, {rule}"], rule) for rule in RULES}
-    return Designed(plant, equivalent, gains, schedule, tuned, final)
+    final = {rule: two_modes(schedule, tuned[f"scheduled PD ({rule})"], rule) for rule in RULES}
+    pumping = passivity(final["following"], equivalent_at, inertia, viscous=viscous)
+    findings = (*between.findings, *pumping.findings)
+    return Designed(plant, equivalent, gains, schedule, simulated, between, tuned, final, findings)
+
+
+def steps_of(plant: Plant, gains: Gains, task: Task) -> Metrics:
+    """Return steps of each tuned amplitude from rest under its own gains, on the nonlinear loop without noise, one a lane.
+
+    time_own and overshoot are about the response's own final value, as they were tuned.
+    """
+    scenarios = ScenarioArrays(gains.amplitude.size, target=gains.amplitude, phase=0.5)
+    exact = replace(
+        task.loop, resolution=0.0
+    )  # small amplitudes are a few counts: what is checked here is the friction
+    duration = max(4.0 * float(gains.time.max()), task.duration)
+    return simulate(plant, exact, fixed_pd(gains.kp, gains.kd), scenarios, duration, own=True)

@@ -148,7 +148,7 @@ def scheduled_family(linear: Linear, schedule, rule: str, start: tuple[float, fl
     lower = np.concatenate([[0.2, schedule.knots[0]], start[2:] / 100])
     upper = np.concatenate([[1.0, schedule.knots[-1]], start[2:] * 100])
     return Family(
-        f"scheduled PD, {rule}",
+        f"scheduled PD ({rule})",
         ("scale", "switch", "gross kp", "gross kd"),
         lower,
         upper,

@@ -22,7 +22,7 @@ class Weights:
     overshoot: float = 0.002
     ripple: float = 0.05
     sensitivity: float = 2.0
-    steepness: float = 50.0
+    steepness: float = 200.0
 
 
 @dataclass(frozen=True, eq=False)
