@@ -9,6 +9,7 @@ from workbench.tune.axis import Axis
 from workbench.tune.curve import SLUGGISH, curve, damping_at
 from workbench.tune.goal import TuningGoal
 from workbench.tune.problem import FREQUENCIES, half_planes, solver
+from workbench.tune.start import softest
 
 EXACT = 5e-4  # how far the sensitivity peak between frequencies may lie from the bound, relative
 PASSES = 5
@@ -38,7 +39,7 @@ def bounds(axis: Axis, goal: TuningGoal, box, least_kp: np.ndarray):
     n, inf = axis.amplitude.size, np.inf
     drive = goal.drive / axis.amplitude / axis.unit_kp
     ends, _ = curve(goal.band, response.damping_for(goal.allowed))
-    least = np.log(axis.omega(np.maximum(least_kp, 1e-6 * box[0])))
+    least = np.log(axis.omega(np.maximum(least_kp, softest(axis, box, drive))))
     most = np.maximum(np.log(axis.omega(np.minimum(box[0], drive))), least)
     lbx, ubx = np.stack([least, np.full(n, ends[0])], axis=1), np.stack([most, np.full(n, ends[1])], axis=1)
     lbg, ubg = np.full((n, 2 + FREQUENCIES), -inf), np.full((n, 2 + FREQUENCIES), inf)

@@ -9,7 +9,7 @@ from workbench.tune import response, sampled
 from workbench.tune.axis import Axis
 from workbench.tune.goal import TuningGoal
 
-FLOOR = 1e-9  # of the largest gain of a stable loop: gains this small do nothing
+FLOOR = 1e-9  # of the largest gain that stability and drive allow: gains this small do nothing
 GRID = np.geomspace(0.01, np.pi * (1.0 - 1e-6), 320)
 
 
@@ -39,6 +39,11 @@ def quadratics(position: np.ndarray, speed: np.ndarray) -> np.ndarray:
     return np.stack([2.0 * position.real, 2.0 * speed.real, np.abs(position) ** 2, np.abs(speed) ** 2, cross], axis=-1)
 
 
+def softest(axis: Axis, box: tuple[np.ndarray, np.ndarray], drive: np.ndarray) -> np.ndarray:
+    """Return the smallest kp that is considered, (n,); drive (n,): the largest that the drive allows."""
+    return np.maximum(FLOOR * np.minimum(box[0], drive), 0.1 * FLOOR * axis.stiffness)
+
+
 def damped(axis: Axis, kp: np.ndarray, zeta: float) -> np.ndarray:
     """Return the kd that gives a damping ratio, or 0 where the axis alone has more."""
     return np.maximum(2.0 * zeta * axis.omega(kp) - axis.passive(kp), 0.0)
@@ -62,8 +67,8 @@ def start(
     |S| may be small again, are not taken.
     """
     zeta = response.damping_for(goal.allowed)
-    most = np.log(np.minimum(box[0], goal.drive / axis.amplitude / axis.unit_kp))
-    least = np.log(FLOOR * box[0])
+    drive = goal.drive / axis.amplitude / axis.unit_kp
+    most, least = np.log(np.minimum(box[0], drive)), np.log(softest(axis, box, drive))
     kp = np.exp(most)
     for _ in range(2):  # the loss damps as c_e = loss/w_n, and w_n is known once kp is
         rows = quadratics(*plant(axis, kp))
@@ -72,8 +77,8 @@ def start(
             return admissible(axis, rows, np.exp(level), damped(axis, np.exp(level), zeta), goal)
 
         low = least
-        softest = damped(axis, np.exp(low), zeta)
-        stable = sampled.spectral_radius(np.exp(low), softest, axis.steps(kp), axis.clock) < 1.0
+        calm = damped(axis, np.exp(low), zeta)
+        stable = sampled.spectral_radius(np.exp(low), calm, axis.steps(kp), axis.clock) < 1.0
         possible, climbing = fine(low) & stable, np.ones(kp.size, dtype=bool)
         high = most
         for step in (0.5, 0.7, 0.8, *np.linspace(0.84, 1.0, 16)):

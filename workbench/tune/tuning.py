@@ -35,7 +35,7 @@ def tune(
     box = stable_box(axis)
     kp0, kd0, possible = start(axis, goal, box)
     if not possible.all():
-        raise WorkbenchError(_impossible(axis, goal, int(np.argmin(possible))))
+        raise WorkbenchError(_impossible(axis, goal, possible))
     if begin is None:
         at = kp0, kd0
     else:
@@ -155,18 +155,21 @@ def _doubts(axis: Axis, goal: TuningGoal, got, peak: np.ndarray, radius: np.ndar
     return out
 
 
-def _impossible(axis: Axis, goal: TuningGoal, i: int) -> str:
-    """Say which limit no gains keep at amplitude i, although Kp is near zero."""
+def _impossible(axis: Axis, goal: TuningGoal, possible: np.ndarray) -> str:
+    """Say which limit no gains keep at the first impossible amplitude, although Kp is near zero, and what would mend it."""
+    i = int(np.argmin(possible))
     part = axis.take([i])
     kp = np.array([1e-9])
     kd = damped(part, kp, response.damping_for(goal.allowed))
-    peak, _ = sampled.sensitivity_peak(kp, kd, part.steps(kp), axis.clock)
-    radius = sampled.spectral_radius(kp, kd, part.steps(kp), axis.clock)[0]
-    fault = (
-        f"the sensitivity peak is {peak[0]:.3g}, above {goal.sensitivity:g}" if radius < 1.0 else "the loop is unstable"
-    )
+    motion = part.steps(kp)
+    peak, _ = sampled.sensitivity_peak(kp, kd, motion, axis.clock)
+    stable = sampled.spectral_radius(kp, kd, motion, axis.clock)[0] < 1.0
+    fault = f"the sensitivity peak is {peak[0]:.3g}, above {goal.sensitivity:g}" if stable else "the loop is unstable"
+    last = int(np.flatnonzero(~possible)[-1])
+    above = f", or tune above {axis.amplitude[last]:.3g} only" if last + 1 < possible.size else ""
+    allow = "a higher sensitivity" if goal.overshoot >= goal.band else "a higher overshoot or sensitivity"
     return (
         f"no gains keep the goal at amplitude {axis.amplitude[i]:.3g}: an overshoot of {goal.allowed:.2%} already needs "
         f"Kd = {kd[0] * axis.unit_kd:.3g} against the axis's own stiffness {axis.stiffness[i] * axis.unit_kp:.3g}, and with "
-        f"this {fault}; sample faster, delay less, or allow a higher overshoot or sensitivity."
+        f"this {fault}; sample faster, delay less, allow {allow}{above}."
     )
