@@ -14,7 +14,7 @@ from workbench.tune.gains import check_gains
 
 REVERSAL = 3.0  # encoder counts back that count as a reversal
 DENSE = 8  # amplitudes a segment at which the schedule is held against the tuned gains
-PER_OCTAVE = (1, 2, 4, 8, 16, 32)
+PER_OCTAVE = (1, 2, 4, 8, 16)
 
 
 @one_thread

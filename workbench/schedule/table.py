@@ -77,7 +77,7 @@ class Schedule:
         amplitude = np.asarray(amplitude, dtype=float)
         if np.isnan(amplitude).any():
             raise WorkbenchError("schedule: an amplitude is not a number.")
-        return np.ascontiguousarray(np.clip(amplitude, self.knots[0], self.knots[-1]))
+        return np.array(np.clip(amplitude, self.knots[0], self.knots[-1]), order="C")
 
     def as_arrays(self) -> dict[str, np.ndarray]:
         """Return what a simulation needs: knots, kp, kd, and rows (m, 4), kp = rows[i, 0] + rows[i, 1] A, kd = rows[i, 2] + ..."""
