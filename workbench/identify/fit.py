@@ -20,13 +20,19 @@ def passes_of(records: Sequence[Record], bandwidth: float) -> tuple[Passes, ...]
     return tuple(Passes(motion(r, bandwidth)) for r in records)
 
 
+def fitted_on(passes: Sequence[Passes]) -> list[Passes]:
+    """Return the identification records among `passes`, by name: in whatever order given, sums have the same last bits."""
+    chosen = [p for p in passes if p.motion.record.role == IDENTIFICATION]
+    return sorted(chosen, key=lambda p: p.motion.record.name)
+
+
 @one_thread
 def identify(plant: Plant, passes: Sequence[Passes], theta: np.ndarray | None = None) -> Fit:
     """Fit `plant` on the identification records among `passes` and evaluate it on all of them.
 
     theta: start of the free shape parameters on their search scale; the plant's values where absent.
     """
-    problem = Problem(plant, [p for p in passes if p.motion.record.role == IDENTIFICATION])
+    problem = Problem(plant, fitted_on(passes))
     return seen(problem, solve(problem, theta), passes)
 
 
@@ -51,7 +57,7 @@ def seen(problem: Problem, solution: Solution, passes: Sequence[Passes]) -> Fit:
     left = dict.fromkeys(ROLES, 0.0)
     count = dict.fromkeys(ROLES, 0)
     nrmse = {}
-    for name, s in series.items():
+    for name, s in sorted(series.items()):
         measured, residual = s.measured[s.keep], s.residual[s.keep]
         nrmse[name] = ratio(residual @ residual, measured @ measured)
         power[s.role] += measured @ measured

@@ -177,7 +177,7 @@ class Passes:
         signals |= {"ratio": plant.geometry.gear_ratio, "pole_pairs": plant.geometry.pole_pairs, "locked": 0.0}
         signals |= {n: m.record.channels[n] for n in ("temperature", "normal") if n in m.record.channels}
         paths = {}
-        forces = [e for e in plant.effects if e.port == fx.FORCE]
+        forces = sorted((e for e in plant.effects if e.port == fx.FORCE), key=lambda e: e.key)
         givers = [e for e in forces if e.provides]
         takers = [e for e in forces if not e.provides]
         if not givers and any("dir" in e.reads for e in takers):

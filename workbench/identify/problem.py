@@ -50,7 +50,7 @@ class Problem:
         self.free_linear: list[Name] = []
         self.fixed_linear: list[Name] = []
         self.free_shape: list[Name] = []
-        for e in plant.effects:
+        for e in sorted(plant.effects, key=lambda e: e.key):  # in whatever order declared, the same last bits
             for n, p in e.parameters.items():
                 if n in e.linear and e.port == fx.FORCE:
                     (self.fixed_linear if p.fixed else self.free_linear).append(Name(e.key, n))

@@ -60,7 +60,7 @@ def floor(passes: Sequence[Passes], plant: Plant) -> dict[str, float]:
     quietest = min(heard, default=0.0)
     for role in ROLES:
         noise = power = 0.0
-        for p in passes:
+        for p in sorted(passes, key=lambda p: p.motion.record.name):
             if p.motion.record.role == role:
                 n = p.motion.keep.stop - p.motion.keep.start
                 noise += n * (quietest**2 + encoder_noise(p, plant) ** 2)

@@ -6,7 +6,7 @@ import numpy as np
 
 from workbench.effect import find
 from workbench.finding import Finding
-from workbench.identify.fit import seen
+from workbench.identify.fit import fitted_on, seen
 from workbench.identify.passes import Passes
 from workbench.identify.problem import Problem
 from workbench.identify.result import Fit
@@ -119,7 +119,7 @@ def trace(plant: Plant, passes: Sequence[Passes], progress: Progress = lambda _:
 
     most: effects added at most. Returns the verdict with its evidence. Validation records are evaluated, never used for a choice.
     """
-    identification = [p for p in passes if p.motion.record.role == IDENTIFICATION]
+    identification = fitted_on(passes)
     progress("fitting the declared model")
     declared = state = State(plant, identification)
     steps, added = [], []
