@@ -148,7 +148,11 @@ def test_a_header_alone_is_refused(tmp_path):
     assert ": holds no samples below its header" in refused(write(tmp_path, b"time_s,position_rad\n"))
 
 
-@pytest.mark.parametrize("content", [gzip.compress(GOOD)[:-9], gzip.compress(GOOD)[:30], GOOD, b"\x1f\x8b" + bytes(60)])
+@pytest.mark.parametrize(
+    "content",
+    [gzip.compress(GOOD)[:-9], gzip.compress(GOOD)[:30], GOOD, b"\x1f\x8b" + bytes(60)],
+    ids=["without its end", "cut", "plain", "zeros"],  # else the time of packing is in the name of the test
+)
 def test_a_corrupt_gzip_is_refused(tmp_path, content):
     sentence = refused(write(tmp_path, content, "run.csv.gz"))
     assert "is no whole gzip file" in sentence and "copy or pack it again." in sentence
