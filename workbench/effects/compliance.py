@@ -70,7 +70,7 @@ def multi_body_compliance() -> Effect:
         parameters={
             "torque": Parameter(0.0, "F", "T_f: torque at which the flexspline is twice as stiff", lower=0.0),
             "x_f": Parameter(1e-3, "x", "T_f over the flexspline's stiffness", lower=1e-12, scale="stroke"),
-            "x_w": Parameter(1e-4, "x", "largest deflection of the wave generator", lower=1e-12, scale="stroke"),
+            "x_w": Parameter(5e-4, "x", "largest deflection of the wave generator", lower=1e-12, scale="stroke"),
             "c": Parameter(1.0, "1", "T_f over T_w", lower=1e-3, upper=1e3, scale="number"),
         },
         linear=("torque",),
