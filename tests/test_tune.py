@@ -9,6 +9,7 @@ import pytest
 
 from workbench.describe import Equivalent
 from workbench.errors import WorkbenchError
+from workbench.threads import one_thread
 from workbench.tune import TuningGoal, response, sampled, tune
 from workbench.tune.axis import Axis
 from workbench.tune.curve import clenshaw, curve
@@ -184,6 +185,7 @@ def test_margins_are_those_that_the_sensitivity_promises():
         assert ((radius < 1.0) == stable).all()
 
 
+@one_thread
 def test_random_starts_over_three_decades_end_at_the_same_optimum():
     inertia, goal = AXES["8C-50"]
     rng = np.random.default_rng(7)

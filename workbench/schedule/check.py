@@ -7,6 +7,7 @@ import numpy as np
 
 from workbench.finding import Finding
 from workbench.schedule.table import Schedule
+from workbench.threads import one_thread
 from workbench.tune import sampled
 from workbench.tune.axis import Axis
 
@@ -38,6 +39,7 @@ class BetweenKnots:
         return float(values[i]), float(self.amplitude[i])
 
 
+@one_thread
 def between_knots(
     schedule: Schedule,
     equivalent_at: Callable[[np.ndarray], object],
