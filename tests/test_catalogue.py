@@ -1,10 +1,13 @@
 """Every effect of the catalogue against what its law says: closed forms, differential equations, inverses, errata."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 from scipy.linalg import expm
 
+from workbench.catalogue_page import page
 from workbench.effect import ANGLE, SENSOR, Effect, catalogue, find
 from workbench.effects.creep import creep
 from workbench.effects.fading import fading_memory
@@ -45,6 +48,12 @@ def walk(n: int = 4000, seed: int = 7, size: float = 1e-3) -> np.ndarray:
 
 def test_every_name_of_the_campaign_format_is_known():
     assert not set(NAMES) - set(catalogue())
+
+
+def test_the_page_of_the_catalogue_is_the_catalogue():
+    """Written anew by: python -m workbench.catalogue_page > docs/catalogue.md"""
+    committed = Path(__file__).resolve().parent.parent / "docs" / "catalogue.md"
+    assert committed.read_text(encoding="utf-8") == page()
 
 
 def test_an_effect_is_named_as_its_function():

@@ -5,7 +5,7 @@ import numpy as np
 from workbench.conformance.result import within
 from workbench.conformance.scene import along, drawn, scene
 from workbench.describe import equivalent, first_harmonic
-from workbench.effect import Effect
+from workbench.effect import Effect, namespace
 
 SAME = 1e-9  # of the largest force
 CURVE = 0.01  # of the curve's largest force: a bank of elements follows its curve within this
@@ -83,13 +83,10 @@ def wiping_out(effect: Effect) -> tuple[bool, str]:
 
 def virgin_curve(effect: Effect) -> tuple[bool, str]:
     """Driven from rest in one direction, the step follows the curve that is declared."""
-    from workbench.describe.integrals import _virgin
-
     effect = drawn(effect)
     there = scene(effect)
     x = np.linspace(0.0, 2.0 * there.length, GRID + 1)
-    values = [p.value for p in effect.parameters.values()]
-    curve = np.asarray(_virgin(effect.name, effect.virgin, tuple(effect.parameters))(x[None, :], values)).ravel()
+    curve = effect.virgin(x, namespace(**{n: p.value for n, p in effect.parameters.items()}))
     error = np.abs(along(effect, x, there.dt) - curve).max() / np.abs(curve).max()
     return within(float(error), CURVE, "Over its largest value, the force from rest differs from the virgin curve by")
 

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
-from workbench.conformance import arithmetic, memory, physics, recovery, written
+from workbench.conformance import arithmetic, memory, physics, recovery, slopes, written
 from workbench.conformance.result import Result
 from workbench.effect import FORCE, Effect
 from workbench.errors import WorkbenchError
@@ -34,7 +34,7 @@ PROPERTIES: dict[str, tuple[Callable[[Effect], bool], Callable[[Effect], tuple[b
     "linear": (lambda e: bool(e.linear), written.linear),
     "neutral": (has_neutral, arithmetic.neutral),
     "bits": (always, arithmetic.bits),
-    "derivatives": (always, arithmetic.derivatives),
+    "derivatives": (always, slopes.derivatives),
     "single precision": (always, arithmetic.single),
     "passive": (claims("passive"), physics.passive),
     "rate independent": (claims("rate independent"), physics.rate_independent),

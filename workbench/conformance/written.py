@@ -1,6 +1,7 @@
 """Checks of what is written down: names, sentences, units, bounds, and the claim to be linear."""
 
-from workbench import effect as fx
+import sys
+
 from workbench.effect import PLACES, Effect
 from workbench.kernel.step import check_linear
 from workbench.units import effect_unit, to_si
@@ -22,8 +23,8 @@ def described(effect: Effect) -> tuple[bool, str]:
             faults.append(f"does not say what '{n}' means")
         if not p.lower <= p.value <= p.upper:
             faults.append(f"has '{n}' = {p.value:g} outside its bounds")
-    make = fx._makers.get(effect.name)
-    if make is not None and make().step.__code__ is effect.step.__code__ and not (make.__doc__ or "").strip():
+    make = getattr(sys.modules.get(effect.step.__module__), effect.name, None)
+    if callable(make) and not (make.__doc__ or "").strip():
         faults.append("has no docstring")
     if faults:
         return False, f"It {', and '.join(faults)}."

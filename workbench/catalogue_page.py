@@ -1,0 +1,136 @@
+"""The catalogue as a page: every effect with its law, cause, parameters and source, from the effects themselves.
+
+python -m workbench.catalogue_page > docs/catalogue.md
+"""
+
+import inspect
+import sys
+from collections.abc import Callable, Mapping
+
+from workbench.effect import Effect, catalogue
+from workbench.effects.hysteresis import maxwell_slip
+from workbench.effects.play import inverse, play_bank
+from workbench.effects.virgin_curve import slip_of_curve
+from workbench.parameter import Parameter
+
+HEAD = """# Catalogue of effects
+
+Generated from `workbench/effects/` by `python -m workbench.catalogue_page`; do not edit.
+
+`F` stands for N*m on a rotary axis and for N on a linear one, `x` for rad and m; `q` is position, `v` velocity, `a`
+acceleration, `dq` the increment of position behind a dead band of one encoder count, `t` the bench clock, `u` the drive,
+`tau` the torque carried, `dir` the smooth direction of motion. A *linear* parameter enters a least squares, a *searched* one
+is found by its start (in brackets what gives it), a *held* one is left as declared unless it is set free.
+"""
+PORTS = {
+    "force": "a force that resists motion",
+    "angle": "a map of the joint's deflection",
+    "command": "a map of the command",
+    "sensor": "a map of a reading",
+    "time": "a delay",
+}
+MADE = (maxwell_slip, slip_of_curve, play_bank, inverse)
+
+
+def maker(effect: Effect) -> Callable:
+    """Return the function of `workbench.effects` that makes an effect."""
+    return getattr(sys.modules[effect.step.__module__], effect.name)
+
+
+def law(function: Callable) -> str:
+    """The docstring, as paragraphs."""
+    return inspect.getdoc(function) or ""
+
+
+def bound(p: Parameter) -> str:
+    if p.lower == -float("inf") and p.upper == float("inf"):
+        return "any"
+    if p.upper == float("inf"):
+        return f">= {p.lower:g}"
+    return f"<= {p.upper:g}" if p.lower == -float("inf") else f"{p.lower:g} to {p.upper:g}"
+
+
+def found(effect: Effect, name: str, p: Parameter) -> str:
+    """How identification treats an inside parameter."""
+    if p.fixed:
+        return "held"
+    if name in effect.linear:
+        return "linear"
+    return f"searched ({p.scale})" if p.scale else "searched"
+
+
+def sentence(text: str) -> str:
+    return text[:1].upper() + text[1:] + "."
+
+
+def call(function: Callable) -> str:
+    """The function with the names of its arguments, and their defaults."""
+    given = inspect.signature(function).parameters.values()
+    arguments = (p.name if p.default is p.empty else f"{p.name}={p.default!r}" for p in given)
+    return f"{function.__name__}({', '.join(arguments)})"
+
+
+def table(rows: Mapping[str, Parameter], tell: Callable[[str, Parameter], str] | None = None) -> list[str]:
+    head = ["parameter", "unit", "bounds", "meaning", *(["found"] if tell else [])]
+    lines = [f"| {' | '.join(head)} |", "|---" * len(head) + "|"]
+    for n, p in rows.items():
+        cells = [f"`{n}`", p.unit, bound(p), p.meaning, *([tell(n, p)] if tell else [])]
+        lines.append(f"| {' | '.join(cells)} |")
+    return lines
+
+
+def section(effect: Effect) -> list[str]:
+    """Lines of one effect."""
+    lines = [
+        f"## {effect.name}",
+        "",
+        f"`{effect.formula}`",
+        "",
+        effect.cause.capitalize() + ".",
+        "",
+        law(maker(effect)),
+        "",
+    ]
+    facts = [f"{PORTS[effect.port]}, at {', '.join(effect.places)}"]
+    facts += [f"reads {', '.join(effect.reads)}"] if effect.reads else []
+    facts += [f"provides {', '.join(effect.provides)}"] if effect.provides else []
+    facts += [f"{sum(effect.states.values())} states"] if effect.states else []
+    facts += [f"holds: {', '.join(effect.holds)}"] if effect.holds else []
+    facts += [f"{effect.motions[0]} axes only"] if len(effect.motions) == 1 else []
+    facts += [] if effect.traced else ["not offered by a trace"]
+    lines += [sentence("; ".join(facts)), ""]
+    if effect.parameters:
+        lines += table(effect.parameters, lambda n, p: found(effect, n, p)) + [""]
+    if effect.border is not None:
+        lines += ["As a campaign writes it:", "", *table(effect.border.parameters), ""]
+    if inspect.signature(maker(effect)).parameters:
+        lines += [f"Built as `{call(maker(effect))}`.", ""]
+    return [*lines, f"Source: {effect.source}.", ""]
+
+
+def page() -> str:
+    """Return docs/catalogue.md."""
+    known = catalogue()
+    lines = [HEAD, f"{len(known)} effects:", ""]
+    lines += ["| effect | law | at |", "|---|---|---|"]
+    for n, e in known.items():
+        anchor = f"[{n}](#{n})"
+        lines.append(f"| {anchor} | `{e.formula.replace('|', chr(92) + '|')}` | {', '.join(e.places)} |")
+    lines.append("")
+    for e in known.values():
+        lines += section(e)
+    lines += [
+        "## Made from data",
+        "",
+        "Functions that make an effect, or the numbers of one, from what was measured.",
+        "",
+    ]
+    for function in MADE:
+        where = function.__module__
+        lines += [f"### {function.__name__}", "", f"`{where}.{call(function)}`", ""]
+        lines += [law(function), ""]
+    return "\n".join(lines).rstrip() + "\n"
+
+
+if __name__ == "__main__":
+    print(page(), end="")
