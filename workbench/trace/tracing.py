@@ -23,7 +23,7 @@ from workbench.trace.search import fitted
 STEPS = 4  # effects added at most
 SHARE = 0.05  # of the residual's power that an effect must explain on held-out blocks
 CERTAIN = 3.0  # standard errors by which its gain must differ from zero
-ALIKE = 2.0  # standard errors of a difference within which two candidates are told apart by their simplicity
+ALIKE = 2.0  # standard errors of a gain over another candidate within which the two are told apart by their simplicity
 ABOVE_FLOOR = 2.0  # residual over floor at which something is plainly left that no candidate explains
 
 Progress = Callable[[str], None]
@@ -107,10 +107,12 @@ def simplest_first(judgements: list[tuple[Candidate, State]]) -> list[tuple[Cand
 
 
 def alike(best: State, other: State, share: float) -> bool:
-    """Whether `other` leaves as much on held-out blocks as `best`, within the scatter of the difference over blocks."""
-    difference = other.errors.errors - best.errors.errors
-    scatter = float(np.std(difference, ddof=1) * np.sqrt(difference.size)) if difference.size > 1 else 0.0
-    return float(difference.sum()) <= ALIKE * scatter and share > SHARE
+    """Whether `best` takes away no more of what `other` leaves on held-out blocks than its scatter, or than SHARE.
+
+    A ratio over blocks, as every gain: a few blocks in which much is left would drown a plain difference in scatter.
+    """
+    further, scatter = gain(other.errors, best.errors)
+    return further <= max(ALIKE * scatter, SHARE) and share > SHARE
 
 
 @one_thread
