@@ -136,29 +136,33 @@ def assert_outside_again(name: str, values: dict[str, float], angles: tuple[str,
 AMPLITUDE, PHASE = st.floats(1e-6, 1e3), st.floats(-pi, pi)
 
 
+@settings(deadline=None)
 @given(AMPLITUDE, PHASE, AMPLITUDE, PHASE, st.floats(1.0, 500.0))
 def test_cogging_comes_out_as_it_went_in(a, p, a2, p2, order):
     values = {"amplitude": a, "phase": p, "amplitude_2": a2, "phase_2": p2, "order": order}
     assert_outside_again("cogging", values, ("phase", "phase_2"))
 
 
+@settings(deadline=None)
 @given(AMPLITUDE, PHASE)
 def test_gravity_comes_out_as_it_went_in(mgl, phase):
     assert_outside_again("gravity", {"mgl": mgl, "phase": phase}, ("phase",))
 
 
+@settings(deadline=None)
 @given(AMPLITUDE, st.floats(1e-6, 1e3) | st.floats(-1e3, -1e-6))
 def test_a_cable_comes_out_as_it_went_in(stiffness, rest):
     assert_outside_again("cable_spring", {"stiffness": stiffness, "rest": rest})
 
 
+@settings(deadline=None)
 @given(st.floats(0.0, 1e3), st.floats(1e-2, 1e7), st.floats(0.3, 1.0))
 def test_hysteresis_comes_out_as_it_went_in(h0, a, d):
     assume(a ** (-1 / d) >= 1e-12)  # the least presliding length
     assert_outside_again("presliding_hysteresis", {"h0": h0, "a": a, "d": d})
 
 
-@settings(max_examples=20)
+@settings(max_examples=20, deadline=None)
 @given(st.data())
 @pytest.mark.parametrize("name", [n for n, e in catalogue().items() if e.border])
 def test_a_border_undoes_itself(name, data):
@@ -292,7 +296,7 @@ def friction(effect: Effect, moves, **values) -> np.ndarray:
     return sum(given[n] * c for n, c in zip(effect.linear, columns, strict=False))
 
 
-@settings(max_examples=40)
+@settings(max_examples=40, deadline=None)
 @given(st.floats(0.3, 1.0), st.floats(1e-7, 1.0))
 def test_elements_are_stiff_and_reach_the_height_exactly(d, x0):
     k, slip = bank(24, x0, d)
@@ -336,7 +340,7 @@ def test_after_a_reversal_the_curve_is_stretched_by_two():
     np.testing.assert_allclose(found[99] - found[99::2][:101], 2 * virgin[:101], atol=1e-9)
 
 
-@settings(max_examples=25)
+@settings(max_examples=25, deadline=None)
 @given(st.lists(st.floats(-3e-3, 3e-3), min_size=1, max_size=12), st.integers(2, 40))
 def test_only_the_path_counts_not_the_time_it_took(moves, parts):
     slow = np.repeat(np.array(moves) / parts, parts)
@@ -344,7 +348,7 @@ def test_only_the_path_counts_not_the_time_it_took(moves, parts):
     np.testing.assert_allclose(friction(presliding_hysteresis(), slow, h0=1.0)[parts - 1 :: parts], fast, atol=1e-10)
 
 
-@settings(max_examples=40)
+@settings(max_examples=40, deadline=None)
 @given(st.lists(st.floats(-3e-3, 3e-3), min_size=2, max_size=20), st.floats(0.3, 1.0))
 def test_a_closed_cycle_takes_energy(moves, d):
     """From the second round on, when the friction has settled, the work over a round is not negative."""

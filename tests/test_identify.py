@@ -308,7 +308,7 @@ def test_delay_and_lag_and_their_inverse_undo_each_other(delay, lag, frequency):
 
 
 @given(st.floats(-0.02, 0.02))
-@settings(max_examples=30)
+@settings(max_examples=30, deadline=None)
 def test_shifting_moves_a_smooth_signal_by_any_part_of_a_sample(delay):
     t = np.arange(600) / RATE
     found = shifted(np.sin(40 * t), delay, 1 / RATE)[50:-50]

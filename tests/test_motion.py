@@ -72,6 +72,7 @@ def test_short_records_are_filtered_too(n):
     np.testing.assert_allclose(found, 1.0, atol=1e-12)
 
 
+@settings(deadline=None)
 @given(st.integers(1, 100_000))
 def test_the_fast_length_is_the_next_with_small_factors(n):
     def small(k):
@@ -95,7 +96,7 @@ def test_a_toggling_count_is_swallowed():
     assert np.all(found[2:] == 0.0)
 
 
-@settings(max_examples=50)
+@settings(max_examples=50, deadline=None)
 @given(st.lists(st.integers(-5, 5), min_size=2, max_size=60))
 def test_increments_follow_the_position_within_half_a_count(counts):
     position = 1e-6 * np.cumsum(counts)
@@ -103,7 +104,7 @@ def test_increments_follow_the_position_within_half_a_count(counts):
     assert np.abs(followed - position).max() <= 0.5e-6 * (1 + 1e-9)
 
 
-@settings(max_examples=50)
+@settings(max_examples=50, deadline=None)
 @given(st.lists(st.floats(-1, 1), min_size=2, max_size=60))
 def test_without_a_resolution_increments_are_those_of_the_position(position):
     position = np.array(position)
