@@ -19,14 +19,16 @@ QUIET = 2.0  # s, before progress is shown
 
 
 class Progress:
-    """Says on stderr what is being done, once it has taken longer than QUIET seconds."""
+    """Says on stderr what is being done, once it has taken longer than QUIET seconds, a line a second at most."""
 
     def __init__(self):
         self.start = time.monotonic()
+        self.said = QUIET - 1.0
 
     def __call__(self, what: str) -> None:
         passed = time.monotonic() - self.start
-        if passed > QUIET:
+        if passed > self.said + 1.0:
+            self.said = passed
             print(f"{passed:5.1f} s  {what}", file=sys.stderr, flush=True)
 
 
@@ -61,6 +63,7 @@ def parser() -> argparse.ArgumentParser:
         description="List the known effects: names, formulas, units, causes.",
     )
     effects.add_argument("name", nargs="?", help="one effect only")
+    effects.add_argument("--markdown", action="store_true", help="the whole catalogue as a page (docs/catalogue.md)")
     effects.set_defaults(do=do_effects)
     return top
 
@@ -100,6 +103,11 @@ def do_trace(given: argparse.Namespace) -> int:
 def do_effects(given: argparse.Namespace) -> int:
     from workbench.effect import catalogue, find
 
+    if given.markdown:
+        from workbench.catalogue_page import page
+
+        print(page(), end="")
+        return 0
     chosen = [find(given.name)] if given.name else list(catalogue().values())
     for e in chosen:
         print(f"{e.name}\n    {e.formula}\n    cause: {e.cause}")

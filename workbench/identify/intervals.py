@@ -24,7 +24,7 @@ AT_BOUND = 1e-9  # relative distance at which a value counts as lying on its bou
 
 def block_seconds(problem: Problem) -> float:
     """Length of a block in s."""
-    total = sum(n * p.motion.dt for n, p in zip(problem.lengths, problem.passes, strict=True))
+    total = sum((p.motion.keep.stop - p.motion.keep.start) * p.motion.dt for p in problem.passes)
     return max(SHORTEST, total / BLOCKS)
 
 

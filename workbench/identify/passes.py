@@ -7,6 +7,7 @@ Results are kept per effect and shape, so that candidates share the columns of t
 import math
 from collections import OrderedDict
 from collections.abc import Iterator
+from functools import lru_cache
 
 import casadi as ca
 import numpy as np
@@ -15,11 +16,12 @@ from workbench import effect as fx
 from workbench.effect import Effect
 from workbench.effects.hysteresis import stop_direction
 from workbench.errors import WorkbenchError
+from workbench.identify.bodies import ACCELERATION, CHANNEL, INCREMENT, POSITION, VELOCITY, Bodies, rows
 from workbench.kernel import scan
 from workbench.kernel.program import Program, read
-from workbench.kernel.step import apply, build, symbols, view
+from workbench.kernel.step import Definition, apply, build, symbols, view
 from workbench.motion import Motion
-from workbench.plant import ONE_MASS, Plant
+from workbench.plant import ONE_MASS, PLACES, Plant
 
 KEEP = 160  # columns kept a record: the declared model, and a few dozen trial shapes
 NEWTON = 4  # steps of the inverse of a command map: exact after one where the map is affine in u
@@ -69,8 +71,10 @@ def finer(x: np.ndarray) -> np.ndarray:
     return np.stack([shifted(x, -k / FINER, 1.0) for k in range(FINER)], axis=1).ravel()
 
 
-def inverse_program(effect: Effect) -> Program:
+@lru_cache(maxsize=64)
+def inverse_program(definition: Definition) -> Program:
     """Program of u from u' for a command map, by Newton steps on its own expression; states advance with the found u."""
+    effect = definition.effect
     s, z, p = symbols(effect)
     target = ca.SX.sym("target")
     named = view(effect.reads, s)
@@ -93,6 +97,7 @@ class Passes:
     def __init__(self, motion: Motion):
         self.motion = motion
         self._kept: OrderedDict[tuple, np.ndarray] = OrderedDict()
+        self.bodies = Bodies(motion, self._keep)
 
     def _keep(self, key: tuple, make) -> np.ndarray:
         if key in self._kept:
@@ -116,9 +121,10 @@ class Passes:
         return u
 
     def filtered_drive(self, plant: Plant) -> np.ndarray:
-        """Return F(u') (n,)."""
+        """Return F(u') (rows, n): the drive, and nothing on the load's side."""
         path = tuple((e.step, shape_values(e)) for e in command_maps(plant))
-        return self._keep(("drive", path), lambda: self.motion.filter(self.applied(plant)))
+        drive = self._keep(("drive", path), lambda: self.motion.filter(self.applied(plant)))
+        return np.stack([drive, np.zeros_like(drive)][: self.rows(plant)])
 
     def _forward(self, effect: Effect, u: np.ndarray, path: tuple) -> np.ndarray:
         values = {n: p.value for n, p in effect.parameters.items()}
@@ -151,47 +157,65 @@ class Passes:
                 fine = finer(u) if many > 1 else u
                 rest = self._clock(many)
                 signals = np.stack([fine, *(np.broadcast_to(rest[r], fine.shape) for r in e.reads if r != "u")])
-                u = scan.scan(inverse_program(e), signals, self._rest(e, u), np.array(list(values.values())))[0][::many]
+                u = scan.scan(
+                    inverse_program(Definition(e)), signals, self._rest(e, u), np.array(list(values.values()))
+                )[0][::many]
         return u
 
     # --- columns of the forces -----------------------------------------------------------------------------------
 
+    def rows(self, plant: Plant) -> int:
+        """Balances of this record: one body; motor and load; the motor alone where the load is locked."""
+        return rows(plant, self.motion.record.locked)
+
     def columns(self, plant: Plant) -> Iterator[tuple[Effect, str, np.ndarray]]:
-        """Yield (effect, linear parameter or "", column (n,)) of every force of a one-mass plant, unfiltered."""
-        for e, outputs in self._forces(plant):
+        """Yield (effect, linear parameter or "", column (rows, n)) of every force, unfiltered.
+
+        The first row is what the drive feels (one body, or the motor's balance), the second the load's balance.
+        """
+        for e, outputs, _ in self._forces(plant):
             for name, column in zip(e.linear or ("",), outputs, strict=False):
                 yield e, name, column
 
     def filtered(self, plant: Plant) -> Iterator[tuple[Effect, str, np.ndarray]]:
         """As `columns`, through the evaluation filter."""
-        for e, outputs, key in self._forces(plant, keyed=True):
+        for e, outputs, key in self._forces(plant):
             smooth = self._keep(("filtered", *key), lambda o=outputs: self.motion.filter(o))
             for name, column in zip(e.linear or ("",), smooth, strict=False):
                 yield e, name, column
 
-    def _forces(self, plant: Plant, keyed: bool = False):
-        if plant.kind != ONE_MASS:
-            raise WorkbenchError(f"plants of {plant.kind} are read and described, but not identified yet.")
+    def _forces(self, plant: Plant):
+        """Yield (effect, outputs (columns, rows, n), key), place by place, those that provide the direction first."""
+        for place in PLACES[plant.kind]:
+            forces = sorted((e for e in plant.effects if e.port == fx.FORCE and e.at == place), key=lambda e: e.key)
+            if place == "load" and self.motion.record.locked:
+                continue
+            if forces:
+                yield from self._at(plant, place, forces)
+
+    def _at(self, plant: Plant, place: str, forces: list[Effect]):
         m = self.motion
-        signals = {"q": m.q, "dq": m.dq, "v": m.v, "a": m.a, "dt": m.dt, "t": m.t}
-        signals |= {"ratio": plant.geometry.gear_ratio, "pole_pairs": plant.geometry.pole_pairs, "locked": 0.0}
+        path, body = self.bodies.body(plant, place)
+        signals = {"q": body[POSITION], "dq": body[INCREMENT], "v": body[VELOCITY], "a": body[ACCELERATION]}
+        signals |= {"dt": m.dt, "t": m.t, "locked": float(m.record.locked)}
+        signals |= {"ratio": plant.geometry.gear_ratio, "pole_pairs": plant.geometry.pole_pairs}
         signals |= {n: m.record.channels[n] for n in ("temperature", "normal") if n in m.record.channels}
-        paths = {}
-        forces = sorted((e for e in plant.effects if e.port == fx.FORCE), key=lambda e: e.key)
+        paths = dict.fromkeys(("q", "dq", "v", "a"), path)
         givers = [e for e in forces if e.provides]
         takers = [e for e in forces if not e.provides]
         if not givers and any("dir" in e.reads for e in takers):
-            givers = [stop_direction(max(2 * m.counts, 1e-12))]
+            givers = [stop_direction(max(2 * self.bodies.counts(CHANNEL.get(place, "position")), m.counts, 1e-12))]
         if any({"u", "tau"} & set(e.reads) for e in forces):
             signals["u"] = signals["tau"] = self.applied(plant)
             paths["u"] = paths["tau"] = tuple((e.step, shape_values(e)) for e in command_maps(plant))
+        levers = self._levers(plant, place)
         for e in (*givers, *takers):
             missing = [r for r in e.reads if r not in signals]
             if missing:
                 raise WorkbenchError(
-                    f"effect '{e.name}' reads '{missing[0]}', which record '{m.record.name}' does not have."
+                    f"effect '{e.name}' reads '{missing[0]}', which record '{m.record.name}' does not have at the {place}."
                 )
-            key = (_name(e), shape_values(e), *(paths[r] for r in e.reads if r in paths))
+            key = (_name(e), place, shape_values(e), *dict.fromkeys(paths[r] for r in e.reads if r in paths))
             values = {n: p.value for n, p in e.parameters.items()}
             outputs = self._keep(("raw", *key), lambda e=e, v=values: build(e).run(signals, v))
             for i, given in enumerate(e.provides):
@@ -199,7 +223,18 @@ class Passes:
                 paths[given] = key
             if e.name == "direction":
                 continue
-            yield (e, outputs, key) if keyed else (e, outputs)
+            lever_path, lever = levers
+            of = outputs[: len(e.linear or ("",)), None, :]
+            whole = self.rows(plant)
+            yield e, of if whole == 1 and lever is None else of * lever[:whole], (*key, whole, lever_path)
+
+    def _levers(self, plant: Plant, place: str):
+        """Return (path, (2, n or 1)): by what a force at a place enters the motor's and the load's balance."""
+        if plant.kind == ONE_MASS:
+            return (), None
+        if place == "joint":
+            return self.bodies.leverage(plant)
+        return (), np.array([[1.0], [0.0]]) if place == "motor" else np.array([[0.0], [1.0]])
 
 
 def _name(effect: Effect):
@@ -217,12 +252,20 @@ def command_maps(plant: Plant) -> list[Effect]:
     return [e for e in at if e.port == fx.TIME] + [e for e in at if e.port == fx.COMMAND]
 
 
-def required(passes: Passes, plant: Plant) -> np.ndarray:
-    """Return the required drive u' (n,): every force of the plant at its values, on the motion."""
-    total = np.zeros(passes.motion.u.size)
+def balances(passes: Passes, plant: Plant) -> np.ndarray:
+    """Return the sum of all forces at their values, on the motion, (rows, n): the required drive, and the load's residual."""
+    total = np.zeros((passes.rows(plant), passes.motion.u.size))
     for e, name, column in passes.columns(plant):
         total += (e.parameters[name].value if name else 1.0) * column
     return total
+
+
+def required(passes: Passes, plant: Plant) -> np.ndarray:
+    """Return the required drive u' (n,): every force of the plant at its values, on the motion.
+
+    With two masses it is the motor's balance, the joint's torque by its law at the measured deflection.
+    """
+    return balances(passes, plant)[0]
 
 
 def predicted(passes: Passes, plant: Plant) -> np.ndarray:

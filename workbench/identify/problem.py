@@ -41,6 +41,11 @@ def from_search(p: Parameter, value: float) -> float:
     return float(np.clip(exp(value) if p.scale in LOGARITHMIC else value, p.lower, p.upper))
 
 
+def stacked(balances: np.ndarray, keep: slice) -> np.ndarray:
+    """Return (rows, n) as one vector of the samples kept, the balances of a sample side by side."""
+    return balances[:, keep].T.ravel() if len(balances) > 1 else balances[0, keep]
+
+
 class Problem:
     """`free_linear`, `free_shape`: what is searched, as Name; `fixed` linear parameters move to the measured side."""
 
@@ -68,8 +73,8 @@ class Problem:
 
     @property
     def lengths(self) -> list[int]:
-        """Samples that count, per record."""
-        return [p.motion.keep.stop - p.motion.keep.start for p in self.passes]
+        """Equations per record: samples that count, times balances. Both balances of a sample stand side by side."""
+        return [(p.motion.keep.stop - p.motion.keep.start) * p.rows(self.plant) for p in self.passes]
 
     def start(self) -> np.ndarray:
         return np.array([to_search(self.parameter(n)) for n in self.free_shape])
@@ -98,15 +103,15 @@ class Problem:
         row = 0
         for p, length in zip(self.passes, self.lengths, strict=True):
             keep, part = p.motion.keep, slice(row, row + length)
-            y[part] = p.filtered_drive(plant)[keep]
+            y[part] = stacked(p.filtered_drive(plant), keep)
             for e, name, column in p.filtered(plant):
                 index = at.get((e.key, name))
                 if index is None:
                     value = e.parameters[name].value if name else 1.0
                     if value != 0.0:
-                        y[part] -= value * column[keep]
+                        y[part] -= value * stacked(column, keep)
                 else:
-                    phi[part, index] = column[keep]
+                    phi[part, index] = stacked(column, keep)
             row += length
         factor = self.command_scale(plant)
         return (y, phi) if factor == 1.0 else (y * factor, phi * factor)
@@ -122,7 +127,7 @@ class Problem:
         power = [0.0, 0.0]
         for p in self.passes:
             for k, q in enumerate((bare, plant)):
-                drive = p.filtered_drive(q)[p.motion.keep]
+                drive = p.filtered_drive(q)[0][p.motion.keep]
                 power[k] += float(drive @ drive)
         return float(np.sqrt(power[0] / power[1])) if power[1] > 0.0 else np.inf
 
@@ -150,12 +155,20 @@ class Problem:
             return 0.01 / max(travel, 1e-12)
         return STEP * max(abs(value), 1e-3)
 
+    def drive_part(self, residual: np.ndarray) -> list[np.ndarray]:
+        """Return the drive's balance (samples kept,) of each record out of a stacked vector."""
+        edges = np.cumsum([0, *self.lengths])
+        return [
+            residual[a : b : p.rows(self.plant)] for a, b, p in zip(edges[:-1], edges[1:], self.passes, strict=True)
+        ]
+
     def blocks(self, seconds: float) -> list[slice]:
         """Return contiguous blocks of about this length, none across records."""
         found, row = [], 0
         for p, length in zip(self.passes, self.lengths, strict=True):
-            count = max(1, round(length * p.motion.dt / seconds))
-            edges = np.linspace(row, row + length, count + 1).astype(int)
+            rows = p.rows(self.plant)
+            count = max(1, round(length // rows * p.motion.dt / seconds))
+            edges = row + rows * np.linspace(0, length // rows, count + 1).astype(int)
             found += [slice(a, b) for a, b in zip(edges[:-1], edges[1:], strict=True)]
             row += length
         return found

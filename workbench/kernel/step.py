@@ -119,10 +119,10 @@ def check_linear(effect: Effect) -> None:
 
 def build(effect: Effect) -> Step:
     """Return the effect's columns as a program; cached by the definition, whatever the parameter values."""
-    return _build(effect.name, effect.step, effect.derive, tuple(effect.states.items()), _Definition(effect))
+    return _build(effect.name, effect.step, effect.derive, tuple(effect.states.items()), Definition(effect))
 
 
-class _Definition:
+class Definition:
     """An effect that compares equal to any other of the same definition, to key the cache."""
 
     def __init__(self, effect: Effect):

@@ -2,11 +2,10 @@
 
 from dataclasses import dataclass
 
-from workbench.effect import COMMAND, FORCE, TIME, Effect, catalogue
+from workbench.effect import Effect, catalogue
 from workbench.plant import Plant, places
 
 ADDITION, CORRECTION = "addition", "correction"
-RUN = ((FORCE, "axis"), (COMMAND, "command"), (TIME, "command"))  # ports and places that identification evaluates
 
 
 @dataclass(frozen=True)
@@ -28,10 +27,10 @@ def suspects(plant: Plant) -> list[Suspect]:
     found = []
     motion = "rotary" if plant.rotary else "linear"
     for name, effect in catalogue().items():
-        if motion not in effect.motions or not offered(effect, plant):
+        if motion not in effect.motions or not effect.traced:
             continue
         for place in places(plant.kind, effect):
-            if (effect.port, place) not in RUN:
+            if not offered(effect, place, plant):
                 continue
             if f"{name}@{place}" in (e.key for e in plant.effects):
                 continue
@@ -46,15 +45,15 @@ def suspects(plant: Plant) -> list[Suspect]:
     return sorted(found, key=lambda s: (s.effect, s.at, s.kind))
 
 
-def offered(effect: Effect, plant: Plant) -> bool:
-    """Whether an effect is a candidate: no other spelling of one, and not a second source of the direction of motion.
+def offered(effect: Effect, place: str, plant: Plant) -> bool:
+    """Whether an effect is a candidate at a place: not a second source of the direction of motion there.
 
     Two effects that provide `dir` are two descriptions of one contact; and the second would change what others read.
     """
-    given = {s for e in plant.effects for s in e.provides}
-    return effect.traced and not given & set(effect.provides)
+    given = {s for e in plant.effects if e.at == place for s in e.provides}
+    return not given & set(effect.provides)
 
 
 def plant_signals(plant: Plant) -> set[str]:
     """Signals that every record of such a plant has."""
-    return set("q dq v a dt t u tau dir ratio pole_pairs locked".split())
+    return set("q dq v a dt t u tau dir motor_q load_q ratio pole_pairs locked".split())

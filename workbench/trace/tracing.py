@@ -53,12 +53,11 @@ class State:
 
     def residuals(self) -> list[np.ndarray]:
         """Residual of each identification record (n,), zero in the trimmed ends."""
-        found, row = [], 0
-        for p, length in zip(self.passes, self.problem.lengths, strict=True):
+        found = []
+        for p, part in zip(self.passes, self.problem.drive_part(self.solution.residual), strict=True):
             full = np.zeros(p.motion.u.size)
-            full[p.motion.keep] = self.solution.residual[row : row + length]
+            full[p.motion.keep] = part
             found.append(full)
-            row += length
         return found
 
 

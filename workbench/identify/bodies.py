@@ -1,0 +1,170 @@
+"""Where each body of a plant was: readings with sensor maps undone, joint deflections with angle maps applied.
+
+A body is (raw, q, dq, v, a): the position itself, filtered without phase, its increments behind a dead band of one count,
+and the derivatives of the filtered one. The joint's is that of its effective deflection, position - load_position after
+backlash and kinematic error.
+"""
+
+from collections.abc import Callable
+from functools import lru_cache
+
+import casadi as ca
+import numpy as np
+
+from workbench import effect as fx
+from workbench.effect import Effect
+from workbench.kernel import arrays
+from workbench.kernel.program import Program, read
+from workbench.kernel.step import Definition, apply, build, symbols, view
+from workbench.motion import MOTION_BAND, LowPass, Motion, increments
+from workbench.plant import ONE_MASS, Plant
+
+CHANNEL = {"axis": "position", "motor": "position", "load": "load_position"}
+RAW, POSITION, INCREMENT, VELOCITY, ACCELERATION = range(5)
+NEWTON = 6  # steps of the inverse of a sensor map: its slope is near one
+
+
+def values_of(effect: Effect) -> tuple[float, ...]:
+    return tuple(p.value for p in effect.parameters.values())
+
+
+def path_of(effects: list[Effect]) -> tuple:
+    """What a result that went through these effects is kept under."""
+    return tuple((e.step, values_of(e)) for e in effects)
+
+
+def sensors(plant: Plant, channel: str) -> list[Effect]:
+    """Maps of one channel's reading, in the order in which they act on the true value."""
+    return [e for e in plant.effects if e.at == f"sensor.{channel}"]
+
+
+def angles(plant: Plant) -> list[Effect]:
+    """Maps of the joint's deflection: first those that add to it, then gaps, in the order declared."""
+    return [e for e in plant.effects if e.port == fx.ANGLE]
+
+
+SAME = ("q", "motor_q", "load_q")  # of a sensor's map: the position of the body that it reads
+
+
+@lru_cache(maxsize=64)
+def inverse(definition: Definition) -> Program:
+    """Program of the true value from a sensor's reading, by Newton steps on the map's own expression."""
+    effect = definition.effect
+    s, z, p = symbols(effect)
+    target, q = ca.SX.sym("target"), ca.SX.sym("q")
+    named = {n: q if n in SAME else symbol for n, symbol in view(effect.reads, s).items()}
+    _, forward, _ = apply(effect, named, z, fx.namespace(**view(effect.parameters, p)))
+    slope = ca.jacobian(forward, q)
+    guess = target
+    for _ in range(NEWTON):
+        value, rate = ca.substitute([forward, slope], [q], [guess])
+        guess = guess - (value - target) / rate
+    signals = ca.vertcat(target, *(named[r] for r in effect.reads if r not in SAME))
+    return read(ca.Function(f"{effect.name}_inverse", [signals, z, p], [ca.densify(guess)]))
+
+
+@lru_cache(maxsize=64)
+def partials(definition: Definition) -> Program:
+    """Program of (output, d output/d q, d output/d motor_q, d output/d load_q) of an angle map."""
+    effect = definition.effect
+    s, z, p = symbols(effect)
+    named = view(effect.reads, s)
+    _, output, _ = apply(effect, named, z, fx.namespace(**view(effect.parameters, p)))
+    slopes = [ca.jacobian(output, named[n]) if n in named else ca.SX(0) for n in ("q", "motor_q", "load_q")]
+    return read(ca.Function(f"{effect.name}_partials", [s, z, p], [ca.densify(ca.vertcat(output, *slopes))]))
+
+
+class Bodies:
+    """Bodies of one motion. keep(key, make): the store that passes share."""
+
+    def __init__(self, motion: Motion, keep: Callable):
+        self.motion = motion
+        self.keep = keep
+
+    def clock(self) -> dict:
+        return {"t": self.motion.t, "dt": self.motion.dt}
+
+    def body(self, plant: Plant, place: str) -> tuple[tuple, np.ndarray]:
+        """Return (what it is kept under, (5, n)) of the body at a place; path () where it is the position as measured."""
+        if place == "joint":
+            return self.joint(plant)
+        channel = CHANNEL[place]
+        maps = sensors(plant, channel)
+        if channel == "position" and not maps:
+            m = self.motion
+            return (), self.keep(("measured",), lambda: np.stack([m.q, m.q, m.dq, m.v, m.a]))
+        path = (channel, path_of(maps))
+        return path, self.keep(
+            ("body", path), lambda: self.kinematics(self.reading(channel, maps), self.counts(channel))
+        )
+
+    def counts(self, channel: str) -> float:
+        return self.motion.record.resolution.get(channel, 0.0)
+
+    def kinematics(self, raw: np.ndarray, counts: float) -> np.ndarray:
+        m = self.motion
+        smooth = LowPass(MOTION_BAND * m.filter.bandwidth, 1 / m.dt, raw.size)
+        q, v, a = (smooth(raw, derivative=k) for k in range(3))
+        return np.stack([raw, q, increments(raw, counts), v, a])
+
+    def reading(self, channel: str, maps: list[Effect]) -> np.ndarray:
+        """Return the true value (n,) behind a channel's reading."""
+        x = self.motion.record.channels[channel]
+        for e in reversed(maps):
+            values = {n: p.value for n, p in e.parameters.items()}
+            if e.port == fx.TIME:
+                from workbench.identify.passes import shifted
+
+                delay = build(e).run(self.clock() | {"q": x}, values)[0]
+                x = shifted(x, -delay, self.motion.dt)
+            else:
+                clock = self.clock()
+                signals = [x, *(np.broadcast_to(clock[r], x.shape) for r in e.reads if r not in SAME)]
+                (x,) = arrays.evaluate(inverse(Definition(e)), signals, (), values_of(e))[0]
+        return x
+
+    def joint(self, plant: Plant) -> tuple[tuple, np.ndarray]:
+        """Return the effective deflection as a body."""
+        motor, load = sensors(plant, "position"), sensors(plant, "load_position")
+        path = ("joint", path_of(motor), path_of(load), path_of(angles(plant)))
+
+        def make():
+            q_motor, q_load = self.reading("position", motor), self.reading("load_position", load)
+            raw = self.mapped(plant, q_motor - q_load, q_motor, q_load)[0]
+            # the finer encoder's count: the coarser one's steps are motion of the difference, and mean out in its filter
+            counts = [c for c in map(self.counts, ("position", "load_position")) if c > 0]
+            return self.kinematics(raw, min(counts, default=0.0))
+
+        return path, self.keep(("body", path), make)
+
+    def mapped(self, plant: Plant, deflection, motor, load) -> tuple:
+        """Return (effective deflection, its slope with respect to the motor's and to the load's position), (n,) each."""
+        by_motor, by_load = 1.0, -1.0
+        for e in angles(plant):
+            signals = {"q": deflection, "motor_q": motor, "load_q": load, **self.clock()}
+            output, by_q, extra_motor, extra_load = arrays.evaluate(
+                partials(Definition(e)), [signals[r] for r in e.reads], (), values_of(e)
+            )[0]
+            by_motor, by_load = by_motor * by_q + extra_motor, by_load * by_q + extra_load
+            deflection = output
+        return deflection, by_motor, by_load
+
+    def leverage(self, plant: Plant) -> tuple[tuple, np.ndarray]:
+        """Return what the joint's torque is multiplied by in the motor's and in the load's balance, (2, n) or (2, 1)."""
+        maps = angles(plant)
+        if not maps:
+            return (), np.array([[1.0], [-1.0]])
+        path = path_of(maps)
+
+        def make():
+            (_, motor), (_, load) = self.body(plant, "motor"), self.body(plant, "load")
+            q_motor, q_load = motor[POSITION], load[POSITION]
+            _, by_motor, by_load = self.mapped(plant, q_motor - q_load, q_motor, q_load)
+            return np.stack([np.broadcast_to(np.asarray(x, float), q_motor.shape) for x in (by_motor, by_load)])
+
+        return path, self.keep(("leverage", path), make)
+
+
+def rows(plant: Plant, locked: bool) -> int:
+    """Balances that a record holds: one body; motor and load; the motor alone where the load is locked."""
+    return 1 if plant.kind == ONE_MASS or locked else 2
