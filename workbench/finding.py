@@ -3,6 +3,18 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
+PROPER = {"stribeck": "Stribeck", "coulomb": "Coulomb", "lugre": "LuGre"}
+
+
+def title(effect: str) -> str:
+    """Return the name of an effect as it is read: "Stribeck friction" of "stribeck_friction"."""
+    return " ".join(PROPER.get(word, word) for word in effect.split("_"))
+
+
+def capital(text: str) -> str:
+    """Return text with a capital first letter; the rest stays."""
+    return text[:1].upper() + text[1:]
+
 
 @dataclass(frozen=True)
 class Finding:

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 
+from workbench.finding import capital, title
 from workbench.plant import Plant
 from workbench.report import figures, numbers
 from workbench.report.contents import (
@@ -16,7 +17,7 @@ from workbench.report.contents import (
     StudyResult,
     Table,
 )
-from workbench.report.wording import capital, listed, parameters, said, title
+from workbench.report.wording import listed, parameters, said
 from workbench.trace.result import CAUSE, UNKNOWN, Candidate, Cause
 
 BEST = 10

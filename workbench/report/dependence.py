@@ -4,10 +4,11 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from workbench.finding import capital, title
 from workbench.identify.result import Fit, Series
 from workbench.report import figures, numbers
 from workbench.report.contents import Figure, StudyResult
-from workbench.report.wording import capital, listed, title
+from workbench.report.wording import listed
 
 LEAST = 0.1  # share of the residual power from which a coordinate is said to explain it
 SHOWN = 2  # coordinates in the figure

@@ -2,9 +2,10 @@
 
 import numpy as np
 
+from workbench.finding import capital, title
 from workbench.report import figures, numbers
 from workbench.report.contents import Chapter, Figure, Paragraph, StudyResult, Table
-from workbench.report.wording import capital, listed, title
+from workbench.report.wording import listed
 
 ROWS = 8
 

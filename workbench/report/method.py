@@ -1,9 +1,9 @@
 """How a report was computed, and from which bytes."""
 
 from workbench import __version__
+from workbench.finding import title
 from workbench.report import numbers
 from workbench.report.contents import CODE, Chapter, Equation, Items, Marked, Paragraph, StudyResult, Table
-from workbench.report.wording import title
 
 METHODS = (
     "G. H. Golub, V. Pereyra: The differentiation of pseudo-inverses and nonlinear least squares problems whose variables "

@@ -1,8 +1,9 @@
 """The declared model and the extended one: which effects they hold, and their parameters."""
 
+from workbench.finding import title
 from workbench.plant import Plant
 from workbench.report.contents import CODE, Chapter, Heading, Marked, Paragraph, StudyResult, Table
-from workbench.report.wording import listed, parameters, said, title
+from workbench.report.wording import listed, parameters, said
 
 HELD = "Values marked as fixed were declared as known and were not fitted."
 

@@ -1,5 +1,6 @@
 """The finding, and the records that it rests on."""
 
+from workbench.finding import capital, title
 from workbench.record import IDENTIFICATION, ROLES, VALIDATION
 from workbench.report import numbers
 from workbench.report.contents import (  # fmt: skip
@@ -18,7 +19,7 @@ from workbench.report.contents import (  # fmt: skip
     StudyResult,
     Table,
 )
-from workbench.report.wording import bound, capital, listed, said, title
+from workbench.report.wording import bound, listed, said
 from workbench.trace.result import NOTHING, UNKNOWN, Cause
 
 TONES = {NOTHING: GOOD, UNKNOWN: BAD}

@@ -4,12 +4,13 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from workbench.finding import title
 from workbench.identify.result import Fit, Series
 from workbench.record import VALIDATION
 from workbench.report import figures, numbers
 from workbench.report.contents import Chapter, Figure, Paragraph, StudyResult
 from workbench.report.dependence import keep, over_motion
-from workbench.report.wording import listed, title
+from workbench.report.wording import listed
 
 REVERSALS = 4  # of the motion in the excerpt
 SHORTEST = 400  # samples of the excerpt

@@ -3,28 +3,16 @@
 import re
 from collections.abc import Iterable, Sequence
 
-from workbench.finding import Finding
+from workbench.finding import Finding, title
 from workbench.identify.result import Estimate
 from workbench.report import numbers
 from workbench.report.contents import BAD, CODE, QUIET, Items, Marked, Table
-
-PROPER = {"stribeck": "Stribeck", "coulomb": "Coulomb", "lugre": "LuGre"}
-
-
-def title(effect: str) -> str:
-    """Return the name of an effect as it is read: "stribeck friction" of "stribeck_friction"."""
-    return " ".join(PROPER.get(word, word) for word in effect.split("_"))
 
 
 def printable(text: str) -> str:
     """Return text without control and private characters, whose numbers do not part from their per cent sign at a line's end."""
     text = re.sub(r"[\x00-\x08\x0b-\x1f\x7f-\x9f\ud800-\uf8ff\ufffe\uffff\U000f0000-\U0010ffff]", "", text)
     return re.sub(r"(?<=\d) (?=%)", "\u00a0", text)
-
-
-def capital(text: str) -> str:
-    """Return text with a capital first letter; the rest stays."""
-    return text[:1].upper() + text[1:]
 
 
 def listed(texts: Sequence[str]) -> str:

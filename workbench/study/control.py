@@ -5,7 +5,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from workbench.finding import Finding
+from workbench.finding import Finding, title
 from workbench.report import control as chapters
 from workbench.report.contents import Chapter
 from workbench.study.configuration import Study
@@ -56,7 +56,7 @@ def run(study: Study, found: Trace, say: Callable[[str], None]) -> Controlled:
         names = [f"scheduled PD ({r})" for r in RULES]
         without = compare(task, {n: blind.tuned[n].controller for n in names})
         known = Comparison(tuple(r for r in comparison.rows if r.controller in names), ())
-        cause = " and ".join(c.effect.replace("_", " ") for c in found.causes)
+        cause = " and ".join(title(c.effect) for c in found.causes)
         parts.append(chapters.worth_chapter(without, known, cause, task))
         tables["comparison_tuned_on_declared"] = [vars(r) for r in without.rows]
     return Controlled(

@@ -5,7 +5,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from workbench.effect import find
-from workbench.finding import Finding
+from workbench.finding import Finding, capital, title
 from workbench.identify.fit import fitted_on, seen
 from workbench.identify.passes import Passes
 from workbench.identify.problem import Problem
@@ -68,12 +68,12 @@ def judged(state: State, suspect: Suspect) -> tuple[Candidate, State]:
     g, scatter = gain(state.errors, after.errors)
     earns = g > SHARE and g > CERTAIN * scatter
     power = state.power
-    title = _title(suspect.effect)
+    name = title(suspect.effect)
     verb = "Correcting the declared" if suspect.kind != ADDITION else "Adding"
     sentence = (
-        f"{verb} {title} takes away {100 * g:.1f} % of the held-out residual power (standard error {100 * scatter:.1f} %)."
+        f"{verb} {name} takes away {100 * g:.1f} % of the held-out residual power (standard error {100 * scatter:.1f} %)."
         if g > 0
-        else f"{verb} {title} explains nothing on held-out blocks."
+        else f"{verb} {name} explains nothing on held-out blocks."
     )
     candidate = Candidate(
         suspect.effect, suspect.at, suspect.kind, g, scatter,
@@ -95,8 +95,11 @@ def step(state: State, progress: Progress) -> tuple[list[Candidate], State | Non
 
 
 def simplest_first(judgements: list[tuple[Candidate, State]]) -> list[tuple[Candidate, State]]:
-    """Order by gain; of those that the data cannot tell from the best, the one with the fewest free parameters leads."""
-    judgements = sorted(judgements, key=lambda j: (-j[0].gain, j[0].effect, j[0].at))
+    """Order by gain, those that earn their place ahead of those that do not.
+
+    Of those that the data cannot tell from the best, the one with the fewest free parameters leads.
+    """
+    judgements = sorted(judgements, key=lambda j: (not j[0].earns, -j[0].gain, j[0].effect, j[0].at))
     if not judgements:
         return judgements
     leader = judgements[0]
@@ -148,10 +151,6 @@ def _fit(state: State, passes: Sequence[Passes]) -> Fit:
     return seen(state.problem, state.solution, passes)
 
 
-def _title(effect: str) -> str:
-    return effect.replace("_", " ")
-
-
 def _plainly_left(fit: Fit, floor) -> bool:
     least = floor[IDENTIFICATION]
     return bool(least > 0 and fit.identification > ABOVE_FLOOR * least)
@@ -168,7 +167,7 @@ def _cause(candidate: Candidate, before: Fit, here: Fit, last: Fit) -> Cause:
     validation = _share(before.rms[VALIDATION], here.rms[VALIDATION])
     verb = "is declared with a wrong value" if candidate.kind != ADDITION else "is missing"
     sentence = (
-        f"{_title(candidate.effect).capitalize()} at the {candidate.at} {verb}: {effect.cause}. It explains "
+        f"{capital(title(candidate.effect))} at the {candidate.at} {verb}: {effect.cause}. It explains "
         f"{100 * identification:.1f} % of the residual power on the identification records and {100 * validation:.1f} % "
         "on the validation record."
     )
@@ -180,7 +179,7 @@ def _not_carried(causes: Sequence[Cause]):
         if c.share_validation < 0.5 * c.share_identification:
             yield Finding(
                 "not carried over", c.effect,
-                f"{_title(c.effect).capitalize()} explains {100 * c.share_identification:.0f} % on identification but only "
+                f"{capital(title(c.effect))} explains {100 * c.share_identification:.0f} % on identification but only "
                 f"{100 * c.share_validation:.0f} % on validation; do not rely on it before a second validation record.",
                 {"identification": c.share_identification, "validation": c.share_validation},
             )  # fmt: skip
@@ -188,11 +187,11 @@ def _not_carried(causes: Sequence[Cause]):
 
 def _verdict_sentence(verdict: str, causes: Sequence[Cause], before: Fit, after: Fit, floor) -> str:
     if verdict == CAUSE:
-        names = " and ".join(_title(c.effect) for c in causes)
+        names = " and ".join(title(c.effect) for c in causes)
         is_are = "is" if len(causes) == 1 else "are"
         what = "missing" if len(causes) > 1 or "missing" in causes[0].sentence else "declared with a wrong value"
         return (
-            f"{names.capitalize()} {is_are} {what}. With {'it' if len(causes) == 1 else 'them'}, the validation error falls from "
+            f"{capital(names)} {is_are} {what}. With {'it' if len(causes) == 1 else 'them'}, the validation error falls from "
             f"{100 * before.validation:.2f} % to {100 * after.validation:.2f} % and the identification error from "
             f"{100 * before.identification:.2f} % to {100 * after.identification:.2f} % "
             f"(noise floor {100 * floor[IDENTIFICATION]:.2g} %)."
