@@ -49,6 +49,13 @@ class LowPass:
 
     def __call__(self, x: np.ndarray, derivative: int = 0) -> np.ndarray:
         """Filter the last axis of x (..., n); returns the same shape."""
+        return self._through(x, (derivative,))[0]
+
+    def derivatives(self, x: np.ndarray, count: int) -> list[np.ndarray]:
+        """Return the filtered x and its first count - 1 derivatives, from one transform."""
+        return self._through(x, range(count))
+
+    def _through(self, x: np.ndarray, orders) -> list[np.ndarray]:
         x = np.asarray(x, dtype=float)
         pad = min(int(PAD * self.rate), self.n - 1)
         total = fast_length(self.n + 2 * pad)
@@ -59,8 +66,12 @@ class LowPass:
         extended = np.concatenate([2 * first - x[..., left:0:-1], x, 2 * last - x[..., -2 : -right - 2 : -1]], axis=-1)
         size = extended.shape[-1]
         spectrum = np.fft.rfft(extended, axis=-1)
-        spectrum *= _response(self.bandwidth, self.rate, size, derivative)
-        return np.fft.irfft(spectrum, size, axis=-1)[..., left : left + self.n]
+        return [
+            np.fft.irfft(spectrum * _response(self.bandwidth, self.rate, size, k), size, axis=-1)[
+                ..., left : left + self.n
+            ]
+            for k in orders
+        ]
 
     @property
     def trim(self) -> int:
@@ -123,7 +134,7 @@ def motion(record: Record, bandwidth: float) -> Motion:
     position = record.channels["position"]
     counts = record.resolution.get("position", 0.0)
     smooth = LowPass(MOTION_BAND * bandwidth, 1 / record.dt, position.size)
-    q, v, a = (smooth(position, derivative=k) for k in range(3))
+    q, v, a = smooth.derivatives(position, 3)
     return Motion(
         record=record,
         u=record.drive,

@@ -13,7 +13,10 @@ import numpy as np
 
 from workbench import effect as fx
 from workbench.effect import Effect
+from workbench.errors import WorkbenchError
+from workbench.identify.shift import shifted
 from workbench.kernel import arrays
+from workbench.kernel.lanes import map_lanes
 from workbench.kernel.program import Program, read
 from workbench.kernel.step import Definition, apply, build, symbols, view
 from workbench.motion import MOTION_BAND, LowPass, Motion, increments
@@ -21,7 +24,9 @@ from workbench.plant import ONE_MASS, Plant
 
 CHANNEL = {"axis": "position", "motor": "position", "load": "load_position"}
 RAW, POSITION, INCREMENT, VELOCITY, ACCELERATION = range(5)
-NEWTON = 6  # steps of the inverse of a sensor map: its slope is near one
+NEWTON = (
+    2  # steps of the inverse of a sensor map: its slope is within a few per cent of one, and each step squares that
+)
 
 
 def values_of(effect: Effect) -> tuple[float, ...]:
@@ -51,6 +56,8 @@ def inverse(definition: Definition) -> Program:
     """Program of the true value from a sensor's reading, by Newton steps on the map's own expression."""
     effect = definition.effect
     s, z, p = symbols(effect)
+    if z.numel():
+        raise WorkbenchError(f"effect '{effect.name}' maps a reading with a memory, which cannot be undone.")
     target, q = ca.SX.sym("target"), ca.SX.sym("q")
     named = {n: q if n in SAME else symbol for n, symbol in view(effect.reads, s).items()}
     _, forward, _ = apply(effect, named, z, fx.namespace(**view(effect.parameters, p)))
@@ -60,7 +67,7 @@ def inverse(definition: Definition) -> Program:
         value, rate = ca.substitute([forward, slope], [q], [guess])
         guess = guess - (value - target) / rate
     signals = ca.vertcat(target, *(named[r] for r in effect.reads if r not in SAME))
-    return read(ca.Function(f"{effect.name}_inverse", [signals, z, p], [ca.densify(guess)]))
+    return read(ca.Function(f"{effect.name}_inverse", [signals, p], [ca.cse(ca.densify(guess))]))
 
 
 @lru_cache(maxsize=64)
@@ -104,7 +111,7 @@ class Bodies:
     def kinematics(self, raw: np.ndarray, counts: float) -> np.ndarray:
         m = self.motion
         smooth = LowPass(MOTION_BAND * m.filter.bandwidth, 1 / m.dt, raw.size)
-        q, v, a = (smooth(raw, derivative=k) for k in range(3))
+        q, v, a = smooth.derivatives(raw, 3)
         return np.stack([raw, q, increments(raw, counts), v, a])
 
     def reading(self, channel: str, maps: list[Effect]) -> np.ndarray:
@@ -113,14 +120,12 @@ class Bodies:
         for e in reversed(maps):
             values = {n: p.value for n, p in e.parameters.items()}
             if e.port == fx.TIME:
-                from workbench.identify.passes import shifted
-
                 delay = build(e).run(self.clock() | {"q": x}, values)[0]
                 x = shifted(x, -delay, self.motion.dt)
             else:
                 clock = self.clock()
                 signals = [x, *(np.broadcast_to(clock[r], x.shape) for r in e.reads if r not in SAME)]
-                (x,) = arrays.evaluate(inverse(Definition(e)), signals, (), values_of(e))[0]
+                (x,) = map_lanes(inverse(Definition(e)), np.stack(signals), values_of(e))
         return x
 
     def joint(self, plant: Plant) -> tuple[tuple, np.ndarray]:

@@ -4,7 +4,6 @@ Order of evaluation: time and command maps on the measured drive; forces with me
 Results are kept per effect and shape, so that candidates share the columns of the declared model.
 """
 
-import math
 from collections import OrderedDict
 from collections.abc import Iterator
 from functools import lru_cache
@@ -17,6 +16,7 @@ from workbench.effect import Effect
 from workbench.effects.hysteresis import stop_direction
 from workbench.errors import WorkbenchError
 from workbench.identify.bodies import ACCELERATION, CHANNEL, INCREMENT, POSITION, VELOCITY, Bodies, rows
+from workbench.identify.shift import FINER, finer, shifted
 from workbench.kernel import scan
 from workbench.kernel.program import Program, read
 from workbench.kernel.step import Definition, apply, build, symbols, view
@@ -25,50 +25,11 @@ from workbench.plant import ONE_MASS, PLACES, Plant
 
 KEEP = 160  # columns kept a record: the declared model, and a few dozen trial shapes
 NEWTON = 4  # steps of the inverse of a command map: exact after one where the map is affine in u
-LAGRANGE = 8  # points of the interpolation in time; error below 1e-3 up to 0.35 of the sampling rate
-# Steps a sample of a command map that integrates over dt. A command is band-limited, no ramp between samples: taken as
-# one, a lag below the sample time damps 90 Hz at 1 kHz six times too much. Odd, so that the inverse of such a step,
-# which rings at half its rate, rings at half the sampling rate, where the evaluation filter leaves nothing.
-FINER = 7
 
 
 def shape_values(effect: Effect) -> tuple[float, ...]:
     """Values of the parameters that a column depends on."""
     return tuple(effect.parameters[n].value for n in effect.shape)
-
-
-def weights(u) -> list:
-    """Return Lagrange's weights of the samples -3 to 4 about a place u in [0, 1) between the samples 0 and 1."""
-    points = range(1 - LAGRANGE // 2, LAGRANGE // 2 + 1)
-    return [math.prod((u - j) / (i - j) for j in points if j != i) for i in points]
-
-
-def shifted(x: np.ndarray, delay: np.ndarray | float, dt: float) -> np.ndarray:
-    """Return x(t - delay) for x (n,) sampled every dt, delay scalar or (n,) in s, by 8-point Lagrange interpolation.
-
-    Beyond the ends the first or last value is held.
-    """
-    steps = -np.asarray(delay, dtype=float) / dt
-    if steps.ndim and np.all(steps == steps[0]):  # one delay: the same weights everywhere
-        steps = steps[0]
-    whole = np.floor(steps)
-    first = whole.astype(int) + (1 - LAGRANGE // 2)
-    result = np.zeros(x.size)
-    if steps.ndim:
-        first = first + np.arange(x.size)
-        for i, weight in enumerate(weights(steps - whole)):
-            result += weight * x[np.clip(first + i, 0, x.size - 1)]
-        return result
-    before, after = max(-first, 0), max(first + LAGRANGE, 0)
-    held = np.concatenate([np.full(before, x[0]), x, np.full(after, x[-1])])
-    for i, weight in enumerate(weights(steps - whole)):
-        result += weight * held[before + first + i :][: x.size]
-    return result
-
-
-def finer(x: np.ndarray) -> np.ndarray:
-    """Return x (n,) at FINER times its rate, (n FINER,), by the same interpolation; every FINER-th value is x itself."""
-    return np.stack([shifted(x, -k / FINER, 1.0) for k in range(FINER)], axis=1).ravel()
 
 
 @lru_cache(maxsize=64)

@@ -74,8 +74,11 @@ def cost_at(problem: Problem, theta: np.ndarray) -> tuple[float, np.ndarray, np.
     return float(e @ e), c, y, phi
 
 
-def solve(problem: Problem, theta: np.ndarray | None = None) -> Solution:
-    """Minimise over shape and linear parameters from a start; the result is never worse than the start."""
+def solve(problem: Problem, theta: np.ndarray | None = None, tolerance: float = TOLERANCE) -> Solution:
+    """Minimise over shape and linear parameters from a start; the result is never worse than the start.
+
+    tolerance: relative decrease of the cost at which the search stops.
+    """
     theta = problem.start() if theta is None else np.array(theta, dtype=float)
     cost, c, y, phi = cost_at(problem, theta)
     tangents = problem.tangents(theta, c, y, phi)
@@ -105,7 +108,7 @@ def solve(problem: Problem, theta: np.ndarray | None = None) -> Solution:
         theta, cost, c, y, phi = trial, new_cost, new_c, new_y, new_phi
         tangents = problem.tangents(theta, c, y, phi)
         damping = max(damping / 10, 1e-9)
-        if gain < TOLERANCE:
+        if gain < tolerance:
             break
     return Solution(theta, c, y, phi, cost, tangents)
 

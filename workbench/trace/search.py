@@ -12,6 +12,8 @@ from workbench.plant import Plant
 from workbench.trace.candidates import ADDITION, Suspect
 from workbench.trace.starts import starts
 
+ROUGH = 1e-4  # relative decrease of the cost at which a start has shown what it is worth
+PROMISING = 0.99  # cost over what was left, below which a suspect is fitted to the end
 LEVEL = 1.002  # cost within which two starts have come to the same fit
 REFINED = 2  # starts that are refined: the cheapest by their linear fit alone
 
@@ -48,7 +50,10 @@ def fitted(suspect: Suspect, passes: Sequence[Passes], residuals: Sequence[np.nd
     if len(options) > 1:
         costs = [cost_at(problem, theta)[0] for theta in options]
         options = [options[i] for i in sorted(np.argsort(costs, kind="stable")[:REFINED])]
-    solutions = [solve(problem, theta) for theta in options]
+    solutions = [solve(problem, theta, ROUGH) for theta in options]
     least = min(s.cost for s in solutions)
     # of equal fits the earlier start: a wave of order k is also the second harmonic of k/2, whose start comes later
-    return problem, next(s for s in solutions if s.cost <= LEVEL * least)
+    best = next(s for s in solutions if s.cost <= LEVEL * least)
+    # a suspect that leaves what the declared model left is not worth its last digits
+    worth = best.cost < PROMISING * sum(float(r @ r) for r in residuals)
+    return problem, solve(problem, best.theta) if worth else best

@@ -4,7 +4,7 @@ import numpy as np
 
 from workbench.identify.passes import Passes, required
 from workbench.plant import Plant
-from workbench.verify.equivalent import friction_of
+from workbench.verify.equivalent import friction_of, made_up
 
 POINTS = 400  # of speed
 SLIDING = 400  # samples over which friction with memory comes to sliding
@@ -12,17 +12,12 @@ SLIDING = 400  # samples over which friction with memory comes to sliding
 
 def sliding_torque(plant: Plant, speeds: np.ndarray, counts: float) -> np.ndarray:
     """Return the torque or force of all friction when sliding forward at each speed (n,), N*m or N."""
-    from types import SimpleNamespace
-
     rest, _, viscous = friction_of(plant)
     reach = max((10.0 * e.parameters["x0"].value for e in rest.effects if "x0" in e.parameters), default=100 * counts)
     result = np.empty(speeds.size)
     ones = np.ones(SLIDING)
     for i, v in enumerate(speeds):
-        motion = SimpleNamespace(
-            q=0.0 * ones, dq=reach / SLIDING * ones, v=v * ones, a=0.0 * ones, t=np.arange(SLIDING) * 1e-3, dt=1e-3,
-            u=0.0 * ones, counts=counts, record=SimpleNamespace(channels={}, name="sliding"),
-        )  # fmt: skip
+        motion = made_up("sliding", counts, 1e-3, q=0 * ones, dq=reach / SLIDING * ones, v=v * ones, a=0 * ones)
         result[i] = required(Passes(motion), rest)[-1] + viscous * v
     return result
 

@@ -29,6 +29,13 @@ def friction_of(plant: Plant) -> tuple[Plant, float, float]:
     return rest, inertia, viscous
 
 
+def made_up(name: str, counts: float, dt: float, **moved: np.ndarray):
+    """Return a motion that no record holds: q, dq, v, a (n,) every dt seconds, of an encoder with this resolution."""
+    n = moved["q"].size
+    record = SimpleNamespace(channels={}, name=name, locked=False, resolution={"position": counts})
+    return SimpleNamespace(record=record, counts=counts, t=dt * np.arange(n), dt=dt, u=np.zeros(n), **moved)
+
+
 def equivalent_of(plant: Plant, amplitudes: Sequence[float], omegas: Sequence[float], counts: float) -> Equivalent:
     """Return the Equivalent of a plant's friction at amplitudes (n,), rad or m, each at its frequency omegas (n,), rad/s.
 
@@ -39,16 +46,14 @@ def equivalent_of(plant: Plant, amplitudes: Sequence[float], omegas: Sequence[fl
     last = slice((CYCLES - 1) * SAMPLES, CYCLES * SAMPLES)
     for amplitude, omega in zip(amplitudes, omegas, strict=True):
         q = amplitude * np.cos(phase)
-        motion = SimpleNamespace(
+        motion = made_up(
+            "a settled cycle",
+            counts,
+            2 * np.pi / SAMPLES / omega,
             q=q,
             dq=np.diff(q, prepend=0.0),  # from the relaxed state at zero out to A
             v=-amplitude * omega * np.sin(phase),
             a=-amplitude * omega**2 * np.cos(phase),
-            t=phase / omega,
-            dt=2 * np.pi / SAMPLES / omega,
-            u=np.zeros(q.size),
-            counts=counts,
-            record=SimpleNamespace(channels={}, name="a settled cycle"),
         )
         force = required(Passes(motion), plant)[last]
         stiffness.append(2 * np.mean(force * np.cos(phase[last])) / amplitude)

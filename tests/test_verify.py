@@ -1,0 +1,164 @@
+"""What gains are worth: the bound, the equivalents of all friction together, the search, the comparison."""
+
+import numpy as np
+import pytest
+
+from workbench.control import fixed_pd
+from workbench.describe import equivalent
+from workbench.effect import find
+from workbench.errors import WorkbenchError
+from workbench.plant import ONE_MASS, Limits, Plant
+from workbench.simulate import Loop
+from workbench.verify.bound import time_optimal
+from workbench.verify.compare import Comparison, Row, compare, verdicts
+from workbench.verify.design import gains_of, linear_of
+from workbench.verify.equivalent import equivalent_of, friction_of
+from workbench.verify.families import Linear, blended, cascade_family, pd_family
+from workbench.verify.optimise import optimise
+from workbench.verify.task import Task, Weights, cost
+
+STEP = 0.4 * 2 * np.pi
+LOOP = Loop(2.5e-4, 2, 2.5e-4, 2.5e-4, 4.848e-6)
+
+
+def axis(inertia=0.0074, drive=3.3, rpm=120.0, *more) -> Plant:
+    effects = (find("inertia")(inertia=inertia), find("presliding_hysteresis")(h0=0.15, x0=1 / 636), *more)
+    return Plant(ONE_MASS, effects, limits=Limits(drive, rpm * 2 * np.pi / 60))
+
+
+@pytest.mark.parametrize(
+    ("inertia", "drive", "rpm", "free", "loaded"),
+    [(0.0026, 1.8, 200, 0.1423, 0.1477), (0.0074, 3.3, 120, 0.2179, 0.2195), (0.029, 4.8, 60, 0.4208, 0.4214)],
+)
+def test_the_time_optimal_bound_is_that_of_the_catalogue_actuators(inertia, drive, rpm, free, loaded):
+    plant = axis(inertia, drive, rpm)
+    assert time_optimal(plant, STEP) == pytest.approx(free, abs=1e-4)
+    assert time_optimal(plant, STEP, load_inertia=5.3e-4) == pytest.approx(loaded, abs=1e-4)
+
+
+def test_without_friction_or_speed_limit_the_bound_is_the_closed_form_of_bang_bang():
+    plant = Plant(ONE_MASS, (find("inertia")(inertia=1.0),), limits=Limits(1.0))
+    whole, last = (
+        2 * np.sqrt(1.0),
+        np.sqrt(2 * 0.01),
+    )  # to rest at 1 with unit acceleration, less the way inside the band
+    assert time_optimal(plant, 1.0, band=0.01) == pytest.approx(whole - last, rel=1e-4)
+
+
+def test_the_equivalent_of_a_lone_hysteresis_is_that_of_its_integrals():
+    friction, inertia, viscous = friction_of(axis())
+    a = np.array([1e-3, 1e-2, 0.1])
+    stepped, exact = (
+        equivalent_of(friction, a, np.full(3, 50.0), 1e-6),
+        equivalent(friction["presliding_hysteresis"], a),
+    )
+    assert (inertia, viscous) == (0.0074, 0.0)
+    assert stepped.stiffness == pytest.approx(exact.stiffness, rel=0.01)
+    assert stepped.loss == pytest.approx(exact.loss, rel=0.02)
+
+
+def test_stribeck_friction_stiffens_slow_motion_and_is_gone_in_fast_motion():
+    plain, _, _ = friction_of(axis())
+    with_drop = plain + find("stribeck_friction")(drop=0.075, speed=0.5)
+    a = np.array([1e-3])
+    slow, fast = (
+        equivalent_of(with_drop, a, [w], 1e-6).loss / equivalent_of(plain, a, [w], 1e-6).loss for w in (1.0, 1e6)
+    )
+    assert slow == pytest.approx(1.5, rel=0.01) and fast == pytest.approx(1.0, rel=0.01)
+
+
+def test_gains_of_a_plant_hold_their_limits_at_every_amplitude():
+    from workbench.tune import TuningGoal
+
+    a = np.geomspace(1e-4, 1.0, 8)
+    equivalents, gains = gains_of(axis(), a, TuningGoal(drive=3.3, speed=12.57), LOOP)
+    assert np.all(gains.kp * a <= 3.3 * 1.001) and np.all(gains.sensitivity_peak <= 2.0 * 1.005)
+    assert np.all(gains.spectral_radius < 1.0) and np.all(np.diff(equivalents.stiffness) < 0)
+
+
+def test_the_sensitivity_of_a_law_is_that_of_python_control():
+    import control
+
+    linear = Linear(Loop(1e-3, 1), 1.0, 0.5, np.array([0.0]))
+    kp, kd = 2000.0, 60.0
+    plant = control.c2d(control.tf([1], [1, 0.5, 0]), 1e-3, "zoh")
+    z = control.tf([1, 0], [1], 1e-3)
+    law = kp + kd * (1 - 1 / z) / 1e-3
+    w = np.geomspace(1.0, np.pi / 1e-3, 4000)
+    expected = np.max(1 / np.abs(1 + np.squeeze((plant * law)(np.exp(1j * w * 1e-3)))))
+    family = pd_family(linear, (kp, kd))
+    assert family.sensitivity(np.array([[kp, kd]]))[0] == pytest.approx(expected, rel=0.01)
+
+
+def test_a_step_that_never_settles_costs_more_than_any_that_does():
+    task = Task(axis(), LOOP, STEP, 0.4)
+    scenarios = task.scenarios(phases=1)
+    good, idle = (task.run(fixed_pd(kp, kd), scenarios) for kp, kd in ((50.0, 1.0), (0.01, 0.0)))
+    assert cost(task, idle, task.bound(), 1)[0] > 10 > cost(task, good, task.bound(), 1)[0]
+
+
+def test_the_search_improves_on_its_start_and_keeps_to_the_sensitivity_limit(monkeypatch):
+    from workbench.verify import optimise as module
+
+    monkeypatch.setattr(module, "GENERATIONS", 6)
+    monkeypatch.setattr(module, "LOCAL", 20)
+    plant = axis()
+    task = Task(plant, LOOP, STEP, 0.4, phases=1, weights=Weights(overshoot=0.008))
+    from workbench.tune import TuningGoal
+
+    equivalents, _ = gains_of(plant, np.geomspace(1e-3, 1.0, 4), TuningGoal(drive=3.3, speed=12.57), LOOP)
+    linear = linear_of(plant, equivalents, LOOP)
+    for family in (pd_family(linear, (60.0, 1.0)), cascade_family(linear, (60.0, 1.0, 5.0), 12.57)):
+        found = optimise(task, family, seed=3)
+        first = task.run(family.controller(family.start[None, :], 1), task.scenarios())
+        assert found.value <= cost(task, first, task.bound(), 1)[0]
+        assert family.sensitivity(found.point[None, :])[0] <= 2.0 * 1.01
+        assert found.value == optimise(task, family, seed=3).value
+
+
+def test_two_modes_keep_the_damping_of_the_tuned_gains_below_the_switch():
+    schedule = type(
+        "S", (), {"knots": np.array([1e-4, 1e-3, 1e-2]), "kp": np.ones(3), "kd": np.ones(3), "reversal": 1e-5}
+    )
+    two = blended(schedule, np.array([0.5, 1e-3, 7.0, 3.0]), "following")
+    assert two.kp.tolist() == [0.25, 0.25, 7.0] and two.kd.tolist() == [0.5, 0.5, 3.0]
+
+
+def row(name, time, error):
+    return Row(name, 0.0, time, 0.1, 0.0, error, error / 5e-6, 0.2, 1.0, 0.0)
+
+
+@pytest.mark.parametrize(
+    ("time", "error", "words"),
+    [
+        (0.2, 1e-4, "faster and more accurate"),
+        (0.05, 1e-4, "slower but more accurate"),
+        (0.1, 1e-6, "as fast but less accurate"),
+    ],
+)
+def test_a_comparison_says_plainly_who_is_beaten_on_what(time, error, words):
+    rows = (row("ours", 0.1, 1e-5), row("baseline", time, error))
+    assert f"ours is {words}" in verdicts(Comparison(rows, ()), "ours", ["baseline"], "rad").findings[0].sentence
+
+
+def test_every_controller_meets_the_same_scenarios():
+    task = Task(axis(), LOOP, STEP, 0.4, load_inertias=(0.0, 5.3e-4))
+    seen = compare(task, {n: lambda lanes: fixed_pd(50.0, 1.0) for n in ("one", "other")})
+    a, b = ([vars(r) | {"controller": ""} for r in seen.rows if r.controller == n] for n in ("one", "other"))
+    assert a == b and len(a) == 2 and a[1]["bound"] > a[0]["bound"]
+
+
+def test_a_gain_table_for_a_plant_that_has_changed_since_tuning_is_refused(tmp_path):
+    from workbench.export import export
+    from workbench.schedule import fit_schedule
+    from workbench.tune import TuningGoal
+
+    plant = axis()
+    _, gains = gains_of(plant, np.geomspace(1e-4, 1.0, 20), TuningGoal(drive=3.3, speed=12.57), LOOP)
+    schedule = fit_schedule(
+        gains, per_octave=2, lowest=1e-4, highest=1.0, tolerance=0.2, plant_digest=plant.digest, loop=LOOP
+    )
+    export(schedule, plant, tmp_path)
+    changed = plant.swap(plant["presliding_hysteresis"](h0=0.16))
+    with pytest.raises(WorkbenchError, match=r"h0 was 0.15, is 0.16"):
+        export(schedule, changed, tmp_path, tuned_lines=plant.digest_lines())
