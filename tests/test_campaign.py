@@ -548,7 +548,7 @@ def test_a_step_that_is_off_is_refused_with_its_row(campaign):
     campaign.put("val_moves.csv", table)
     campaign.refused(
         "row 43: the time step is 0.001012 s and the median step 0.001 s, more than 1 % apart (1 of 149 steps are)",
-        "log at one rate, or allow resampling.",
+        "log at one rate, or allow resampling (--resample).",
         file="val_moves.csv",
     )
 

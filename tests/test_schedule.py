@@ -178,7 +178,7 @@ def test_four_knots_an_octave_hold_the_tuned_gains_to_two_per_cent(tuned, schedu
     kp, kd = schedule.gains(tuned.amplitude[inside])
     assert np.abs(kp / tuned.kp[inside] - 1.0).max() <= schedule.interpolation_error * (1.0 + 1e-9)
     assert np.abs(kd / tuned.kd[inside] - 1.0).max() <= schedule.interpolation_error * (1.0 + 1e-9)
-    assert schedule.reversal == pytest.approx(3 * 4.848e-6) and schedule.sample_time == 0.25e-3
+    assert schedule.reversal == pytest.approx(2.5 * 4.848e-6) and schedule.sample_time == 0.25e-3
 
 
 def test_too_few_knots_are_a_finding_with_its_numbers(tuned):

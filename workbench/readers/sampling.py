@@ -55,7 +55,7 @@ def uniform(
         k = int(off[0])
         raise WorkbenchError(
             f"{place(k + 1)}: the time step is {steps[k]:.6g} s and the median step {median:.6g} s, more than 1 % apart "
-            f"({off.size} of {steps.size} steps are); log at one rate, or allow resampling."
+            f"({off.size} of {steps.size} steps are); log at one rate, or allow resampling (--resample)."
         )
     return _resampled(name, time, channels, median, off.size)
 

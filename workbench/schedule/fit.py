@@ -12,7 +12,7 @@ from workbench.schedule.table import Schedule
 from workbench.threads import one_thread
 from workbench.tune.gains import check_gains
 
-REVERSAL = 3.0  # encoder counts back that count as a reversal
+REVERSAL = 2.5  # encoder counts: three back are a reversal; between counts, so that no rounding decides
 DENSE = 8  # amplitudes a segment at which the schedule is held against the tuned gains
 PER_OCTAVE = (1, 2, 4, 8, 16)
 

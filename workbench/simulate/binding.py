@@ -16,7 +16,7 @@ from workbench.simulate.design import Design, Piece, design
 from workbench.simulate.dynamics import SOFT, constants_of
 from workbench.simulate.scenario import Loop, ScenarioArrays
 
-BACK = 3  # encoder counts back that count as a reversal
+BACK = 2.5  # encoder counts: three back are a reversal; between counts, so that no rounding decides
 NEVER = -2.0  # k_settled before anything is settled; -1 is the sample before the first
 
 
@@ -156,7 +156,7 @@ def bind(plant, loop: Loop, controller: Controller | None, scenarios: ScenarioAr
     step = scenarios.target - scenarios.start
     aim = values["target"] if aim is None else aim
     values |= {
-        "back": max(back - 0.5 * loop.resolution, 0.0),  # readings are whole counts: half a count is for rounding
+        "back": back,
         "aim": aim,
         "band": criteria.band * np.abs(aim - scenarios.start),
         "step_sign": np.sign(step) + 0.0,

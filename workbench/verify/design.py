@@ -93,6 +93,7 @@ def design(
         highest=float(amplitudes[-1]),
         tolerance=tolerance,
         plant_digest=plant.digest,
+        plant_lines=plant.digest_lines(),
         loop=loop,
     )
     say("checking the gains on the simulated loop, and between the knots")
