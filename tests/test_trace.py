@@ -203,3 +203,26 @@ def test_a_trace_is_written_as_it_says(tmp_path, few):
         rows = np.loadtxt(out / said["predictions"][record.name], delimiter=",", skiprows=1)
         np.testing.assert_allclose(rows[:, 0], record.time, atol=1e-6)
         np.testing.assert_allclose(rows[:, 1], found.after.predictions[record.name], rtol=1e-7, atol=1e-9)
+
+
+def test_a_suspect_without_a_value_on_the_records_is_ranked_and_harms_nothing(tmp_path, monkeypatch):
+    """A law outside its domain gives NaN; the trace says so and goes on."""
+    import casadi as ca
+
+    from workbench.trace import candidates, tracing
+
+    rig.campaign(tmp_path, 5, missing=("stribeck_friction",), short=True)
+    campaign = load(tmp_path)
+    real = find("stribeck_friction")
+
+    def step(s, z, p):
+        return {}, p.drop * ca.sqrt(-1.0 - s.v * s.v) * s.dir
+
+    broken = replace(real, name="broken_friction", step=step)
+    monkeypatch.setattr(candidates, "catalogue", lambda: {"broken_friction": broken, "stribeck_friction": real})
+    ranked, better = tracing.step(
+        tracing.State(campaign.plant, passes_of(campaign.records[:1], campaign.bandwidth)), lambda _: None
+    )
+    found = {c.effect: c for c in ranked}
+    assert found["broken_friction"].gain == 0.0 and "no value" in found["broken_friction"].sentence
+    assert better is not None and ranked[0].effect == "stribeck_friction"

@@ -4,11 +4,12 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from workbench.errors import WorkbenchError
 from workbench.identify import intervals
 from workbench.identify.passes import Passes, predicted
 from workbench.identify.problem import Problem
 from workbench.identify.result import Fit, Series
-from workbench.identify.solve import Solution, solve
+from workbench.identify.solve import NoValue, Solution, solve
 from workbench.motion import motion
 from workbench.plant import Plant
 from workbench.record import IDENTIFICATION, ROLES, VALIDATION, Record
@@ -33,7 +34,14 @@ def identify(plant: Plant, passes: Sequence[Passes], theta: np.ndarray | None = 
     theta: start of the free shape parameters on their search scale; the plant's values where absent.
     """
     problem = Problem(plant, fitted_on(passes))
-    return seen(problem, solve(problem, theta), passes)
+    try:
+        solution = solve(problem, theta)
+    except NoValue:
+        names = ", ".join(e.name for e in plant.effects if e.shape)
+        raise WorkbenchError(
+            f"one of the effects {names} has no value on these records with its declared parameters; check them and their units."
+        ) from None
+    return seen(problem, solution, passes)
 
 
 def series_of(plant: Plant, passes: Passes) -> tuple[Series, np.ndarray]:

@@ -67,21 +67,38 @@ def bounded_small(r: np.ndarray, b: np.ndarray, lower: np.ndarray, upper: np.nda
 
 
 def cost_at(problem: Problem, theta: np.ndarray) -> tuple[float, np.ndarray, np.ndarray, np.ndarray]:
-    """Return (squared residual, c, y, phi) with the linear parameters solved at this shape."""
+    """Return (squared residual, c, y, phi) with the linear parameters solved at this shape.
+
+    The squared residual is infinite where an effect has no value on this motion (outside its domain, or grown beyond it).
+    """
     y, phi = problem.assemble(theta)
+    if not (np.isfinite(phi).all() and np.isfinite(y).all()):
+        return np.inf, np.zeros(phi.shape[1]), y, phi
     c = bounded(phi, y, *problem.bounds)
     e = y - phi @ c
     return float(e @ e), c, y, phi
 
 
+class NoValue(ArithmeticError):
+    """The start of a search lies where an effect of the plant has no value on these records."""
+
+
+def slopes(problem: Problem, theta, c, y, phi) -> np.ndarray:
+    """Return the tangents, zero where a step of the derivative leaves an effect's domain: that direction is not searched."""
+    tangents = problem.tangents(theta, c, y, phi)
+    return np.where(np.isfinite(tangents).all(axis=0), tangents, 0.0)
+
+
 def solve(problem: Problem, theta: np.ndarray | None = None, tolerance: float = TOLERANCE) -> Solution:
     """Minimise over shape and linear parameters from a start; the result is never worse than the start.
 
-    tolerance: relative decrease of the cost at which the search stops.
+    tolerance: relative decrease of the cost at which the search stops. Raises NoValue where the start has no value.
     """
     theta = problem.start() if theta is None else np.array(theta, dtype=float)
     cost, c, y, phi = cost_at(problem, theta)
-    tangents = problem.tangents(theta, c, y, phi)
+    if not np.isfinite(cost):
+        raise NoValue
+    tangents = slopes(problem, theta, c, y, phi)
     damping = 1e-3
     for _ in range(ITERATIONS if theta.size else 0):
         norms, sizes = scales(phi), scales(tangents)
@@ -106,7 +123,7 @@ def solve(problem: Problem, theta: np.ndarray | None = None, tolerance: float = 
             break
         gain = (cost - new_cost) / cost
         theta, cost, c, y, phi = trial, new_cost, new_c, new_y, new_phi
-        tangents = problem.tangents(theta, c, y, phi)
+        tangents = slopes(problem, theta, c, y, phi)
         damping = max(damping / 10, 1e-9)
         if gain < tolerance:
             break

@@ -33,7 +33,10 @@ def within_reach(plant: Plant, passes: Sequence[Passes]) -> Plant:
 
 
 def fitted(suspect: Suspect, passes: Sequence[Passes], residuals: Sequence[np.ndarray]) -> tuple[Problem, Solution]:
-    """Return the problem and its best solution. passes: identification records only; residuals: what is left on them."""
+    """Return the problem and its best solution. passes: identification records only; residuals: what is left on them.
+
+    Raises NoValue where the suspect has no value on these records from any of its starts.
+    """
     problem = Problem(within_reach(suspect.plant, passes), passes)
     base = problem.start()
     options = [base]
@@ -49,7 +52,8 @@ def fitted(suspect: Suspect, passes: Sequence[Passes], residuals: Sequence[np.nd
         options = options or [base]
     if len(options) > 1:
         costs = [cost_at(problem, theta)[0] for theta in options]
-        options = [options[i] for i in sorted(np.argsort(costs, kind="stable")[:REFINED])]
+        best = [i for i in np.argsort(costs, kind="stable")[:REFINED] if np.isfinite(costs[i])]
+        options = [options[i] for i in sorted(best)] or options[:1]
     solutions = [solve(problem, theta, ROUGH) for theta in options]
     least = min(s.cost for s in solutions)
     # of equal fits the earlier start: a wave of order k is also the second harmonic of k/2, whose start comes later

@@ -1,16 +1,17 @@
 """The trace, first version: one effect after another, each fitted jointly and judged on data that its fold did not see."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 
 import numpy as np
 
 from workbench.effect import find
+from workbench.errors import WorkbenchError
 from workbench.finding import Finding, capital, title
 from workbench.identify.fit import fitted_on, seen
 from workbench.identify.passes import Passes
 from workbench.identify.problem import Problem
 from workbench.identify.result import Fit
-from workbench.identify.solve import Solution, solve
+from workbench.identify.solve import NoValue, Solution, solve
 from workbench.plant import Plant
 from workbench.record import IDENTIFICATION, VALIDATION
 from workbench.threads import one_thread
@@ -63,7 +64,13 @@ class State:
 
 def judged(state: State, suspect: Suspect) -> tuple[Candidate, State]:
     """Fit one suspect jointly and score it against the present state."""
-    problem, solution = fitted(suspect, state.passes, state.residuals())
+    try:
+        problem, solution = fitted(suspect, state.passes, state.residuals())
+    except NoValue:
+        sentence = f"{capital(title(suspect.effect))} has no value on these records."
+        whole = float(np.sqrt(state.errors.total / state.power))
+        hopeless = Candidate(suspect.effect, suspect.at, suspect.kind, 0.0, 0.0, whole, whole, False, sentence)
+        return hopeless, state
     after = State(suspect.plant, state.passes, problem, solution)
     g, scatter = gain(state.errors, after.errors)
     earns = g > SHARE and g > CERTAIN * scatter
@@ -82,10 +89,15 @@ def judged(state: State, suspect: Suspect) -> tuple[Candidate, State]:
     return candidate, after
 
 
-def step(state: State, progress: Progress) -> tuple[list[Candidate], State | None]:
-    """Judge every suspect; return them best first, and the state with the best one added where it earns its place."""
+def step(state: State, progress: Progress, only: Collection[str] | None = None) -> tuple[list[Candidate], State | None]:
+    """Judge every suspect; return them best first, and the state with the best one added where it earns its place.
+
+    only: names of effects, where not every suspect is to be judged.
+    """
     judgements = []
     for suspect in suspects(state.plant):
+        if only is not None and suspect.effect not in only:
+            continue
         progress(f"trying {suspect.key}")
         judgements.append(judged(state, suspect))
     judgements = simplest_first(judgements)
@@ -118,18 +130,29 @@ def alike(best: State, other: State, share: float) -> bool:
 
 
 @one_thread
-def trace(plant: Plant, passes: Sequence[Passes], progress: Progress = lambda _: None, most: int = STEPS) -> Trace:
+def trace(
+    plant: Plant,
+    passes: Sequence[Passes],
+    progress: Progress = lambda _: None,
+    most: int = STEPS,
+    only: Collection[str] | None = None,
+) -> Trace:
     """Trace the residual of `plant` on the identification records among `passes`.
 
-    most: effects added at most. Returns the verdict with its evidence. Validation records are evaluated, never used for a choice.
+    most: effects added at most. only: names of the effects that are judged, all where absent. Returns the verdict with its evidence. Validation records are evaluated, never used for a choice.
     """
     identification = fitted_on(passes)
     progress("fitting the declared model")
-    declared = state = State(plant, identification)
+    try:
+        declared = state = State(plant, identification)
+    except NoValue:
+        raise WorkbenchError(
+            "the declared model has no value on these records: a shape parameter lies far from them; check it and its unit."
+        ) from None
     steps, added = [], []
     fits = [_fit(state, passes)]
     for _ in range(most):
-        ranked, better = step(state, progress)
+        ranked, better = step(state, progress, only)
         steps.append(tuple(ranked))
         if better is None:
             break
