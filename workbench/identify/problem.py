@@ -99,7 +99,7 @@ class Problem:
         plant = self.with_shape(theta)
         at = {(n.key, n.parameter): i for i, n in enumerate(self.free_linear)}
         y = np.empty(sum(self.lengths))
-        phi = np.empty((y.size, len(at)), order="F")
+        phi = np.zeros((y.size, len(at)), order="F")  # a locked load has no balance: its columns stay zero there
         row = 0
         for p, length in zip(self.passes, self.lengths, strict=True):
             keep, part = p.motion.keep, slice(row, row + length)
