@@ -143,15 +143,22 @@ class Bodies:
         return path, self.keep(("body", path), make)
 
     def mapped(self, plant: Plant, deflection, motor, load) -> tuple:
-        """Return (effective deflection, its slope with respect to the motor's and to the load's position), (n,) each."""
+        """Return (effective deflection, its slope with respect to the motor's and to the load's position), (n,) each.
+
+        What a map adds where both encoders read zero is taken off: they were set to zero with the joint relaxed, so a
+        constant is nothing but where their zeros are. Left in, it would wind up a joint that is at rest.
+        """
         by_motor, by_load = 1.0, -1.0
         for e in angles(plant):
+            program, values = partials(Definition(e)), values_of(e)
             signals = {"q": deflection, "motor_q": motor, "load_q": load, **self.clock()}
-            output, by_q, extra_motor, extra_load = arrays.evaluate(
-                partials(Definition(e)), [signals[r] for r in e.reads], (), values_of(e)
-            )[0]
+            output, by_q, extra_motor, extra_load = arrays.evaluate(program, [signals[r] for r in e.reads], (), values)[
+                0
+            ]
+            signals |= {"q": 0.0, "motor_q": 0.0, "load_q": 0.0}
+            at_zero = arrays.evaluate(program, [signals[r] for r in e.reads], (), values)[0][0]
             by_motor, by_load = by_motor * by_q + extra_motor, by_load * by_q + extra_load
-            deflection = output
+            deflection = output - at_zero
         return deflection, by_motor, by_load
 
     def leverage(self, plant: Plant) -> tuple[tuple, np.ndarray]:
