@@ -55,7 +55,7 @@ def compiled(extra: list[str]) -> ctypes.CDLL | None:
 
 
 def constants(work: Work) -> dict[str, float]:
-    return constants_of(work.plant, work.bound(1).design.symbols, 0.0)
+    return constants_of(work.plant, work.bound(1).design.symbols, {})
 
 
 def elements(values: dict[str, float], field: str, n: int) -> list[float]:

@@ -11,12 +11,15 @@ from workbench.errors import WorkbenchError, nearest
 from workbench.kernel import arrays
 from workbench.plant import ONE_MASS, Plant
 from workbench.simulate import noise
+from workbench.simulate.bodies import LAST, SOFT
 from workbench.simulate.criteria import Criteria
 from workbench.simulate.design import Design, Piece, design
-from workbench.simulate.dynamics import SOFT, constants_of
+from workbench.simulate.dynamics import constants_of
+from workbench.simulate.sampled import Sensing
 from workbench.simulate.scenario import Loop, ScenarioArrays
 
 BACK = 2.5  # encoder counts: three back are a reversal; between counts, so that no rounding decides
+REST = 60  # fixed-point steps to the motor's position at rest
 NEVER = -2.0  # k_settled before anything is settled; -1 is the sample before the first
 
 
@@ -79,7 +82,7 @@ def delays_of(plant: Plant, loop: Loop, scenarios: ScenarioArrays) -> np.ndarray
 
 def factors(scenarios: ScenarioArrays) -> dict:
     """Scenario fields as constants of the design."""
-    names = ("target", "inertia", "friction", "load", "phase", "load_inertia")
+    names = ("target", "inertia", "friction", "load", "phase", "load_inertia", "locked")
     return {n: getattr(scenarios, n)[()] for n in names}
 
 
@@ -92,7 +95,9 @@ def limits(plant: Plant, loop: Loop) -> dict[str, float]:
         "sample_rate": 1.0 / loop.sample_time,
         "h": loop.substep,
         "smoothing": loop.smoothing,
-        "count": loop.resolution,
+        "count": loop.count,
+        "position.count": loop.resolution,
+        "load_position.count": loop.load_resolution,
     }
 
 
@@ -140,19 +145,17 @@ def bind(plant, loop: Loop, controller: Controller | None, scenarios: ScenarioAr
     lanes = scenarios.lanes
     if len(plants) not in (1, lanes):
         raise WorkbenchError(f"{len(plants)} plants for {lanes} scenarios: give one plant, or one for each.")
-    for p in plants:
-        if p.kind != ONE_MASS:
-            raise WorkbenchError(f"plants of {p.kind} cannot be simulated yet; simulate one of {ONE_MASS}.")
-    quantised, noisy = loop.resolution > 0.0, bool((scenarios.noise > 0.0).any())
-    made = design(plants[0], controller.law if controller else None, quantised=quantised, noisy=noisy)
-    width = max(2.0 * loop.resolution, 1e-12)
-    each = [constants_of(p, made.symbols, width) for p in plants]
-    if any(e.keys() != each[0].keys() or p.limits != plants[0].limits for e, p in zip(each, plants, strict=True)):
+    sensing, noisy = sensing_of(plants[0], loop, scenarios), bool((scenarios.noise > 0.0).any())
+    made = design(plants[0], controller.law if controller else None, sensing, noisy=noisy)
+    widths = widths_of(loop)
+    each = [constants_of(p, made.symbols, widths) for p in plants]
+    alike = [p.kind == plants[0].kind and p.limits == plants[0].limits for p in plants]
+    if not all(alike) or any(e.keys() != each[0].keys() for e in each):
         raise WorkbenchError("plants of one run must have the same effects and limits, and differ in values alone.")
     values = each[0] if len(each) == 1 else {n: _joined([e[n] for e in each]) for n in each[0]}
     values = values | factors(scenarios) | limits(plants[0], loop) | criteria.constants(loop)
     values |= of_controller(controller, lanes) if controller else {}
-    back = controller.reversal if controller and controller.reversal is not None else BACK * loop.resolution
+    back = controller.reversal if controller and controller.reversal is not None else BACK * loop.count
     step = scenarios.target - scenarios.start
     aim = values["target"] if aim is None else aim
     values |= {
@@ -161,7 +164,8 @@ def bind(plant, loop: Loop, controller: Controller | None, scenarios: ScenarioAr
         "band": criteria.band * np.abs(aim - scenarios.start),
         "step_sign": np.sign(step) + 0.0,
     }
-    values["per_mass"] = 1.0 / mass_of(made, values, scenarios)
+    rest = at_rest(made, values, scenarios)
+    values |= per_mass(made, values, rest, scenarios)
     table, base, grid = tables_of(controller, lanes)
     delays = delays_of(plants[0], loop, scenarios)
     window = max(int(round(criteria.window / loop.sample_time)), 1)
@@ -170,7 +174,7 @@ def bind(plant, loop: Loop, controller: Controller | None, scenarios: ScenarioAr
         loop=loop,
         scenarios=scenarios,
         frontier=tuple(evaluated(p, values) for p in made.pieces),
-        initial=initial(made, controller, values, scenarios),
+        initial=initial(made, controller, values, scenarios, rest),
         delays=delays,
         strength=np.broadcast_to(scenarios.noise / noise.SIGMA, (lanes,)),
         table=table,
@@ -182,29 +186,74 @@ def bind(plant, loop: Loop, controller: Controller | None, scenarios: ScenarioAr
     )
 
 
+def sensing_of(plant: Plant, loop: Loop, scenarios: ScenarioArrays) -> Sensing:
+    """Return what is read of a plant; WorkbenchError where the loop or a scenario asks for a load that is not there."""
+    if plant.kind == ONE_MASS and loop.feedback != "position":
+        raise WorkbenchError(
+            f"the loop's feedback is '{loop.feedback}', but a plant of {ONE_MASS} has 'position' alone."
+        )
+    if plant.kind == ONE_MASS and (scenarios.locked != 0.0).any():
+        raise WorkbenchError(f"a scenario's load is locked, but a plant of {ONE_MASS} has no load of its own.")
+    counts = {"position": loop.resolution, "load_position": loop.load_resolution}
+    return Sensing(plant.kind, loop.feedback, tuple(n for n, count in counts.items() if count > 0.0))
+
+
+def widths_of(loop: Loop) -> dict[str, float]:
+    """Widths of the stop operators that give `dir`, by place, as in identification."""
+    width = max(2.0 * loop.resolution, 1e-12)
+    load = max(2.0 * loop.load_resolution, loop.resolution, 1e-12)
+    return {"axis": width, "motor": width, "joint": width, "load": load}
+
+
 def _joined(values: list[float]):
     return values[0] if all(v == values[0] for v in values) else np.array(values)
 
 
-def mass_of(made: Design, values: dict, scenarios: ScenarioArrays):
-    """Return the mass at the start, scalar or (lanes,); WorkbenchError where it is not positive."""
-    rest = {n: scenarios.start if n == "q" else 0.0 for n in made.mass.rows}
-    before = evaluated(made.mass, values)
-    mass = arrays.evaluate(made.mass.after, [rest[n] for n in made.mass.rows], before)[0][0]
-    if not (np.min(mass) > 0.0):
+def at(made: Piece, values: dict, rows: dict):
+    """Return name -> value of a piece at these rows; rows that are not named are zero."""
+    given = [rows.get(n, 0.0) for n in made.rows]
+    return dict(zip(made.outputs, arrays.evaluate(made.after, given, evaluated(made, values))[0], strict=True))
+
+
+def at_rest(made: Design, values: dict, scenarios: ScenarioArrays) -> dict:
+    """Return row -> position of each body, where the loop begins: at the start, with the joint not wound up.
+
+    The motor stands where the gear's error leaves no deflection; its slope is well below one, so fixed-point steps do.
+    """
+    if made.joint is None:
+        return {"q": scenarios.start}
+    rows = {"q": scenarios.start, "load.q": scenarios.start}
+    for _ in range(REST):
+        x = at(made.joint, values, rows)[LAST]
+        rows["q"] = rows["q"] - x
+    if not np.max(np.abs(x)) < 1e-9:
         raise WorkbenchError(
-            f"the mass of the plant is {np.min(mass):g} in at least one scenario; it must be positive: "
-            "set the effect 'inertia', or the scenario's load_inertia."
+            "the joint has no deflection of zero near a scenario's start: the slope of its angle maps is too large."
         )
-    return np.float64(mass) if np.ndim(mass) == 0 else mass
+    return rows | {LAST: at(made.joint, values, rows)[LAST]}
 
 
-def initial(made: Design, controller: Controller | None, values: dict, scenarios: ScenarioArrays) -> dict:
+def per_mass(made: Design, values: dict, rest: dict, scenarios: ScenarioArrays) -> dict:
+    """Return one over each body's mass at the start, zero for a load that is held; WorkbenchError where it is not positive."""
+    found = {}
+    for name, mass in at(made.mass, values, rest).items():
+        load = name == "load.mass"
+        if not (np.min(mass) > 0.0):
+            body = "load" if load else "plant" if made.joint is None else "motor"
+            raise WorkbenchError(
+                f"the mass of the {body} is {np.min(mass):g} in at least one scenario; it must be positive: "
+                "set the effect 'inertia', or the scenario's load_inertia."
+            )
+        free = 1.0 - scenarios.locked if load else 1.0
+        value = free / mass
+        found[f"{name.removesuffix('mass')}per_mass"] = np.float64(value) if np.ndim(value) == 0 else value
+    return found
+
+
+def initial(made: Design, controller: Controller | None, values: dict, scenarios: ScenarioArrays, rest: dict) -> dict:
     """Return row -> value at the start: at rest, every memory empty, the reading that of the start position."""
-    start = {n: scenarios.start if n == "q" else 0.0 for n in made.start.rows}
-    y = arrays.evaluate(made.start.after, [start[n] for n in made.start.rows], evaluated(made.start, values))[0][0]
-    rows = {
-        "q": scenarios.start,
+    y = at(made.start, values, rest)["y"]
+    rows = rest | {
         "y": y,
         "furthest": y,
         "turned": y,

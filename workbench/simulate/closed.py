@@ -7,7 +7,7 @@ import numpy as np
 
 from workbench.control.law import Controller
 from workbench.errors import WorkbenchError, nearest
-from workbench.plant import Plant
+from workbench.plant import TWO_MASS, Plant
 from workbench.simulate.binding import Bound, bind, samples_of
 from workbench.simulate.criteria import Criteria
 from workbench.simulate.metrics import Metrics, Trajectories, entry_time, finished
@@ -40,13 +40,15 @@ def simulate(
 ) -> Metrics:
     """Return the metrics of a closed loop in every scenario, from rest at each one's start.
 
+    Of two masses, the load goes to the target, and loop.feedback says whose encoder the controller reads.
+
     plant: one, or one a scenario (same effects, other values). controller: its gains may vary over scenarios. duration: s.
-    record: signals to keep ("q", "v", "y", "vh", "u", "kp", "kd", "amplitude", an effect's state "key.x[0]"), every so
-    many samples. own: run a second time for time_own. threads: how many share the work (the result is the same); all
+    record: signals to keep ("q", "v", "y", "vh", "u", "kp", "kd", "amplitude", an effect's state "key.x[0]"; with two masses
+    "load.q", "load.v", "motor.y", "load.y"), every so many samples. own: run a second time for time_own. threads: how many share the work (the result is the same); all
     cores where absent. lanes: scenarios that one kernel moves side by side.
 
     Raises WorkbenchError for a plant that has no forward dynamics (no inertia, not affine in acceleration, an implicit
-    cycle, two masses), a duration that is not positive, no scenarios, or numbers of another length than the scenarios. A
+    cycle), a duration that is not positive, no scenarios, or numbers of another length than the scenarios. A
     run that goes to infinity is no error: its metrics are infinite and `finite` is False.
     """
     criteria = criteria or Criteria()
@@ -80,11 +82,14 @@ def open_loop(
     *,
     scenarios: Sequence[Scenario] | ScenarioArrays | None = None,
     resolution: float = 0.0,
+    load_resolution: float = 0.0,
     record: Sequence[str] = (),
     threads: int | None = None,
     lanes: int = LANES,
 ) -> Trajectories:
     """Return time (n,), "q", "v", "y" and `record` (n, lanes) under a given drive, held over each sample.
+
+    Of two masses these are the motor's, and "load.q", "load.v", "load.y" are there besides.
 
     drive: (n, lanes) or (n,) commands in N*m or N, before the plant's own command maps. Sample k is the state at k dt,
     before drive[k] acts. Without scenarios every lane starts at rest at zero. Errors as for `simulate`.
@@ -97,8 +102,9 @@ def open_loop(
     if arrays.lanes != drive.shape[1]:
         raise WorkbenchError(f"the drive has {drive.shape[1]} columns for {arrays.lanes} scenarios.")
     limited = np.clip(drive, -plant.limits.drive, plant.limits.drive)
-    loop = Loop(dt, substeps, resolution=resolution)
+    loop = Loop(dt, substeps, resolution=resolution, load_resolution=load_resolution)
     bound = bind(plant, loop, None, arrays, len(drive), Criteria(), drive=limited)
-    names = tuple(dict.fromkeys(("q", "v", "y", *record)))
+    load = ("load.q", "load.v", "load.y") if plant.kind == TWO_MASS else ()
+    names = tuple(dict.fromkeys(("q", "v", "y", *load, *record)))
     _, kept = run_lanes(bound, named(bound, names), 1, lanes, threads)
     return _trajectories(bound, names, 1, kept)

@@ -25,4 +25,4 @@ class Criteria:
 
     def constants(self, loop: Loop) -> dict[str, float]:
         """Constants of the metrics; hold in samples."""
-        return {"hold_band": self.counts * loop.resolution, "hold": float(floor(self.hold / loop.sample_time + 0.5))}
+        return {"hold_band": self.counts * loop.count, "hold": float(floor(self.hold / loop.sample_time + 0.5))}

@@ -13,9 +13,10 @@ from workbench.effect import Effect
 from workbench.kernel.choice import with_choices
 from workbench.kernel.program import Program
 from workbench.kernel.split import split
-from workbench.plant import Plant
-from workbench.simulate.dynamics import Symbols, directed, substep
-from workbench.simulate.sampled import command, metrics, reading, sense
+from workbench.plant import TWO_MASS, Plant
+from workbench.simulate.bodies import LAST, OUTPUT, deflection, substep
+from workbench.simulate.dynamics import Symbols, directed
+from workbench.simulate.sampled import Sensing, command, metrics, reading, sense
 from workbench.simulate.stage import Stage, stage
 
 
@@ -46,7 +47,8 @@ def piece(made: Stage, symbols: Symbols) -> Piece:
 
 @dataclass(frozen=True, eq=False)
 class Design:
-    """pieces: sense, control (with metrics) and substep, in that order; start: the first reading; mass: of the plant.
+    """pieces: sense, control (with metrics) and substep, in that order; start: the first reading; mass: of each body;
+    joint: the effective deflection, where there are two masses.
 
     rows: every state and every value handed on, each one row of lanes.
     """
@@ -56,6 +58,8 @@ class Design:
     pieces: tuple[Piece, Piece, Piece]
     start: Piece
     mass: Piece
+    joint: Piece | None
+    sensing: Sensing
     rows: tuple[str, ...]
     noisy: bool
 
@@ -74,26 +78,27 @@ class _Structure:
         return hash(self.keys)
 
 
-def design(plant: Plant, law: Law | None, *, quantised: bool, noisy: bool) -> Design:
+def design(plant: Plant, law: Law | None, sensing: Sensing, *, noisy: bool) -> Design:
     """Return the design for plants of this structure; law None: the drive is given, sample by sample."""
     keys = tuple((e.key, e.step, e.derive, e.port, e.holds, tuple(e.states.items())) for e in plant.effects)
     speed_limited = plant.limits.speed != float("inf")
-    return _design(_Structure(keys, plant.effects), law, quantised, noisy, speed_limited)
+    return _design(_Structure(keys, plant.effects), law, sensing, noisy, speed_limited)
 
 
 @lru_cache(maxsize=64)
-def _design(structure: _Structure, law: Law | None, quantised: bool, noisy: bool, speed_limited: bool) -> Design:
+def _design(structure: _Structure, law: Law | None, sensing: Sensing, noisy: bool, speed_limited: bool) -> Design:
     effects = directed(structure.effects)
     symbols = Symbols()
-    seen = sense(effects, law, symbols, quantised=quantised)
-    decided = metrics(symbols)
+    position = OUTPUT[sensing.kind]
+    seen = sense(effects, law, symbols, sensing)
+    decided = metrics(symbols, position)
     if law is not None:  # metrics see the command of this sample, not of the one before
         commanded = command(law, symbols)
         u = commanded["u_c"]
         decided = commanded | {n: ca.substitute(ca.SX(x), symbols.state("u_c"), u) for n, x in decided.items()}
-    moved = substep(effects, symbols, speed_limited=speed_limited, noisy=noisy)
-    mass = moved.pop("mass")
-    first = {"y": reading(effects, symbols, quantised=quantised)["y"]}
+    moved, masses = substep(sensing.kind, effects, symbols, speed_limited=speed_limited, noisy=noisy)
+    first = {"y": reading(effects, symbols, sensing)["y"]}
+    x = deflection(effects, symbols)[1] if sensing.kind == TWO_MASS else None
 
     def ready(name, outputs):
         return piece(stage(name, symbols.all, outputs), symbols)
@@ -106,7 +111,9 @@ def _design(structure: _Structure, law: Law | None, quantised: bool, noisy: bool
         law=law,
         pieces=pieces,
         start=ready("start", first),
-        mass=ready("mass", {"mass": mass}),
+        mass=ready("mass", masses),
+        joint=None if x is None else ready("joint", {LAST: x}),
+        sensing=sensing,
         rows=tuple(n for n in rows if n not in symbols.clocks),
         noisy=noisy,
     )

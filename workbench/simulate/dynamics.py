@@ -1,9 +1,4 @@
-"""Forward dynamics of a one-mass plant: its one residual, 0 = sum of forces(q, v, a) - u', solved for a.
-
-The same effects, in the same order, as when measured motion is explained: command maps, forces with memory (they provide
-`dir`), the other forces. Then a = (u' - forces at a = 0)/mass, with the mass the derivative of the forces with respect
-to a, and v <- v + a h, q <- q + v h (semi-implicit Euler).
-"""
+"""Effects as parts of a loop: their names, their constants, and the order in which they are evaluated."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -13,13 +8,11 @@ import numpy as np
 
 from workbench import effect as fx
 from workbench.effect import Effect, namespace
-from workbench.effects.elementary import clip
 from workbench.effects.hysteresis import stop_direction
 from workbench.errors import WorkbenchError
 from workbench.kernel.step import apply, view
 from workbench.plant import Plant
 
-SOFT = 0.02  # share of the speed limit over which the accelerating torque falls to zero
 DIRECTION = "direction"  # the effect that gives `dir` where the plant has no hysteresis
 
 
@@ -111,11 +104,11 @@ def ordered(effects: list[Effect]) -> list[Effect]:
 
 
 def directed(effects: tuple[Effect, ...]) -> tuple[Effect, ...]:
-    """Effects, with a stop operator of two counts where one reads `dir` and none provides it."""
+    """Effects, with a stop operator of two counts at each place where one reads `dir` and none provides it."""
     forces = [e for e in effects if e.port == fx.FORCE]
-    if any("dir" in e.reads for e in forces) and not any("dir" in e.provides for e in forces):
-        return (*effects, stop_direction(1.0))
-    return effects
+    reading = dict.fromkeys(e.at for e in forces if "dir" in e.reads)
+    given = {e.at for e in forces if "dir" in e.provides}
+    return (*effects, *(stop_direction(1.0)(at=place) for place in reading if place not in given))
 
 
 def command_maps(effects: tuple[Effect, ...]) -> list[Effect]:
@@ -123,81 +116,28 @@ def command_maps(effects: tuple[Effect, ...]) -> list[Effect]:
     return [e for e in effects if e.at == "command" and e.port == fx.COMMAND]
 
 
-def sensor_maps(effects: tuple[Effect, ...]) -> list[Effect]:
-    """Maps of the position's reading, in their order."""
-    return [e for e in effects if e.at == "sensor.position" and e.port == fx.SENSOR]
+def sensor_maps(effects: tuple[Effect, ...], channel: str) -> list[Effect]:
+    """Maps of one channel's reading, in their order."""
+    return [e for e in effects if e.at == f"sensor.{channel}" and e.port == fx.SENSOR]
+
+
+def angle_maps(effects: tuple[Effect, ...]) -> list[Effect]:
+    """Maps of the joint's deflection, in their order."""
+    return [e for e in effects if e.port == fx.ANGLE]
 
 
 def fixed_signals(symbols: Symbols) -> dict[str, ca.SX]:
     """Signals that any effect may read."""
-    named = {n: symbols.constant(n) for n in ("ratio", "pole_pairs")}
-    return named | {"locked": ca.SX(0.0), "t": symbols.clock("t")}
+    return {n: symbols.constant(n) for n in ("ratio", "pole_pairs", "locked")} | {"t": symbols.clock("t")}
 
 
-def substep(effects: tuple[Effect, ...], symbols: Symbols, *, speed_limited: bool, noisy: bool) -> dict[str, ca.SX]:
-    """Return name -> next value of every state that one substep moves, and "mass" besides.
-
-    Reads the rows q, v, u (the command), noise; constants h, limit, speed_slope, and the scenario's factors.
-    """
-    h = symbols.constant("h")
-    q, v, u = (symbols.state(n) for n in ("q", "v", "u"))
-    after: dict[str, ca.SX] = {}
-    signals = fixed_signals(symbols) | {"q": q, "v": v, "dt": h, "u": u}
-    for e in command_maps(effects):
-        moved, u, _ = call(e, signals, symbols)
-        after |= moved
-        signals = signals | {"u": u}
-    limit = symbols.constant("limit")
-    u = clip(u, -limit, limit) if command_maps(effects) else u  # the controller's command obeys the limit already
-    if speed_limited:
-        u = limited_by_speed(u, v, symbols.constant("speed_slope"))
-    a = ca.SX.sym("a")
-    signals |= {"a": a, "dq": v * h, "u": u, "tau": u}
-    outputs = {}
-    for e in ordered([e for e in effects if e.port == fx.FORCE]):
-        moved, outputs[e.key], provided = call(e, signals, symbols)
-        after |= moved
-        signals |= provided
-    total = ca.SX(0)
-    for e in effects:  # in the plant's order, whatever the order of evaluation
-        if e.key in outputs and e.name != DIRECTION:
-            total += symbols.constant("friction") * outputs[e.key] if is_friction(e) else outputs[e.key]
-    mass, rest = affine(total, a)
-    mass = symbols.constant("inertia") * mass + symbols.constant("load_inertia")
-    rest = rest + symbols.constant("load")
-    drive = u + symbols.state("noise") if noisy else u
-    # A mass that is the same in every step is divided by once a run, outside the loop.
-    moves = ca.depends_on(mass, ca.vertcat(*symbols.states.values(), *symbols.clocks.values()))
-    acceleration = (drive - rest) / mass if moves else (drive - rest) * symbols.constant("per_mass")
-    v_after = v + acceleration * h
-    after = {n: ca.substitute(x, a, acceleration) for n, x in after.items()}
-    return {"q": q + v_after * h, "v": v_after, **after, "mass": mass}
-
-
-def affine(total: ca.SX, a: ca.SX) -> tuple[ca.SX, ca.SX]:
-    """Return (mass, rest) of total = mass a + rest; WorkbenchError where it is not affine in a, or has no mass."""
-    mass = ca.jacobian(total, a)
-    if ca.depends_on(mass, a):
-        raise WorkbenchError("the plant's forces are not affine in acceleration, so they cannot be solved for it.")
-    if not ca.depends_on(total, a):
-        raise WorkbenchError("the plant has no inertia, so a torque has no acceleration; add the effect 'inertia'.")
-    return ca.densify(mass), ca.substitute(total, a, ca.SX(0))
-
-
-def limited_by_speed(u: ca.SX, v: ca.SX, slope: ca.SX) -> ca.SX:
-    """Return u with the part that accelerates reduced to zero over the last SOFT of the speed limit; slope = 1/(SOFT limit)."""
-    forward = clip(1.0 / SOFT - v * slope, 0.0, 1.0)
-    backward = clip(1.0 / SOFT + v * slope, 0.0, 1.0)
-    return ca.fmax(u, 0.0) * forward + ca.fmin(u, 0.0) * backward
-
-
-def constants_of(plant: Plant, symbols: Symbols, width: float) -> dict[str, float]:
-    """Return the values of the effects' constants. width: of the stop operator that gives `dir` where no effect does."""
+def constants_of(plant: Plant, symbols: Symbols, widths: Mapping[str, float]) -> dict[str, float]:
+    """Return the values of the effects' constants. widths: place -> of its stop operator, where no effect gives `dir`."""
     values = {"ratio": plant.geometry.gear_ratio, "pole_pairs": plant.geometry.pole_pairs}
     for e in directed(plant.effects):
         if e.key not in symbols.derive:
             continue
-        e = e(width=width) if e.name == DIRECTION else e
+        e = e(width=widths[e.at]) if e.name == DIRECTION else e
         inside = symbols.derive[e.key](np.array([p.value for p in e.parameters.values()], dtype=float))
         values |= dict(zip(symbols.derived[e.key], np.asarray(inside).ravel().tolist(), strict=True))
     return values

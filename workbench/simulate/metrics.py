@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from workbench.simulate.binding import NEVER, Bound
+from workbench.simulate.bodies import OUTPUT
 
 
 @dataclass(frozen=True, eq=False)
@@ -21,7 +22,7 @@ class Trajectories:
 
 @dataclass(frozen=True, eq=False)
 class Metrics:
-    """Arrays over scenarios, (lanes,), SI.
+    """Arrays over scenarios, (lanes,), SI. Of two masses, positions are the load's, and speeds the motor's.
 
     time_1pct: when the true position enters the band of 1 % of the step about the target to stay, linear between samples;
     infinite where it is outside in the last sample. time_own: the same about its own final position, where asked for.
@@ -62,7 +63,9 @@ def entry_time(rows: Mapping[str, np.ndarray], aim, band, sample_time: float) ->
 def finished(bound: Bound, rows: Mapping[str, np.ndarray], band: float, trajectories: Trajectories | None) -> Metrics:
     """Return the metrics of the final rows. band: share of the step."""
     scenarios, dt = bound.scenarios, bound.loop.sample_time
-    finite = np.isfinite(rows["q"]) & np.isfinite(rows["v"])
+    position = OUTPUT[bound.design.sensing.kind]
+    states = [n for n in ("q", "v", "load.q", "load.v") if n in rows]
+    finite = np.all([np.isfinite(rows[n]) for n in states], axis=0)
     step = np.broadcast_to(np.abs(scenarios.target - scenarios.start), finite.shape)
     n = bound.samples - bound.window_from
     with np.errstate(all="ignore"):
@@ -83,7 +86,7 @@ def finished(bound: Bound, rows: Mapping[str, np.ndarray], band: float, trajecto
         peak_speed=judged(rows["peak_speed"]),
         ripple=judged(np.sqrt(np.maximum(variance, 0.0))),
         reversals=rows["reversals"].astype(np.int64),
-        final_position=rows["q"],
+        final_position=rows[position],
         finite=finite,
         trajectories=trajectories,
     )

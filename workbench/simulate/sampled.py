@@ -4,29 +4,56 @@ The reading is res floor(q/res + phase); the velocity a filtered backward differ
 has come back by more than `back` from its furthest point since the last one; from rest, any motion by as much is a start.
 """
 
+from dataclasses import dataclass
+
 import casadi as ca
 
 from workbench.control.law import Law
 from workbench.effect import namespace
 from workbench.effects.elementary import absolute, clip, maximum, where
+from workbench.plant import SENSORS, TWO_MASS
+from workbench.simulate.bodies import BODIES
 from workbench.simulate.dynamics import Symbols, call, fixed_signals, sensor_maps
 
 AMPLITUDE = "amplitude"
+PREFIX = dict(zip(SENSORS, BODIES[TWO_MASS].values(), strict=True))  # channel -> before the names of its body's rows
 
 
-def reading(effects, symbols: Symbols, *, quantised: bool) -> dict[str, ca.SX]:
-    """Return name -> value: "y", and the next states of sensor maps."""
-    q = symbols.state("q")
+@dataclass(frozen=True)
+class Sensing:
+    """kind: of the plant. feedback: the channel that closes the loop. quantised: channels that are read in counts."""
+
+    kind: str
+    feedback: str
+    quantised: tuple[str, ...]
+
+
+def encoder(effects, symbols: Symbols, channel: str, *, quantised: bool) -> tuple[ca.SX, dict[str, ca.SX]]:
+    """Return (reading of one channel, next states of its sensor maps)."""
+    body = PREFIX[channel]
     after: dict[str, ca.SX] = {}
-    signals = fixed_signals(symbols) | {"v": symbols.state("v"), "dt": symbols.constant("sample_time")}
-    y = q
-    for e in sensor_maps(effects):
-        moved, y, _ = call(e, signals | {"q": y}, symbols)
+    signals = fixed_signals(symbols) | {"v": symbols.state(f"{body}v"), "dt": symbols.constant("sample_time")}
+    y = symbols.state(f"{body}q")
+    for e in sensor_maps(effects, channel):
+        # as in identification, a sensor's map knows one position: that of the body that it reads
+        moved, y, _ = call(e, signals | dict.fromkeys(("q", "motor_q", "load_q"), y), symbols)
         after |= moved
     if quantised:
-        count = symbols.constant("count")
+        count = symbols.constant(f"{channel}.count")
         y = count * ca.floor(y / count + symbols.constant("phase"))
-    return {"y": y, **after}
+    return y, after
+
+
+def reading(effects, symbols: Symbols, sensing: Sensing) -> dict[str, ca.SX]:
+    """Return name -> value: "y", which closes the loop, with two masses "motor.y" and "load.y", and sensor maps' states."""
+    values, after = {}, {}
+    for channel in SENSORS[: len(BODIES[sensing.kind])]:
+        values[channel], moved = encoder(effects, symbols, channel, quantised=channel in sensing.quantised)
+        after |= moved
+    after["y"] = values[sensing.feedback]
+    if sensing.kind == TWO_MASS:
+        after |= {"motor.y": values["position"], "load.y": values["load_position"]}
+    return after
 
 
 def velocity(symbols: Symbols, y: ca.SX) -> dict[str, ca.SX]:
@@ -72,9 +99,9 @@ def law_parts(law: Law, symbols: Symbols):
     return z, namespace(**{n: symbols.constant(f"law.{n}") for n in law.parameters})
 
 
-def sense(effects, law: Law | None, symbols: Symbols, *, quantised: bool) -> dict[str, ca.SX]:
+def sense(effects, law: Law | None, symbols: Symbols, sensing: Sensing) -> dict[str, ca.SX]:
     """Reading, velocity, reversals and, for a law with a table, where to look up."""
-    out = reading(effects, symbols, quantised=quantised)
+    out = reading(effects, symbols, sensing)
     y = out["y"]
     out |= velocity(symbols, y)
     moved, found = reversals(symbols, y)
@@ -99,13 +126,13 @@ def command(law: Law, symbols: Symbols) -> dict[str, ca.SX]:
     return {"u_c": clip(u, -limit, limit), **{f"law.{n}": v for n, v in states.items()}}
 
 
-def metrics(symbols: Symbols) -> dict[str, ca.SX]:
+def metrics(symbols: Symbols, position: str) -> dict[str, ca.SX]:
     """Running metrics of one sample; workbench.simulate.metrics says what they become.
 
-    `aim` is the value that the band is about: the target, or in a second pass the final value.
+    position: the row that they are about. `aim` is the value that the band is about: the target, or in a second pass the final value.
     """
     k, window = symbols.clock("k"), symbols.clock("window")
-    q, u = symbols.state("q"), symbols.state("u_c")
+    q, u = symbols.state(position), symbols.state("u_c")
     error = symbols.constant("aim") - q
     outside = symbols.constant("band") < absolute(error)
     was = symbols.state("outside")

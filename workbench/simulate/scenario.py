@@ -7,7 +7,8 @@ from math import isfinite
 import numpy as np
 
 from workbench.effects.elementary import exp
-from workbench.errors import WorkbenchError
+from workbench.errors import WorkbenchError, nearest
+from workbench.plant import SENSORS
 
 
 @dataclass(frozen=True)
@@ -16,7 +17,8 @@ class Loop:
 
     sample_time: s. substeps: integration steps a sample. delay: s, of the command, rounded to whole substeps.
     velocity_filter: time constant of the filtered difference, s (0: none). resolution: one encoder count in rad or m
-    (0: the reading is exact).
+    (0: the reading is exact). With two masses resolution is the motor encoder's, load_resolution the load encoder's, and
+    feedback says which of them closes the loop: "position" (the motor's) or "load_position".
     """
 
     sample_time: float
@@ -24,13 +26,19 @@ class Loop:
     delay: float = 0.0
     velocity_filter: float = 0.0
     resolution: float = 0.0
+    load_resolution: float = 0.0
+    feedback: str = "position"
 
     def __post_init__(self):
+        if self.feedback not in SENSORS:
+            raise WorkbenchError(
+                f"the loop's feedback '{self.feedback}' is no reading; {nearest(self.feedback, SENSORS)}"
+            )
         if not (isfinite(self.sample_time) and self.sample_time > 0.0):
             raise WorkbenchError(f"the loop's sample time is {self.sample_time:g} s; it must be positive.")
         if int(self.substeps) != self.substeps or self.substeps < 1:
             raise WorkbenchError(f"the loop has {self.substeps} substeps; a whole number from 1 on is needed.")
-        for name in ("delay", "velocity_filter", "resolution"):
+        for name in ("delay", "velocity_filter", "resolution", "load_resolution"):
             if not (isfinite(getattr(self, name)) and getattr(self, name) >= 0.0):
                 raise WorkbenchError(f"the loop's {name} is {getattr(self, name):g}; it must not be negative.")
 
@@ -38,6 +46,11 @@ class Loop:
     def substep(self) -> float:
         """h in s."""
         return self.sample_time / self.substeps
+
+    @property
+    def count(self) -> float:
+        """One count of the encoder that closes the loop, rad or m."""
+        return self.resolution if self.feedback == "position" else self.load_resolution
 
     @property
     def smoothing(self) -> float:
@@ -49,11 +62,12 @@ class Loop:
 class Scenario:
     """One lane.
 
-    target, start: position asked for and at first, rad or m. inertia: factor on the plant's mass. load_inertia: added to
-    it, kg*m^2 or kg. friction: factor on every force that is friction (declared passive, reading `dir`, or reading `v`
-    alone). load: constant torque or force that opposes positive motion. noise: rms of a torque or force that is drawn
-    anew every sample, near normal (the sum of four uniform numbers). phase: of the encoder within a count, 0 to 1.
-    delay: s, added to the loop's. seed: of the noise.
+    target, start: position asked for and at first, rad or m; of the load where there are two masses. inertia: factor on
+    the plant's masses. load_inertia: added to the mass (the load's), kg*m^2 or kg. friction: factor on every force that is
+    friction (declared passive, reading `dir`, or reading `v` alone). load: constant torque or force that opposes positive
+    motion, of the load where there are two masses. noise: rms of a torque or force that is drawn anew every sample, near
+    normal (the sum of four uniform numbers). phase: of the encoders within a count, 0 to 1. delay: s, added to the loop's.
+    seed: of the noise. locked: 1 where the load is held at its start, else 0; two masses only.
     """
 
     target: float = 0.0
@@ -66,6 +80,7 @@ class Scenario:
     start: float = 0.0
     load_inertia: float = 0.0
     delay: float = 0.0
+    locked: float = 0.0
 
 
 NAMES = tuple(f.name for f in fields(Scenario))
@@ -86,6 +101,7 @@ class ScenarioArrays:
     start: np.ndarray | float = 0.0
     load_inertia: np.ndarray | float = 0.0
     delay: np.ndarray | float = 0.0
+    locked: np.ndarray | float = 0.0
 
     def __post_init__(self):
         if self.lanes < 1:
@@ -102,6 +118,8 @@ class ScenarioArrays:
             )
         if not (self.delay >= 0.0).all() or not (self.noise >= 0.0).all():
             raise WorkbenchError("scenarios: delay and noise must not be negative.")
+        if not ((self.locked == 0.0) | (self.locked == 1.0)).all():
+            raise WorkbenchError("scenarios: locked is 1 where the load is held, and 0 where it moves.")
 
     def tiled(self, times: int) -> "ScenarioArrays":
         """Return the same scenarios `times` over, one set after another: for a population of gains."""

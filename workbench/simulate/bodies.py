@@ -1,0 +1,143 @@
+"""Forward dynamics: one residual a body, 0 = sum of forces(q, v, a) - u', solved for its own acceleration.
+
+The same effects, in the same order, as when measured motion is explained: command maps, angle maps of the joint, forces
+with memory (they provide `dir`), the other forces. Then a = (u' - forces at a = 0)/mass, with the mass the derivative of
+the forces with respect to a, and v <- v + a h, q <- q + v h (semi-implicit Euler; both bodies' v before either q).
+
+Two masses: the motor (q, v) is driven, the load (load.q, load.v) is not, and may be held. The joint's torque follows from
+the effective deflection x(motor position, load position), and enters each body by x's derivative with respect to its position.
+"""
+
+from collections.abc import Mapping
+
+import casadi as ca
+
+from workbench import effect as fx
+from workbench.effect import Effect
+from workbench.effects.elementary import clip
+from workbench.errors import WorkbenchError
+from workbench.plant import ONE_MASS, TWO_MASS
+from workbench.simulate.dynamics import (
+    DIRECTION,
+    Symbols,
+    angle_maps,
+    call,
+    command_maps,
+    fixed_signals,
+    is_friction,
+    ordered,
+)
+
+SOFT = 0.02  # share of the speed limit over which the accelerating torque falls to zero
+BODIES = {ONE_MASS: {"axis": ""}, TWO_MASS: {"motor": "", "load": "load."}}  # place -> before the names of its rows
+LAST = "joint.before"  # the effective deflection one substep ago
+OUTPUT = {ONE_MASS: "q", TWO_MASS: "load.q"}  # what a target is about
+
+
+def substep(kind: str, effects: tuple[Effect, ...], symbols: Symbols, *, speed_limited: bool, noisy: bool):
+    """Return (name -> next value of every state that one substep moves, name -> mass of each body).
+
+    Reads the rows q, v, u (the command), noise; constants h, limit, speed_slope, and the scenario's factors.
+    """
+    h = symbols.constant("h")
+    u, after = drive(effects, symbols, speed_limited=speed_limited)
+    common = fixed_signals(symbols) | {"dt": h, "u": u, "tau": u}
+    lever = {}
+    if kind == TWO_MASS:
+        moved, torque, lever = joint(effects, common, symbols)
+        after |= moved
+    masses, bodies = {}, BODIES[kind]
+    for place, prefix in bodies.items():
+        q, v, a = symbols.state(f"{prefix}q"), symbols.state(f"{prefix}v"), ca.SX.sym("a")
+        moved, total = forces(effects, place, common | {"q": q, "v": v, "a": a, "dq": v * h}, symbols)
+        if lever:
+            total += lever[place] * torque
+        mass, rest = affine(total, a, "plant" if kind == ONE_MASS else place)
+        mass = symbols.constant("inertia") * mass
+        driven, outer = place != "load", place != "motor"
+        push = (u + symbols.state("noise") if noisy else u) if driven else ca.SX(0)
+        if outer:
+            mass, rest = mass + symbols.constant("load_inertia"), rest + symbols.constant("load")
+        # A mass that is the same in every step is divided by once a run, outside the loop.
+        if ca.depends_on(mass, ca.vertcat(*symbols.states.values(), *symbols.clocks.values())):
+            acceleration = (push - rest) / mass
+            acceleration = acceleration if driven else acceleration * (1.0 - symbols.constant("locked"))
+        else:
+            acceleration = (push - rest) * symbols.constant(f"{prefix}per_mass")
+        v_after = v + acceleration * h
+        after |= {f"{prefix}q": q + v_after * h, f"{prefix}v": v_after}
+        after |= {n: ca.substitute(x, a, acceleration) for n, x in moved.items()}
+        masses[f"{prefix}mass"] = mass
+    return after, masses
+
+
+def drive(effects: tuple[Effect, ...], symbols: Symbols, *, speed_limited: bool) -> tuple[ca.SX, dict[str, ca.SX]]:
+    """Return (what acts on the driven body, name -> next state of the command maps)."""
+    q, v, u = (symbols.state(n) for n in ("q", "v", "u"))
+    after: dict[str, ca.SX] = {}
+    signals = fixed_signals(symbols) | {"q": q, "v": v, "dt": symbols.constant("h"), "u": u}
+    for e in command_maps(effects):
+        moved, u, _ = call(e, signals, symbols)
+        after |= moved
+        signals = signals | {"u": u}
+    limit = symbols.constant("limit")
+    u = clip(u, -limit, limit) if command_maps(effects) else u  # the controller's command obeys the limit already
+    return limited_by_speed(u, v, symbols.constant("speed_slope")) if speed_limited else u, after
+
+
+def forces(effects: tuple[Effect, ...], place: str, signals: Mapping[str, ca.SX], symbols: Symbols):
+    """Return (name -> next state, sum of the forces) at a place."""
+    after: dict[str, ca.SX] = {}
+    outputs, signals = {}, dict(signals)
+    for e in ordered([e for e in effects if e.port == fx.FORCE and e.at == place]):
+        moved, outputs[e.key], provided = call(e, signals, symbols)
+        after |= moved
+        signals |= provided
+    total = ca.SX(0)
+    for e in effects:  # in the plant's order, whatever the order of evaluation
+        if e.key in outputs and e.name != DIRECTION:
+            total += symbols.constant("friction") * outputs[e.key] if is_friction(e) else outputs[e.key]
+    return after, total
+
+
+def deflection(effects: tuple[Effect, ...], symbols: Symbols) -> tuple[dict[str, ca.SX], ca.SX]:
+    """Return (name -> next state, effective deflection): motor less load, through the angle maps."""
+    motor, load = symbols.state("q"), symbols.state("load.q")
+    signals = fixed_signals(symbols) | {"motor_q": motor, "load_q": load, "dt": symbols.constant("h")}
+    after: dict[str, ca.SX] = {}
+    x = motor - load
+    for e in angle_maps(effects):
+        moved, x, _ = call(e, signals | {"q": x}, symbols)
+        after |= moved
+    return after, x
+
+
+def joint(effects: tuple[Effect, ...], common: Mapping[str, ca.SX], symbols: Symbols):
+    """Return (name -> next state, torque of the joint, place -> by what it enters that body's balance)."""
+    after, x = deflection(effects, symbols)
+    lever = {p: ca.densify(ca.jacobian(x, symbols.state(f"{prefix}q"))) for p, prefix in BODIES[TWO_MASS].items()}
+    v = lever["motor"] * symbols.state("v") + lever["load"] * symbols.state("load.v")
+    # Increments from positions, which a gap's edge or a gear's error cannot let drift from the deflection itself.
+    signals = {**common, "q": x, "v": v, "dq": x - symbols.state(LAST)}
+    moved, torque = forces(effects, "joint", signals, symbols)
+    return after | moved | {LAST: x}, torque, lever
+
+
+def affine(total: ca.SX, a: ca.SX, body: str) -> tuple[ca.SX, ca.SX]:
+    """Return (mass, rest) of total = mass a + rest; WorkbenchError where it is not affine in a, or has no mass."""
+    mass = ca.jacobian(total, a)
+    if ca.depends_on(mass, a):
+        raise WorkbenchError(f"the {body}'s forces are not affine in acceleration, so they cannot be solved for it.")
+    if not ca.depends_on(total, a):
+        where = "" if body == "plant" else f" at the {body}"
+        raise WorkbenchError(
+            f"the {body} has no inertia, so a torque has no acceleration; add the effect 'inertia'{where}."
+        )
+    return ca.densify(mass), ca.substitute(total, a, ca.SX(0))
+
+
+def limited_by_speed(u: ca.SX, v: ca.SX, slope: ca.SX) -> ca.SX:
+    """Return u with the part that accelerates reduced to zero over the last SOFT of the speed limit; slope = 1/(SOFT limit)."""
+    forward = clip(1.0 / SOFT - v * slope, 0.0, 1.0)
+    backward = clip(1.0 / SOFT + v * slope, 0.0, 1.0)
+    return ca.fmax(u, 0.0) * forward + ca.fmin(u, 0.0) * backward
