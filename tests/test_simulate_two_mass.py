@@ -2,7 +2,9 @@
 
 from math import pi
 from pathlib import Path
+from types import SimpleNamespace
 
+import casadi as ca
 import numpy as np
 import pytest
 
@@ -10,12 +12,15 @@ from workbench.control import fixed_pd
 from workbench.effect import Effect, find
 from workbench.effects.stiffness import linear_stiffness
 from workbench.errors import WorkbenchError
+from workbench.identify.bodies import Bodies
 from workbench.identify.fit import identify, passes_of
 from workbench.plant import Limits, Plant
 from workbench.record import Record, Source
 from workbench.simulate import Loop, Scenario, ScenarioArrays, open_loop, simulate
 from workbench.simulate.binding import bind
+from workbench.simulate.bodies import joint
 from workbench.simulate.criteria import Criteria
+from workbench.simulate.dynamics import Symbols, constants_of, fixed_signals
 from workbench.simulate.oracle import run_arrays
 from workbench.simulate.run import run_lanes
 from workbench.simulate.scenario import arrays_of
@@ -118,6 +123,23 @@ def test_bristles_hold_below_static_friction_and_slide_at_coulomb_friction():
     assert abs(v[-1, 0]) < 1e-6 and v[-1, 1] > 1.0
     rate = (v[-1] - v[-2001]) / (2000 * dt)
     np.testing.assert_allclose(rate[1:] * 0.01, drive[-1, 1:] - coulomb, rtol=1e-6)
+
+
+def test_deflection_and_levers_are_those_of_identification():
+    plant = elastic() + gear()(cosine=2e-4) + find("backlash")(half_width=1e-3)
+    rng = np.random.default_rng(3)
+    motor = rng.uniform(-0.1, 0.1, 40)
+    load = motor + rng.uniform(-5e-3, 5e-3, 40)
+    x, by_motor, by_load = Bodies(SimpleNamespace(t=0.0, dt=1e-4), None).mapped(plant, motor - load, motor, load)
+    symbols = Symbols()
+    _, torque, lever = joint(plant.effects, fixed_signals(symbols), symbols)
+    rows = [symbols.state("q"), symbols.state("load.q")]
+    values = constants_of(plant, symbols, {})
+    given = ca.Function("f", [*rows, *symbols.constants.values()], [torque, lever["motor"], lever["load"]])
+    rest = [values.get(n, 0.0) for n in symbols.constants]
+    found = np.array([[float(v) for v in given(m, q, *rest)] for m, q in zip(motor, load, strict=True)])
+    np.testing.assert_allclose(found, np.stack([STIFFNESS * x, by_motor, by_load], axis=1), rtol=1e-12, atol=1e-12)
+    assert (x == 0.0).any() and (x != 0.0).any()
 
 
 def crossings(x: np.ndarray, dt: float) -> np.ndarray:

@@ -101,13 +101,18 @@ def forces(effects: tuple[Effect, ...], place: str, signals: Mapping[str, ca.SX]
 
 
 def deflection(effects: tuple[Effect, ...], symbols: Symbols) -> tuple[dict[str, ca.SX], ca.SX]:
-    """Return (name -> next state, effective deflection): motor less load, through the angle maps."""
+    """Return (name -> next state, effective deflection): motor less load, through the angle maps.
+
+    As in identification, what a map adds where both positions are zero is taken off: there the joint is relaxed.
+    """
     motor, load = symbols.state("q"), symbols.state("load.q")
     signals = fixed_signals(symbols) | {"motor_q": motor, "load_q": load, "dt": symbols.constant("h")}
     after: dict[str, ca.SX] = {}
     x = motor - load
     for e in angle_maps(effects):
+        at_zero = call(e, signals | dict.fromkeys(("q", "motor_q", "load_q"), ca.SX(0.0)), symbols)[1]
         moved, x, _ = call(e, signals | {"q": x}, symbols)
+        x = x - at_zero
         after |= moved
     return after, x
 
