@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from benchmarks._loop_work import BANK, LOOP, Work
+from benchmarks._loop_work import BANK, JOINT, LUGRE, TWO, Work
 from workbench.simulate import Criteria
 from workbench.simulate.dynamics import constants_of
 
@@ -27,6 +27,10 @@ class PlantC(Structure):
         ("stiffness", c_double * MOST),
         ("slip", c_double * MOST),
         ("torque_limit", c_double),
+        *((n, c_double) for n in ("load_mass", "load_viscous", "linear", "cubic", "joint_height")),
+        ("joint_stiffness", c_double * JOINT),
+        ("joint_slip", c_double * JOINT),
+        *((n, c_double) for n in ("sigma0", "sigma1", "x0", "ratio", "speed")),
     ]
 
 
@@ -58,26 +62,42 @@ def constants(work: Work) -> dict[str, float]:
     return constants_of(work.plant, work.bound(1).design.symbols, {})
 
 
-def elements(values: dict[str, float], field: str, n: int) -> list[float]:
-    """Values of a vector constant of the bank."""
-    return [values[f"{BANK}@axis.{field}" + (f"[{i}]" if n > 1 else "")] for i in range(n)]
+def elements(values: dict[str, float], field: str, n: int, place: str = "axis") -> list[float]:
+    """Values of a vector constant of the bank at a place."""
+    return [values[f"{BANK}@{place}.{field}" + (f"[{i}]" if n > 1 else "")] for i in range(n)]
+
+
+def plant_of(work: Work) -> PlantC:
+    """The plant's numbers; those that its kind does not have are zero."""
+    values, n = constants(work), work.n
+    place = "motor" if work.kind == TWO else "axis"
+    plant = PlantC(
+        viscous=values[f"viscous_friction@{place}.viscous"],
+        mass=values[f"inertia@{place}.inertia"],
+        torque_limit=work.plant.limits.drive,
+    )
+    if work.kind == LUGRE:
+        for name in ("sigma0", "sigma1", "x0", "ratio", "speed"):
+            setattr(plant, name, values[f"lugre_friction@axis.{name}"])
+        return plant
+    plant.height = values[f"{BANK}@{place}.h0"]
+    plant.stiffness[:n], plant.slip[:n] = (elements(values, field, n, place) for field in ("k", "slip"))
+    if work.kind == TWO:
+        plant.load_mass, plant.load_viscous = values["inertia@load.inertia"], values["viscous_friction@load.viscous"]
+        plant.linear, plant.cubic = values["linear_stiffness@joint.stiffness"], values["cubic_stiffness@joint.k3"]
+        plant.joint_height = values[f"{BANK}@joint.h0"]
+        plant.joint_stiffness[:] = elements(values, "k", JOINT, "joint")
+        plant.joint_slip[:] = elements(values, "slip", JOINT, "joint")
+    return plant
 
 
 def caller(library: ctypes.CDLL, work: Work, samples: int):
     """Return a function that runs all scenarios and returns metrics (scenarios, len(METRICS))."""
-    values, n = constants(work), work.n
-    stiffness, slip = (c_double * MOST)(*elements(values, "k", n)), (c_double * MOST)(*elements(values, "slip", n))
-    plant = PlantC(
-        values[f"{BANK}@axis.h0"],
-        values["viscous_friction@axis.viscous"],
-        values["inertia@axis.inertia"],
-        stiffness,
-        slip,
-        work.plant.limits.drive,
-    )
+    n, side = work.n, work.loop
+    plant = plant_of(work)
     table, criteria, bound = work.controller.tables[0], Criteria(), work.bound(samples)
-    rows, judged = np.ascontiguousarray(table.rows), criteria.constants(LOOP)
-    loop = LoopC(LOOP.sample_time, LOOP.smoothing, LOOP.resolution, 3.0 * LOOP.resolution - 0.5 * LOOP.resolution,
+    rows, judged = np.ascontiguousarray(table.rows), criteria.constants(side)
+    loop = LoopC(side.sample_time, side.smoothing, side.resolution, 3.0 * side.resolution - 0.5 * side.resolution,
                  rows.ctypes.data_as(POINTER(c_double)), table.knots[0], table.knots[-1], table.shift, table.offset,
                  judged["hold_band"], judged["hold"])  # fmt: skip
     s = work.scenarios
@@ -88,7 +108,7 @@ def caller(library: ctypes.CDLL, work: Work, samples: int):
     def run() -> np.ndarray:
         library.simulate_all(
             ctypes.byref(plant), ctypes.byref(loop), ctypes.c_void_p(scenarios.ctypes.data),
-            ctypes.c_void_p(out.ctypes.data), c_int64(s.lanes), c_int(n), c_int(LOOP.substeps), c_int64(samples),
+            ctypes.c_void_p(out.ctypes.data), c_int64(s.lanes), c_int(work.kind), c_int(n), c_int(side.substeps), c_int64(samples),
             c_int64(bound.window_from),
         )  # fmt: skip
         return out

@@ -125,6 +125,16 @@ def test_bristles_hold_below_static_friction_and_slide_at_coulomb_friction():
     np.testing.assert_allclose(rate[1:] * 0.01, drive[-1, 1:] - coulomb, rtol=1e-6)
 
 
+def test_the_friction_of_a_scenario_is_that_of_its_bristles():
+    mass, lugre = find("inertia")(inertia=0.01), find("lugre_friction")(x0=1e-3, speed=0.05)
+    drive = np.tile(0.4 * np.sin(np.arange(600) * 0.02), (2, 1)).T
+    plain, twice = (
+        open_loop(Plant("one mass", (mass, lugre(sigma0=50.0 * k, sigma1=0.1 * k))), drive, 5e-4, 2, scenarios=given)
+        for k, given in ((1.0, ScenarioArrays(2, friction=np.array([2.0, 1.0]))), (2.0, ScenarioArrays(2)))
+    )
+    assert (plain["q"][:, 0] == twice["q"][:, 0]).all() and (plain["q"][1:, 1] != twice["q"][1:, 1]).any()
+
+
 def test_deflection_and_levers_are_those_of_identification():
     plant = elastic() + gear()(cosine=2e-4) + find("backlash")(half_width=1e-3)
     rng = np.random.default_rng(3)

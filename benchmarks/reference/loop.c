@@ -1,6 +1,7 @@
 /* The sampled loop of one servo axis, by hand: what a careful engineer writes in C, one scenario after another.
 
-   One mass, n Maxwell-slip elements, viscous friction; quantised encoder, filtered difference velocity, reversal
+   One mass, n Maxwell-slip elements, viscous friction; or that as the motor of two masses, with hysteresis of four
+   elements, linear and cubic stiffness in the joint; or one mass with LuGre friction (with the exp of libm). Quantised encoder, filtered difference velocity, reversal
    detector, gains scheduled over the stroke since the last reversal, torque limit, semi-implicit Euler, running metrics.
    Arithmetic in the order of docs/architecture.md, so that strict C gives the bits that the generated kernels give:
    gcc -O3 -march=native -std=c99 -ffp-contract=off -shared -fPIC loop.c -o loop.so */
@@ -9,12 +10,16 @@
 #include <stdint.h>
 #include <string.h>
 
-enum { MOST = 64 };
+enum { MOST = 64, JOINT = 4 };
+enum { ONE_MASS, TWO_MASS, LUGRE };
 
 typedef struct {
     double height, viscous, mass; /* N*m, N*m*s/rad, kg*m^2 */
     double stiffness[MOST], slip[MOST]; /* 1/rad, rad: sum of stiffness * slip is one */
     double torque_limit;
+    double load_mass, load_viscous, linear, cubic, joint_height; /* two masses */
+    double joint_stiffness[JOINT], joint_slip[JOINT];
+    double sigma0, sigma1, x0, ratio, speed; /* LuGre */
 } plant_t;
 
 typedef struct {
@@ -39,13 +44,14 @@ static double clip(double x, double low, double high) { return x < low ? low : x
 static double larger(double a, double b) { return b > a ? b : a; }
 
 static inline void simulate(const plant_t *plant, const loop_t *loop, const scenario_t *scenario, metrics_t *out,
-                            int n, int substeps, int64_t samples, int64_t window_from) {
+                            int kind, int n, int substeps, int64_t samples, int64_t window_from) {
     const double h = loop->sample_time / substeps, rate = 1.0 / loop->sample_time;
     const double target = scenario->target, band = 0.01 * fabs(target);
     const double sign = (target > 0.0) - (target < 0.0);
     const double per_mass = 1.0 / (scenario->inertia * plant->mass);
     const double limit = plant->torque_limit, resolution = loop->resolution, phase = scenario->phase;
-    double x[MOST] = {0.0};
+    const double per_load = 1.0 / (scenario->inertia * plant->load_mass);
+    double x[MOST] = {0.0}, joint[JOINT] = {0.0}, ql = 0.0, vl = 0.0, before_joint = 0.0, z = 0.0;
     double q = 0.0, v = 0.0, vh = 0.0, k_astray = -1.0;
     double y = resolution * floor(q / resolution + phase), furthest = y, turned = y, way = 0.0, share = 1.0;
     metrics_t m = {.k_outside = -1.0, .k_settled = -2.0};
@@ -79,7 +85,8 @@ static inline void simulate(const plant_t *plant, const loop_t *loop, const scen
         const double u = clip(kp * (target - y) - kd * vh, -limit, limit);
 
         /* metrics */
-        const double error = target - q;
+        const double position = kind == TWO_MASS ? ql : q;
+        const double error = target - position;
         if (m.outside != 0.0) m.e_inside = error;
         m.outside = fabs(error) > band;
         if (m.outside != 0.0) {
@@ -88,7 +95,7 @@ static inline void simulate(const plant_t *plant, const loop_t *loop, const scen
         }
         if (fabs(target - y) > loop->hold_band) k_astray = (double)k;
         if ((double)k - k_astray >= loop->hold && m.k_settled < -1.0) m.k_settled = k_astray;
-        m.peak = larger(m.peak, q * sign);
+        m.peak = larger(m.peak, position * sign);
         m.peak_speed = larger(m.peak_speed, fabs(v));
         m.peak_torque = larger(m.peak_torque, fabs(u));
         if (k >= window_from) {
@@ -100,10 +107,43 @@ static inline void simulate(const plant_t *plant, const loop_t *loop, const scen
         /* plant */
         for (int j = 0; j < substeps; j++) {
             const double dq = v * h;
+            if (kind == LUGRE) {
+                const double s = v / plant->speed;
+                const double g = plant->x0 * (1.0 + plant->ratio * exp(-(s * s)));
+                const double slid = ((dq > 0.0) - (dq < 0.0)) * g;
+                const double after = slid + (z - slid) * exp(-fabs(dq) / g);
+                const double bristles = plant->sigma0 * after + plant->sigma1 * ((after - z) / h);
+                z = after;
+                const double force = scenario->friction * bristles
+                                     + scenario->friction * (plant->viscous * v) + scenario->load;
+                v += (u - force) * per_mass * h;
+                q += v * h;
+                continue;
+            }
             double direction = 0.0;
             for (int i = 0; i < n; i++) {
                 x[i] = clip(x[i] + dq, -plant->slip[i], plant->slip[i]);
                 direction += plant->stiffness[i] * x[i];
+            }
+            if (kind == TWO_MASS) {
+                const double deflection = q - ql, moved = deflection - before_joint;
+                double carried = 0.0;
+                before_joint = deflection;
+                for (int i = 0; i < JOINT; i++) {
+                    joint[i] = clip(joint[i] + moved, -plant->joint_slip[i], plant->joint_slip[i]);
+                    carried += plant->joint_stiffness[i] * joint[i];
+                }
+                const double torque = plant->linear * deflection
+                                      + plant->cubic * (deflection * deflection * deflection)
+                                      + scenario->friction * (plant->joint_height * carried);
+                const double at_motor = scenario->friction * (plant->height * direction)
+                                        + scenario->friction * (plant->viscous * v) + torque;
+                const double at_load = scenario->friction * (plant->load_viscous * vl) - torque + scenario->load;
+                v += (u - at_motor) * per_mass * h;
+                vl += -at_load * per_load * h;
+                q += v * h;
+                ql += vl * h;
+                continue;
             }
             const double force = scenario->friction * (plant->height * direction)
                                  + scenario->friction * (plant->viscous * v) + scenario->load;
@@ -111,18 +151,24 @@ static inline void simulate(const plant_t *plant, const loop_t *loop, const scen
             q += v * h;
         }
     }
-    m.position = q;
+    m.position = kind == TWO_MASS ? ql : q;
     m.velocity = v;
     *out = m;
 }
 
-/* n and substeps as constants where they are the benchmark's, so that the compiler may unroll. */
+/* kind, n and substeps as constants where they are the benchmark's, so that the compiler may unroll. */
+#define RUN(kind, n, substeps) simulate(plant, loop, scenarios + i, out + i, kind, n, substeps, samples, window_from)
+
 void simulate_all(const plant_t *plant, const loop_t *loop, const scenario_t *scenarios, metrics_t *out, int64_t count,
-                  int n, int substeps, int64_t samples, int64_t window_from) {
+                  int kind, int n, int substeps, int64_t samples, int64_t window_from) {
     for (int64_t i = 0; i < count; i++) {
-        if (n == 1 && substeps == 2) simulate(plant, loop, scenarios + i, out + i, 1, 2, samples, window_from);
-        else if (n == 4 && substeps == 2) simulate(plant, loop, scenarios + i, out + i, 4, 2, samples, window_from);
-        else if (n == 10 && substeps == 2) simulate(plant, loop, scenarios + i, out + i, 10, 2, samples, window_from);
-        else simulate(plant, loop, scenarios + i, out + i, n, substeps, samples, window_from);
+        if (kind == TWO_MASS && n == 10 && substeps == 2) RUN(TWO_MASS, 10, 2);
+        else if (kind == TWO_MASS) RUN(TWO_MASS, n, substeps);
+        else if (kind == LUGRE && substeps == 2) RUN(LUGRE, 0, 2);
+        else if (kind == LUGRE) RUN(LUGRE, 0, substeps);
+        else if (n == 1 && substeps == 2) RUN(ONE_MASS, 1, 2);
+        else if (n == 4 && substeps == 2) RUN(ONE_MASS, 4, 2);
+        else if (n == 10 && substeps == 2) RUN(ONE_MASS, 10, 2);
+        else RUN(ONE_MASS, n, substeps);
     }
 }

@@ -41,9 +41,9 @@ class Symbols:
 
 
 def is_friction(effect: Effect) -> bool:
-    """Whether a scenario's friction factor scales this force: it is declared passive, reads `dir`, or `v` alone."""
+    """Whether a scenario's friction factor scales this force: it is passive, reads or gives `dir`, or reads `v` alone."""
     return effect.port == fx.FORCE and (
-        "passive" in effect.holds or "dir" in effect.reads or tuple(effect.reads) == ("v",)
+        "passive" in effect.holds or "dir" in (*effect.reads, *effect.provides) or tuple(effect.reads) == ("v",)
     )
 
 

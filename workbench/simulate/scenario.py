@@ -64,7 +64,7 @@ class Scenario:
 
     target, start: position asked for and at first, rad or m; of the load where there are two masses. inertia: factor on
     the plant's masses. load_inertia: added to the mass (the load's), kg*m^2 or kg. friction: factor on every force that is
-    friction (declared passive, reading `dir`, or reading `v` alone). load: constant torque or force that opposes positive
+    friction (declared passive, reading or giving `dir`, or reading `v` alone). load: constant torque or force that opposes positive
     motion, of the load where there are two masses. noise: rms of a torque or force that is drawn anew every sample, near
     normal (the sum of four uniform numbers). phase: of the encoders within a count, 0 to 1. delay: s, added to the loop's.
     seed: of the noise. locked: 1 where the load is held at its start, else 0; two masses only.
