@@ -94,6 +94,17 @@ def test_an_ill_conditioned_set_is_solved_by_orthogonal_transformations(non_nega
     assert found.residual < 1e-12
 
 
+@pytest.mark.parametrize(("apart", "method"), [(1e-2, "cholesky"), (1e-3, "cholesky"), (1e-4, "qr"), (1e-5, "qr")])
+def test_the_weights_are_right_to_1e_8_on_either_side_of_the_rule(apart, method):
+    x = walk(8)
+    radii = np.array([0.01, 0.05, 0.05 * (1 + apart), 0.2])
+    phi = tall(x, radii)
+    y = phi @ np.array([1.0, 2.0, 3.0, 0.5]) + 1e-5 * np.random.default_rng(0).normal(size=x.size)
+    found, expected = fit_operators(x, y, radii), nnls(phi, y)[0]
+    assert found.method == method
+    np.testing.assert_allclose(found.weights, expected, rtol=0.0, atol=1e-8 * expected.max())
+
+
 def test_operators_that_cannot_be_told_apart_or_never_move():
     """Beyond the travel all stops are the position, and no play moves."""
     x = walk(9)

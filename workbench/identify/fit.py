@@ -5,7 +5,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from workbench.errors import WorkbenchError
-from workbench.identify import intervals
+from workbench.identify import findings, intervals
+from workbench.identify.by_record import own_estimates, spread
 from workbench.identify.passes import Passes, predicted
 from workbench.identify.problem import Problem
 from workbench.identify.result import Fit, Series
@@ -58,6 +59,13 @@ def seen(problem: Problem, solution: Solution, passes: Sequence[Passes]) -> Fit:
     plant = problem.with_linear(problem.with_shape(solution.theta), solution.c)
     names, cov, t, condition = intervals.covariance(problem, solution)
     estimates = intervals.estimates(plant, names, cov, t)
+    linear = [n for n in names if n in problem.free_linear]
+    owns = own_estimates(problem, solution, linear)
+    noise = float(np.sqrt(np.mean(solution.residual**2)))
+    # a cause before what it causes: what is not excited is not determined
+    half = dict(zip(names, t * np.sqrt(np.maximum(np.diag(cov), 0.0)), strict=True))
+    said = findings.excitation(problem, solution, half, noise)
+    said += findings.disagreements(problem, linear, owns) + intervals.findings(problem, estimates, names, cov)
     series, predictions = {}, {}
     for p in passes:
         series[p.motion.record.name], predictions[p.motion.record.name] = series_of(plant, p)
@@ -80,9 +88,10 @@ def seen(problem: Problem, solution: Solution, passes: Sequence[Passes]) -> Fit:
         rms={r: float(np.sqrt(left[r] / max(count[r], 1))) for r in ROLES},
         series=series,
         predictions=predictions,
-        findings=tuple(intervals.findings(problem, estimates, names, cov)),
+        findings=tuple(said),
         condition=condition,
         details={"theta": solution.theta, "cost": solution.cost},
+        spread=spread(linear, owns),
     )
 
 

@@ -52,7 +52,8 @@ class Fit:
 
     nrmse: record name -> rms(F(T - That)) / rms(F(T)); identification, validation: the same over all records of a role.
     rms: role -> rms residual, SI. series: record name -> Series. predictions: record name -> unfiltered drive (n,), SI.
-    condition: condition number of the scaled columns.
+    condition: condition number of the scaled columns. spread: "effect@at.parameter" of a free linear parameter -> (lowest,
+    highest) of what each identification record says by itself at the common shape, where two or more determine it.
     """
 
     plant: Plant
@@ -66,3 +67,4 @@ class Fit:
     findings: tuple[Finding, ...] = ()
     condition: float = float("nan")
     details: Mapping[str, object] = field(default_factory=dict)
+    spread: Mapping[str, tuple[float, float]] = field(default_factory=dict)
