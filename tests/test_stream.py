@@ -56,6 +56,22 @@ def test_without_a_sign_it_is_least_squares():
     assert found.weights.min() < 0.0
 
 
+@pytest.mark.parametrize("kind", ["stop", "play"])
+def test_a_monotone_bank_may_have_weights_of_both_signs_but_no_falling_slope(kind):
+    """The same optimum as a general solver of bounded least squares in the slopes, thresholds in any order."""
+    x, rng = walk(14), np.random.default_rng(14)
+    radii = rng.permutation(RADII)
+    phi = tall(x, radii, kind)
+    order = np.argsort(radii) if kind == "play" else np.argsort(-radii)
+    y = phi[:, order] @ np.diff(rng.normal(size=radii.size), prepend=0.0) + 0.05 * rng.normal(size=x.size)
+    found = fit_operators(x, y, radii, kind, monotone=True)
+    assert np.cumsum(found.weights[order]).min() > -1e-12 and found.weights.min() < 0.0
+    summed = np.tril(np.ones((radii.size, radii.size)))  # sums of the ordered weights; its inverse takes differences
+    slopes = nnls(phi[:, order] @ np.linalg.inv(summed), y)[0]
+    np.testing.assert_allclose(np.cumsum(found.weights[order]), slopes, atol=1e-8 * slopes.max())
+    assert (slopes == 0.0).any() and found.residual < fit_operators(x, y, radii, kind).residual
+
+
 def test_further_columns_have_any_sign():
     x = walk(6)
     rng = np.random.default_rng(6)

@@ -97,19 +97,33 @@ def triangle_of(blocks: Blocks, norms: np.ndarray) -> np.ndarray:
     return r
 
 
-def solved(r: np.ndarray, b: np.ndarray, free: int, non_negative: bool) -> np.ndarray:
-    """Return c of min |R c - b|, R upper triangular, with c >= 0 behind the first `free` entries.
+def solved(r: np.ndarray, b: np.ndarray, free: int, cone: np.ndarray | None) -> np.ndarray:
+    """Return c of min |R c - b|, R upper triangular, with c = cone s, s >= 0, behind the first `free` entries.
 
-    R's upper left part has no say in the entries behind it: they are solved first, on the lower right part alone.
+    cone: (m, m); without it c is free. R's upper left part has no say in the entries behind it: they are solved first, on the lower right part alone.
     """
-    if not non_negative:
+    if cone is None:
         return np.linalg.lstsq(r, b, rcond=1e-13)[0]
     from scipy.optimize import nnls
 
     c = np.empty(b.size)
-    c[free:] = nnls(r[free:, free:], b[free:])[0] if free < b.size else 0.0
+    c[free:] = cone @ nnls(r[free:, free:] @ cone, b[free:])[0] if free < b.size else 0.0
     c[:free] = np.linalg.lstsq(r[:free, :free], b[:free] - r[:free, free:] @ c[free:], rcond=1e-13)[0]
     return c
+
+
+def monotone_cone(radii: np.ndarray, kind: str) -> np.ndarray:
+    """Return (m, m) of weights = cone slopes: slopes s >= 0 of the virgin curve between neighbouring thresholds.
+
+    Beyond x a virgin curve rises by the sum of the weights of plays with r <= x, or of stops with r > x; each weight is
+    the difference of two such sums.
+    """
+    order = np.argsort(radii, kind="stable")
+    order = order if kind == "play" else order[::-1]
+    cone = np.zeros((radii.size, radii.size))
+    cone[order, np.arange(radii.size)] = 1.0
+    cone[order[1:], np.arange(radii.size - 1)] = -1.0
+    return cone
 
 
 def checked(x, y, thresholds, kind: str) -> np.ndarray:
@@ -127,13 +141,14 @@ def checked(x, y, thresholds, kind: str) -> np.ndarray:
 @one_thread
 def fit_operators(
     x: np.ndarray, y: np.ndarray, thresholds: Sequence[float], kind: str = "stop", columns: Sequence[Column] = (),
-    non_negative: bool = True, block: int = BLOCK,
+    non_negative: bool = True, block: int = BLOCK, *, monotone: bool = False,
 ) -> Weights:  # fmt: skip
     """Return the weights of least squares of operators on positions x (n,) that start unstrained at x[0], for y (n,).
 
     thresholds (m,): radius of each play or stop, or slip of each Maxwell-slip element, in x. columns: further linear
     columns, each called with a block of x (b,) and the index of its first sample, returning (b,); their factors may have
-    any sign. non_negative: weights of operators >= 0. block: samples a block; it changes no more than rounding.
+    any sign. non_negative: weights of operators >= 0, so that a bank of stops takes up energy on every closed path.
+    monotone: instead, no slope of the virgin curve below 0, so that more motion never means less output. block: samples a block; it changes no more than rounding.
     x and y may be memory-mapped. Memory besides them: one block. WorkbenchError where a number is not finite.
     """
     blocks = Blocks(x, y, checked(x, y, thresholds, kind), kind, columns, block)
@@ -156,7 +171,12 @@ def fit_operators(
         whole = np.linalg.qr(triangle_of(blocks, norms)[:, keep], mode="r")
         r, b, beyond = whole[:-1, :-1], whole[:-1, -1], whole[-1, -1] ** 2
     free = int(np.count_nonzero(moved[: len(columns)]))
-    c = solved(r, b, free, non_negative)
+    of = moved[len(columns) :]
+    cone = np.eye(int(of.sum())) if non_negative else None
+    if monotone:
+        # in units of the scaled columns; whatever never moved is left out, and its weight stays zero
+        cone = monotone_cone(blocks.radii[of], kind) * (norms[len(columns) : -1][of] / norms[-1])[:, None]
+    c = solved(r, b, free, cone)
     left = np.sqrt((beyond + np.sum((r @ c - b) ** 2)) / len(x)) * norms[-1]
     natural = np.zeros(moved.size)
     natural[moved] = c * norms[-1] / norms[:-1][moved]
