@@ -117,7 +117,7 @@ def command_maps(effects: tuple[Effect, ...]) -> list[Effect]:
 
 
 def sensor_maps(effects: tuple[Effect, ...], channel: str) -> list[Effect]:
-    """Maps of one channel's reading, in their order."""
+    """Maps of one channel's reading, in their order; time maps are of what logged it, not of what the loop reads."""
     return [e for e in effects if e.at == f"sensor.{channel}" and e.port == fx.SENSOR]
 
 
