@@ -3,7 +3,7 @@
 y ~ sum_i w_i O_i[x] + sum_j c_j column_j, O_i play or stop operators of given thresholds (a Maxwell-slip element is a stop
 operator, its slip the threshold). The Gram matrix of [columns, operators, y] is all that the least squares needs of the
 samples, and it is summed over blocks that stay in the second-level cache. Error of the weights relative to a tall solver:
-about 1e-16 times the condition of the scaled Gram matrix; above `ILL_CONDITIONED` the record is read a second time, for
+about 1e-16 times the condition of the scaled Gram matrix. Above `ILL_CONDITIONED` the record is read a second time, for
 a triangular factor by orthogonal transformations, whose error goes with the square root of that condition.
 
 Sources: Krasnosel'skii and Pokrovskii 1989 (play and stop); Lawson and Hanson 1974 (non-negative least squares, and the
@@ -100,7 +100,8 @@ def triangle_of(blocks: Blocks, norms: np.ndarray) -> np.ndarray:
 def solved(r: np.ndarray, b: np.ndarray, free: int, cone: np.ndarray | None) -> np.ndarray:
     """Return c of min |R c - b|, R upper triangular, with c = cone s, s >= 0, behind the first `free` entries.
 
-    cone: (m, m); without it c is free. R's upper left part has no say in the entries behind it: they are solved first, on the lower right part alone.
+    cone: (m, m); without it c is free. R's upper left part has no say in the entries behind it: they are solved first, on
+    the lower right part alone.
     """
     if cone is None:
         return np.linalg.lstsq(r, b, rcond=1e-13)[0]
@@ -148,8 +149,8 @@ def fit_operators(
     thresholds (m,): radius of each play or stop, or slip of each Maxwell-slip element, in x. columns: further linear
     columns, each called with a block of x (b,) and the index of its first sample, returning (b,); their factors may have
     any sign. non_negative: weights of operators >= 0, so that a bank of stops takes up energy on every closed path.
-    monotone: instead, no slope of the virgin curve below 0, so that more motion never means less output. block: samples a block; it changes no more than rounding.
-    x and y may be memory-mapped. Memory besides them: one block. WorkbenchError where a number is not finite.
+    monotone: instead, no slope of the virgin curve below 0, so that more motion never means less output. block: samples
+    a block; it changes no more than rounding. x and y may be memory-mapped. Memory besides them: one block. WorkbenchError where a number is not finite.
     """
     blocks = Blocks(x, y, checked(x, y, thresholds, kind), kind, columns, block)
     gram = gram_of(blocks)
