@@ -150,7 +150,8 @@ def fit_operators(
     columns, each called with a block of x (b,) and the index of its first sample, returning (b,); their factors may have
     any sign. non_negative: weights of operators >= 0, so that a bank of stops takes up energy on every closed path.
     monotone: instead, no slope of the virgin curve below 0, so that more motion never means less output. block: samples
-    a block; it changes no more than rounding. x and y may be memory-mapped. Memory besides them: one block. WorkbenchError where a number is not finite.
+    a block; it changes no more than rounding. x and y may be memory-mapped. Memory besides them: one block.
+    WorkbenchError where a number is not finite.
     """
     blocks = Blocks(x, y, checked(x, y, thresholds, kind), kind, columns, block)
     gram = gram_of(blocks)
