@@ -4,28 +4,26 @@ from collections.abc import Callable, Collection, Sequence
 
 import numpy as np
 
-from workbench.effect import find
 from workbench.errors import WorkbenchError
-from workbench.finding import Finding, capital, title
+from workbench.finding import capital, title
 from workbench.identify.fit import fitted_on, seen
 from workbench.identify.passes import Passes
 from workbench.identify.problem import Problem
 from workbench.identify.result import Fit
 from workbench.identify.solve import NoValue, Solution, solve
 from workbench.plant import Plant
-from workbench.record import IDENTIFICATION, VALIDATION
 from workbench.threads import one_thread
 from workbench.trace.candidates import ADDITION, Suspect, suspects
 from workbench.trace.floor import floor as noise_floor
-from workbench.trace.result import CAUSE, NOTHING, UNKNOWN, Candidate, Cause, Trace
+from workbench.trace.result import CAUSE, NOTHING, UNKNOWN, Candidate, Trace
 from workbench.trace.score import HeldOut, gain, held_out
 from workbench.trace.search import fitted
+from workbench.trace.verdict import cause, not_carried, plainly_left, verdict_sentence, where
 
 STEPS = 4  # effects added at most
 SHARE = 0.05  # of the residual's power that an effect must explain on held-out blocks
 CERTAIN = 3.0  # standard errors by which its gain must differ from zero
 ALIKE = 2.0  # standard errors of a gain over another candidate within which the two are told apart by their simplicity
-ABOVE_FLOOR = 2.0  # residual over floor at which something is plainly left that no candidate explains
 
 Progress = Callable[[str], None]
 
@@ -161,95 +159,14 @@ def trace(
         fits.append(_fit(state, passes))
     floor = noise_floor(passes, state.plant)
     before, after = fits[0], fits[-1]
-    causes = tuple(_cause(c, fits[i], fits[i + 1], after) for i, c in enumerate(added))
-    verdict = CAUSE if causes else (UNKNOWN if _plainly_left(after, floor) else NOTHING)
-    findings = list(_not_carried(causes))
+    causes = tuple(cause(c, fits[i], fits[i + 1], after) for i, c in enumerate(added))
+    verdict = CAUSE if causes else (UNKNOWN if plainly_left(after, floor) else NOTHING)
+    findings = list(not_carried(causes))
     return Trace(
-        verdict, _verdict_sentence(verdict, causes, before, after, floor), steps[0], tuple(steps), causes,
-        before, after, floor, tuple(findings), _where(declared) if verdict == UNKNOWN else {},
+        verdict, verdict_sentence(verdict, causes, before, after, floor), steps[0], tuple(steps), causes,
+        before, after, floor, tuple(findings), where(declared.passes, declared.residuals()) if verdict == UNKNOWN else {},
     )  # fmt: skip
 
 
 def _fit(state: State, passes: Sequence[Passes]) -> Fit:
     return seen(state.problem, state.solution, passes)
-
-
-def _plainly_left(fit: Fit, floor) -> bool:
-    least = floor[IDENTIFICATION]
-    return bool(least > 0 and fit.identification > ABOVE_FLOOR * least)
-
-
-def _share(before: float, after: float) -> float:
-    return 1.0 - (after / before) ** 2 if before > 0 else 0.0
-
-
-def _cause(candidate: Candidate, before: Fit, here: Fit, last: Fit) -> Cause:
-    effect = find(candidate.effect)
-    estimates = tuple(e for e in last.estimates if (e.effect, e.at) == (candidate.effect, candidate.at))
-    identification = _share(before.rms[IDENTIFICATION], here.rms[IDENTIFICATION])
-    validation = _share(before.rms[VALIDATION], here.rms[VALIDATION])
-    verb = "is declared with a wrong value" if candidate.kind != ADDITION else "is missing"
-    sentence = (
-        f"{capital(title(candidate.effect))} at the {candidate.at} {verb}: {effect.cause}. It explains "
-        f"{100 * identification:.1f} % of the residual power on the identification records and {100 * validation:.1f} % "
-        "on the validation record."
-    )
-    return Cause(candidate.effect, candidate.at, sentence, estimates, identification, validation)
-
-
-def _not_carried(causes: Sequence[Cause]):
-    for c in causes:
-        if c.share_validation < 0.5 * c.share_identification:
-            yield Finding(
-                "not carried over", c.effect,
-                f"{capital(title(c.effect))} explains {100 * c.share_identification:.0f} % on identification but only "
-                f"{100 * c.share_validation:.0f} % on validation; do not rely on it before a second validation record.",
-                {"identification": c.share_identification, "validation": c.share_validation},
-            )  # fmt: skip
-
-
-def _verdict_sentence(verdict: str, causes: Sequence[Cause], before: Fit, after: Fit, floor) -> str:
-    if verdict == CAUSE:
-        names = " and ".join(title(c.effect) for c in causes)
-        is_are = "is" if len(causes) == 1 else "are"
-        what = "missing" if len(causes) > 1 or "missing" in causes[0].sentence else "declared with a wrong value"
-        return (
-            f"{capital(names)} {is_are} {what}. With {'it' if len(causes) == 1 else 'them'}, the validation error falls from "
-            f"{100 * before.validation:.2f} % to {100 * after.validation:.2f} % and the identification error from "
-            f"{100 * before.identification:.2f} % to {100 * after.identification:.2f} % "
-            f"(noise floor {100 * floor[IDENTIFICATION]:.2g} %)."
-        )
-    if verdict == UNKNOWN:
-        return (
-            f"Something is missing that no effect of the catalogue explains: the residual is "
-            f"{before.identification / floor[IDENTIFICATION]:.1f} times the noise floor, and no candidate earns its place."
-        )
-    return (
-        f"Nothing is missing: the residual, {100 * before.identification:.2f} % on identification, is "
-        f"{before.identification / floor[IDENTIFICATION]:.2f} times the noise floor, and no effect of the catalogue "
-        "explains a share of it that holds on held-out blocks."
-        if floor[IDENTIFICATION] > 0
-        else "Nothing is missing: no effect of the catalogue explains a share of the residual that holds on held-out blocks."
-    )
-
-
-def _where(state: State) -> dict[str, object]:
-    """The coordinate in which the residual's power is most concentrated, in ten bins of equal population each."""
-    signals = {"position": [], "velocity": [], "time": []}
-    power = []
-    for p, r in zip(state.passes, state.residuals(), strict=True):
-        m, keep = p.motion, p.motion.keep
-        for name, values in (("position", m.q), ("velocity", m.v), ("time", m.t)):
-            signals[name].append(values[keep])
-        power.append(r[keep] ** 2)
-    power = np.concatenate(power)
-    best = {}
-    for name, parts in signals.items():
-        values = np.concatenate(parts)
-        edges = np.quantile(values, np.linspace(0, 1, 11))
-        index = np.clip(np.searchsorted(edges, values, side="right") - 1, 0, 9)
-        shares = np.bincount(index, weights=power, minlength=10) / power.sum()
-        k = int(np.argmax(shares))
-        if shares[k] > best.get("share", 0.0):
-            best = {"coordinate": name, "low": float(edges[k]), "high": float(edges[k + 1]), "share": float(shares[k])}
-    return best
