@@ -54,12 +54,12 @@ def test_a_folder_without_a_campaign_is_refused_and_nothing_is_written(tmp_path,
 
 
 def test_an_internal_error_has_an_exit_code_of_its_own(monkeypatch, capsys):
-    import workbench.cli as cli
+    from workbench.verbs import effects
 
     def broken(given):
         raise RuntimeError("broken")
 
-    monkeypatch.setattr(cli, "do_effects", broken)
+    monkeypatch.setattr(effects, "do", broken)
     assert main(["effects"]) == 70
     assert "internal error" in capsys.readouterr().err
 
