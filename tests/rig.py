@@ -498,7 +498,7 @@ def with_effect(axis: Axis, name: str, p: tuple[float, ...]) -> Axis:
     return axis if kind.port == "inertia" else replace(axis, **{kind.port: axis.__dict__[kind.port] + p[0]})
 
 
-def declaration(axis: Axis, guess: dict[str, float], title: str, starts: list[float]) -> str:
+def declaration(axis: Axis, guess: dict[str, float], title: str, starts: list[float], records=RECORDS) -> str:
     """The text of campaign.toml: the plain axis, inertia as from a data sheet, the rest roughly."""
     said = [
         f'title = "{title}"', 'plant = "one mass"', f'evaluation_bandwidth = {{ value = {BAND}, unit = "Hz" }}',
@@ -519,10 +519,26 @@ def declaration(axis: Axis, guess: dict[str, float], title: str, starts: list[fl
             said.append(
                 f'parameters.{parameter} = {{ value = {guess[parameter]:.4g}, unit = "{unit}", fixed = {held} }}'
             )
-    for (stem, role, _, motion), start in zip(RECORDS, starts, strict=True):
+    for (stem, role, _, motion), start in zip(records, starts, strict=True):
         said += ["", "[[records]]", f'file = "{stem}.csv"', f'role = "{role}"', f'motion = "{motion}"']
         said.append(f"start_time_s = {start}")
     return "\n".join(said) + "\n"
+
+
+def logged(folder: Path, made: list[Run], noise: float, rng, records=RECORDS) -> dict[str, float]:
+    """Write a CSV a record, torque with noise and position in counts; return role -> nrmse that the noise alone leaves."""
+    white = noise / np.sqrt(np.mean(1 / (1 + (np.linspace(0, 500, 5001) / BAND) ** 8) ** 2))
+    left, power = dict.fromkeys(ROLES, 0.0), dict.fromkeys(ROLES, 0.0)
+    for r, (stem, role, _, _) in zip(made, records, strict=True):
+        torque = r.u + white * rng.standard_normal(r.u.size)
+        keep = slice(UNUSED, -UNUSED)
+        left[role] += np.sum(low_pass(torque - r.u)[keep] ** 2)
+        power[role] += np.sum(low_pass(torque)[keep] ** 2)
+        counts = np.floor(r.q / COUNT + 0.5)
+        rows = np.column_stack([r.t, torque, counts * COUNT])
+        text = "\n".join(map("%.5f,%.5f,%.9f".__mod__, map(tuple, rows.tolist())))
+        (folder / f"{stem}.csv").write_text(f"time_s,torque_Nm,position_rad\n{text}\n", encoding="utf-8")
+    return {role: float(np.sqrt(left[role] / power[role])) for role in ROLES if power[role] > 0.0}
 
 
 def campaign(
@@ -534,7 +550,7 @@ def campaign(
     size: what the declared model cannot absorb of each effect, in units of LEVEL times the noise. noise: rms of the torque
     noise in the evaluation band, N*m (white at the log rate). short: records of a third of the length.
     The truth: missing (as a trace should name it: ["unknown"] for what no catalogue has), effects (as given), parameters,
-    axis, and floor: role -> nrmse that the torque noise alone leaves.
+    axis, floor: role -> nrmse that the torque noise alone leaves, and rig: the Axis itself, for further records of it.
     """
     folder = Path(folder)
     folder.mkdir(parents=True, exist_ok=True)
@@ -550,17 +566,7 @@ def campaign(
         parameters[name] = dict(zip(kind.names, p, strict=True))
         wrong_inertia += p[0] if kind.port == "inertia" else 0.0
     made = runs(axis, seed, short) if missing else nominal
-    white = noise / np.sqrt(np.mean(1 / (1 + (np.linspace(0, 500, 5001) / BAND) ** 8) ** 2))
-    left, power = dict.fromkeys(ROLES, 0.0), dict.fromkeys(ROLES, 0.0)
-    for r, (stem, role, _, _) in zip(made, RECORDS, strict=True):
-        torque = r.u + white * rng.standard_normal(r.u.size)
-        keep = slice(UNUSED, -UNUSED)
-        left[role] += np.sum(low_pass(torque - r.u)[keep] ** 2)
-        power[role] += np.sum(low_pass(torque)[keep] ** 2)
-        counts = np.floor(r.q / COUNT + 0.5)
-        rows = np.column_stack([r.t, torque, counts * COUNT])
-        text = "\n".join(map("%.5f,%.5f,%.9f".__mod__, map(tuple, rows.tolist())))
-        (folder / f"{stem}.csv").write_text(f"time_s,torque_Nm,position_rad\n{text}\n", encoding="utf-8")
+    floor = logged(folder, made, noise, rng)
     guess = {
         "inertia": plain.inertia - wrong_inertia,
         "viscous": plain.viscous * rng.uniform(0.9, 1.1),
@@ -575,5 +581,6 @@ def campaign(
         "effects": list(missing),
         "parameters": parameters,
         "axis": {k: getattr(plain, k) for k in ("inertia", "viscous", "h0", "rate")},
-        "floor": {role: float(np.sqrt(left[role] / power[role])) for role in ROLES},
+        "floor": floor,
+        "rig": axis,
     }
