@@ -1,6 +1,6 @@
 """Numbers put to a design: which vary over lanes, where each row starts, and how long the loop runs."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -15,6 +15,7 @@ from workbench.simulate.bodies import LAST, SOFT
 from workbench.simulate.criteria import Criteria
 from workbench.simulate.design import Design, Piece, design
 from workbench.simulate.dynamics import constants_of
+from workbench.simulate.given import REFERENCE, Given, given_of
 from workbench.simulate.sampled import Sensing
 from workbench.simulate.scenario import Loop, ScenarioArrays
 
@@ -29,6 +30,7 @@ class Bound:
 
     frontier: for each piece, the values (scalar or (lanes,)) that it takes from constants. initial: row -> value.
     strength: noise over noise.SIGMA. delays: whole substeps. rows_of_tables, base: tables, and first row of each lane's.
+    given: signals over time.
     """
 
     design: Design
@@ -41,7 +43,7 @@ class Bound:
     table: np.ndarray
     base: np.ndarray
     grid: tuple[int, int]
-    drive: np.ndarray | None
+    given: Given
     samples: int
     window_from: int
 
@@ -139,14 +141,17 @@ def tables_of(controller: Controller | None, lanes: int):
 
 
 def bind(plant, loop: Loop, controller: Controller | None, scenarios: ScenarioArrays, samples: int, criteria: Criteria,
-         aim=None, drive=None) -> Bound:  # fmt: skip
+         aim=None, given: Given | None = None) -> Bound:  # fmt: skip
     """Return a design for `plant` (or one plant a lane) with its numbers. aim: what the band is about; the target."""
     plants = [plant] if isinstance(plant, Plant) else list(plant)
     lanes = scenarios.lanes
+    given = given_of({}, samples, lanes) if given is None else given
+    if given.has(REFERENCE):
+        scenarios = replace(scenarios, target=given.last(REFERENCE))
     if len(plants) not in (1, lanes):
         raise WorkbenchError(f"{len(plants)} plants for {lanes} scenarios: give one plant, or one for each.")
     sensing, noisy = sensing_of(plants[0], loop, scenarios), bool((scenarios.noise > 0.0).any())
-    made = design(plants[0], controller.law if controller else None, sensing, noisy=noisy)
+    made = design(plants[0], controller.law if controller else None, sensing, noisy=noisy, given=given.structure)
     widths = widths_of(loop)
     each = [constants_of(p, made.symbols, widths) for p in plants]
     alike = [p.kind == plants[0].kind and p.limits == plants[0].limits for p in plants]
@@ -180,7 +185,7 @@ def bind(plant, loop: Loop, controller: Controller | None, scenarios: ScenarioAr
         table=table,
         base=base,
         grid=grid,
-        drive=drive,
+        given=given,
         samples=samples,
         window_from=max(samples - window, 0),
     )

@@ -10,6 +10,7 @@ from workbench.errors import WorkbenchError, nearest
 from workbench.plant import TWO_MASS, Plant
 from workbench.simulate.binding import Bound, bind, samples_of
 from workbench.simulate.criteria import Criteria
+from workbench.simulate.given import DRIVE, INJECTED, REFERENCE, given_of
 from workbench.simulate.metrics import Metrics, Trajectories, entry_time, finished
 from workbench.simulate.run import LANES, run_lanes
 from workbench.simulate.scenario import Loop, Scenario, ScenarioArrays, arrays_of
@@ -34,6 +35,8 @@ def simulate(
     *,
     every: int = 1,
     own: bool = False,
+    reference: np.ndarray | None = None,
+    injected: np.ndarray | None = None,
     criteria: Criteria | None = None,
     threads: int | None = None,
     lanes: int = LANES,
@@ -44,23 +47,27 @@ def simulate(
 
     plant: one, or one a scenario (same effects, other values). controller: its gains may vary over scenarios. duration: s.
     record: signals to keep ("q", "v", "y", "vh", "u", "kp", "kd", "amplitude", an effect's state "key.x[0]"; with two masses
-    "load.q", "load.v", "motor.y", "load.y"), every so many samples. own: run a second time for time_own. threads: how many share the work (the result is the same); all
+    "load.q", "load.v", "motor.y", "load.y"), every so many samples. reference: what the controller follows, rad or m, (n,) for all
+    scenarios or (n, lanes), a value a control sample; a scenario's target is then its last value. injected: added to the
+    law's command before its limit, N*m or N, the same shapes. own: run a second time for time_own. threads: how many share the work (the result is the same); all
     cores where absent. lanes: scenarios that one kernel moves side by side.
 
     Raises WorkbenchError for a plant that has no forward dynamics (no inertia, not affine in acceleration, an implicit
-    cycle), a duration that is not positive, no scenarios, or numbers of another length than the scenarios. A
+    cycle), a duration that is not positive, no scenarios, or numbers of another length than the scenarios or the run. A
     run that goes to infinity is no error: its metrics are infinite and `finite` is False.
     """
     criteria = criteria or Criteria()
     arrays = arrays_of(scenarios)
     samples = samples_of(duration, loop)
-    bound = bind(plant, loop, controller, arrays, samples, criteria)
+    given = given_of({REFERENCE: reference, INJECTED: injected}, samples, arrays.lanes)
+    bound = bind(plant, loop, controller, arrays, samples, criteria, given=given)
+    arrays = bound.scenarios
     final, kept = run_lanes(bound, named(bound, record), every, lanes, threads)
     metrics = finished(bound, final, criteria.band, _trajectories(bound, record, every, kept))
     if not own:
         return metrics
     aim = np.where(metrics.finite, metrics.final_position, arrays.target)
-    second = bind(plant, loop, controller, arrays, samples, criteria, aim=aim)
+    second = bind(plant, loop, controller, arrays, samples, criteria, aim=aim, given=given)
     again, _ = run_lanes(second, (), 1, lanes, threads)
     band = criteria.band * np.abs(aim - arrays.start)
     time = np.where(metrics.finite, entry_time(again, aim, band, loop.sample_time), np.inf)
@@ -103,7 +110,9 @@ def open_loop(
         raise WorkbenchError(f"the drive has {drive.shape[1]} columns for {arrays.lanes} scenarios.")
     limited = np.clip(drive, -plant.limits.drive, plant.limits.drive)
     loop = Loop(dt, substeps, resolution=resolution, load_resolution=load_resolution)
-    bound = bind(plant, loop, None, arrays, len(drive), Criteria(), drive=limited)
+    bound = bind(
+        plant, loop, None, arrays, len(drive), Criteria(), given=given_of({DRIVE: limited}, len(drive), arrays.lanes)
+    )
     load = ("load.q", "load.v", "load.y") if plant.kind == TWO_MASS else ()
     names = tuple(dict.fromkeys(("q", "v", "y", *load, *record)))
     _, kept = run_lanes(bound, named(bound, names), 1, lanes, threads)

@@ -16,7 +16,7 @@ from workbench.kernel.split import split
 from workbench.plant import TWO_MASS, Plant
 from workbench.simulate.bodies import LAST, OUTPUT, deflection, substep
 from workbench.simulate.dynamics import Symbols, directed
-from workbench.simulate.sampled import Sensing, command, metrics, reading, sense
+from workbench.simulate.sampled import Sensing, command, inputs, metrics, reading, sense
 from workbench.simulate.stage import Stage, stage
 
 
@@ -78,22 +78,28 @@ class _Structure:
         return hash(self.keys)
 
 
-def design(plant: Plant, law: Law | None, sensing: Sensing, *, noisy: bool) -> Design:
+Names = tuple[tuple[str, ...], tuple[str, ...]]  # of the signals given over time: shared, and each scenario's own
+
+
+def design(plant: Plant, law: Law | None, sensing: Sensing, *, noisy: bool, given: Names = ((), ())) -> Design:
     """Return the design for plants of this structure; law None: the drive is given, sample by sample."""
     keys = tuple((e.key, e.step, e.derive, e.port, e.holds, tuple(e.states.items())) for e in plant.effects)
     speed_limited = plant.limits.speed != float("inf")
-    return _design(_Structure(keys, plant.effects), law, sensing, noisy, speed_limited)
+    return _design(_Structure(keys, plant.effects), law, sensing, noisy, speed_limited, given)
 
 
 @lru_cache(maxsize=64)
-def _design(structure: _Structure, law: Law | None, sensing: Sensing, noisy: bool, speed_limited: bool) -> Design:
+def _design(
+    structure: _Structure, law: Law | None, sensing: Sensing, noisy: bool, speed_limited: bool, given: Names
+) -> Design:
     effects = directed(structure.effects)
     symbols = Symbols()
     position = OUTPUT[sensing.kind]
-    seen = sense(effects, law, symbols, sensing)
-    decided = metrics(symbols, position)
+    driven = inputs(symbols, *given)
+    seen = sense(effects, law, symbols, sensing, driven)
+    decided = metrics(symbols, position, driven)
     if law is not None:  # metrics see the command of this sample, not of the one before
-        commanded = command(law, symbols)
+        commanded = command(law, symbols, driven)
         u = commanded["u_c"]
         decided = commanded | {n: ca.substitute(ca.SX(x), symbols.state("u_c"), u) for n, x in decided.items()}
     moved, masses = substep(sensing.kind, effects, symbols, speed_limited=speed_limited, noisy=noisy)

@@ -7,6 +7,7 @@ import numpy as np
 
 from workbench.simulate.binding import NEVER, Bound
 from workbench.simulate.bodies import OUTPUT
+from workbench.simulate.sampled import FOLLOWING
 
 
 @dataclass(frozen=True, eq=False)
@@ -25,8 +26,10 @@ class Metrics:
     """Arrays over scenarios, (lanes,), SI. Of two masses, positions are the load's, and speeds the motor's.
 
     time_1pct: when the true position enters the band of 1 % of the step about the target to stay, linear between samples;
-    infinite where it is outside in the last sample. time_own: the same about its own final position, where asked for.
+    infinite where it is outside in the last sample. Where a reference over time is followed, the target is its last value,
+    and final_error and settling are about the reference itself. time_own: the same about its own final position, where asked for.
     overshoot: beyond the target, as a share of the step. final_error: largest |target - q| in the last window.
+    following_error: largest |r - q| from a reference over time, else None.
     settling: first sample of the first stretch within +-counts by the reading that lasts for the hold time, in s.
     peak_torque: largest command after its limit. peak_speed. ripple: rms of the command about its mean, last window.
     reversals: of motion, by the reading. final_position. finite: False where the run went to infinity or NaN; there
@@ -44,6 +47,7 @@ class Metrics:
     reversals: np.ndarray
     final_position: np.ndarray
     finite: np.ndarray
+    following_error: np.ndarray | None = None
     trajectories: Trajectories | None = None
 
     @property
@@ -88,5 +92,6 @@ def finished(bound: Bound, rows: Mapping[str, np.ndarray], band: float, trajecto
         reversals=rows["reversals"].astype(np.int64),
         final_position=rows[position],
         finite=finite,
+        following_error=judged(rows[FOLLOWING]) if FOLLOWING in rows else None,
         trajectories=trajectories,
     )

@@ -37,14 +37,14 @@ def layout_of(bound: Bound, lanes: int, record: tuple[str, ...]) -> Layout:
     delay = "none" if most == 0 else "uniform" if np.min(bound.delays) == most else "varying"
     varying = tuple(tuple(bool(np.ndim(v)) for v in values) for values in bound.frontier)
     slots = 1 if delay == "none" else 1 << (-(-most // bound.loop.substeps)).bit_length()
-    return Layout(varying, bound.loop.substeps, lanes, delay, slots, record)
+    return Layout(varying, bound.loop.substeps, lanes, delay, slots, record, *bound.given.structure)
 
 
 def chunked(values: np.ndarray, lanes: int, dtype=None) -> np.ndarray:
     """Return (..., n) as (chunks, ..., lanes), the last chunk filled with the last value."""
     n = values.shape[-1]
     pad = [(0, 0)] * (values.ndim - 1) + [(0, -n % lanes)]
-    full = np.pad(values, pad, mode="edge").reshape(*values.shape[:-1], -1, lanes)
+    full = np.pad(values, pad, mode="edge").reshape(*values.shape[:-1], -(-n // lanes), lanes)
     return np.ascontiguousarray(np.moveaxis(full, -2, 0), dtype=dtype)
 
 
@@ -69,7 +69,7 @@ def run_lanes(
     seeds = chunked(np.broadcast_to(bound.scenarios.seed, (n,)), lanes, np.uint64)
     base, delays = chunked(bound.base, lanes), chunked(np.broadcast_to(bound.delays, (n,)), lanes)
     strength = chunked(bound.strength, lanes)
-    drive = chunked(bound.drive, lanes) if bound.drive is not None else np.zeros((chunks, 1, 1))
+    own, shared = chunked(bound.given.own, lanes), np.ascontiguousarray(bound.given.shared).ravel()
     kept = -(-bound.samples // every) if record else 0
     out = np.empty((chunks, kept, len(record), lanes))
     run = kernel(bound.design, layout)
@@ -79,7 +79,7 @@ def run_lanes(
 
     def chunk(i: int) -> None:
         ring = np.zeros(layout.slots * lanes)
-        run(x[i].ravel(), scalars, table, base[i], seeds[i], strength[i], delays[i], ring, drive[i].ravel(),
+        run(x[i].ravel(), scalars, table, base[i], seeds[i], strength[i], delays[i], ring, shared, own[i].ravel(),
             out[i].ravel(), bound.samples, bound.window_from, every, shift, offset, uniform,
             bound.loop.sample_time, bound.loop.substep)  # fmt: skip
 

@@ -4,6 +4,7 @@ The reading is res floor(q/res + phase); the velocity a filtered backward differ
 has come back by more than `back` from its furthest point since the last one; from rest, any motion by as much is a start.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import casadi as ca
@@ -14,8 +15,10 @@ from workbench.effects.elementary import absolute, clip, maximum, where
 from workbench.plant import SENSORS, TWO_MASS
 from workbench.simulate.bodies import BODIES
 from workbench.simulate.dynamics import Symbols, call, fixed_signals, sensor_maps
+from workbench.simulate.given import INJECTED, REFERENCE
 
 AMPLITUDE = "amplitude"
+FOLLOWING = "following"  # largest distance from a reference over time; no row without one
 PREFIX = dict(zip(SENSORS, BODIES[TWO_MASS].values(), strict=True))  # channel -> before the names of its body's rows
 
 
@@ -86,9 +89,17 @@ def reversals(symbols: Symbols, y: ca.SX) -> tuple[dict[str, ca.SX], ca.SX]:
     return after, found
 
 
-def control_signals(symbols: Symbols, y: ca.SX, vh: ca.SX) -> dict[str, ca.SX]:
+def inputs(symbols: Symbols, shared: tuple[str, ...], own: tuple[str, ...]) -> dict[str, ca.SX]:
+    """Return name -> value of what is given over time: clocks where it is shared, rows where it is each scenario's own.
+
+    Without a reference over time it is the scenario's target.
+    """
+    found = {n: symbols.clock(n) for n in shared} | {n: symbols.state(n) for n in own}
+    return {REFERENCE: symbols.constant("target")} | found
+
+
+def control_signals(symbols: Symbols, y: ca.SX, vh: ca.SX, r: ca.SX) -> dict[str, ca.SX]:
     """What a law reads."""
-    r = symbols.constant("target")
     constants = {n: symbols.constant(n) for n in ("limit", "count")}
     return {"r": r, "y": y, "vh": vh, "e": r - y, "dt": symbols.constant("sample_time"), **constants}
 
@@ -99,7 +110,9 @@ def law_parts(law: Law, symbols: Symbols):
     return z, namespace(**{n: symbols.constant(f"law.{n}") for n in law.parameters})
 
 
-def sense(effects, law: Law | None, symbols: Symbols, sensing: Sensing) -> dict[str, ca.SX]:
+def sense(
+    effects, law: Law | None, symbols: Symbols, sensing: Sensing, driven: Mapping[str, ca.SX]
+) -> dict[str, ca.SX]:
     """Reading, velocity, reversals and, for a law with a table, where to look up."""
     out = reading(effects, symbols, sensing)
     y = out["y"]
@@ -108,7 +121,7 @@ def sense(effects, law: Law | None, symbols: Symbols, sensing: Sensing) -> dict[
     out |= moved
     if law is not None and law.amplitude is not None:
         z, p = law_parts(law, symbols)
-        signals = control_signals(symbols, y, out["vh"])
+        signals = control_signals(symbols, y, out["vh"], driven[REFERENCE])
         signals |= {"stroke": absolute(y - moved["turned"]), "share": moved["share"], "reversal": found}
         states, amplitude = law.amplitude(namespace(**signals), z, p)
         out |= {f"law.{n}": v for n, v in states.items()}
@@ -116,31 +129,35 @@ def sense(effects, law: Law | None, symbols: Symbols, sensing: Sensing) -> dict[
     return out
 
 
-def command(law: Law, symbols: Symbols) -> dict[str, ca.SX]:
-    """The law's command, limited to the drive's torque, and its next states."""
+def command(law: Law, symbols: Symbols, driven: Mapping[str, ca.SX]) -> dict[str, ca.SX]:
+    """The law's command and what is added to it, limited to the drive's torque, and its next states."""
     z, p = law_parts(law, symbols)
-    signals = control_signals(symbols, symbols.state("y"), symbols.state("vh"))
+    signals = control_signals(symbols, symbols.state("y"), symbols.state("vh"), driven[REFERENCE])
     signals |= {n: symbols.state(f"gain.{n}") for n in law.columns}
     states, u = law.step(namespace(**signals), z, p)
     limit = symbols.constant("limit")
+    u = u + driven[INJECTED] if INJECTED in driven else u
     return {"u_c": clip(u, -limit, limit), **{f"law.{n}": v for n, v in states.items()}}
 
 
-def metrics(symbols: Symbols, position: str) -> dict[str, ca.SX]:
+def metrics(symbols: Symbols, position: str, driven: Mapping[str, ca.SX]) -> dict[str, ca.SX]:
     """Running metrics of one sample; workbench.simulate.metrics says what they become.
 
     position: the row that they are about. `aim` is the value that the band is about: the target, or in a second pass the final value.
     """
+    r = driven[REFERENCE]
     k, window = symbols.clock("k"), symbols.clock("window")
     q, u = symbols.state(position), symbols.state("u_c")
     error = symbols.constant("aim") - q
     outside = symbols.constant("band") < absolute(error)
     was = symbols.state("outside")
-    astray = symbols.constant("hold_band") < absolute(symbols.constant("target") - symbols.state("y"))
+    astray = symbols.constant("hold_band") < absolute(r - symbols.state("y"))
     k_astray = where(astray, k, symbols.state("k_astray"))
     settled = symbols.state("k_settled")
     held = ca.logic_and(symbols.constant("hold") <= k - k_astray, settled < 0.0)
-    return {
+    moving = REFERENCE in symbols.states or REFERENCE in symbols.clocks
+    following = {FOLLOWING: maximum(symbols.state(FOLLOWING), absolute(r - q))} if moving else {}
+    return following | {
         "outside": outside,
         "k_outside": where(outside, k, symbols.state("k_outside")),
         "e_outside": where(outside, error, symbols.state("e_outside")),
@@ -150,7 +167,7 @@ def metrics(symbols: Symbols, position: str) -> dict[str, ca.SX]:
         "peak": maximum(symbols.state("peak"), q * symbols.constant("step_sign")),
         "peak_speed": maximum(symbols.state("peak_speed"), absolute(symbols.state("v"))),
         "peak_torque": maximum(symbols.state("peak_torque"), absolute(u)),
-        "final_error": maximum(symbols.state("final_error"), window * absolute(symbols.constant("target") - q)),
+        "final_error": maximum(symbols.state("final_error"), window * absolute(r - q)),
         "sum_u": symbols.state("sum_u") + window * u,
         "sum_uu": symbols.state("sum_uu") + window * (u * u),
     }

@@ -15,7 +15,7 @@ from workbench.simulate.design import Design, Piece
 from workbench.simulate.sampled import AMPLITUDE
 
 ARGUMENTS = (
-    "x, c, table, base, seeds, strength, delays, ring, drive, out, "
+    "x, c, table, base, seeds, strength, delays, ring, shared, own, out, "
     "samples, window_from, every, shift, offset, delay, sample_time, h"
 )
 HEAD = '''"""Generated: one sampled loop. Strict arithmetic in the order of the symbolic steps, so the bits are the same."""
@@ -39,7 +39,7 @@ def run({arguments}):
 class Layout:
     """How a kernel is laid out.
 
-    varying: for each piece, whether each of its constants has a value a lane. record: rows written out, if any.
+    varying: for each piece, whether each of its constants has a value a lane. record: rows written out, if any. shared, own: signals given over time.
     delay: "none", "uniform" or "varying"; slots: samples that the ring holds. substeps, lanes: written into the text.
     """
 
@@ -49,6 +49,8 @@ class Layout:
     delay: str
     slots: int
     record: tuple[str, ...] = ()
+    shared: tuple[str, ...] = ()
+    own: tuple[str, ...] = ()
 
     def constants(self, at: int) -> list[tuple[str, int]]:
         """(kind, number) of each constant of piece `at`: "row" counted after the design's rows, or "scalar"."""
@@ -149,6 +151,15 @@ def delayed(at: dict[str, int], layout: Layout) -> tuple[list[str], list[str]]:
     return put, take
 
 
+def given(at: dict[str, int], layout: Layout) -> list[str]:
+    """Lines that take a sample of the signals given over time."""
+    lanes, n, m = layout.lanes, len(layout.shared), len(layout.own)
+    text = [f"clock_{name} = shared[k * {n} + {i}]" for i, name in enumerate(layout.shared)]
+    rows = [(i, name) for i, name in enumerate(layout.own) if name in at]
+    text += [f"for lane in range({lanes}):"] if rows else []
+    return text + [f"    {cell(at[name], lanes)} = own[k * {m * lanes} + {i * lanes} + lane]" for i, name in rows]
+
+
 def recorded(at: dict[str, int], layout: Layout) -> list[str]:
     """Lines that write the rows asked for, every so many samples."""
     lanes, n = layout.lanes, len(layout.record)
@@ -156,8 +167,7 @@ def recorded(at: dict[str, int], layout: Layout) -> list[str]:
         return []
     text = ["if k % every == 0:", f"    place = (k // every) * {n * lanes}", f"    for lane in range({lanes}):"]
     return text + [
-        f"        out[place + {i * lanes} + lane] = x[{at[name] * lanes} + lane]"
-        for i, name in enumerate(layout.record)
+        f"        out[place + {i * lanes} + lane] = {cell(at[name], lanes)}" for i, name in enumerate(layout.record)
     ]
 
 
@@ -168,16 +178,22 @@ def source(design: Design, layout: Layout) -> str:
     sense, control, step = (lanes_loop(p, at, layout.constants(i), rows, lanes) for i, p in enumerate(design.pieces))
     scalars = sum(len(v) for v in layout.varying) - layout.extra_rows
     put, take = delayed(at, layout)
-    given = [] if design.law is not None else [
-        f"for lane in range({lanes}):", f"    {cell(at['u_c'], lanes)} = drive[k * {lanes} + lane]"
-    ]  # fmt: skip
     noisy = noise.source(cell(at["noise"], lanes), "strength[lane]", lanes) if design.noisy else []
     clocks = [
         "clock_k = float(k)",
         "clock_t = clock_k * sample_time",
         "clock_window = 1.0 if k >= window_from else 0.0",
     ]
-    sample = [*clocks, *given, *sense, *look_up(design, at, lanes), *control, *recorded(at, layout), *noisy, *put]
+    sample = [
+        *clocks,
+        *given(at, layout),
+        *sense,
+        *look_up(design, at, lanes),
+        *control,
+        *recorded(at, layout),
+        *noisy,
+        *put,
+    ]
     inner = [*take, "clock_t = clock_k * sample_time + j * h", *step]
     text = [f"    c_{i} = c[{i}]" for i in range(scalars)]
     own = range(rows + layout.extra_rows) if lanes == 1 else ()
