@@ -2,6 +2,19 @@
 
 from workbench.control.law import Controller, Law
 from workbench.control.laws import RULES, fixed_pd, pi_cascade, scheduled_pd
+from workbench.control.profile import FeedForward, profile_pi
 from workbench.control.table import Table, gains_at, grid
 
-__all__ = ["RULES", "Controller", "Law", "Table", "fixed_pd", "gains_at", "grid", "pi_cascade", "scheduled_pd"]
+__all__ = [
+    "RULES",
+    "Controller",
+    "FeedForward",
+    "Law",
+    "Table",
+    "fixed_pd",
+    "gains_at",
+    "grid",
+    "pi_cascade",
+    "profile_pi",
+    "scheduled_pd",
+]

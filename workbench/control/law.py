@@ -5,6 +5,11 @@ velocity), dt (sample time), limit (of the drive; infinite where not stated), an
 A law with a table also has `amplitude(s, z, p)`, which returns ({state: next value}, where to look up) and sees besides
 stroke (distance since the last motion reversal), share (1 from rest, 1/2 after a reversal), reversal (1 in the sample in
 which one is found) and count (the encoder's resolution).
+
+Where there are two masses, y is the reading of the encoder that closes the loop. A law that wants more says so: `reads`
+names what it sees besides, motor_y and load_y (both encoders), motor_vh and load_vh (their filtered velocities); and
+`follows` says whose reversals count: "feedback", those of y, or "joint", those of the relative displacement
+motor_y - load_y.
 """
 
 from collections.abc import Callable, Mapping
@@ -14,7 +19,11 @@ from types import MappingProxyType
 import numpy as np
 
 from workbench.control.table import Table
-from workbench.errors import WorkbenchError
+from workbench.errors import WorkbenchError, nearest
+
+READINGS = ("motor_y", "load_y", "motor_vh", "load_vh")
+FEEDBACK, JOINT = "feedback", "joint"
+FOLLOWED = (FEEDBACK, JOINT)
 
 
 @dataclass(frozen=True)
@@ -28,6 +37,22 @@ class Law:
     columns: tuple[str, ...] = ()
     amplitude: Callable | None = None
     start: Callable | None = None
+    reads: tuple[str, ...] = ()
+    follows: str = FEEDBACK
+
+    def __post_init__(self):
+        for name in self.reads:
+            if name not in READINGS:
+                raise WorkbenchError(
+                    f"law '{self.name}' reads '{name}', which is no reading; {nearest(name, READINGS)}"
+                )
+        if self.follows not in FOLLOWED:
+            raise WorkbenchError(f"law '{self.name}' follows '{self.follows}'; {nearest(self.follows, FOLLOWED)}")
+
+    @property
+    def both(self) -> bool:
+        """Whether the law asks for the readings of two encoders."""
+        return bool(self.reads) or self.follows == JOINT
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,7 +61,7 @@ class Controller:
 
     parameters: name -> scalar, or (lanes,) array with a value a lane. tables: none, one for all lanes, or several of
     one grid of knots. table (lanes,): which of the tables a lane uses; the first where absent. reversal: distance back
-    that counts as a reversal, in SI; three encoder counts where absent.
+    that counts as a reversal, in SI; three counts of the encoder (of the coarser one, where two are followed) where absent.
     """
 
     name: str

@@ -1,13 +1,17 @@
-"""Three laws: fixed PD, PD scheduled over the stroke since the last reversal, and the position-velocity cascade."""
+"""Three laws: fixed PD, PD scheduled over the stroke since the last reversal, and the position-velocity cascade.
+
+The scheduled PD may slow down along a square-root profile, and may follow the joint; the cascade may take its velocity
+from the motor. A profile with PI is in `profile`.
+"""
 
 from collections.abc import Sequence
-from functools import lru_cache
+from functools import cache
 
 import numpy as np
 
-from workbench.control.law import Controller, Law
+from workbench.control.law import FEEDBACK, JOINT, Controller, Law
 from workbench.control.table import Table
-from workbench.effects.elementary import absolute, clip, maximum, minimum, where
+from workbench.effects.elementary import absolute, clip, maximum, minimum, sign0, sqrt, where
 from workbench.errors import WorkbenchError, nearest
 
 FOLLOWING, FROZEN, ERROR = "following", "frozen", "error"
@@ -41,21 +45,38 @@ def _scheduled_step(s, z, p):
     return {}, (p.scale * s.kp) * s.e - (p.scale * s.kd) * s.vh
 
 
-@lru_cache(maxsize=len(RULES))
-def _scheduled(rule: str) -> Law:
+def _profiled_step(s, z, p):
+    left = absolute(s.e)
+    fastest = minimum(sqrt(2.0 * p.deceleration * left), p.speed_limit)
+    wanted = minimum(s.kp * left, s.kd * fastest)
+    return {}, p.scale * (sign0(s.e) * wanted - s.kd * s.vh)
+
+
+@cache
+def _scheduled(rule: str, follows: str, profiled: bool) -> Law:
     amplitude = {FOLLOWING: _following, ERROR: _error_aware, FROZEN: _frozen}[rule]
     return Law(
         name=f"scheduled_pd, {rule}",
-        parameters=("scale",),
-        step=_scheduled_step,
+        parameters=("scale", "deceleration", "speed_limit") if profiled else ("scale",),
+        step=_profiled_step if profiled else _scheduled_step,
         states=("held",) if rule == FROZEN else (),
         columns=("kp", "kd"),
         amplitude=amplitude,
         start=(lambda target, reading: {"held": np.abs(target - reading)}) if rule == FROZEN else None,
+        follows=follows,
     )
 
 
-def scheduled_pd(schedule, rule: str | None = None, *, scale=1.0, table=None) -> Controller:
+def scheduled_pd(
+    schedule,
+    rule: str | None = None,
+    *,
+    scale=1.0,
+    table=None,
+    deceleration=None,
+    speed_limit=None,
+    follows: str = FEEDBACK,
+) -> Controller:
     """u = Kp(A) (r - y) - Kd(A) vh, A the amplitude of the equivalent motion.
 
     schedule: anything with knots, kp, kd (n,) and, where it has them, rule and reversal; or a sequence of such, of one
@@ -67,6 +88,9 @@ def scheduled_pd(schedule, rule: str | None = None, *, scale=1.0, table=None) ->
     - "error": as "following", with s no more than the larger of the error and one count.
 
     Outside the knots gains are those of the first or last. scale, scalar or (lanes,), multiplies both gains.
+    deceleration (rad/s^2 or m/s^2) and speed_limit (rad/s or m/s), together: Kp |e| is no more than Kd times
+    min(sqrt(2 deceleration |e|), speed_limit), so that gross motion ends along a parabola. follows: "joint" lets s be the
+    relative displacement of two encoders since its own reversal, and A too; rule "following" alone makes sense of it.
     """
     schedules = list(schedule) if isinstance(schedule, Sequence) else [schedule]
     if not schedules:
@@ -74,32 +98,54 @@ def scheduled_pd(schedule, rule: str | None = None, *, scale=1.0, table=None) ->
     rule = rule or getattr(schedules[0], "rule", None) or FOLLOWING
     if rule not in RULES:
         raise WorkbenchError(f"unknown rule '{rule}' of a schedule; {nearest(rule, RULES)}")
+    if follows == JOINT and rule != FOLLOWING:
+        raise WorkbenchError(
+            f"a schedule over the relative displacement has the rule '{FOLLOWING}'; '{rule}' compares it with the error "
+            "of the load, which is another thing."
+        )
+    if (deceleration is None) != (speed_limit is None):
+        raise WorkbenchError("scheduled_pd: a profile needs both a deceleration and a speed_limit.")
     tables = tuple(Table(s.knots, {"kp": s.kp, "kd": s.kd}) for s in schedules)
     reversal = getattr(schedules[0], "reversal", None)
     table = None if table is None else np.asarray(table, dtype=np.int64)
     if table is not None and (table.min() < 0 or table.max() >= len(tables)):
         raise WorkbenchError(f"scheduled_pd: table numbers must lie in 0 to {len(tables) - 1}.")
-    return Controller("scheduled_pd", _scheduled(rule), {"scale": scale}, tables, table, reversal)
+    profile = {} if deceleration is None else {"deceleration": deceleration, "speed_limit": speed_limit}
+    law = _scheduled(rule, follows, bool(profile))
+    return Controller("scheduled_pd", law, {"scale": scale, **profile}, tables, table, reversal)
 
 
-def _cascade(s, z, p):
-    wanted = clip(p.kv * s.e, -p.speed_limit, p.speed_limit)
-    error = wanted - s.vh
-    command = p.kvp * error + z.integral
-    # Conditional integration: not further into the limit. The integral itself never asks for more than the limit.
-    free = (absolute(command) <= s.limit) + (command * error < 0.0)
+def cascaded(s, z, p, wanted, speed, more=0.0, growing=1.0):
+    """Return the step of a PI controller of speed: u = kvp (wanted - speed) + integral + more.
+
+    growing: where the integral may move. It stops while the command is beyond the drive's limit and the error would push it
+    further, and never asks for more than the limit itself.
+    """
+    error = wanted - speed
+    command = p.kvp * error + z.integral + more
+    free = growing * ((absolute(command) <= s.limit) + (command * error < 0.0))
     grown = clip(z.integral + (p.ki * s.dt) * error, -s.limit, s.limit)
     return {"integral": where(free, grown, z.integral)}, command
 
 
+def _cascade(s, z, p):
+    return cascaded(s, z, p, clip(p.kv * s.e, -p.speed_limit, p.speed_limit), s.vh)
+
+
+def _on_motor(s, z, p):
+    return cascaded(s, z, p, clip(p.kv * s.e, -p.speed_limit, p.speed_limit), s.motor_vh)
+
+
 _CASCADE = Law("pi_cascade", ("kv", "kvp", "ki", "speed_limit"), _cascade, states=("integral",))
+_DUAL = Law("pi_cascade, speed of the motor", _CASCADE.parameters, _on_motor, ("integral",), reads=("motor_vh",))
 
 
-def pi_cascade(kv, kvp, ki, speed_limit) -> Controller:
+def pi_cascade(kv, kvp, ki, speed_limit, *, motor_speed: bool = False) -> Controller:
     """v_r = clip(kv (r - y), +-speed_limit), u = kvp (v_r - vh) + ki integral of (v_r - vh) dt.
 
     kv: 1/s. kvp: N*m*s/rad or N*s/m. ki: N*m/rad or N/m. speed_limit: rad/s or m/s. Scalars or (lanes,) arrays.
     The integral stops while the command is beyond the drive's limit and the error would push it further, and is itself
-    clamped to that limit.
+    clamped to that limit. motor_speed: of two masses, the speed is the motor's whichever encoder gives the position.
     """
-    return Controller("pi_cascade", _CASCADE, {"kv": kv, "kvp": kvp, "ki": ki, "speed_limit": speed_limit})
+    values = {"kv": kv, "kvp": kvp, "ki": ki, "speed_limit": speed_limit}
+    return Controller("pi_cascade", _DUAL if motor_speed else _CASCADE, values)

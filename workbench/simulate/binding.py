@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from workbench import effect as fx
-from workbench.control.law import Controller
+from workbench.control.law import JOINT, Controller
 from workbench.control.table import stacked
 from workbench.errors import WorkbenchError, nearest
 from workbench.kernel import arrays
@@ -16,7 +16,7 @@ from workbench.simulate.criteria import Criteria
 from workbench.simulate.design import Design, Piece, design
 from workbench.simulate.dynamics import constants_of
 from workbench.simulate.given import REFERENCE, Given, given_of
-from workbench.simulate.sampled import Sensing
+from workbench.simulate.sampled import Sensing, followed
 from workbench.simulate.scenario import Loop, ScenarioArrays
 
 BACK = 2.5  # encoder counts: three back are a reversal; between counts, so that no rounding decides
@@ -150,6 +150,10 @@ def bind(plant, loop: Loop, controller: Controller | None, scenarios: ScenarioAr
         scenarios = replace(scenarios, target=given.last(REFERENCE))
     if len(plants) not in (1, lanes):
         raise WorkbenchError(f"{len(plants)} plants for {lanes} scenarios: give one plant, or one for each.")
+    if controller and controller.law.both and plants[0].kind == ONE_MASS:
+        raise WorkbenchError(
+            f"the law '{controller.law.name}' asks for two encoders, but a plant of {ONE_MASS} has 'position' alone."
+        )
     sensing, noisy = sensing_of(plants[0], loop, scenarios), bool((scenarios.noise > 0.0).any())
     made = design(plants[0], controller.law if controller else None, sensing, noisy=noisy, given=given.structure)
     widths = widths_of(loop)
@@ -160,7 +164,8 @@ def bind(plant, loop: Loop, controller: Controller | None, scenarios: ScenarioAr
     values = each[0] if len(each) == 1 else {n: _joined([e[n] for e in each]) for n in each[0]}
     values = values | factors(scenarios) | limits(plants[0], loop) | criteria.constants(loop)
     values |= of_controller(controller, lanes) if controller else {}
-    back = controller.reversal if controller and controller.reversal is not None else BACK * loop.count
+    back = BACK * (max(loop.resolution, loop.load_resolution) if made.law and made.law.follows == JOINT else loop.count)
+    back = controller.reversal if controller and controller.reversal is not None else back
     step = scenarios.target - scenarios.start
     aim = values["target"] if aim is None else aim
     values |= {
@@ -257,11 +262,12 @@ def per_mass(made: Design, values: dict, rest: dict, scenarios: ScenarioArrays) 
 
 def initial(made: Design, controller: Controller | None, values: dict, scenarios: ScenarioArrays, rest: dict) -> dict:
     """Return row -> value at the start: at rest, every memory empty, the reading that of the start position."""
-    y = at(made.start, values, rest)["y"]
+    first = at(made.start, values, rest)
+    y, turned = first["y"], followed(made.law, first)
     rows = rest | {
-        "y": y,
-        "furthest": y,
-        "turned": y,
+        **first,
+        "furthest": turned,
+        "turned": turned,
         "share": 1.0,
         "k_outside": -1.0,
         "k_astray": -1.0,

@@ -16,7 +16,7 @@ from workbench.kernel.split import split
 from workbench.plant import TWO_MASS, Plant
 from workbench.simulate.bodies import LAST, OUTPUT, deflection, substep
 from workbench.simulate.dynamics import Symbols, directed
-from workbench.simulate.sampled import Sensing, command, inputs, metrics, reading, sense
+from workbench.simulate.sampled import READ, Sensing, command, inputs, metrics, reading, sense
 from workbench.simulate.stage import Stage, stage
 
 
@@ -103,7 +103,7 @@ def _design(
         u = commanded["u_c"]
         decided = commanded | {n: ca.substitute(ca.SX(x), symbols.state("u_c"), u) for n, x in decided.items()}
     moved, masses = substep(sensing.kind, effects, symbols, speed_limited=speed_limited, noisy=noisy)
-    first = {"y": reading(effects, symbols, sensing)["y"]}
+    first = {n: v for n, v in reading(effects, symbols, sensing).items() if n in READ}
     x = deflection(effects, symbols)[1] if sensing.kind == TWO_MASS else None
 
     def ready(name, outputs):

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import casadi as ca
 
-from workbench.control.law import Law
+from workbench.control.law import JOINT, Law
 from workbench.effect import namespace
 from workbench.effects.elementary import absolute, clip, maximum, where
 from workbench.plant import SENSORS, TWO_MASS
@@ -19,6 +19,7 @@ from workbench.simulate.given import INJECTED, REFERENCE
 
 AMPLITUDE = "amplitude"
 FOLLOWING = "following"  # largest distance from a reference over time; no row without one
+READ = ("y", "motor.y", "load.y")
 PREFIX = dict(zip(SENSORS, BODIES[TWO_MASS].values(), strict=True))  # channel -> before the names of its body's rows
 
 
@@ -59,11 +60,16 @@ def reading(effects, symbols: Symbols, sensing: Sensing) -> dict[str, ca.SX]:
     return after
 
 
-def velocity(symbols: Symbols, y: ca.SX) -> dict[str, ca.SX]:
-    """vh <- vh + (1 - exp(-Ts/tf)) ((y - y_before)/Ts - vh)."""
-    vh = symbols.state("vh")
-    rate = (y - symbols.state("y")) * symbols.constant("sample_rate")
-    return {"vh": vh + symbols.constant("smoothing") * (rate - vh)}
+def velocity(symbols: Symbols, y: ca.SX, body: str = "") -> dict[str, ca.SX]:
+    """vh <- vh + (1 - exp(-Ts/tf)) ((y - y_before)/Ts - vh), of the reading of one body ("motor." or "load."), or of y."""
+    vh = symbols.state(f"{body}vh")
+    rate = (y - symbols.state(f"{body}y")) * symbols.constant("sample_rate")
+    return {f"{body}vh": vh + symbols.constant("smoothing") * (rate - vh)}
+
+
+def followed(law: Law | None, values: dict[str, ca.SX]) -> ca.SX:
+    """The reading whose reversals count: y, or the relative displacement of the two encoders."""
+    return values["motor.y"] - values["load.y"] if law is not None and law.follows == JOINT else values["y"]
 
 
 def reversals(symbols: Symbols, y: ca.SX) -> tuple[dict[str, ca.SX], ca.SX]:
@@ -98,10 +104,12 @@ def inputs(symbols: Symbols, shared: tuple[str, ...], own: tuple[str, ...]) -> d
     return {REFERENCE: symbols.constant("target")} | found
 
 
-def control_signals(symbols: Symbols, y: ca.SX, vh: ca.SX, r: ca.SX) -> dict[str, ca.SX]:
-    """What a law reads."""
+def control_signals(law: Law, symbols: Symbols, values: Mapping[str, ca.SX], r: ca.SX) -> dict[str, ca.SX]:
+    """What a law reads. values: name -> row of a reading or velocity; r: the reference."""
+    y = values["y"]
     constants = {n: symbols.constant(n) for n in ("limit", "count")}
-    return {"r": r, "y": y, "vh": vh, "e": r - y, "dt": symbols.constant("sample_time"), **constants}
+    more = {n: values[n.replace("_", ".")] for n in law.reads}
+    return {"r": r, "y": y, "vh": values["vh"], "e": r - y, "dt": symbols.constant("sample_time"), **constants, **more}
 
 
 def law_parts(law: Law, symbols: Symbols):
@@ -115,14 +123,16 @@ def sense(
 ) -> dict[str, ca.SX]:
     """Reading, velocity, reversals and, for a law with a table, where to look up."""
     out = reading(effects, symbols, sensing)
-    y = out["y"]
-    out |= velocity(symbols, y)
-    moved, found = reversals(symbols, y)
+    out |= velocity(symbols, out["y"])
+    for body in dict.fromkeys(n.removesuffix("vh").replace("_", ".") for n in (law.reads if law else ()) if "vh" in n):
+        out |= velocity(symbols, out[f"{body}y"], body)
+    at = followed(law, out)
+    moved, found = reversals(symbols, at)
     out |= moved
     if law is not None and law.amplitude is not None:
         z, p = law_parts(law, symbols)
-        signals = control_signals(symbols, y, out["vh"], driven[REFERENCE])
-        signals |= {"stroke": absolute(y - moved["turned"]), "share": moved["share"], "reversal": found}
+        signals = control_signals(law, symbols, out, driven[REFERENCE])
+        signals |= {"stroke": absolute(at - moved["turned"]), "share": moved["share"], "reversal": found}
         states, amplitude = law.amplitude(namespace(**signals), z, p)
         out |= {f"law.{n}": v for n, v in states.items()}
         out[AMPLITUDE] = clip(amplitude, symbols.constant("knot.first"), symbols.constant("knot.last"))
@@ -132,7 +142,8 @@ def sense(
 def command(law: Law, symbols: Symbols, driven: Mapping[str, ca.SX]) -> dict[str, ca.SX]:
     """The law's command and what is added to it, limited to the drive's torque, and its next states."""
     z, p = law_parts(law, symbols)
-    signals = control_signals(symbols, symbols.state("y"), symbols.state("vh"), driven[REFERENCE])
+    rows = ("y", "vh", *(n.replace("_", ".") for n in law.reads))
+    signals = control_signals(law, symbols, {n: symbols.state(n) for n in rows}, driven[REFERENCE])
     signals |= {n: symbols.state(f"gain.{n}") for n in law.columns}
     states, u = law.step(namespace(**signals), z, p)
     limit = symbols.constant("limit")
