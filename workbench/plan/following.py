@@ -1,0 +1,54 @@
+"""A plant that follows a reference: the record that it would leave, without noise."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from workbench import effect as fx
+from workbench.effect import Effect
+from workbench.errors import WorkbenchError
+from workbench.identify.passes import Passes, predicted
+from workbench.motion import motion
+from workbench.plan.envelope import Sensing
+from workbench.plan.motions import Reference
+from workbench.plant import ONE_MASS, Plant
+from workbench.record import IDENTIFICATION, Record, Source
+
+ROUNDS = 4  # of a force that reads the drive which it is part of: each leaves mu times the error before it
+SOURCE = Source(Path("planned"), "", "planned", {})
+
+
+def followed(reference: Reference, plant: Plant, sensing: Sensing) -> Passes:
+    """Return passes over the record of a plant whose encoder reads the reference: the drive that this takes.
+
+    Raises WorkbenchError for two masses, and where an effect reads a channel that a plan does not have.
+    """
+    if plant.kind != ONE_MASS:
+        raise WorkbenchError("a motion is planned for one mass only so far; this plant has two.")
+    channel = "torque" if plant.rotary else "force"
+    position = np.array(reference.position)
+    record = Record(
+        "planned", IDENTIFICATION, reference.time, {channel: np.zeros(position.size), "position": position}, {}, SOURCE,
+        {"position": sensing.counts},
+    )  # fmt: skip
+    passes = Passes(motion(record, sensing.bandwidth))
+    drive = predicted(passes, plant)
+    reads_drive = any({"u", "tau"} & set(e.reads) and e.port == fx.FORCE for e in plant.effects)
+    for _ in range(ROUNDS if reads_drive else 0):
+        passes = driven(passes, drive)
+        drive = predicted(passes, plant)
+    return driven(passes, drive)
+
+
+def driven(passes: Passes, drive: np.ndarray) -> Passes:
+    """Return passes over the same motion under another drive (n,)."""
+    m = passes.motion
+    channel = "torque" if "torque" in m.record.channels else "force"
+    record = replace(m.record, channels={**m.record.channels, channel: drive})
+    return Passes(replace(m, record=record, u=drive))
+
+
+def with_effect(plant: Plant, effect: Effect) -> Plant:
+    """Return the plant with an effect: in place of the one of the same name and place, or added."""
+    return plant.swap(effect) if effect.key in (e.key for e in plant.effects) else plant + effect

@@ -1,0 +1,146 @@
+"""Two effects that explain the same records: the motion along which they cannot both.
+
+One of them is taken as the truth. Along a motion its drive leaves r_0 that the declared model cannot absorb, and r that
+the declared model with the other effect cannot absorb. sin(angle) = |r|/|r_0|; the two part by r'r/sqrt(r' S r) standard
+deviations, S the covariance of the noise. Along every motion of a pool shape parameters are linearised; along the few best
+they are refitted, each effect taken as the truth in turn, and the smaller number counts.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import asin, degrees, inf
+
+import numpy as np
+
+from workbench.effect import Effect
+from workbench.finding import title
+from workbench.identify.passes import Passes
+from workbench.identify.problem import Problem
+from workbench.identify.solve import NoValue, bounded, scales, slopes, solve
+from workbench.plan.envelope import Envelope, Sensing, mass_of
+from workbench.plan.following import followed, with_effect
+from workbench.plan.motions import Reference, pool
+from workbench.plant import Plant
+from workbench.threads import one_thread
+
+SECONDS = 4.0  # length of each motion of the pool
+REFITTED = 3  # motions along which shape parameters are refitted
+APART = 3.0  # standard deviations by which two effects must part to be told apart
+ENOUGH = 10.0  # standard deviations beyond which the larger angle is the better motion
+STEP = 15.0  # degrees: angles within it are as good
+
+
+@dataclass(frozen=True, eq=False)
+class Separation:
+    """reference: the motion, or None where none within the limits parts them. angle: rad. deviations: standard deviations.
+
+    motion: "record a sine of ..."; sentence: that with what it brings.
+    """
+
+    first: str
+    second: str
+    reference: Reference | None
+    angle: float
+    deviations: float
+    motion: str
+    sentence: str
+
+    @property
+    def apart(self) -> bool:
+        """Whether the motion tells the two effects apart."""
+        return self.deviations >= APART
+
+
+@dataclass(frozen=True)
+class Parting:
+    """What one motion brings. angle: rad; deviations: standard deviations."""
+
+    angle: float
+    deviations: float
+
+    def better(self) -> tuple[float, int, float]:
+        """Order: enough standard deviations, then the angle as far as it matters, then still more of them."""
+        return min(self.deviations, ENOUGH), round(degrees(self.angle) / STEP), self.deviations
+
+
+@one_thread
+def separate(
+    plant: Plant, a: Effect, b: Effect, envelope: Envelope, sensing: Sensing, *, seconds: float = SECONDS
+) -> Separation:
+    """Return the motion that parts two effects best.
+
+    plant: the model without either, its values fitted. a, b: at their places, with the values that explain the records;
+    an effect that the plant has is set free there. seconds: length of the motion. WorkbenchError for two masses.
+    """
+    both = tuple(x.free(*x.parameters) if x.key in {e.key for e in plant.effects} else x for x in (a, b))
+    models = tuple(with_effect(plant, x) for x in both)
+    found = []
+    for reference in pool((*plant.effects, *both), envelope, sensing, seconds, plant.displacement):
+        passes = followed(reference, models[0], sensing)
+        if np.abs(passes.motion.u).max() <= envelope.drive:
+            found.append((_linearised(passes, plant, models[1], sensing), reference))
+    best = sorted(found, key=lambda x: x[0].better(), reverse=True)[:REFITTED]
+    refitted = [(_refitted(r, plant, models, sensing), r) for _, r in best]
+    parting, reference = max(refitted, key=lambda x: x[0].better(), default=(Parting(0.0, 0.0), None))
+    return _said(a, b, parting, reference)
+
+
+def _said(a: Effect, b: Effect, parting: Parting, reference: Reference | None) -> Separation:
+    names = title(a.name), title(b.name)
+    said = f"{degrees(parting.angle):.2g} degrees and {parting.deviations:.2g} standard deviations"
+    if reference is None or parting.deviations < APART:
+        sentence = (
+            f"No motion of {'this length ' if reference is not None else ''}within the limits tells {names[0]} from "
+            f"{names[1]}: the best leaves them {said} apart."
+        )
+        return Separation(a.key, b.key, reference, parting.angle, parting.deviations, "", sentence)
+    motion = f"record {reference.phrase}"
+    sentence = f"To tell {names[0]} from {names[1]}, {motion}: along it they lie {said} apart."
+    return Separation(a.key, b.key, reference, parting.angle, parting.deviations, motion, sentence)
+
+
+def _parting(left: np.ndarray, without: np.ndarray, sensing: Sensing, mass: float) -> Parting:
+    """left: (n,) that the other effect leaves. without: (n,) that the declared model leaves."""
+    power, whole = float(left @ left), float(without @ without)
+    if power <= 0.0 or whole <= 0.0:
+        return Parting(0.0, 0.0)
+    scatter = float(sensing.scatter(left[:, None], mass)[0, 0])
+    return Parting(asin(min((power / whole) ** 0.5, 1.0)), power / scatter**0.5)
+
+
+def _rest(passes: Passes, plant: Plant) -> np.ndarray:
+    """Return what `plant` cannot absorb of the drive, to first order in its shape parameters, (n,)."""
+    problem = Problem(plant, (passes,))
+    theta = problem.start()
+    y, phi = problem.assemble(theta)
+    if not (np.isfinite(y).all() and np.isfinite(phi).all()):
+        return np.zeros(0)
+    c = bounded(phi, y, *problem.bounds)
+    columns = np.hstack([phi, slopes(problem, theta, c, y, phi)])
+    columns = columns / scales(columns)
+    left = y - phi @ c
+    return left - columns @ np.linalg.lstsq(columns, left, rcond=1e-9)[0]
+
+
+def _linearised(passes: Passes, plant: Plant, other: Plant, sensing: Sensing) -> Parting:
+    without, left = _rest(passes, plant), _rest(passes, other)
+    return _parting(left, without, sensing, mass_of(plant)) if left.size and without.size else Parting(0.0, 0.0)
+
+
+def _refitted(reference: Reference, plant: Plant, models: Sequence[Plant], sensing: Sensing) -> Parting:
+    """Return the smaller parting of the two ways round, shape parameters fitted anew.
+
+    The other way round counts only where that effect, as it is given, shows at all.
+    """
+    worst = Parting(inf, inf)
+    for truth, other in (models, models[::-1]):
+        passes = followed(reference, truth, sensing)
+        try:
+            without, left = (solve(Problem(p, (passes,)), tolerance=1e-4).residual for p in (plant, other))
+        except NoValue:
+            return Parting(0.0, 0.0)
+        here = _parting(left, without, sensing, mass_of(plant))
+        if truth is models[1] and _parting(without, without, sensing, mass_of(plant)).deviations < APART:
+            continue
+        worst = min(worst, here, key=lambda p: p.deviations)
+    return worst
