@@ -62,6 +62,7 @@ def test_records_are_read_in_si(records):
     one = records["identification"]
     assert one.time.size == 24841 and one.dt == pytest.approx(1e-3, rel=1e-9)
     assert dict(one.units) == {"position": "m", "force": "N", "reference": "m"}
+    assert dict(records["validation"].units) == {"position": "m", "force": "N", "reference": "m", "injected": "N"}
     assert np.abs(one.channels["position"]).max() == pytest.approx(0.24, abs=0.02)
     assert one.channels["force"][0] == pytest.approx(35.15065188 * 2.53862809, rel=1e-8)
     assert one.source.reader == "mat"
@@ -95,5 +96,10 @@ def test_the_study_passes_its_checks_and_says_what_symmetric_friction_lacks(stud
     (_, high, first, wide), (_, low, second, wider) = (r.values() for r in content["ripple"])
     assert 0.6 < low < high < 1.1 and abs(first - second) > wide + wider
     assert figures["validation_error_ripple"] > figures["validation_error_lag"]
+    # The loop: the traced model gives the recorded force back better than the symmetric one, on both records.
+    assert figures["controller_error_identification"] < 0.0025
+    loops = {r.pop("model"): r for r in content["closed_loop"]}
+    assert all(loops["as traced"][role] < loops["symmetric, as published"][role] < p
+               for role, p in (("identification", 0.0585), ("validation", 0.0894)))  # fmt: skip
     html = (tmp_path / "out" / "report.html").read_text(encoding="utf-8")
     assert "12 of 12 printed figures are reproduced to their last digit." in html

@@ -6,20 +6,28 @@ from math import pi
 import numpy as np
 
 from workbench import readers
+from workbench.control import Controller, Law
 from workbench.effect import Effect, find
 from workbench.identify.fit import identify, passes_of
+from workbench.identify.output_error import rerun
+from workbench.identify.refine import refine
+from workbench.motion import Motion
 from workbench.plant import ONE_MASS, Plant
 from workbench.record import IDENTIFICATION, ROLES, VALIDATION, Record
 from workbench.report.contents import BAD, GOOD, Callout, Chapter, Equation, Paragraph, Table
+from workbench.simulate import Loop
 from workbench.study import standard
 from workbench.study.configuration import Study
 from workbench.study.outcome import Outcome
 from workbench.trace.tracing import trace
 
 FURTHER = ("rig", "published")
-COLUMNS = {"time": "t", "position": "qm", "reference": "qg", "voltage": "vir"}
+COLUMNS = {"time": "t", "position": "qm", "reference": "qg", "force": "vir"}
+PULSES = {"injected": "pulses_N"}  # volts, as vir is
 MOTIONS = {IDENTIFICATION: "point to point", VALIDATION: "point to point, with pulses of force"}
 ERROR = {"identification_error": "1", "validation_error": "1"}
+GAINS = {"drive": "gtau", "position": "kp", "velocity": "kv"}  # N/V, 1/s, V*s/m
+SUBSTEPS = 10  # from here on the loop's errors change by less than 0.1 %
 SYMMETRIC = {"mass": "kg", "viscous": "N*s/m", "coulomb": "N", "offset": "N"}
 ASYMMETRIC = {"mass": "kg"} | {f"{n}_{d}": u for n, u in (("viscous", "N*s/m"), ("coulomb", "N")) for d in ("forward", "backward")}  # fmt: skip
 
@@ -29,18 +37,24 @@ def rig(study: Study):
     return study.table.table("rig", ("bandwidth", "resolution", "revolution"))
 
 
+def gains(study: Study, role: str) -> dict[str, float]:
+    """Return the gains that a measured file states."""
+    return {n: x.item() for n, x in readers.read(study.measured(role), GAINS)[0].items()}
+
+
 def record(study: Study, role: str) -> Record:
     """Return the measured record of a role."""
     path = study.measured(role)
-    channels, source = readers.read(path, COLUMNS)
-    gain = readers.read(path, {"gain": "gtau"})[0]["gain"]  # N/V
-    values = {"position": channels["position"], "force": gain * channels["voltage"], "reference": channels["reference"]}
+    measured = readers.read(path, COLUMNS | (PULSES if role == VALIDATION else {}))
+    channels, source = dict(measured[0]), measured[1]
+    time, volts = channels.pop("time"), gains(study, role)["drive"]
+    channels |= {n: volts * channels[n] for n in ("force", "injected") if n in channels}
     return Record(
         name=path.stem,
         role=role,
-        time=channels["time"],
-        channels=values,
-        units={"position": "m", "force": "N", "reference": "m"},
+        time=time,
+        channels=channels,
+        units={n: "N" if n in ("force", "injected") else "m" for n in channels},
         source=source,
         resolution={"position": rig(study).quantity("resolution", "m", above=0.0)},
         motion=MOTIONS[role],
@@ -79,7 +93,7 @@ def published(records: dict[str, Record], asymmetric: bool) -> dict[str, float]:
 
 def compared(study: Study, obtained: dict[str, dict[str, float]]) -> list[tuple[str, str, str, float, float]]:
     """Return (model, quantity, unit, printed, obtained) of every printed figure."""
-    top = study.table.table("published", tuple(obtained))
+    top = study.table.table("published", (*obtained, "closed_loop"))
     rows = []
     for model, units in (("symmetric", SYMMETRIC | ERROR), ("asymmetric", ASYMMETRIC | ERROR)):
         printed = top.table(model, optional=tuple(units))
@@ -104,8 +118,46 @@ def ripple_of(one: Record, model: Plant, bandwidth: float) -> tuple[str, float, 
     return one.name, amplitude.value, phase.value, (phase.high - phase.low) / 2
 
 
+# --- the loop of the records -----------------------------------------------------------------------------------------
+
+
+def velocity_loop(s, z, p):
+    """Return the states and the force of position over velocity, the velocity from positions averaged over two samples."""
+    velocity = 0.5 * (s.y - z.second) / s.dt
+    return {"before": s.y, "second": z.before}, p.drive * p.velocity * (p.position * s.e - velocity)
+
+
+LAW = Law("position over velocity", tuple(GAINS), velocity_loop, ("before", "second"),
+          start=lambda target, reading: {"before": reading, "second": reading})  # fmt: skip
+
+
+def commanded(record: Record, gain: dict[str, float]) -> float:
+    """Return how far the law on the recorded positions is from the recorded force, |e|/|F|, without what was injected."""
+    q, r, own = (record.channels[n] for n in ("position", "reference", "force"))
+    velocity = 0.5 * (q[2:] - q[:-2]) / record.dt
+    force = gain["drive"] * gain["velocity"] * (gain["position"] * (r - q)[2:] - velocity)
+    force = force + record.channels.get("injected", np.zeros(q.size))[2:]
+    return float(np.linalg.norm(own[2:] - force) / np.linalg.norm(own[2:]))
+
+
+def simulated(models: dict[str, Plant], motions: dict[str, Motion], loop: Loop, law: Controller):
+    """Return model -> role -> error of the simulated force, |e|/|F|, unfiltered as the printed ones are."""
+    return {n: {r: rerun(plant, m, loop, law).raw["drive"] for r, m in motions.items()} for n, plant in models.items()}
+
+
+def printed_plant(obtained: dict[str, float], declared: Plant) -> Plant:
+    """Return the symmetric model with the printed parameters."""
+    names = {
+        "inertia": "mass",
+        "viscous_friction": "viscous",
+        "coulomb_friction": "coulomb",
+        "constant_offset": "offset",
+    }
+    return declared.with_values({e.key: {next(iter(e.linear)): obtained[names[e.name]]} for e in declared.effects})
+
+
 def run(study: Study, say) -> Outcome:
-    """Reproduce the printed figures, then identify and trace the symmetric model on the same records."""
+    """Reproduce the printed figures, identify and trace the symmetric model, and simulate the records' loops."""
     records = {role: record(study, role) for role in ROLES}
     bandwidth = rig(study).quantity("bandwidth", "Hz", above=0.0)
     say("reproducing the printed figures")
@@ -128,7 +180,23 @@ def run(study: Study, say) -> Outcome:
         "the same, with an actuator lag": lagging,
         "the same, with a ripple once a motor revolution": rippled,
     }
+    say("simulating the loops of the records")
+    motions = {p.motion.record.role: p.motion for p in passes}
+    law = Controller(LAW.name, LAW, gains(study, IDENTIFICATION))
+    one = records[IDENTIFICATION]
+    loop = Loop(one.dt, SUBSTEPS, resolution=one.resolution["position"])
+    models = {
+        "symmetric, as published": printed_plant(obtained["symmetric"], declared),
+        "symmetric, by the workbench": found.before.plant,
+        "the same, by output error": refine(found.before.plant, passes, loop, law).plant,
+        "as traced": found.after.plant,
+    }
+    closed = simulated(models, motions, loop, law)
     figures = {f"{m}_{n}_deviation": abs(o - p) for m, n, _, p, o in rows}
+    first, *_, last = closed.values()
+    figures |= {f"closed_loop_error_{role}": e for role, e in first.items()}
+    figures |= {f"closed_loop_error_{role}_after": e for role, e in last.items()}
+    figures |= {f"controller_error_{role}": commanded(r, gains(study, role)) for role, r in records.items()}
     fits = {"asymmetric": asymmetric, "lag": lagging, "ripple": rippled}
     figures |= {f"validation_error_{name}": fit.validation for name, fit in fits.items()}
     return Outcome(
@@ -142,11 +210,13 @@ def run(study: Study, say) -> Outcome:
         chapters=(
             printed_chapter(rows),
             own_chapter(obtained, own, bandwidth),
+            loop_chapter(study, closed, figures),
             ripple_chapter(ripples, turn),
         ),
         findings=(*found.findings, *found.after.findings),
         tables={
             "published": [dict(zip(("model", "figure", "unit", "printed", "obtained"), r, strict=True)) for r in rows],
+            "closed_loop": [{"model": name, **errors} for name, errors in closed.items()],
             "ripple": [dict(zip(("record", "amplitude", "phase", "half_interval"), r, strict=True)) for r in ripples],
         },
     )
@@ -201,6 +271,29 @@ def own_chapter(obtained, own, bandwidth) -> Chapter:
     rows = tuple((n, f"{100 * a:.2f} %", f"{100 * b:.2f} %") for n, a, b in models)
     table = Table(("Model", "Identification error", "Validation error"), rows, "Errors on both records.", "prr")
     return Chapter("Beside the published protocol", (Paragraph(text), table))
+
+
+def loop_chapter(study: Study, closed: dict[str, dict[str, float]], figures: dict[str, float]) -> Chapter:
+    """Errors of the force when the records' loops are simulated, beside the printed ones."""
+    printed = study.table.table("published", optional=tuple(study.table.values["published"])).table(
+        "closed_loop", tuple(ERROR)
+    )
+    errors = {"symmetric, as printed": {r: printed.quantity(f"{r}_error", "1") for r in ROLES}} | closed
+    lower = all(first <= errors["symmetric, as printed"][r] for r, first in next(iter(closed.values())).items())
+    said = "With the published parameters the simulated force is " + ("nearer to" if lower else "farther from")
+    text = (
+        "Here the reference goes in, and motion and force come out: the controller is the position over velocity loop that "
+        "the files give the gains of, its velocity the difference of positions that are averaged over two samples. Put on "
+        f"the recorded positions, that law gives the recorded force to {figures[f'controller_error_{IDENTIFICATION}']:.2%}, "
+        f"and to {figures[f'controller_error_{VALIDATION}']:.2%} with the pulses, whose height the file states in whole volts. "
+        "An error is |e|/|F| of the unfiltered force. How the printed simulation integrated the friction and took the "
+        "velocity is not stated, so its figures are a bound here and not digits to be reproduced."
+    )
+    rows = tuple((n, *(f"{100 * e[r]:.2f} %" for r in ROLES)) for n, e in errors.items())
+    table = Table(("Model", "Identification record", "Validation record"), rows,
+                  "Error of the force in the simulated loop of each record.", "prr")  # fmt: skip
+    callout = Callout(f"{said} the measured one than the printed simulation's.", GOOD if lower else BAD)
+    return Chapter("The loop, simulated", (callout, Paragraph(text), table))
 
 
 def ripple_chapter(ripples, turn: float) -> Chapter:

@@ -23,6 +23,7 @@ CHANNELS = {
     "position": "x",
     "load_position": "x",
     "reference": "x",
+    "injected": "F",
     "velocity": "x/s",
     "temperature": "K",
     "normal": "N",
