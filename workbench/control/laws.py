@@ -56,7 +56,7 @@ def _profiled_step(s, z, p):
 def _scheduled(rule: str, follows: str, profiled: bool) -> Law:
     amplitude = {FOLLOWING: _following, ERROR: _error_aware, FROZEN: _frozen}[rule]
     return Law(
-        name=f"scheduled_pd, {rule}",
+        name=f"scheduled_pd, {rule}" + ", joint" * (follows == JOINT) + ", profiled" * profiled,
         parameters=("scale", "deceleration", "speed_limit") if profiled else ("scale",),
         step=_profiled_step if profiled else _scheduled_step,
         states=("held",) if rule == FROZEN else (),

@@ -58,6 +58,32 @@ def actuator_lag() -> Effect:
 
 
 @effect
+def torque_constant_error() -> Effect:
+    """u' = (1 + e) u: this motor's torque constant, as a share off the one that the drive computes with.
+
+    On records it cannot be told from all inertias and forces being off by the same share, so it is not traced.
+    """
+
+    def step(s, z, p):
+        return {}, (1.0 + p.error) * s.u
+
+    return Effect(
+        name="torque_constant_error",
+        cause="magnets and windings differ between motors of one type: the torque constant is off its catalogue value",
+        formula="u' = (1 + e) u",
+        source="Hanselman, Brushless Permanent Magnet Motor Design, 2003 (tolerances)",
+        port=COMMAND,
+        parameters={"error": Parameter(0.0, "1", "e: share by which torque is off", lower=-0.9, upper=9.0)},
+        reads=("u",),
+        step=step,
+        holds=("odd",),
+        places=("command",),
+        at="command",
+        traced=False,
+    )
+
+
+@effect
 def torque_constant_saturation() -> Effect:
     """u' = u/sqrt(1 + c u^2): the torque constant falls with current, K(u) = K0/sqrt(1 + c u^2).
 

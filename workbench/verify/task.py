@@ -76,13 +76,16 @@ class Task:
             self.plant, self.step, load_inertia=load_inertia, counts=self.loop.resolution, band=self.criteria.band
         )
 
-    def run(self, controller, scenarios: ScenarioArrays, record=(), every: int = 1) -> Metrics:
+    def run(
+        self, controller, scenarios: ScenarioArrays, record=(), every: int = 1, threads: int | None = None
+    ) -> Metrics:
         return simulate(
-            self.plant, self.loop, controller, scenarios, self.duration, record, every=every, criteria=self.criteria
-        )
+            self.plant, self.loop, controller, scenarios, self.duration, record,
+            every=every, criteria=self.criteria, threads=threads,
+        )  # fmt: skip
 
-    def on(self, plant: Plant) -> "Task":
-        """Return the same task on another plant."""
+    def on(self, plant: "Plant | list[Plant]") -> "Task":
+        """Return the same task on another plant, or on one a scenario."""
         return replace(self, plant=plant)
 
 

@@ -1,0 +1,31 @@
+"""What a controller does on axes that differ: draws, both perspectives, statements with confidence, worst cases kept."""
+
+from workbench.robustness.cases import Cases, Varied, even, grid, independent
+from workbench.robustness.distribution import Distribution, fixed, log_uniform, normal, uniform
+from workbench.robustness.influence import Influence, influences
+from workbench.robustness.perspective import Perspectives, Share, perspectives, share_beyond
+from workbench.robustness.work import Block, Work, blocks, joined, work
+
+__all__ = [
+    "Block",
+    "Cases",
+    "Distribution",
+    "Influence",
+    "Perspectives",
+    "Share",
+    "Varied",
+    "Work",
+    "blocks",
+    "even",
+    "fixed",
+    "grid",
+    "independent",
+    "influences",
+    "joined",
+    "log_uniform",
+    "normal",
+    "perspectives",
+    "share_beyond",
+    "uniform",
+    "work",
+]

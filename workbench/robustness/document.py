@@ -1,0 +1,125 @@
+"""Work as plain data: names and numbers, exact to the last bit, for a file that is replayed and for other machines.
+
+Effects and laws go by their names, so whoever reads a document brings the code: of the same version, or a probe says so.
+Floats are written as Python's shortest exact decimals. What is not finite is a text, "inf" or "nan".
+"""
+
+from collections.abc import Mapping
+from dataclasses import asdict
+from math import isfinite
+
+import numpy as np
+
+from workbench import __version__
+from workbench.control import Controller, Table, law
+from workbench.effect import Effect, catalogue, find
+from workbench.errors import WorkbenchError
+from workbench.plant import Geometry, Limits, Plant
+from workbench.robustness.cases import Varied
+from workbench.robustness.distribution import Distribution
+from workbench.robustness.work import Work
+from workbench.simulate import Criteria, Loop
+from workbench.verify.task import Task
+
+FORMAT = 1
+
+
+def number(value: float) -> float | str:
+    """A float as strict JSON holds it."""
+    return float(value) if isfinite(value) else str(float(value))
+
+
+def of_effect(effect: Effect) -> dict:
+    known = catalogue().get(effect.name)
+    if known is None or known.step is not effect.step:
+        raise WorkbenchError(
+            f"effect '{effect.name}' is not in the catalogue, so no file and no other machine knows it by name; put it there "
+            "(docs/a-new-effect.md)."
+        )
+    return {"effect": effect.name, "at": effect.at, "parameters": {n: p.value for n, p in effect.parameters.items()}}
+
+
+def of_plant(plant: Plant) -> dict:
+    return {
+        "kind": plant.kind,
+        "rotary": plant.rotary,
+        "geometry": asdict(plant.geometry),
+        "limits": {n: number(v) for n, v in asdict(plant.limits).items()},
+        "effects": [of_effect(e) for e in plant.effects],
+    }
+
+
+def plant_of(given: Mapping) -> Plant:
+    return Plant(
+        given["kind"],
+        tuple(find(e["effect"])(at=e["at"], **e["parameters"]) for e in given["effects"]),
+        given["rotary"],
+        Geometry(**given["geometry"]),
+        Limits(**{n: float(v) for n, v in given["limits"].items()}),
+    )
+
+
+def of_controller(controller: Controller) -> dict:
+    tables = controller.tables
+    if law(controller.law.name) is not controller.law:
+        raise WorkbenchError(
+            f"controller '{controller.name}' has a law of its own, which no other machine knows by name."
+        )
+    return {
+        "name": controller.name,
+        "law": controller.law.name,
+        "parameters": {n: number(v) for n, v in controller.parameters.items()},
+        "knots": tables[0].knots.tolist() if tables else [],
+        "columns": {n: c.tolist() for n, c in tables[0].columns.items()} if tables else {},
+        "reversal": controller.reversal,
+    }
+
+
+def controller_of(given: Mapping) -> Controller:
+    columns = {n: np.array(c) for n, c in given["columns"].items()}
+    return Controller(
+        given["name"],
+        law(given["law"]),
+        {n: float(v) for n, v in given["parameters"].items()},
+        (Table(np.array(given["knots"]), columns),) if given["knots"] else (),
+        None,
+        given["reversal"],
+    )
+
+
+def of_work(work: Work) -> dict:
+    """Return the document of some work; WorkbenchError for an effect or a law that is not known by name."""
+    task = work.task
+    return {
+        "format": FORMAT,
+        "workbench": __version__,
+        "plant": of_plant(task.plant),
+        "loop": asdict(task.loop),
+        "criteria": asdict(task.criteria),
+        "step": task.step,
+        "duration": task.duration,
+        "noise": task.noise,
+        "controllers": {n: of_controller(c) for n, c in work.controllers.items()},
+        "varied": [asdict(v) for v in work.varied],
+    }
+
+
+def work_of(given: Mapping) -> Work:
+    """Return the work of a document; WorkbenchError for another format, or where something is missing from it."""
+    try:
+        if given["format"] != FORMAT:
+            raise WorkbenchError(f"the document has format {given['format']}; this workbench reads {FORMAT}.")
+        task = Task(
+            plant=plant_of(given["plant"]),
+            loop=Loop(**given["loop"]),
+            step=given["step"],
+            duration=given["duration"],
+            noise=given["noise"],
+            criteria=Criteria(**given["criteria"]),
+        )
+        varied = tuple(Varied(**{**v, "distribution": Distribution(**v["distribution"])}) for v in given["varied"])
+        return Work(task, {n: controller_of(c) for n, c in given["controllers"].items()}, varied)
+    except (KeyError, TypeError, AttributeError) as error:
+        raise WorkbenchError(
+            f"this is not a document of worst cases that the workbench wrote ({type(error).__name__}: {error})."
+        ) from error
