@@ -13,7 +13,8 @@ from workbench.schedule import BetweenKnots, Schedule, between_knots, fit_schedu
 from workbench.simulate import Loop, Metrics, ScenarioArrays, simulate
 from workbench.tune import Gains, TuningGoal, tune
 from workbench.verify.equivalent import equivalent_of, friction_of
-from workbench.verify.families import Linear, blended, cascade_family, pd_family, scheduled_family
+from workbench.verify.families import blended, cascade_family, pd_family, scheduled_family
+from workbench.verify.linear import Linear
 from workbench.verify.optimise import Tuned, optimise
 from workbench.verify.task import Task
 
@@ -60,7 +61,7 @@ def gains_of(
 def linear_of(plant: Plant, equivalent: Equivalent, loop: Loop) -> Linear:
     """Return the linearisations that every law must be robust on: gross sliding, and the stiffest presliding spring."""
     _, inertia, viscous = friction_of(plant)
-    return Linear(loop, inertia, viscous, np.array([0.0, float(equivalent.stiffness.max())]))
+    return Linear(loop, inertia, viscous, np.array([0.0, float(equivalent.stiffness.max())]), equivalent)
 
 
 def two_modes(schedule: Schedule, tuned: Tuned, rule: str) -> Schedule:

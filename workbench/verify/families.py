@@ -1,7 +1,8 @@
 """Controllers with free numbers: how a point of a search becomes one controller a lane, and what its linearisations say.
 
 Points are arrays (points, numbers), on a logarithmic scale. Every family obeys the same limit on the sensitivity of its
-sampled loop, on the bare inertia (gross sliding) and on the stiffest presliding spring.
+sampled loop: on the bare inertia (gross sliding), on the stiffest presliding spring and, where gains are scheduled, on the
+spring of each amplitude.
 """
 
 from collections.abc import Callable
@@ -9,13 +10,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from workbench.control import Controller, fixed_pd, pi_cascade, scheduled_pd
-from workbench.simulate import Loop
-from workbench.tune import sampled
-from workbench.tune.sampled import Clock
-
-LOWEST = 1e-3  # rad a sample: sensitivities are looked for from here to the Nyquist frequency
-GRID = 160
+from workbench.control import Controller, FeedForward, fixed_pd, pi_cascade, profile_pi, scheduled_pd
+from workbench.verify.linear import Linear
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,35 +31,6 @@ class Family:
     sensitivity: Callable[[np.ndarray], np.ndarray]
 
 
-@dataclass(frozen=True, eq=False)
-class Linear:
-    """Linearisations of an axis: inertia (kg*m^2 or kg) with springs (n,) to ground, in the sampled loop."""
-
-    loop: Loop
-    inertia: float
-    viscous: float
-    stiffnesses: np.ndarray
-
-    @property
-    def clock(self) -> Clock:
-        return Clock.of(self.loop)
-
-    def plant(self) -> tuple[np.ndarray, np.ndarray]:
-        """Return (theta (f,), response (n, f)) from torque to position, with the zero-order hold and the delay."""
-        theta = np.geomspace(LOWEST, np.pi, GRID)
-        unit = self.loop.sample_time**2 / self.inertia
-        damping = np.full(self.stiffnesses.size, self.viscous * self.loop.sample_time / self.inertia)
-        motion = sampled.steps(self.stiffnesses * unit, damping, self.clock)
-        return theta, sampled.response(theta, motion, self.clock) * unit
-
-    def peak(self, law: Callable[[np.ndarray, np.ndarray], np.ndarray]) -> np.ndarray:
-        """Return Ms (points,) of laws C(theta, filtered difference per second) (points, f), the largest over the springs."""
-        theta, plant = self.plant()
-        rate = sampled.difference(theta, self.clock) / self.loop.sample_time
-        c = law(theta, rate)
-        return np.max([np.max(1.0 / np.abs(1.0 + c * p), axis=1) for p in plant], axis=0)
-
-
 def repeated(values: np.ndarray, lanes: int) -> np.ndarray:
     return np.repeat(values, lanes)
 
@@ -81,28 +48,54 @@ def pd_family(linear: Linear, start: tuple[float, float]) -> Family:
     return Family("fixed PD", ("kp", "kd"), start / 100, start * 100, start, controller, sensitivity)
 
 
+def integrating(theta: np.ndarray, kvp, ki, dt: float):
+    """Response of a PI controller of speed, error to command, whose integral acts one sample later."""
+    back = np.exp(-1j * theta)
+    return kvp + ki * dt * back / (1.0 - back)
+
+
 def cascade_family(linear: Linear, start: tuple[float, float, float], speed_limit: float) -> Family:
     """Position P over velocity PI with a velocity limit: kv, kvp, ki."""
     start = np.array(start)
     dt = linear.loop.sample_time
 
     def controller(points, lanes):
-        kv, kvp, ki = (repeated(points[:, k], lanes) for k in range(3))
-        return pi_cascade(kv, kvp, ki, speed_limit)
+        return pi_cascade(*(repeated(points[:, k], lanes) for k in range(3)), speed_limit)
 
     def sensitivity(points):
         kv, kvp, ki = (points[:, k : k + 1] for k in range(3))
-
-        def law(theta, rate):
-            back = np.exp(-1j * theta)
-            return (kvp + ki * dt * back / (1.0 - back)) * (kv + rate)
-
-        return linear.peak(law)
+        return linear.peak(lambda theta, rate: integrating(theta, kvp, ki, dt) * (kv + rate), integrators=1)
 
     return Family(
         "PI cascade", ("kv", "kvp", "ki"), start * (0.05, 0.02, 0.001), start * (5.0, 10.0, 100.0), start,
         controller, sensitivity,
     )  # fmt: skip
+
+
+def profile_family(
+    linear: Linear,
+    start: tuple[float, float, float, float],
+    speed_limit: float,
+    step: float,
+    feed_forward: FeedForward | None = None,
+) -> Family:
+    """Square-root profile with PI near the target: kv, kvp, ki, deceleration, gate. step: the motion's, rad or m."""
+    start = np.array([*start, 1e-2 * step])
+    dt = linear.loop.sample_time
+    mass = feed_forward.mass if feed_forward else 0.0
+
+    def controller(points, lanes):
+        return profile_pi(*(repeated(points[:, k], lanes) for k in range(5)), speed_limit, feed_forward=feed_forward)
+
+    def sensitivity(points):
+        kv, kvp, ki = (points[:, k : k + 1] for k in range(3))
+        return linear.peak(
+            lambda theta, rate: integrating(theta, kvp, ki, dt) * (kv + rate) + mass * kv * rate, integrators=1
+        )
+
+    lower, upper = start * (0.1, 0.02, 0.001, 0.3, 1e-3), start * (5.0, 10.0, 100.0, 2.0, 10.0)
+    name = "profile with PI, fed forward" if feed_forward else "profile with PI"
+    return Family(name, ("kv", "kvp", "ki", "deceleration", "gate"), lower, upper, start, controller, sensitivity)
 
 
 @dataclass(frozen=True, eq=False)
@@ -116,40 +109,52 @@ class Blend:
     reversal: float
 
 
-def blended(schedule, point: np.ndarray, rule: str) -> Blend:
-    """Return the two-mode schedule of a point (scale, switch, gross kp, gross kd).
+def two_mode_gains(schedule, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return (kp, kd) (points, m) of points (kp scale, kd scale, switch, gross kp, gross kd, ...) at the schedule's knots.
 
-    Up to the switching amplitude the tuned gains, slowed by `scale` (kp by its square, kd by itself: the same damping);
-    beyond it, in gross sliding, one pair of gains.
+    Up to the switching amplitude the tuned gains, each times its scale; beyond it, in gross sliding, one pair of gains.
     """
-    scale, switch, kp, kd = point
+    kp_scale, kd_scale, switch, kp, kd = (points[:, k : k + 1] for k in range(5))
     gross = schedule.knots > switch
-    return Blend(
-        schedule.knots,
-        np.where(gross, kp, np.asarray(schedule.kp) * scale**2),
-        np.where(gross, kd, np.asarray(schedule.kd) * scale),
-        rule,
-        schedule.reversal,
+    return (
+        np.where(gross, kp, np.asarray(schedule.kp) * kp_scale),
+        np.where(gross, kd, np.asarray(schedule.kd) * kd_scale),
     )
 
 
-def scheduled_family(linear: Linear, schedule, rule: str, start: tuple[float, float]) -> Family:
-    """Scheduled PD in two modes: scale, switch, and the gains of gross sliding."""
-    presliding = np.array([1.0, 3e-3 if schedule.knots[-1] > 3e-3 else schedule.knots[-1]])
-    start = np.concatenate([presliding, start])
+def blended(schedule, point: np.ndarray, rule: str) -> Blend:
+    """Return the two-mode schedule of one point; see two_mode_gains."""
+    kp, kd = two_mode_gains(schedule, np.asarray(point)[None, :])
+    return Blend(schedule.knots, kp[0], kd[0], rule, schedule.reversal)
+
+
+def scheduled_family(
+    linear: Linear,
+    schedule,
+    rule: str,
+    start: tuple[float, float],
+    deceleration: float | None = None,
+    speed_limit: float | None = None,
+) -> Family:
+    """Scheduled PD in two modes: two scales, switch, gains of gross sliding; with a start of the deceleration, that too."""
+    presliding = [1.0, 1.0, 3e-3 if schedule.knots[-1] > 3e-3 else schedule.knots[-1]]
+    start = np.array([*presliding, *start, *([deceleration] if deceleration else [])])
 
     def controller(points, lanes):
         tables = [blended(schedule, p, rule) for p in points]
-        return scheduled_pd(tables, rule, table=np.repeat(np.arange(len(points)), lanes))
+        profile = {}
+        if deceleration:
+            profile = {"deceleration": repeated(points[:, 5], lanes), "speed_limit": speed_limit}
+        return scheduled_pd(tables, rule, table=np.repeat(np.arange(len(points)), lanes), **profile)
 
     def sensitivity(points):
-        return linear.peak(lambda theta, rate: points[:, 2:3] + points[:, 3:4] * rate)
+        return linear.scheduled_peak(schedule.knots, *two_mode_gains(schedule, points))
 
-    lower = np.concatenate([[0.2, schedule.knots[0]], start[2:] / 100])
-    upper = np.concatenate([[1.0, schedule.knots[-1]], start[2:] * 100])
+    lower = np.array([0.04, 0.2, schedule.knots[0], *(start[3:5] / 100), *(0.3 * start[5:])])
+    upper = np.array([1.5, 1.2, schedule.knots[-1], *(start[3:5] * 100), *(2.0 * start[5:])])
     return Family(
-        f"scheduled PD ({rule})",
-        ("scale", "switch", "gross kp", "gross kd"),
+        f"scheduled PD ({rule}{', profile' if deceleration else ''})",
+        ("kp scale", "kd scale", "switch", "gross kp", "gross kd", "deceleration")[: start.size],
         lower,
         upper,
         start,

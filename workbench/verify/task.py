@@ -55,8 +55,9 @@ class Task:
             np.arange(phases or self.phases),
             indexing="ij",
         )
-        load, friction, inertia, k = (g.ravel() for g in grids)
+        load, friction, inertia, _ = (g.ravel() for g in grids)
         lanes = load.size
+        k = np.arange(lanes)
         # Targets a fraction of a count apart and phases spread evenly: no controller is tuned to one landing.
         golden = 0.6180339887498949
         return ScenarioArrays(
@@ -67,7 +68,7 @@ class Task:
             inertia=inertia,
             phase=((k + 0.5) * golden) % 1.0,
             noise=self.noise,
-            seed=1 + k.astype(np.int64),
+            seed=1 + k,
         )
 
     def bound(self, load_inertia: float = 0.0) -> float:
