@@ -513,7 +513,7 @@ def test_two_records_of_one_name_are_refused(campaign):
     campaign.put("id_sine.csv", rows())
     campaign.swap("val_moves.csv", "id_sine.csv")
     campaign.refused(
-        "record 2 'id_sine.csv', file: 'id_sine.csv' and 'id_sine.csv.gz' are both record 'id_sine'; rename one."
+        "record 2 'id_sine.csv', file: 'id_sine.csv' and 'id_sine.csv.gz' are both record 'id_sine'; rename one, or give it a key 'name'."
     )
 
 

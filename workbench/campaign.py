@@ -14,7 +14,7 @@ from workbench.finding import Finding
 from workbench.plant import KINDS, TWO_MASS, Geometry, Limits, Plant
 from workbench.readers import declaration
 from workbench.readers.declaration import Table
-from workbench.readers.records import channels, records
+from workbench.readers.records import assumptions, channels, records
 from workbench.record import Record
 from workbench.units import effect_unit
 
@@ -49,20 +49,21 @@ def load(folder: Path | str, *, resample: bool = False) -> Campaign:
     """Return the campaign of a folder that holds campaign.toml and its records.
 
     resample: records whose time steps differ by more than 1 % are interpolated at their median step, and a finding says
-    so; else they are refused. Raises WorkbenchError for whatever the engineer can mend.
+    so; else, and unless the campaign itself says `resample = true`, they are refused. Raises WorkbenchError for whatever the engineer can mend.
     """
     folder = Path(folder)
     top = declaration.read(
         folder / FILE,
         ("title", "plant", "evaluation_bandwidth", "channels", "records"),
-        ("actuator_limit", "speed_limit", "geometry", "initial_condition", "effects"),
+        ("actuator_limit", "speed_limit", "geometry", "initial_condition", "effects", "resample"),
     )
     notes = {"initial_condition": top.text("initial_condition")}
     kind = top.choice("plant", KINDS, "plant")
     title, bandwidth = top.text("title"), top.quantity("evaluation_bandwidth", "Hz", above=0.0)
     measured = channels(top, kind == TWO_MASS, notes)
     plant = _plant(top, kind, "torque" in measured, notes)
-    frozen, findings = records(top, folder, measured, resample)
+    frozen, findings = records(top, folder, measured, resample or top.flag("resample"))
+    findings = (*assumptions(measured), *findings)
     rate, slowest = min((1 / r.dt, r.name) for r in frozen)
     if bandwidth >= BAND * rate:
         raise WorkbenchError(

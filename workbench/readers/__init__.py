@@ -5,6 +5,7 @@ A reader gets the bytes, read once, so that the sha256 in the record's Source is
 
 import hashlib
 from collections.abc import Mapping
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Protocol
 
@@ -21,6 +22,9 @@ class Reader(Protocol):
 
     name: str
     suffixes: tuple[str, ...]
+
+    def columns(self, content: bytes, path: Path) -> tuple[str, ...]:
+        """Return the names that `read` knows, of columns that may or may not hold numbers; errors as for `read`."""
 
     def read(self, content: bytes, path: Path, columns: Mapping[str, str]) -> Sheet:
         """Return the columns that `columns` (channel -> column) names.
@@ -46,16 +50,7 @@ def load(path: Path, columns: Mapping[str, str]) -> tuple[Sheet, Source]:
 
     Raises WorkbenchError where the file cannot be read or holds anything but finite numbers in these columns.
     """
-    chosen = reader(path)
-    try:
-        if path.exists() and not path.is_file():
-            raise WorkbenchError(f"{path}: is a folder or a device; a record is a file.")
-        content = path.read_bytes()
-    except FileNotFoundError as e:
-        raise WorkbenchError(f"{path}: there is no such file; {_beside(path)}") from e
-    except (OSError, ValueError) as e:
-        reason = getattr(e, "strerror", None) or e
-        raise WorkbenchError(f"{path}: cannot be read ({reason}); make it a readable file.") from e
+    chosen, content = reader(path), _content(path)
     sha256 = hashlib.sha256(content).hexdigest()
     return chosen.read(content, path, columns), Source(path, sha256, chosen.name, dict(columns))
 
@@ -64,6 +59,53 @@ def read(path: Path, columns: Mapping[str, str]) -> tuple[Mapping[str, np.ndarra
     """Return channel -> (n,) array in the file's own units, and the Source; `columns` and errors as for `load`."""
     sheet, source = load(path, columns)
     return sheet.channels, source
+
+
+@dataclass(frozen=True, eq=False)
+class Survey:
+    """Every column of a file that holds numbers. columns: name -> (n,) array in the file's units, all of one length.
+
+    units: name -> unit as the file writes it. refused: name -> why a column was left out.
+    """
+
+    path: Path
+    columns: Mapping[str, np.ndarray]
+    units: Mapping[str, str]
+    refused: Mapping[str, str]
+
+
+def survey(path: Path) -> Survey:
+    """Return all that a file of unknown content holds; WorkbenchError where not one column can be read."""
+    chosen, content = reader(path), _content(path)
+    names = chosen.columns(content, path)
+    try:
+        sheet = chosen.read(content, path, {name: name for name in names})
+        return Survey(path, sheet.channels, sheet.units, {})
+    except WorkbenchError:
+        columns, units, refused = {}, {}, {}
+    for name in names:  # one that holds text, or gaps, does not keep the others from being read
+        try:
+            sheet = chosen.read(content, path, {name: name})
+            columns[name], units[name] = sheet.channels[name], sheet.units.get(name, "")
+        except WorkbenchError as e:
+            refused[name] = str(e)
+    if not columns:
+        raise WorkbenchError(next(iter(refused.values()), f"{path}: holds no columns; export the record again."))
+    size = max(v.size for v in columns.values())
+    columns = {n: v for n, v in columns.items() if v.size == size}  # scalars beside signals, in .mat files
+    return Survey(path, columns, {n: u for n, u in units.items() if u}, refused)
+
+
+def _content(path: Path) -> bytes:
+    try:
+        if path.exists() and not path.is_file():
+            raise WorkbenchError(f"{path}: is a folder or a device; a record is a file.")
+        return path.read_bytes()
+    except FileNotFoundError as e:
+        raise WorkbenchError(f"{path}: there is no such file; {_beside(path)}") from e
+    except (OSError, ValueError) as e:
+        reason = getattr(e, "strerror", None) or e
+        raise WorkbenchError(f"{path}: cannot be read ({reason}); make it a readable file.") from e
 
 
 def _beside(path: Path) -> str:

@@ -12,7 +12,7 @@ import numpy as np
 
 from workbench.errors import WorkbenchError
 from workbench.readers.cells import decimal_mark, fault, rectangular
-from workbench.readers.dialect import Dialect, dialect
+from workbench.readers.dialect import Dialect, columns_of, dialect
 from workbench.readers.sheet import Sheet
 
 
@@ -21,6 +21,9 @@ class Csv:
 
     name = "csv"
     suffixes = (".csv", ".csv.gz", ".tsv", ".tsv.gz", ".txt", ".txt.gz")
+
+    def columns(self, content: bytes, path: Path) -> tuple[str, ...]:
+        return columns_of(content, path)
 
     def read(self, content: bytes, path: Path, columns: Mapping[str, str]) -> Sheet:
         found = dialect(content, path, columns)

@@ -5,12 +5,14 @@ The declared column names are known, and they say which delimiter it is: the one
 
 import csv
 import gzip
+import re
 import zlib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 from workbench.errors import WorkbenchError, nearest
+from workbench.readers.cells import number
 from workbench.units.registry import legible, tidy
 
 GZIP = b"\x1f\x8b"
@@ -18,6 +20,9 @@ UTF8, UTF16 = b"\xef\xbb\xbf", (b"\xff\xfe", b"\xfe\xff")  # byte-order marks
 COMMENT = (b"#", b"%")
 DELIMITERS = (",", ";", "\t", " ")
 NO_UNIT = ("", "-", "1")
+NUMBERED = re.compile(r"column \d+")
+PREAMBLE = 50  # lines that an instrument may write about itself above the header
+AGREEING = 4  # lines that are parted alike make a table
 
 
 @dataclass(frozen=True)
@@ -86,7 +91,8 @@ def _parted(lines: bytes, columns: Sequence[str]) -> tuple[str, int, bytes, int]
     """Return (header line, its row, the rest, row of the rest).
 
     Comments stand above the header, and blank lines among them. A comment may be the header itself (as NumPy writes it)
-    where the line below has not the declared columns.
+    where the line below has not the declared columns. Where neither has them, the header is a line further down that has,
+    below what an instrument wrote about itself, or there is none and the columns are called by their numbers.
     """
     comments: list[tuple[str, int]] = []
     row, rest = 1, lines
@@ -102,7 +108,50 @@ def _parted(lines: bytes, columns: Sequence[str]) -> tuple[str, int, bytes, int]
                 for text in (comment, comment.lstrip("#% ")):
                     if _finds_all(text, columns):
                         return text, at, rest, row
+        if columns and not _finds_all(shown, columns):
+            if all(NUMBERED.fullmatch(c) for c in columns):
+                return _numbered(shown), row, rest, row
+            for k, lower in enumerate(rest.split(b"\n", PREAMBLE)[1:PREAMBLE], 1):
+                if _finds_all(lower.decode(), columns):
+                    return lower.decode(), row + k, rest.split(b"\n", k + 1)[-1], row + k + 1
         return shown, row, after, row + 1
+
+
+def _numbered(line: str) -> str:
+    """Return a header for a table without one: "column 1", "column 2", ... parted as its first line is."""
+    delimiter = max(DELIMITERS, key=lambda d: _numeric(line, d))
+    return delimiter.join(f'"column {k + 1}"' for k in range(len(_names(line, delimiter))))
+
+
+def columns_of(content: bytes, path: Path) -> tuple[str, ...]:
+    """Return the names of all columns of a table, "column 1" and so on where it has no header.
+
+    The samples begin at the first line that holds numbers and whose next lines are parted alike; the header is the line
+    above them, or above a row of units. Raises WorkbenchError where no line holds two numbers.
+    """
+    lines = _utf8(_plain(content, path), path).replace(b"\r\n", b"\n").replace(b"\r", b"\n")
+    top = [line.decode() for line in lines.split(b"\n", PREAMBLE + AGREEING)[: PREAMBLE + AGREEING]]
+    for k, line in enumerate(top):
+        delimiter = max(DELIMITERS, key=lambda d: _numeric(line, d))
+        below = [other for other in top[k : k + AGREEING] if other.strip()]
+        width = len(_names(line, delimiter))
+        if all(_numeric(o, delimiter)[1] >= 2 and len(_names(o, delimiter)) == width for o in below) and below:
+            above = [_names(o.lstrip("#% "), delimiter) for o in top[max(k - 2, 0) : k]]
+            above = [cells for cells in above if len(cells) == width]
+            if len(above) == 2 and not _are_units([c.strip("[]()") for c in above[-1]]):
+                del above[0]
+            return tuple(above[0]) if above else tuple(_names(_numbered(line), delimiter))
+    raise WorkbenchError(
+        f"{path}: no line of the first {PREAMBLE} begins a table of numbers; export the record as CSV."
+    )
+
+
+def _numeric(line: str, delimiter: str) -> tuple[float, int, bool]:
+    """Return (share of cells that are numbers, how many are, not a blank), by which a delimiter is chosen."""
+    cells = _names(line, delimiter)
+    marks = "." if delimiter == "," else ".,"
+    count = sum(any(number(c, mark) for mark in marks) for c in cells)
+    return (count / len(cells) if count > 1 else 0.0), count, delimiter != " "
 
 
 def _finds_all(line: str, columns: Sequence[str]) -> bool:

@@ -24,18 +24,41 @@ class Mat:
     name = "mat"
     suffixes = (".mat",)
 
+    def columns(self, content: bytes, path: Path) -> tuple[str, ...]:
+        if any(content[k:].startswith(HDF5) for k in BLOCKS):
+            return _names_73(content, path)
+        variables = _variables(content, path)
+        inner = {n: v if isinstance(v, dict) else {} for n, v in variables.items() if n}
+        return tuple(f"{n}.{field}" if field else n for n, fields in inner.items() for field in fields or [""])
+
     def read(self, content: bytes, path: Path, columns: Mapping[str, str]) -> Sheet:
         if any(content[k:].startswith(HDF5) for k in BLOCKS):
             found = _version_73(content, path, columns.values())
         else:
-            try:
-                # The first four bytes are text from version 5 on; before it, one of them is zero.
-                variables = _version_4(content) if 0 in content[:4] else mat5.variables(content)
-            except Exception as e:  # SciPy raises whatever broken bytes lead to
-                raise _broken(path, e) from e
+            variables = _variables(content, path)
             found = {column: _field(column, variables, path) for column in columns.values()}
         vectors = {channel: vector(found[column], column, path) for channel, column in columns.items()}
         return sheet(vectors, columns, path)
+
+
+def _variables(content: bytes, path: Path) -> dict[str, object]:
+    try:
+        # The first four bytes are text from version 5 on; before it, one of them is zero.
+        return _version_4(content) if 0 in content[:4] else mat5.variables(content)
+    except Exception as e:  # SciPy raises whatever broken bytes lead to
+        raise _broken(path, e) from e
+
+
+def _names_73(content: bytes, path: Path) -> tuple[str, ...]:
+    """Return the names of all datasets, fields of structures by "struct.field"."""
+    h5py = library("h5py", "hdf5", path)
+    found: list[str] = []
+    try:
+        with h5py.File(h5py.h5f.open_file_image(content)) as file:
+            file.visititems(lambda name, item: found.append(name) if isinstance(item, h5py.Dataset) else None)
+    except Exception as e:  # h5py raises whatever broken bytes lead to
+        raise _broken(path, e) from e
+    return tuple(name.replace("/", ".") for name in found if not name.startswith("#"))
 
 
 def _version_4(content: bytes) -> dict[str, object]:

@@ -23,23 +23,31 @@ class Mdf:
     name = "mdf"
     suffixes = (".mf4",)
 
+    def columns(self, content: bytes, path: Path) -> tuple[str, ...]:
+        return _opened(content, path, lambda file: tuple(n for n in file.channels_db if n))
+
     def read(self, content: bytes, path: Path, columns: Mapping[str, str]) -> Sheet:
-        asammdf = library("asammdf", "mdf", path)
-        if not content.startswith((FINISHED, UNFINISHED)):
-            raise WorkbenchError(f"{path}: is no MDF 4 file; export the measurement as MDF 4.")
-        if content.startswith(UNFINISHED) or content[FLAGS].strip(b"\0"):
-            raise WorkbenchError(f"{path}: was not closed by its logger; finalise it with the logger's own tool.")
-        fault = mdf4.fault(content)
-        if fault:
-            raise WorkbenchError(f"{path}: is no whole MDF 4 file ({fault}); copy or export it again.")
-        try:
-            with quiet("asammdf"), asammdf.MDF(io.BytesIO(content)) as file:
-                return _read(file, path, columns)
-        except WorkbenchError:
-            raise
-        except Exception as e:  # asammdf raises whatever broken bytes lead to
-            reason = " ".join(str(e).split())[:120] or type(e).__name__
-            raise WorkbenchError(f"{path}: is no whole MDF 4 file ({reason}); copy or export it again.") from e
+        return _opened(content, path, lambda file: _read(file, path, columns))
+
+
+def _opened(content: bytes, path: Path, use):
+    """Return what `use` makes of the open file; WorkbenchError where it is no whole MDF 4 file."""
+    asammdf = library("asammdf", "mdf", path)
+    if not content.startswith((FINISHED, UNFINISHED)):
+        raise WorkbenchError(f"{path}: is no MDF 4 file; export the measurement as MDF 4.")
+    if content.startswith(UNFINISHED) or content[FLAGS].strip(b"\0"):
+        raise WorkbenchError(f"{path}: was not closed by its logger; finalise it with the logger's own tool.")
+    fault = mdf4.fault(content)
+    if fault:
+        raise WorkbenchError(f"{path}: is no whole MDF 4 file ({fault}); copy or export it again.")
+    try:
+        with quiet("asammdf"), asammdf.MDF(io.BytesIO(content)) as file:
+            return use(file)
+    except WorkbenchError:
+        raise
+    except Exception as e:  # asammdf raises whatever broken bytes lead to
+        reason = " ".join(str(e).split())[:120] or type(e).__name__
+        raise WorkbenchError(f"{path}: is no whole MDF 4 file ({reason}); copy or export it again.") from e
 
 
 def _read(file, path: Path, columns: Mapping[str, str]) -> Sheet:

@@ -1,7 +1,8 @@
 """The records of a campaign: declared channels and files become frozen records in SI, with what was done to them."""
 
+import re
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -10,10 +11,10 @@ from workbench.errors import WorkbenchError
 from workbench.finding import Finding
 from workbench.readers import load, reader
 from workbench.readers.declaration import Table
-from workbench.readers.sampling import uniform
+from workbench.readers.sampling import FEWEST, uniform
 from workbench.readers.stated import stated
 from workbench.record import IDENTIFICATION, ROLES, VALIDATION, Record
-from workbench.units import effect_unit, to_si
+from workbench.units import effect_unit, scaled, to_si
 
 # Templates as effects state them: F is N*m or N, x is rad or m.
 CHANNELS = {
@@ -28,16 +29,28 @@ CHANNELS = {
     "temperature": "K",
     "normal": "N",
 }
+NAME = re.compile(r"[\w-]+")
 
 
 @dataclass(frozen=True)
 class Channel:
-    """column: its name in the files. unit: as measured. si: inside. resolution: encoder step in SI, or 0."""
+    """column: its name in the files. unit: as measured. si: inside. resolution: encoder step in SI, or 0.
+
+    scaled: the unit that the column times `factor` has, from which it is converted; `unit` and 1 where no scale is
+    declared. assumed: the scale is a guess that waits for its engineer.
+    """
 
     column: str
     unit: str
     si: str
     resolution: float
+    scaled: str
+    factor: float = 1.0
+    assumed: bool = False
+
+    def to_si(self, values, where: str, *, step: bool = False):
+        """Return values of the column in SI. step: a difference, such as the encoder's."""
+        return to_si(self.factor * values, self.scaled, self.si, where, step=step)
 
 
 def channels(top: Table, two_mass: bool, notes: dict[str, str]) -> dict[str, Channel]:
@@ -57,34 +70,64 @@ def channels(top: Table, two_mass: bool, notes: dict[str, str]) -> dict[str, Cha
             raise WorkbenchError(f"{table.where}: channel '{name}' is missing; the plant needs it, so add it.")
     channels = {}
     for name in table.values:
-        one = table.table(name, ("column", "unit"), ("meaning", "resolution"))
-        column, unit, si = one.text("column"), one.text("unit"), effect_unit(CHANNELS[name], "torque" in table)
-        to_si(0.0, unit, si, one.path("unit"))
-        step = one.number("resolution", 0.0, above=0.0) if "resolution" in one else 0.0
-        step = to_si(step, unit, si, one.path("resolution"), step=True)
+        one = table.table(name, ("column", "unit"), ("meaning", "resolution", "scale"))
+        channel = _channel(one, effect_unit(CHANNELS[name], "torque" in table))
         for other, seen in channels.items():
-            if seen.column == column:
+            if seen.column == channel.column:
                 raise WorkbenchError(
-                    f"{one.path('column')}: column '{column}' is channel '{other}' already; name another column."
+                    f"{one.path('column')}: column '{channel.column}' is channel '{other}' already; name another column."
                 )
-        channels[name] = Channel(column, unit, si, step)
+        channels[name] = channel
         notes[f"channels.{name}.meaning"] = one.text("meaning")
     return channels
+
+
+def _channel(one: Table, si: str) -> Channel:
+    """Return one declared channel; its scale is a quantity in either direction ("N*m/A", "count/rev")."""
+    column, unit = one.text("column"), one.text("unit")
+    factor, text, assumed = 1.0, unit, False
+    if "scale" in one:
+        scale = one.table("scale", ("value", "unit"), ("assumed",))
+        text, multiplied = scaled(unit, scale.text("unit"), si, scale.path("unit"))
+        value, assumed = scale.number("value"), scale.flag("assumed")
+        if value == 0.0:
+            raise WorkbenchError(f"{scale.path('value')} is 0; a scale turns counts or amperes into '{si}'.")
+        factor = value if multiplied else 1.0 / value
+    to_si(0.0, text, si, one.path("unit"))
+    step = one.number("resolution", 0.0, above=0.0) if "resolution" in one else 0.0
+    channel = Channel(column, unit, si, 0.0, text, factor, assumed)
+    return replace(channel, resolution=abs(channel.to_si(step, one.path("resolution"), step=True)))
+
+
+def assumptions(channels: Mapping[str, Channel]) -> tuple[Finding, ...]:
+    """Say which scales are guesses: figures in torque or angle are only as right as these numbers."""
+    return tuple(
+        Finding(
+            "assumed scale", name,
+            f"The scale of channel '{name}' (column '{c.column}', '{c.unit}' to '{c.si}') is assumed, not known.",
+            {"factor": c.factor},
+            f"Put the data sheet's number into channels.{name}.scale of campaign.toml, and remove 'assumed'.",
+        )
+        for name, c in channels.items() if c.assumed
+    )  # fmt: skip
 
 
 def records(
     top: Table, folder: Path, channels: Mapping[str, Channel], resample: bool
 ) -> tuple[tuple[Record, ...], tuple[Finding, ...]]:
     """Return the records in SI, at least one of each role, and the findings about them."""
-    declared = list(top.tables("records", "file", ("file", "role"), ("motion", "start_time_s", "load_locked")))
+    further = ("motion", "start_time_s", "load_locked", "name", "until", "counts_from")
+    declared = list(top.tables("records", "file", ("file", "role"), further))
     names: dict[str, str] = {}
     for one in declared:
         one.choice("role", ROLES, "role")
         path = _inside(folder, one)
-        name = path.name.split(".")[0]
+        name = one.text("name") or path.name.split(".")[0]
+        if "name" in one and not NAME.fullmatch(name):
+            raise WorkbenchError(f"{one.path('name')} is '{name}'; letters, digits, '_' and '-' make a record's name.")
         if name in names:
             raise WorkbenchError(
-                f"{one.path('file')}: '{one.text('file')}' and '{names[name]}' are both record '{name}'; rename one."
+                f"{one.path('file')}: '{one.text('file')}' and '{names[name]}' are both record '{name}'; rename one, or give it a key 'name'."
             )
         names[name] = one.text("file")
     for role in (IDENTIFICATION, VALIDATION):
@@ -97,9 +140,10 @@ def records(
 def _record(one: Table, folder: Path, name: str, channels: Mapping[str, Channel], resample: bool):
     path = _inside(folder, one)
     sheet, source = load(path, {n: c.column for n, c in channels.items()})
-    data = {n: to_si(sheet.channels[n], c.unit, c.si, f"{path}: column '{c.column}'") for n, c in channels.items()}
+    data = {n: c.to_si(sheet.channels[n], f"{path}: column '{c.column}'") for n, c in channels.items()}
     time, data, resampled = uniform(name, data.pop("time"), data, sheet.place, resample=resample)
-    findings = [f for n, c in channels.items() if (f := stated(name, c.column, sheet.units.get(n, ""), c.unit, c.si))]
+    time, data, counts_from = _window(one, time, data)
+    findings = [f for n, c in channels.items() if (f := stated(name, c.column, sheet.units.get(n, ""), c.unit))]
     findings += [resampled] if resampled else []
     start = one.number("start_time_s", float(time[0]))
     if abs(start - time[0]) > time[1] - time[0]:
@@ -114,8 +158,27 @@ def _record(one: Table, folder: Path, name: str, channels: Mapping[str, Channel]
         resolution={n: c.resolution for n, c in channels.items() if c.resolution},
         motion=one.text("motion"),
         locked=one.flag("load_locked"),
+        counts_from=counts_from,
     )
     return record, findings
+
+
+def _window(one: Table, time: np.ndarray, data: Mapping[str, np.ndarray]):
+    """Return (time, channels, counts_from) as the keys 'until' and 'counts_from' part one file into two records.
+
+    'until' cuts a record off. 'counts_from' keeps what lies before it, for operators with memory to come into their
+    state, and no error counts there.
+    """
+    inside = slice(0, None)
+    if "until" in one:
+        inside = slice(0, int(np.searchsorted(time, one.quantity("until", "s"))))
+    first = one.quantity("counts_from", "s") if "counts_from" in one else -np.inf
+    time, data = time[inside].copy(), {n: values[inside].copy() for n, values in data.items()}
+    left = int(np.count_nonzero(time >= first))
+    if left < FEWEST:
+        key = "counts_from" if "counts_from" in one else "until"
+        raise WorkbenchError(f"{one.path(key)} leaves {left} samples that count; at least {FEWEST} are needed.")
+    return time, data, first
 
 
 def _clock(name: str, start: float, time: np.ndarray) -> Finding:

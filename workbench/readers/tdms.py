@@ -23,17 +23,33 @@ class Tdms:
     name = "tdms"
     suffixes = (".tdms",)
 
+    def columns(self, content: bytes, path: Path) -> tuple[str, ...]:
+        return _opened(content, path, _columns)
+
     def read(self, content: bytes, path: Path, columns: Mapping[str, str]) -> Sheet:
-        file_type = library("nptdms", "tdms", path).TdmsFile
-        try:
-            with quiet("nptdms.reader"), warnings.catch_warnings(), file_type.open(io.BytesIO(content)) as file:
-                warnings.simplefilter("ignore")  # of segments that break off: lengths are compared below
-                return _read(file, path, columns)
-        except WorkbenchError:
-            raise
-        except Exception as e:  # npTDMS raises whatever broken bytes lead to
-            reason = " ".join(str(e).split())[:120] or type(e).__name__
-            raise WorkbenchError(f"{path}: is no whole TDMS file ({reason}); copy or export it again.") from e
+        return _opened(content, path, lambda file: _read(file, path, columns))
+
+
+def _opened(content: bytes, path: Path, use):
+    """Return what `use` makes of the open file; WorkbenchError for whatever broken bytes lead to."""
+    file_type = library("nptdms", "tdms", path).TdmsFile
+    try:
+        with quiet("nptdms.reader"), warnings.catch_warnings(), file_type.open(io.BytesIO(content)) as file:
+            warnings.simplefilter("ignore")  # of segments that break off: lengths are compared below
+            return use(file)
+    except WorkbenchError:
+        raise
+    except Exception as e:  # npTDMS raises whatever broken bytes lead to
+        reason = " ".join(str(e).split())[:120] or type(e).__name__
+        raise WorkbenchError(f"{path}: is no whole TDMS file ({reason}); copy or export it again.") from e
+
+
+def _columns(file) -> tuple[str, ...]:
+    """Return the channels' names, with their group where two groups have one name, and the time axis of waveforms."""
+    found = [(g.name, one.name, STEP in one.properties) for g in file.groups() for one in g.channels()]
+    names = [name for _, name, _ in found]
+    columns = [name if names.count(name) == 1 else f"{group}/{name}" for group, name, _ in found]
+    return (*([STEP] if any(wave for *_, wave in found) and STEP not in names else []), *columns)
 
 
 def _read(file, path: Path, columns: Mapping[str, str]) -> Sheet:

@@ -59,6 +59,24 @@ def to_si(value, unit: str, expected: str, where: str, *, step: bool = False):
     return si if np.ndim(value) else float(si)
 
 
+def scaled(unit: str, by: str, expected: str, where: str) -> tuple[str, bool]:
+    """Return (unit of the scaled value, whether it is multiplied) for a column in `unit` and a scale in `by`.
+
+    A scale may be written either way round: a torque constant "N*m/A" multiplies a current in "A", "count/rev" divides a
+    position in "count". Where both fit ("1") it multiplies. Raises WorkbenchError naming what would fit.
+    """
+    for multiplied, joint in ((True, "*"), (False, "/")):
+        text = f"({tidy(unit)}){joint}({tidy(by)})"
+        if legible(text) and _fits(text, expected):
+            return text, multiplied
+    for one in (unit, by):
+        _factor(one, tidy(one), where)  # an unknown name is answered with the nearest
+    raise WorkbenchError(
+        f"{where}: a scale in '{by}' does not turn a column in '{unit}' into '{expected}'; "
+        f"'{expected}/({tidy(unit)})' would, or its reciprocal."
+    )
+
+
 def effect_unit(template: str, rotary: bool, powers: Mapping[str, float] | None = None) -> str:
     """Return the unit that a parameter's template means on this axis, as reports write it.
 

@@ -9,6 +9,7 @@ from functools import cache
 from math import pi
 
 BASE = {"m": "length", "kg": "mass", "s": "time", "rad": "angle", "K": "temperature", "cycle": "cycle"}
+BASE |= {"A": "current", "count": "count"}  # what drives log: to be scaled by a torque constant, by counts a revolution
 DERIVED = {
     "m": {"km": 1e3, "dm": 0.1, "cm": 1e-2, "mm": 1e-3, "um": 1e-6, "nm": 1e-9, "pm": 1e-12}
     | {"in": 0.0254, "ft": 0.3048, "mil": 2.54e-5},
@@ -21,7 +22,9 @@ DERIVED = {
     "kg*m/s**2": {"N": 1.0, "mN": 1e-3, "uN": 1e-6, "kN": 1e3}
     | {"lbf": 4.4482216152605, "ozf": 0.27801385095378125, "kgf": 9.80665, "gf": 9.80665e-3},
     "K": {"mK": 1e-3},
-    "": {"percent": 1e-2},
+    "A": {"mA": 1e-3},
+    "kg*m**2/(s**3*A)": {"V": 1.0, "mV": 1e-3},
+    "": {"percent": 1e-2, "permille": 1e-3},
 }
 OFFSET = {"degC": "K; offset: 273.15", "degF": f"{5 / 9!r} * K; offset: {459.67 * 5 / 9!r}"}
 NAMES = (*(n for n in BASE if n != "cycle"), *(n for group in DERIVED.values() for n in group), *OFFSET)
