@@ -11,7 +11,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from workbench.errors import WorkbenchError
-from workbench.readers import load, read
+from workbench.readers import load, read, survey
 from workbench.readers.mdf4 import fault
 
 TIME = np.arange(250) * 1e-3 + 2.0
@@ -132,6 +132,14 @@ def test_what_was_written_is_read_back(tmp_path, written):
     assert all(c.flags.owndata and c.flags.writeable and c.dtype == float for c in sheet.channels.values())
     assert sheet.place(0) == f"{path}, sample 1"
     assert source.reader == name.lower().split(".")[1].replace("mf4", "mdf")
+
+
+def test_a_survey_finds_every_column(tmp_path, written):
+    name, content = written
+    found = survey(write(tmp_path, content, name))
+    expected = columns_of(name)
+    assert set(expected.values()) <= set(found.columns)
+    np.testing.assert_array_equal(found.columns[expected["force"]], FORCE)
 
 
 def test_an_absent_column_is_answered_with_the_nearest(tmp_path, written):

@@ -1,0 +1,233 @@
+"""From somebody's log files to a running study: what is guessed, what is said, and that it is written whole or not at all.
+
+The logs are made by the rig of tests/rig.py, which shares nothing with the workbench, in the dialects of other people.
+"""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+import rig
+
+from workbench.campaign import load
+from workbench.cli import main
+from workbench.errors import WorkbenchError
+from workbench.intake.names import meaning
+from workbench.intake.new import new
+from workbench.intake.signals import clock_unit, quantum
+from workbench.readers import survey
+
+TORQUE_CONSTANT, COUNTS = 0.093, 20_000  # N*m/A, counts a revolution
+
+
+@pytest.fixture(scope="module")
+def axis(tmp_path_factory):
+    """What the rig measured, in SI: record stem -> (n, 3) of time, torque and position; and its truth."""
+    folder = tmp_path_factory.mktemp("rig")
+    truth = rig.campaign(folder, 3, ("coulomb_asymmetry",), short=True)
+    return {f.stem: np.loadtxt(f, delimiter=",", skiprows=1) for f in folder.glob("*.csv")}, truth
+
+
+def foreign(record, *, turned=1.0):
+    """Time in ms from zero, current in A, position in counts."""
+    t, torque, position = record.T
+    return np.column_stack(
+        [1e3 * (t - t[0]), turned * torque / TORQUE_CONSTANT, np.round(position / (2 * np.pi) * COUNTS)]
+    )
+
+
+def csv(path: Path, table, header="t,i,pos", form="%.0f,%.4f,%d", top="") -> Path:
+    lines = [header] if header else []
+    path.write_text(top + "\n".join([*lines, *(form % tuple(row) for row in table)]) + "\n", encoding="utf-8")
+    return path
+
+
+def edit(folder: Path, *pairs):
+    file = folder / "campaign" / "campaign.toml"
+    text = file.read_text(encoding="utf-8")
+    for old, new_ in pairs:
+        assert old in text
+        text = text.replace(old, new_)
+    file.write_text(text, encoding="utf-8")
+
+
+CONSTANTS = (
+    ('value = 1.0, unit = "N*m/A", assumed = true', f'value = {TORQUE_CONSTANT}, unit = "N*m/A"'),
+    ('value = 4096.0, unit = "count/rev", assumed = true', f'value = {COUNTS}, unit = "count/rev"'),
+)
+
+
+def test_three_columns_of_unknown_origin_end_in_a_report_with_three_commands_and_one_edited_file(
+    axis, tmp_path, monkeypatch, capsys
+):
+    records, truth = axis
+    monkeypatch.chdir(tmp_path)
+    csv(Path("a.csv"), foreign(records["id_multisine"]))
+    csv(Path("b.csv"), foreign(records["val_moves"]))
+    assert main(["new", "axis", "--records", "a.csv", "b.csv"]) == 0
+    said = capsys.readouterr().out
+    assert "channels.torque.scale, channels.position.scale" in said
+    edit(Path("studies/axis"), *CONSTANTS)
+    assert main(["run", "axis"]) == 0
+    assert Path("reports/axis/report.html").stat().st_size > 0
+    results = json.loads(Path("reports/axis/results.json").read_text(encoding="utf-8"))
+    (inertia,) = [p for p in results["model_after"]["parameters"] if p["parameter"] == "inertia"]
+    assert inertia["value"] == pytest.approx(truth["axis"]["inertia"], rel=0.03)
+
+
+def test_a_study_runs_before_anything_is_edited_and_says_what_it_assumed(axis, tmp_path):
+    records, _ = axis
+    made = new(tmp_path / "axis", [csv(tmp_path / f"{n}.csv", foreign(r)) for n, r in records.items()])
+    assert made.edit == ("channels.torque.scale", "channels.position.scale")
+    campaign = load(tmp_path / "axis" / "campaign")
+    assert [f.subject for f in campaign.findings if f.kind == "assumed scale"] == ["torque", "position"]
+    assert {r.name for r in campaign.with_role("validation")} == {"val_moves"}
+    assert campaign.records[0].dt == pytest.approx(1e-3)
+
+
+@pytest.mark.parametrize(
+    ("header", "form", "top"),
+    [
+        ("", "%.0f;%.4f;%d", ""),
+        ("", "%.0f %.4f %d", ""),
+        ("Zeit [ms];Strom [A];Lage [Ink]", "%.0f;%.4f;%d", ""),
+        ("a;b;c", "%.0f;%.4f;%d", "Recorder 7;;\nexported at noon;;\n"),
+        ("# t, iq_act, enc", "%.0f,%.4f,%d", ""),
+        ("ms\tA\tcount", "%.0f\t%.4f\t%d", ""),
+    ],
+)
+def test_the_channels_are_found_however_the_log_is_written(axis, tmp_path, header, form, top):
+    records, _ = axis
+    files = [csv(tmp_path / f"{n}.csv", foreign(records[n]), header, form, top) for n in ("id_multisine", "val_moves")]
+    new(tmp_path / "axis", files)
+    edit(tmp_path / "axis", *CONSTANTS)
+    campaign = load(tmp_path / "axis" / "campaign")
+    for record in campaign.records:
+        t, torque, position = records[record.name].T
+        np.testing.assert_allclose(record.time, t - t[0], atol=1e-9)
+        np.testing.assert_allclose(record.channels["torque"], torque, atol=1e-5)
+        np.testing.assert_allclose(record.channels["position"], position, atol=np.pi / COUNTS * 1.01)
+
+
+def test_decimal_commas_are_read(axis, tmp_path):
+    table = foreign(axis[0]["val_moves"])[:3000]
+    file = csv(tmp_path / "a.csv", table, "t;i;pos", "%.0f;%.4f;%d")
+    file.write_text(file.read_text().replace(".", ","), encoding="utf-8")
+    np.testing.assert_allclose(survey(file).columns["i"], table[:, 1], atol=1e-4)
+
+
+def test_a_drive_that_counts_against_the_position_gets_a_minus_sign(axis, tmp_path):
+    records, _ = axis
+    files = [csv(tmp_path / f"{n}.csv", foreign(r, turned=-1.0)) for n, r in records.items()]
+    made = new(tmp_path / "axis", files)
+    assert any("minus" in line for line in made.lines)
+    torque = load(tmp_path / "axis" / "campaign").records[0].channels["torque"]
+    assert np.corrcoef(torque, axis[0][files[0].stem][:, 1])[0, 1] > 0.999
+
+
+def test_a_single_record_is_parted_and_none_of_it_serves_twice(axis, tmp_path):
+    new(tmp_path / "axis", [csv(tmp_path / "log.csv", foreign(axis[0]["id_staircase"]))])
+    first, second = load(tmp_path / "axis" / "campaign").records
+    assert (first.role, second.role) == ("identification", "validation")
+    assert first.time[-1] < second.counts_from <= first.time[-1] + 2e-3
+    share = first.time.size / second.time.size
+    assert 0.5 < share < 0.8
+
+
+def test_the_reference_is_told_from_the_position_by_which_leads(axis, tmp_path):
+    table = foreign(axis[0]["id_staircase"])
+    lag = 12
+    ahead = np.append(table[lag:, 2], np.full(lag, table[-1, 2]))
+    both = np.column_stack([table[:, :2], ahead, table[:, 2]])
+    new(tmp_path / "axis", [csv(tmp_path / "log.csv", both, "t,i,p1,p2", "%.0f,%.4f,%d,%d")])
+    source = load(tmp_path / "axis" / "campaign").records[0].source
+    assert (source.columns["position"], source.columns["reference"]) == ("p2", "p1")
+
+
+def test_dropped_samples_are_resampled_and_said(axis, tmp_path):
+    table = np.delete(foreign(axis[0]["val_moves"]), [700, 1500, 1501, 2600], axis=0)
+    made = new(tmp_path / "axis", [csv(tmp_path / "log.csv", table)])
+    assert any("3 time steps" in line for line in made.lines)
+    assert "resampled" in {f.kind for f in load(tmp_path / "axis" / "campaign").findings}
+
+
+def test_a_matlab_file_with_other_variables_is_read(axis, tmp_path):
+    import scipy.io
+
+    t, i, pos = foreign(axis[0]["val_moves"]).T
+    scipy.io.savemat(tmp_path / "log.mat", {"t": t, "i": i, "pos": pos, "gain": 3.5, "note": "a text"})
+    new(tmp_path / "axis", [tmp_path / "log.mat"])
+    assert load(tmp_path / "axis" / "campaign").records[0].source.columns["torque"] == "i"
+
+
+def test_a_study_that_is_there_is_not_overwritten(axis, tmp_path):
+    file = csv(tmp_path / "log.csv", foreign(axis[0]["val_moves"]))
+    new(tmp_path / "axis", [file])
+    before = (tmp_path / "axis" / "study.toml").read_bytes()
+    with pytest.raises(WorkbenchError, match="already"):
+        new(tmp_path / "axis", [file])
+    assert (tmp_path / "axis" / "study.toml").read_bytes() == before
+
+
+@pytest.mark.parametrize(
+    ("table", "words"),
+    [
+        (lambda t: t[:, :2], "three|columns"),
+        (lambda t: t[1000:1060], "at least 100"),
+        (lambda t: np.column_stack([t[::-1, 0], t[:, 1:]]), "no column increases"),
+        (lambda t: np.column_stack([t[:, 0], np.random.default_rng(1).normal(size=(len(t), 2))]), "cannot be told"),
+    ],
+)
+def test_files_that_make_no_campaign_are_refused_and_nothing_is_left(axis, tmp_path, table, words):
+    made = table(foreign(axis[0]["val_moves"]))
+    header = ",".join("abc"[: made.shape[1]])
+    file = csv(tmp_path / "log.csv", made, header, ",".join(["%.6g"] * made.shape[1]))
+    with pytest.raises(WorkbenchError, match=words):
+        new(tmp_path / "axis", [file])
+    assert [p.name for p in tmp_path.iterdir()] == ["log.csv"]
+
+
+def test_what_the_user_says_comes_before_every_guess(axis, tmp_path):
+    table = foreign(axis[0]["val_moves"])
+    file = csv(tmp_path / "log.csv", table[:, [0, 2, 1]], "t,i,pos", "%.0f,%d,%.4f")  # wrong names
+    new(tmp_path / "axis", [file], {"drive": "pos", "position": "i"})
+    assert load(tmp_path / "axis" / "campaign").records[0].source.columns["position"] == "i"
+    with pytest.raises(WorkbenchError, match="there is no such column"):
+        new(tmp_path / "other", [file], {"drive": "current"})
+
+
+@pytest.mark.parametrize(
+    ("name", "kind", "unit", "quality"),
+    [
+        ("Time (s)", "time", "s", set()),
+        ("torque_Nm", "torque", "N*m", set()),
+        ("Iq_act [mA]", "current", "mA", {"measured"}),
+        ("pos_um", "position", "um", set()),
+        ("stage_nm", "position", "nm", set()),
+        ("Actual Position / deg", "position", "deg", {"measured"}),
+        ("PosRef_mm", "position", "mm", {"reference"}),
+        ("speed_rpm", "velocity", "rpm", set()),
+        ("Lage [Ink]", "position", "count", set()),
+        ("Torque [%]", "torque", "percent", set()),
+        ("load_position_rad", "position", "rad", {"load"}),
+        ("following error", "", "", {"error"}),
+        ("column 2", "", "", set()),
+    ],
+)
+def test_a_name_says_quantity_unit_and_quality(name, kind, unit, quality):
+    found = meaning(name)
+    assert (found.kind, found.unit, set(found.quality)) == (kind, unit, quality)
+
+
+@pytest.mark.parametrize(
+    ("step", "unit"), [(1e-3, "s"), (1.0, "ms"), (0.25, "ms"), (62.5, "us"), (1e6, "ns"), (4e-3, "s")]
+)
+def test_the_unit_of_a_clock_is_the_one_in_which_drives_log(step, unit):
+    assert clock_unit(step * np.arange(200))[0] == unit
+
+
+def test_the_step_of_an_encoder_is_found_in_rounded_decimals():
+    position = 4.848e-6 * np.round(300 * np.sin(np.linspace(0, 6, 4000)))
+    assert quantum(np.round(position, 7)) == pytest.approx(4.848e-6, rel=0.01)
+    assert quantum(np.sin(np.linspace(0, 6, 4000))) == 0.0

@@ -1,0 +1,5 @@
+"""A campaign and its study from somebody's log files: what the columns are, in which units, and what the records are for.
+
+Every guess is a value with its reason; what cannot be known from a log (a torque constant, counts a revolution) is
+written as assumed, and said to be so until its engineer puts the number in.
+"""

@@ -1,0 +1,109 @@
+"""campaign.toml and study.toml of a proposal, with a comment on every guess."""
+
+import json
+from collections.abc import Sequence
+
+from workbench.intake.proposal import Channel, Proposal
+from workbench.units import effect_unit
+
+MODEL = (
+    ("inertia", "inertia", "F*s^2/x"),
+    ("viscous_friction", "viscous", "F*s/x"),
+    ("coulomb_friction", "coulomb", "F"),
+)
+
+
+def campaign_text(title: str, p: Proposal, files: Sequence[str]) -> str:
+    """Return campaign.toml. files: name of each surveyed file within the folder."""
+    said = [
+        "# What was measured, and what is believed of the axis. Each guess is followed by its reason; correct what is wrong.",
+        *(["# Every line that says `assumed = true` waits for a number from a data sheet."] if _assumed(p) else []),
+        "",
+        f"title = {json.dumps(title, ensure_ascii=False)}",
+        'plant = "one mass"  # or "two mass", with an encoder on the motor and one on the load',
+        f'evaluation_bandwidth = {{ value = {p.bandwidth!r}, unit = "Hz" }}  # models are compared below it; up to here the '
+        "position's spectrum stands above its noise",
+        *_limits(p),
+    ]
+    if p.uneven:
+        said.append(f"resample = true  # {p.uneven} time steps are more than 1 % off: samples were dropped or jitter")
+    for c in p.channels:
+        said += ["", *_channel(c)]
+    said += [
+        "",
+        "# The model that the workbench begins with; it says itself what this lacks. All parameters are fitted.",
+    ]
+    for effect, parameter, unit in MODEL:
+        said += ["[[effects]]", f'effect = "{effect}"', 'at = "axis"']
+        said += [
+            f'parameters.{parameter} = {{ value = 0.0, unit = "{effect_unit(unit, p.rotary)}", fixed = false }}',
+            "",
+        ]
+    for e in p.entries:
+        said += ["[[records]]", f"file = {json.dumps(files[e.survey], ensure_ascii=False)}"]
+        said += [f'name = "{e.name}"'] if e.name else []
+        said.append(f'role = "{e.role}"  # {e.why}')
+        for key, value in (("until", e.until), ("counts_from", e.counts_from)):
+            said += [f'{key} = {{ value = {value!r}, unit = "s" }}'] if value is not None else []
+        said.append("")
+    return "\n".join(said).rstrip() + "\n"
+
+
+def _assumed(p: Proposal) -> list[str]:
+    return [c.guess.channel for c in p.channels if c.scale and c.scale.assumed]
+
+
+def _limits(p: Proposal) -> list[str]:
+    effort, x = ("N*m", "rad") if p.rotary else ("N", "m")
+    return [
+        f'# actuator_limit = {{ value = 1.0, unit = "{effort}" }}  # of the drive; the controller is tuned within it',
+        f'# speed_limit = {{ value = 1.0, unit = "{x}/s" }}  # of the axis',
+    ]
+
+
+def _channel(c: Channel) -> list[str]:
+    g = c.guess
+    said = [
+        f"[channels.{g.channel}]  # {g.why}",
+        f"column = {json.dumps(g.column, ensure_ascii=False)}",
+        f'unit = "{g.unit}"',
+    ]
+    if c.scale:
+        held = ", assumed = true" if c.scale.assumed else ""
+        said.append(f'scale = {{ value = {c.scale.value!r}, unit = "{c.scale.unit}"{held} }}  # {c.scale.why}')
+    if c.resolution:
+        said.append(f"resolution = {float(f'{c.resolution:.9g}')!r}  # {c.resolution_why}")
+    return said
+
+
+def study_text(title: str, p: Proposal) -> str:
+    """Return study.toml: identify, trace and report; and, once it is uncommented, the controller."""
+    x = "rad" if p.rotary else "m"
+    step = 1.0 if p.rotary else 0.01
+    return f"""\
+# What is asked of the campaign. `workbench run` identifies its model, finds what that lacks, and writes the report.
+
+title = {json.dumps(title, ensure_ascii=False)}
+question = "Is inertia with viscous and Coulomb friction enough for this axis, and if not, what does it lack?"
+campaign = "campaign"
+
+# With the lines below, gains are tuned, scheduled, compared and exported too. They need the axis' limits: state
+# actuator_limit in campaign.toml, and the numbers here.
+#
+# [axis]
+# speed_limit = {{ value = 10.0, unit = "{x}/s" }}
+#
+# [loop] # what the controller runs on
+# sample_time = {{ value = {1e3 / p.rate:.9g}, unit = "ms" }}
+# delay = {{ value = {1e3 / p.rate:.9g}, unit = "ms" }}  # one sample of computation
+# resolution = {{ value = 1e-5, unit = "{x}" }}  # of its encoder
+#
+# [tuning] # amplitudes at which gains are tuned
+# lowest = {{ value = {1e-4 * step:g}, unit = "{x}" }}
+# highest = {{ value = {step:g}, unit = "{x}" }}
+# count = 24
+#
+# [task] # the move by which controllers are judged
+# step = {{ value = {step:g}, unit = "{x}" }}
+# duration = {{ value = 1.0, unit = "s" }}
+"""
