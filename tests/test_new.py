@@ -171,17 +171,16 @@ def test_a_study_that_is_there_is_not_overwritten(axis, tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("table", "words"),
+    ("table", "header", "words"),
     [
-        (lambda t: t[:, :2], "three|columns"),
-        (lambda t: t[1000:1060], "at least 100"),
-        (lambda t: np.column_stack([t[::-1, 0], t[:, 1:]]), "no column increases"),
-        (lambda t: np.column_stack([t[:, 0], np.random.default_rng(1).normal(size=(len(t), 2))]), "cannot be told"),
+        (lambda t: t[:, :2], "t,i", "2 columns of numbers"),
+        (lambda t: t[1000:1060], "t,i,pos", "at least 100"),
+        (lambda t: np.column_stack([t[::-1, 0], t[:, 1:]]), "t,i,pos", "no column increases"),
+        (lambda t: np.column_stack([t[:, 0], np.random.default_rng(1).normal(size=(len(t), 2))]), "a,b,c", "be told"),
     ],
 )
-def test_files_that_make_no_campaign_are_refused_and_nothing_is_left(axis, tmp_path, table, words):
+def test_files_that_make_no_campaign_are_refused_and_nothing_is_left(axis, tmp_path, table, header, words):
     made = table(foreign(axis[0]["val_moves"]))
-    header = ",".join("abc"[: made.shape[1]])
     file = csv(tmp_path / "log.csv", made, header, ",".join(["%.6g"] * made.shape[1]))
     with pytest.raises(WorkbenchError, match=words):
         new(tmp_path / "axis", [file])
