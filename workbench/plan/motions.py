@@ -1,26 +1,27 @@
-"""Smooth reference motions, from rest to rest, each within an envelope, and the pool that a plan picks from."""
+"""Smooth reference motions, from rest to rest. Each takes an envelope, its size, its length and the sample time."""
 
-from collections.abc import Iterator
+from collections import Counter
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from math import ceil
 
 import numpy as np
 
-from workbench.effect import Effect
-from workbench.plan.envelope import Envelope, Sensing
+from workbench.plan.envelope import Envelope
 
 REST = 0.15  # s, at both ends: longer than what identification trims
-LEAST = 30.0  # counts: a smaller amplitude shows the encoder more than the axis
-FASTEST = 0.3  # of the evaluation bandwidth: the highest frequency of a sine; a multisine goes to twice that
 
 
 @dataclass(frozen=True, eq=False)
 class Reference:
-    """position (n,), rad or m, every dt s; speed and acceleration are its central differences. phrase: "a sine of ..."."""
+    """position (n,), rad or m, every dt s; speed and acceleration are its central differences. phrase: "a sine of ...".
+
+    sized: a factor -> the same motion with its amplitude (of ramps, its speed) times that; None where it has no size.
+    """
 
     phrase: str
     position: np.ndarray
     dt: float
+    sized: Callable[[float], "Reference"] | None = None
 
     @property
     def speed(self) -> np.ndarray:
@@ -74,12 +75,12 @@ def move_time(distance: float, e: Envelope) -> float:
     return max(1.875 * abs(distance) / e.speed, (5.7735 * abs(distance) / e.acceleration) ** 0.5, 0.02)
 
 
-def sine(e: Envelope, amplitude: float, frequency: float, seconds: float, dt: float, unit: str, places=()) -> Reference:
-    """A sine about the centre, or about each of several places in turn."""
+def sine(e: Envelope, amplitude: float, seconds: float, dt: float, unit: str, frequency: float, places=()) -> Reference:
+    """A sine about the centre, or about each of three places in turn."""
     t = clock(seconds, dt)
-    about = (
-        f"about {quantity(e.centre, unit)}" if not places else f"about {('two', 'three')[len(places) - 2]} positions"
-    )
+    about = f"about {quantity(e.centre, unit)}"
+    if places:
+        about = f"about three positions over {quantity(places[-1] - places[0], unit)}"
     phrase = f"a sine of {quantity(amplitude, unit)} at {frequency:.2g} Hz {about}"
     places = places or (e.centre,)
     each = seconds / len(places)
@@ -95,7 +96,7 @@ def sine(e: Envelope, amplitude: float, frequency: float, seconds: float, dt: fl
     return Reference(phrase, position, dt)
 
 
-def ramps(e: Envelope, stroke: float, speed: float, seconds: float, dt: float, unit: str) -> Reference:
+def ramps(e: Envelope, speed: float, seconds: float, dt: float, unit: str, stroke: float) -> Reference:
     """Back and forth at a constant speed; corners are rounded by a running mean of the speed."""
     t = clock(seconds, dt)
     corner = max(4.2 * speed / e.acceleration, 0.02)  # Hann's window turns 2 v round with a peak of 4 v/corner
@@ -114,7 +115,7 @@ def ramps(e: Envelope, stroke: float, speed: float, seconds: float, dt: float, u
 
 
 def multisine(
-    e: Envelope, level: float, top: float, seconds: float, dt: float, unit: str, sweep: float = 0.0
+    e: Envelope, level: float, seconds: float, dt: float, unit: str, top: float, sweep: float = 0.0
 ) -> Reference:
     """Lines of equal acceleration from 1 Hz to `top` with Schroeder's phases, on top of a slow sine of amplitude `sweep`.
 
@@ -158,48 +159,13 @@ def moves(e: Envelope, reach: float, seconds: float, dt: float, unit: str) -> Re
     return Reference(f"point-to-point moves within {quantity(reach, unit)}, as fast as the limits allow", position, dt)
 
 
-def amplitudes(effects: tuple[Effect, ...], e: Envelope, s: Sensing) -> list[float]:
-    """Return amplitudes from tens of counts to half the travel, and about the stroke of each effect that has one."""
-    least, most = max(LEAST * s.counts, 1e-5 * e.span), 0.49 * e.span
-    strokes = [p.value for x in effects for p in x.parameters.values() if p.scale == "stroke" and p.value > 0.0]
-    wanted = [*np.geomspace(least, most, 4), *(f * x for x in sorted(strokes) for f in (0.5, 2.0, 8.0))]
-    kept: list[float] = []
-    for a in sorted(wanted):
-        if least <= a <= most * 1.0001 and (not kept or a > 1.5 * kept[-1]):
-            kept.append(float(a))
-    return kept
-
-
-def speeds(effects: tuple[Effect, ...], e: Envelope, seconds: float) -> list[float]:
-    """Return speeds up to the limit, and about the speed of each effect that has one."""
-    known = [p.value for x in effects for p in x.parameters.values() if p.scale == "speed" and p.value > 0.0]
-    wanted = [*(e.speed * np.array([0.003, 0.03, 0.2, 0.9])), *(f * v for v in sorted(known) for f in (0.4, 1.2, 3.0))]
-    kept: list[float] = []
-    for v in sorted(wanted):
-        if v <= 0.95 * e.speed and (not kept or v > 1.5 * kept[-1]):
-            kept.append(float(v))
-    return kept
-
-
-def pool(effects: tuple[Effect, ...], e: Envelope, s: Sensing, seconds: float, unit: str) -> Iterator[Reference]:
-    """Yield motions of one length within the envelope: for friction at rest and in motion, for position, for inertia."""
-    least = 2.0 / (seconds - 2 * REST)
-    top = max(FASTEST * s.bandwidth, least)
-    tried = []
-    for a in amplitudes(effects, e, s):
-        fastest = min(0.9 * e.speed / a / (2 * np.pi), (0.9 * e.acceleration / a) ** 0.5 / (2 * np.pi), top)
-        for f in dict.fromkeys(
-            float(x) for x in np.geomspace(least, max(fastest, least), 1 + min(2, ceil(fastest / least)))
-        ):
-            tried.append(sine(e, a, f, seconds, dt=s.dt, unit=unit))
-        if a < 0.1 * e.span and 3.0 * least <= fastest:
-            places = (e.low + 1.2 * a, e.centre, e.high - 1.2 * a)
-            tried.append(sine(e, a, min(2.0, fastest), seconds, s.dt, unit, places))
-    tried += [ramps(e, 0.95 * e.span, v, seconds, s.dt, unit) for v in speeds(effects, e, seconds)]
-    for level in (0.1, 0.5, 0.9):
-        tried.append(multisine(e, level, 2 * top, seconds, s.dt, unit))
-    tried.append(multisine(e, 0.6, 2 * top, seconds, s.dt, unit, sweep=0.3 * min(e.span, e.speed * seconds / 7)))
-    tried += [moves(e, part * e.span, seconds, s.dt, unit) for part in (0.05, 0.3, 0.95)]
-    for reference in tried:
-        if reference.within(e):
-            yield reference
+def joined(references: Sequence[Reference], e: Envelope) -> Reference:
+    """Return one motion: each in turn, and moves at half the speed limit from where one ends to where the next begins."""
+    dt, parts = references[0].dt, [references[0].position]
+    for following in references[1:]:
+        at, to = parts[-1][-1], following.position[0]
+        travel = max(2.0 * move_time(to - at, e), dt)
+        parts += [at + (to - at) * smoothstep(clock(travel, dt) / travel), following.position]
+    counts = Counter(r.phrase for r in references)
+    phrase = ", then ".join(f"{n} times {p}" if n > 1 else p for p, n in counts.items())
+    return Reference(phrase, np.concatenate(parts), dt)

@@ -19,7 +19,8 @@ from workbench.identify.problem import Problem
 from workbench.identify.solve import NoValue, bounded, scales, slopes, solve
 from workbench.plan.envelope import Envelope, Sensing, mass_of
 from workbench.plan.following import followed, with_effect
-from workbench.plan.motions import Reference, pool
+from workbench.plan.motions import Reference
+from workbench.plan.pool import pool
 from workbench.plant import Plant
 from workbench.threads import one_thread
 

@@ -12,7 +12,15 @@ from workbench.readers.declaration import Table, read
 FILE = "study.toml"
 DATA = "WORKBENCH_DATA"
 KEYS = ("question", "campaign", "data", "describe", "requirements")
-CONTROL = ("loop", "axis", "tuning", "schedule", "task", "export")  # read by study.controlling
+CONTROL = (
+    "loop",
+    "axis",
+    "tuning",
+    "schedule",
+    "task",
+    "export",
+    "plan",
+)  # read by study.controlling and study.planning
 
 
 class MissingData(WorkbenchError):

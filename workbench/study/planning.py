@@ -1,0 +1,113 @@
+"""What a plan starts from: a study's campaign with every value free and fitted, its limits, and how well its log sees."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from workbench.campaign import Campaign
+from workbench.campaign import load as load_campaign
+from workbench.effect import Effect
+from workbench.errors import WorkbenchError, nearest
+from workbench.identify.fit import fitted_on, identify, passes_of
+from workbench.identify.passes import Passes
+from workbench.identify.result import Fit
+from workbench.plan import Envelope, Sensing, envelope_of, sensing_of
+from workbench.plan.information import freed
+from workbench.plant import Plant
+from workbench.readers.declaration import Table
+from workbench.record import IDENTIFICATION
+from workbench.study import configuration
+from workbench.study.running import further_keys
+from workbench.units import effect_unit
+
+KEYS = {"lowest": ("low", "x"), "highest": ("high", "x"), "speed": ("speed", "x/s"),
+        "acceleration": ("acceleration", "x/s^2"), "drive": ("drive", "F")}  # fmt: skip
+ACCURACY = 0.02
+
+
+@dataclass(frozen=True, eq=False)
+class Basis:
+    """fit: of the plant with every value free. sample_time: s, at which the drive reads a reference. accuracy: a share."""
+
+    campaign: Campaign
+    passes: tuple[Passes, ...]
+    fit: Fit
+    envelope: Envelope
+    sensing: Sensing
+    sample_time: float
+    accuracy: float
+
+
+def basis_of(name: str, say: Callable[[str], None] = lambda _: None) -> Basis:
+    """Return what a plan for a study starts from. name: the study's folder, or its name under studies/.
+
+    WorkbenchError where the study has no campaign or [plan] states what cannot be.
+    """
+    folder = configuration.find(name)
+    study = configuration.load(folder, further_keys(folder))
+    if study.campaign is None:
+        raise WorkbenchError(
+            f"{study.table.path('campaign')}: a plan is made for a study of a campaign; name its folder."
+        )
+    say("reading the campaign")
+    campaign = load_campaign(study.campaign)
+    passes = passes_of(campaign.records, campaign.bandwidth)
+    say("fitting the declared model, every value free")
+    fit = identify(freed(campaign.plant), passes)
+    given = study.table.table("plan", optional=("accuracy", *KEYS))
+    sensing = sensing_of(passes, fit.rms[IDENTIFICATION])
+    return Basis(
+        campaign, passes, fit, limited(envelope_of(fit.plant, passes), given, fit.plant.rotary), sensing,
+        sample_time(study.table, sensing.dt), given.number("accuracy", ACCURACY, above=0.0),
+    )  # fmt: skip
+
+
+def limited(envelope: Envelope, given: Table, rotary: bool) -> Envelope:
+    """Return the envelope with the limits that [plan] states in place of those that the records have shown."""
+    stated = {
+        name: given.quantity(key, effect_unit(unit, rotary)) for key, (name, unit) in KEYS.items() if key in given
+    }
+    return replace(envelope, **stated)
+
+
+def sample_time(top: Table, otherwise: float) -> float:
+    """Return the sample time of the study's loop in s, at which its drive reads references; `otherwise` without one."""
+    if "loop" not in top or not isinstance(top.values["loop"], dict) or "sample_time" not in top.values["loop"]:
+        return otherwise
+    loop = top.table("loop", optional=tuple(top.values["loop"]))
+    return loop.quantity("sample_time", "s", above=0.0)
+
+
+def suspect(basis: Basis, text: str) -> tuple[Plant, Effect, float]:
+    """Return (the plant without it, the effect with the values that explain the records, the rms of what is then left).
+
+    text: "effect" or "effect@place". A declared effect keeps its fitted values; another one is fitted jointly with the
+    declared model, as a trace does.
+    """
+    from workbench.trace.candidates import suspects
+    from workbench.trace.search import fitted
+
+    plant, (name, _, place) = basis.fit.plant, text.partition("@")
+    for e in plant.effects:
+        if name == e.name and place in ("", e.at):
+            return plant.without(e.key), e, basis.fit.rms[IDENTIFICATION]
+    known = suspects(plant)
+    chosen = next((s for s in known if s.effect == name and place in ("", s.at)), None)
+    if chosen is None:
+        raise WorkbenchError(f"there is no candidate '{text}' for this plant; {nearest(text, [s.key for s in known])}")
+    records = fitted_on(basis.passes)
+    problem, solution = fitted(chosen, records, residuals(basis.fit, records))
+    effect = problem.with_linear(problem.with_shape(solution.theta), solution.c)[chosen.key]
+    return plant, effect, float(np.sqrt(solution.cost / solution.y.size))
+
+
+def residuals(fit: Fit, passes: list[Passes]) -> list[np.ndarray]:
+    """Return what the fit leaves of each record (n,), zero where nothing counts."""
+    found = []
+    for p in passes:
+        series = fit.series[p.motion.record.name]
+        left = np.zeros(series.time.size)
+        left[series.keep] = series.residual[series.keep]
+        found.append(left)
+    return found

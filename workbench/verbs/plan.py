@@ -1,0 +1,78 @@
+"""`workbench plan`: which motion to record next."""
+
+import argparse
+from pathlib import Path
+
+from workbench.verbs.progress import Progress
+
+
+def declare(verbs) -> None:
+    plan = verbs.add_parser(
+        "plan",
+        help="find the motion to record next",
+        description="Find reference trajectories within the axis' limits that determine every declared parameter, or, "
+        "with --separate, tell two effects apart; write trajectory.csv and plan.json.",
+    )
+    plan.add_argument("study", help="a study's folder, or its name under studies/")
+    plan.add_argument("--out", type=Path, required=True, help="folder to write into")
+    plan.add_argument("--accuracy", type=float, metavar="PER_CENT", help="of every parameter's value, 2 where absent")
+    plan.add_argument(
+        "--separate", nargs=2, metavar=("A", "B"), help="two effects to tell apart, by name or as name@place"
+    )
+
+
+def do(given: argparse.Namespace) -> int:
+    from workbench.errors import WorkbenchError
+    from workbench.study.planning import basis_of
+
+    if given.accuracy is not None and not 0.0 < given.accuracy <= 100.0:
+        raise WorkbenchError(f"--accuracy is {given.accuracy:g} %; give more than 0 and at most 100.")
+    basis = basis_of(given.study, say := Progress())
+    return _separate(given, basis) if given.separate else _determine(given, basis, say)
+
+
+def _determine(given: argparse.Namespace, basis, say) -> int:
+    from workbench.outputs import whole
+    from workbench.plan import design, prospects
+    from workbench.plan.output import JSON, TRAJECTORY, write_plan
+
+    accuracy = given.accuracy / 100.0 if given.accuracy else basis.accuracy
+    plan = design(basis.fit.plant, basis.envelope, basis.sensing, accuracy, progress=say)
+    found = prospects(plan, basis.fit.estimates, accuracy)
+    with whole(given.out, JSON) as beside:
+        write_plan(beside, plan, found, accuracy, basis.sample_time)
+    start = plan.trajectory.position[0]
+    print(
+        f"Record {plan.trajectory.phrase}: {plan.trajectory.time[-1]:.0f} s, from rest at {start:.4g} {plan.plant.displacement}."
+    )
+    for p in found:
+        print(f"- {p.sentence}")
+    print(
+        f"What the records leave of the drive, {basis.fit.rms['identification']:.2g} {plan.plant.effort} rms, is counted as "
+        "noise. All promises hold at once in 95 of 100 such records."
+    )
+    print(f"\n{given.out / TRAJECTORY}")
+    return 0
+
+
+def _separate(given: argparse.Namespace, basis) -> int:
+    from workbench.errors import WorkbenchError
+    from workbench.outputs import whole
+    from workbench.plan import sensing_of, separate
+    from workbench.plan.following import followed, with_effect
+    from workbench.plan.output import JSON, TRAJECTORY, write_separation
+    from workbench.study.planning import suspect
+
+    (plant, a, left), (_, b, also) = (suspect(basis, text) for text in given.separate)
+    if a.key == b.key:
+        raise WorkbenchError(f"'{a.key}' is named twice; name two effects.")
+    # an effect that is declared is taken out of the model that both share
+    plant = plant.without(b.key) if b.key in (e.key for e in plant.effects) else plant
+    sensing = sensing_of(basis.passes, min(left, also))
+    found = separate(plant, a, b, basis.envelope, sensing)
+    drive = followed(found.reference, with_effect(plant, a), sensing).motion.u if found.apart else None
+    with whole(given.out, JSON) as beside:
+        write_separation(beside, found, drive, plant.rotary, basis.sample_time)
+    print(found.sentence)
+    print(f"\n{given.out / (TRAJECTORY if found.apart else JSON)}")
+    return 0
