@@ -12,6 +12,7 @@ accumulated triangular factor).
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from itertools import chain
 
 import numba
 import numpy as np
@@ -61,11 +62,17 @@ def advance(x, start, radii, plays, lead, sign, out):
 class Blocks:
     """Blocks (b, k + m + 1) of [columns, operators, y] of one record, as often as asked; each overwrites the last."""
 
-    def __init__(self, x, y, radii: np.ndarray, kind: str, columns: Sequence[Column], size: int):
+    def __init__(self, x, y, radii: np.ndarray, kind: str, columns: Sequence[Column], size: int, counts: slice):
         self.x, self.y, self.radii, self.columns = x, y, radii, columns
+        self.first, self.last, _ = counts.indices(len(x))
         self.lead, self.sign = KINDS[kind]
         self.size = size
         self.width = len(columns) + radii.size + 1
+
+    @property
+    def rows(self) -> int:
+        """Samples that count."""
+        return max(self.last - self.first, 0)
 
     def __iter__(self):
         buffer = np.empty((min(self.size, len(self.x)), self.width))
@@ -78,21 +85,23 @@ class Blocks:
                 block[:, j] = column(x, a)
             advance(x, start, self.radii, plays, self.lead, self.sign, block[:, k:-1])
             block[:, -1] = self.y[a : a + self.size]
+            block[: max(self.first - a, 0)] = 0.0  # the operators have seen these samples; the least squares does not
+            block[max(self.last - a, 0) :] = 0.0
             yield block
 
 
-def gram_of(blocks: Blocks) -> np.ndarray:
-    """Return the Gram matrix (width, width) of all columns and y."""
-    total = np.zeros((blocks.width, blocks.width))
-    for block in blocks:
+def gram_of(records: Sequence[Blocks]) -> np.ndarray:
+    """Return the Gram matrix (width, width) of all columns and y, over all records."""
+    total = np.zeros((records[0].width,) * 2)
+    for block in chain.from_iterable(records):
         total += block.T @ block
     return total
 
 
-def triangle_of(blocks: Blocks, norms: np.ndarray) -> np.ndarray:
+def triangle_of(records: Sequence[Blocks], norms: np.ndarray) -> np.ndarray:
     """Return the triangular factor R (width, width) of all columns and y, each divided by its norm, R'R their Gram matrix."""
-    r = np.zeros((blocks.width, blocks.width))
-    for block in blocks:
+    r = np.zeros((records[0].width,) * 2)
+    for block in chain.from_iterable(records):
         r = np.linalg.qr(np.vstack([r, block / norms]), mode="r")
     return r
 
@@ -139,7 +148,6 @@ def checked(x, y, thresholds, kind: str) -> np.ndarray:
     return radii
 
 
-@one_thread
 def fit_operators(
     x: np.ndarray, y: np.ndarray, thresholds: Sequence[float], kind: str = "stop", columns: Sequence[Column] = (),
     non_negative: bool = True, block: int = BLOCK, *, monotone: bool = False,
@@ -153,8 +161,15 @@ def fit_operators(
     a block; it changes no more than rounding. x and y may be memory-mapped. Memory besides them: one block.
     WorkbenchError where a number is not finite.
     """
-    blocks = Blocks(x, y, checked(x, y, thresholds, kind), kind, columns, block)
-    gram = gram_of(blocks)
+    blocks = Blocks(x, y, checked(x, y, thresholds, kind), kind, columns, block, slice(None))
+    return weights_of([blocks], kind, non_negative=non_negative, monotone=monotone)
+
+
+@one_thread
+def weights_of(records: Sequence[Blocks], kind: str, *, non_negative: bool = True, monotone: bool = False) -> Weights:
+    """Return the weights that serve all records, of the same operators and columns; see `fit_operators`."""
+    radii, k = records[0].radii, len(records[0].columns)
+    gram = gram_of(records)
     if not np.all(np.isfinite(gram)):
         raise WorkbenchError("positions, targets and columns must all be finite numbers; some are not.")
     norms = np.sqrt(np.diag(gram))
@@ -170,17 +185,16 @@ def fit_operators(
     else:
         method = "qr"
         # what is left of the zero columns are zeros: without them the factor has to be made triangular once more
-        whole = np.linalg.qr(triangle_of(blocks, norms)[:, keep], mode="r")
+        whole = np.linalg.qr(triangle_of(records, norms)[:, keep], mode="r")
         r, b, beyond = whole[:-1, :-1], whole[:-1, -1], whole[-1, -1] ** 2
-    free = int(np.count_nonzero(moved[: len(columns)]))
-    of = moved[len(columns) :]
+    free = int(np.count_nonzero(moved[:k]))
+    of = moved[k:]
     cone = np.eye(int(of.sum())) if non_negative else None
     if monotone:
         # in units of the scaled columns; whatever never moved is left out, and its weight stays zero
-        cone = monotone_cone(blocks.radii[of], kind) * (norms[len(columns) : -1][of] / norms[-1])[:, None]
+        cone = monotone_cone(radii[of], kind) * (norms[k:-1][of] / norms[-1])[:, None]
     c = solved(r, b, free, cone)
-    left = np.sqrt((beyond + np.sum((r @ c - b) ** 2)) / len(x)) * norms[-1]
+    left = np.sqrt((beyond + np.sum((r @ c - b) ** 2)) / max(sum(r.rows for r in records), 1)) * norms[-1]
     natural = np.zeros(moved.size)
     natural[moved] = c * norms[-1] / norms[:-1][moved]
-    k = len(columns)
     return Weights(natural[k:], condition, method, float(left), natural[:k])
