@@ -39,10 +39,9 @@ def on_the_rig(seconds: float = 4.0) -> Record:
     t = np.arange(round(seconds / TS)) * TS
     reference = 0.05 * np.sin(2 * pi * 0.5 * t) + 0.02 * np.sin(2 * pi * 3.0 * t)
     injected = 0.15 * np.sin(2 * pi * 11.0 * t) + 0.1 * np.sin(2 * pi * 23.0 * t)
-    logs = np.empty((4, t.size * rig.PER_CONTROL))
-    axis = (AXIS.inertia, AXIS.viscous, AXIS.h0, AXIS.rate, 0.0, 0.0)
-    rig.simulate(axis, AXIS.table(), 0.0, reference, np.zeros(t.size), injected, *logs)
-    q, u = logs[0, :: rig.PER_CONTROL], logs[1, :: rig.PER_CONTROL]
+    q, _, u = logs = np.empty((3, t.size * rig.PER_CONTROL))
+    rig.simulate(AXIS, *rig.Machine(AXIS, {}).tables(), 0.0, reference, np.zeros(t.size), injected, True, False, *logs)
+    q, u = q[:: rig.PER_CONTROL], u[:: rig.PER_CONTROL]
     read = rig.COUNT * np.floor(q / rig.COUNT + 0.5)
     return recorded("waves", TS, position=read, torque=u, reference=reference, injected=injected)
 

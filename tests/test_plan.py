@@ -7,7 +7,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 import rig
-from scipy.interpolate import CubicSpline
 
 from workbench.cli import main
 from workbench.effect import find
@@ -42,12 +41,11 @@ AXIS = rig.Axis(inertia=0.0026, viscous=0.011, h0=0.15, rate=650.0)
 PLANT = declared(AXIS)
 
 
-def carried_out(axis: rig.Axis, reference, drive: np.ndarray, seed: int = 1, noise: float = SENSING.drive):
+def carried_out(machine: rig.Machine, reference, drive: np.ndarray, seed: int = 1, noise: float = SENSING.drive):
     """Let the rig follow a reference, the planned drive fed forward; return passes over what its log holds."""
-    steps = rig.PER_SAMPLE // rig.PER_CONTROL
-    t = np.arange(reference.position.size * steps) * rig.PER_CONTROL / rig.RATE
-    course = CubicSpline(reference.time, reference.position - reference.position[0])
-    made = rig.run(axis, 0.0, (course(t), course(t, 1), CubicSpline(reference.time, drive)(t)))
+    position = reference.position - reference.position[0]
+    planned = rig.following("planned", IDENTIFICATION, position, 1 / SENSING.dt, drive)
+    made = rig.run(machine, 0.0, planned.make(None, False))
     torque = made.u + noise * np.random.default_rng(seed).standard_normal(made.u.size)
     position = rig.COUNT * np.floor(made.q / rig.COUNT + 0.5)
     channels, resolution = {"torque": torque, "position": position}, {"position": rig.COUNT}
@@ -121,8 +119,8 @@ def test_rivals_part_along_the_motion_that_is_named_when_the_rig_follows_it(name
     other, degrees = RIVALS[name]
     found = separate(PLANT, STRIBECK, other, ENVELOPE, SENSING)
     assert found.apart and found.motion in found.sentence and np.degrees(found.angle) > degrees
-    axis = replace(AXIS, forces={"stribeck_friction": (0.02, 0.5)})
-    passes = carried_out(axis, found.reference, followed(found.reference, PLANT + STRIBECK, SENSING).motion.u)
+    machine = rig.Machine(AXIS, {}).adding("stribeck", "axis", (0.02, 0.5))
+    passes = carried_out(machine, found.reference, followed(found.reference, PLANT + STRIBECK, SENSING).motion.u)
     right, wrong = (solve(Problem(PLANT + e, passes)).cost / SENSING.drive**2 for e in (STRIBECK, other))
     assert (wrong - right) ** 0.5 > 0.6 * found.deviations > 3.0
 
@@ -161,10 +159,11 @@ def test_the_promised_accuracy_is_reached_in_nine_of_ten_runs_on_the_rig():
     sensing = replace(SENSING, drive=NOISE)
     for seed in range(10):
         rng = np.random.default_rng([seed, 5])
-        axis = replace(rig.drawn(rng), forces={"stribeck_friction": (drop, speed)})
+        axis = rig.servo(rng)
+        machine = rig.Machine(axis, {}).adding("stribeck", "axis", (drop, speed))
         plant = guess(axis, rng, drop, speed)
         plan = design(plant, ENVELOPE, sensing, 0.08)
-        fit = identify(plant, carried_out(axis, plan.trajectory, plan.drive, seed, NOISE))
+        fit = identify(plant, carried_out(machine, plan.trajectory, plan.drive, seed, NOISE))
         truth = {
             "inertia": axis.inertia, "viscous": axis.viscous, "h0": axis.h0, "a": axis.rate, "drop": drop, "speed": speed,
         }  # fmt: skip
