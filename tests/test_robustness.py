@@ -11,6 +11,7 @@ from workbench.control import fixed_pd, pi_cascade, scheduled_pd
 from workbench.effect import find
 from workbench.errors import WorkbenchError
 from workbench.plant import ONE_MASS, Limits, Plant
+from workbench.report.contents import Figure, Items
 from workbench.robustness import (
     Cases,
     Varied,
@@ -35,6 +36,7 @@ from workbench.robustness.local import on_threads
 from workbench.robustness.perspective import ranking, share_beyond_worst, statement
 from workbench.robustness.work import Block, digest, probe
 from workbench.simulate import Loop
+from workbench.study.series import declared, robustness
 from workbench.verify.task import Task
 
 LOOP = Loop(2.5e-4, 2, 2.5e-4, 2.5e-4, 4.848e-6)
@@ -222,7 +224,7 @@ def test_a_statement_holds_as_often_as_it_says():
 def test_a_run_that_never_settles_exceeds_every_limit():
     found = share_beyond(independent_of(3), np.array([np.inf, np.nan, 0.1]), 1.0)
     assert found.exceeded == 2
-    assert "3 draws" in statement(found, "a final error", "rad") and "99%" in statement(found, "a final error", "rad")
+    assert "at most 99.7 %" in statement(found, "a limit") and "(2 of 3 draws did)" in statement(found, "a limit")
 
 
 def test_nothing_is_said_with_confidence_of_a_grid_or_of_quasi_random_points():
@@ -243,7 +245,10 @@ def test_the_perspectives_can_rank_two_controllers_in_opposite_orders():
     errors = {"GS 1": (0.388e-4, 0.969e-4), "GS 2": (2.404e-4, 2.230e-4), "cascade": (1.131e-4, 8.870e-4)}
     found = {n: perspectives(np.array(e)) for n, e in errors.items()}
     first, second, both = ranking(found, "both loads", "rad")
-    assert "GS 1 is the most robust" in first.sentence and "GS 2 is the most robust" in second.sentence
+    assert (
+        "GS 1 is the most robust (96.9 µrad)" in first.sentence
+        and "GS 2 is the most robust (17.4 µrad)" in second.sentence
+    )
     assert "disagree" in both.sentence and found["cascade"].spread == pytest.approx(7.739e-4)
 
 
@@ -341,3 +346,83 @@ def test_an_effect_of_ones_own_is_refused_where_it_must_be_known_by_name():
     w = work(task(plant=axis() + maxwell_slip((1e-4, 1e-3))), makers(), VARIED[:1])
     with pytest.raises(WorkbenchError, match="maxwell_slip"):
         of_work(w)
+
+
+# --- a study's declaration, and what it writes -----------------------------------------------------------------------
+
+TOML = """
+[robustness]
+draws = 64
+seed = 3
+controllers = ["PI cascade", "fixed PD"]
+worst = 1
+[robustness.limits]
+final_error = { value = 50.0, unit = "urad" }
+[robustness.vary]
+inertia = { uniform = [0.5, 1.5] }
+delay = { uniform = [0.0, 0.1], unit = "ms" }
+"presliding_hysteresis.x0" = { normal = [100.0, 10.0], within = [70.0, 140.0], unit = "percent", relative = true }
+"kinematic_error.phase" = { value = 90.0, unit = "deg" }
+"""
+
+
+def study(tmp_path, text=TOML):
+    from workbench.study import configuration
+
+    (tmp_path / "study.toml").write_text('title = "t"\n' + text)
+    return configuration.load(tmp_path)
+
+
+def test_a_study_declares_what_differs_with_units(tmp_path):
+    asked = declared(study(tmp_path).table, task())
+    found = {v.name: v for v in asked.varied}
+    assert found["delay"].distribution == uniform(0.0, 1e-4) and found["inertia"].distribution == uniform(0.5, 1.5)
+    d = found["presliding_hysteresis.x0"].distribution
+    assert found["presliding_hysteresis.x0"].relative and (d.mean, d.deviation) == pytest.approx((1.0, 0.1))
+    assert found["kinematic_error.phase"].distribution.low == pytest.approx(np.pi / 2)
+    assert asked.limits == {"final_error": pytest.approx(5e-5)} and asked.controllers[0] == "PI cascade"
+
+
+@pytest.mark.parametrize(
+    ("was", "becomes", "words"),
+    [
+        ('unit = "ms"', 'unit = "mm"', ("delay", "unit 'mm'")),
+        ("uniform = [0.5, 1.5]", "unifrom = [0.5, 1.5]", ("inertia", "unifrom", "uniform")),
+        ("uniform = [0.5, 1.5]", "uniform = [1.5, 0.5]", ("inertia.uniform", "no support")),
+        ("uniform = [0.5, 1.5]", "uniform = [0.5]", ("inertia.uniform", "two numbers")),
+        ("uniform = [0.5, 1.5]", "uniform = [-0.5, 1.5]", ("inertia", "physical bounds")),
+        (", within = [70.0, 140.0]", "", ("within", "two numbers")),
+        ("hysteresis.x0", "hysteresis.x1", ("'x1'", "x0")),
+        ("final_error =", "final_eror =", ("final_eror", "final_error")),
+    ],
+)
+def test_a_faulty_declaration_is_answered_with_file_and_key(was, becomes, words, tmp_path):
+    with pytest.raises(WorkbenchError) as caught:
+        declared(study(tmp_path, TOML.replace(was, becomes)).table, task())
+    assert all(w in str(caught.value) for w in ("study.toml", *words))
+
+
+def test_a_study_gets_figures_statements_and_cases_that_the_command_replays(tmp_path, capsys):
+    from workbench.cli import main
+
+    text = TOML.replace('"PI cascade", "fixed PD"', '"fixed PD"').replace("worst = 1", "worst = 2")
+    part = robustness(study(tmp_path, text), task(), makers(), lambda _: None)
+    assert {"grid_error_fixed_pd", "drawn_error_99_percent_fixed_pd", "share_beyond_final_error_fixed_pd"} <= set(
+        part.figures
+    )
+    assert part.units["grid_error_fixed_pd"] == "rad" and "share_beyond_final_error_fixed_pd" not in part.units
+    (chapter,) = part.chapters
+    drawn = [b for b in chapter.blocks if isinstance(b, Figure)]
+    assert len(drawn) == 4 and all(b.svg().startswith(b"<svg") for b in drawn)
+    assert any("of axes drawn from the declared distributions at most" in t for b in chapter.blocks if isinstance(b, Items)
+               for t in b.texts)  # fmt: skip
+    (tmp_path / "out").mkdir()
+    for write in part.files:
+        write(tmp_path / "out")
+    rows = (tmp_path / "out" / "robustness" / "draws.csv").read_text().splitlines()
+    assert len(rows) == 65 and len(rows[0].split('","')) == len(rows[1].split(",")) == 8
+    file = str(tmp_path / "out" / "robustness" / "worst.json")
+    assert main(["replay", file]) == 0 and capsys.readouterr().out.count("to the same bits") == 2
+    assert main(["replay", file, "--case", "2", "--out", str(tmp_path / "motion")]) == 0
+    assert (tmp_path / "motion" / "motion.csv").read_text().startswith("time,q,y,u\n0.0,")
+    assert main(["replay", file, "--case", "3"]) == 2

@@ -10,9 +10,9 @@ from collections.abc import Sequence
 
 from workbench import __version__
 from workbench.errors import INTERNAL_ERROR, USER_ERROR, WorkbenchError
-from workbench.verbs import effects, new, plan, run, trace
+from workbench.verbs import effects, new, plan, replay, run, trace
 
-VERBS = {"new": new, "run": run, "trace": trace, "plan": plan, "effects": effects}
+VERBS = {"new": new, "run": run, "trace": trace, "plan": plan, "replay": replay, "effects": effects}
 
 
 def parser() -> argparse.ArgumentParser:

@@ -87,38 +87,41 @@ def _refuse_dependent(cases: Cases) -> None:
 
 def ranking(found: Mapping[str, Perspectives], cases: str, unit: str) -> tuple[Finding, ...]:
     """Return, for each perspective, a finding that says which controller is the most robust, and whether they agree."""
-    findings, first = [], {}
+    findings, first = [], []
     for name, title, value in (
         ("first", "largest error", lambda p: p.maximum),
         ("second", "spread of errors", lambda p: p.spread),
     ):
         order = sorted(found, key=lambda c: value(found[c]))
-        first[name] = order[0]
-        best, worst = value(found[order[0]]), value(found[order[-1]])
+        first.append(order[0])
+        best = value(found[order[0]])
         ties = [c for c in order[1:] if value(found[c]) <= best * (1.0 + EQUAL)]
-        also = f", with {' and '.join(ties)} within {EQUAL:.0%}" if ties else ""
-        findings.append(
-            Finding(
-                "robustness", f"{name} perspective",
-                f"By the {name} perspective ({title} over {cases}) {order[0]} is the most robust at {best:.3g} {unit}{also}; "
-                f"{order[-1]} is the least at {worst:.3g} {unit}.",
-                {c: value(p) for c, p in found.items()},
-            )
-        )  # fmt: skip
-    if len(found) > 1:
-        agree = first["first"] == first["second"]
+        also = f", {' and '.join(ties)} within {100 * EQUAL:.0f} % of it" if ties else ""
         sentence = (
-            f"Both perspectives put {first['first']} first."
-            if agree
-            else f"The perspectives disagree: {first['first']} has the smallest error, {first['second']} the smallest spread."
+            f"By the {name} perspective, the {title} over {cases}, {order[0]} is the most robust ({_said(best, unit)}{also})"
+            f" and {order[-1]} the least ({_said(value(found[order[-1]]), unit)})."
         )
-        findings.append(Finding("robustness", "perspectives", sentence))
+        evidence = {c: value(p) for c, p in found.items()}
+        findings.append(Finding("robustness", f"{name} perspective", sentence, evidence))
+    if len(found) > 1:
+        agree = first[0] == first[1]
+        sentence = (
+            f"Over {cases} both perspectives put {first[0]} first."
+            if agree
+            else f"Over {cases} the perspectives disagree: {first[0]} has the smallest largest error, {first[1]} the smallest "
+            "spread."
+        )
+        findings.append(Finding("robustness", "both perspectives", sentence))
     return tuple(findings)
 
 
-def statement(share: Share, what: str, unit: str) -> str:
-    """Return a Clopper-Pearson statement as a sentence."""
+def _said(value: float, unit: str) -> str:
+    return f"{1e6 * value:.3g} µ{unit}" if np.isfinite(value) else "not at rest at the end"
+
+
+def statement(share: Share, what: str) -> str:
+    """Return a Clopper-Pearson statement as a sentence. what: "a final error of 100 µrad"."""
     return (
-        f"Of axes drawn from the declared distributions at most {100 * share.upper:.2g} % exceed {what} of "
-        f"{share.limit:.3g} {unit}, with {share.confidence:.0%} confidence ({share.exceeded} of {share.count} draws did)."
-    ).replace(f" {unit},", "," if unit in ("", "1") else f" {unit},")
+        f"of axes drawn from the declared distributions at most {100 * share.upper:.3g} % exceed {what}, "
+        f"{100 * share.confidence:.4g} % confidence ({share.exceeded} of {share.count} draws did)"
+    )

@@ -11,6 +11,7 @@ from workbench.robustness.cases import Cases
 from workbench.robustness.document import number, of_work, work_of
 from workbench.robustness.work import KEPT, Block, Columns, Work
 from workbench.simulate import Trajectories
+from workbench.simulate.bodies import OUTPUT
 
 FILE = "worst.json"
 
@@ -28,13 +29,14 @@ class Case:
 @dataclass(frozen=True, eq=False)
 class Replayed:
     """A case run again. same: whether every metric has the same bits as when it was kept; metrics: those of now.
-    trajectories: "q", "y", "u" (n, 1), of two masses "load.q" too.
+    trajectories: "q", "y", "u" (n, 1), of two masses "load.q" too. position (n,): what the target is about.
     """
 
     case: Case
     metrics: dict[str, float]
     same: bool
     trajectories: Trajectories
+    position: np.ndarray
     target: float
 
 
@@ -90,13 +92,14 @@ def read(path: Path) -> tuple[Work, tuple[Case, ...]]:
     return work, cases
 
 
-def replay(work: Work, case: Case, record=("q", "y", "u")) -> Replayed:
+def replay(work: Work, case: Case) -> Replayed:
     """Run one case again, alone, with its trajectory."""
+    position = OUTPUT[work.task.plant.kind]
     block = Block(case.number, case.values[None, :])
-    m = work.run(block, case.controller, record)
+    m = work.run(block, case.controller, tuple(dict.fromkeys(("q", "y", "u", position))))
     metrics = {n: float(getattr(m, n)[0]) for n in KEPT}
     same = all(_bits(metrics[n]) == _bits(case.metrics[n]) for n in KEPT)
-    return Replayed(case, metrics, same, m.trajectories, float(work.task.step))
+    return Replayed(case, metrics, same, m.trajectories, m.trajectories[position][:, 0], float(work.task.step))
 
 
 def _bits(value: float) -> bytes:

@@ -12,15 +12,8 @@ from workbench.readers.declaration import Table, read
 FILE = "study.toml"
 DATA = "WORKBENCH_DATA"
 KEYS = ("question", "campaign", "data", "describe", "requirements")
-CONTROL = (
-    "loop",
-    "axis",
-    "tuning",
-    "schedule",
-    "task",
-    "export",
-    "plan",
-)  # read by study.controlling and study.planning
+CONTROL = ("loop", "axis", "tuning", "schedule", "task", "export", "plan")  # read by study.controlling, study.planning
+SERIES = ("robustness", "limit_cycle")  # read by study.series, study.hunting
 
 
 class MissingData(WorkbenchError):
@@ -59,7 +52,7 @@ class Study:
     """folder: the study's own. name: the folder's. table: the checked table of study.toml, for the study's own steps.
 
     campaign: folder of its campaign, or None. data: file -> (path under WORKBENCH_DATA, sha256) of measured files.
-    describe: (lowest, highest, count) of amplitudes in SI.
+    describe: (lowest, highest, count) of amplitudes in SI. scheduler: address of a cluster that runs what is many, or "".
     """
 
     folder: Path
@@ -71,6 +64,7 @@ class Study:
     data: Mapping[str, tuple[str, str]]
     describe: tuple[float, float, int] | None
     requirements: tuple[Requirement, ...] = field(default=())
+    scheduler: str = ""
 
     def measured(self, key: str) -> Path:
         """Return the path of a measured file, its sha256 checked; MissingData where this machine does not have it."""
@@ -111,7 +105,7 @@ def load(folder: Path, further: tuple[str, ...] = ()) -> Study:
 
     Raises WorkbenchError naming the file and key.
     """
-    top = read(folder / FILE, ("title",), (*KEYS, *CONTROL, *further))
+    top = read(folder / FILE, ("title",), (*KEYS, *CONTROL, *SERIES, *further))
     campaign = None
     if "campaign" in top:
         text = top.text("campaign")

@@ -1,15 +1,15 @@
 """The controller's half of a study: design on the extended plant, baselines, comparison, what the effect is worth, export."""
 
 from collections.abc import Callable
-from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from workbench.finding import Finding, title
+from workbench.finding import title
 from workbench.report import control as chapters
-from workbench.report.contents import Chapter
 from workbench.study.configuration import Study
 from workbench.study.controlling import Control, control_of
+from workbench.study.outcome import Part, with_part
+from workbench.study.series import robustness
 from workbench.trace.result import Trace
 from workbench.verify.compare import Comparison, compare, verdicts
 from workbench.verify.design import RULES, Designed, design
@@ -17,19 +17,7 @@ from workbench.verify.design import RULES, Designed, design
 BASELINES = ("fixed PD", "PI cascade")
 
 
-@dataclass(frozen=True, eq=False)
-class Controlled:
-    """What a study gets from here; the fields are those of Outcome."""
-
-    figures: dict[str, float | str]
-    units: dict[str, str]
-    chapters: tuple[Chapter, ...]
-    findings: tuple[Finding, ...]
-    tables: dict[str, object]
-    files: tuple = field(default=())
-
-
-def run(study: Study, found: Trace, say: Callable[[str], None]) -> Controlled:
+def run(study: Study, found: Trace, say: Callable[[str], None]) -> Part:
     """Design, compare and export for the plant that the trace ended with."""
     control = control_of(study.table, found.after.plant)
     plant = control.limited(found.after.plant)
@@ -59,9 +47,11 @@ def run(study: Study, found: Trace, say: Callable[[str], None]) -> Controlled:
         cause = " and ".join(title(c.effect) for c in found.causes)
         parts.append(chapters.worth_chapter(without, known, cause, task))
         tables["comparison_tuned_on_declared"] = [vars(r) for r in without.rows]
-    return Controlled(
-        figures, units, tuple(parts), comparison.findings, tables, (lambda folder: write_gains(made, control, folder),)
-    )
+    files = (lambda folder: write_gains(made, control, folder),)
+    part = Part(figures, units, tuple(parts), comparison.findings, tables, files)
+    if "robustness" in study.table:
+        part = with_part(part, robustness(study, task, makers, say))
+    return part
 
 
 def write_gains(made: Designed, control: Control, folder) -> None:
@@ -102,13 +92,4 @@ def figures_of(made: Designed, comparison: Comparison, ours: str, x: str) -> tup
 
 def with_control(outcome, study: Study, say: Callable[[str], None]):
     """Return the outcome of a study with the controller's half added."""
-    c = run(study, outcome.trace, say)
-    return replace(
-        outcome,
-        figures={**outcome.figures, **c.figures},
-        units={**outcome.units, **c.units},
-        chapters=(*outcome.chapters, *c.chapters),
-        findings=(*outcome.findings, *c.findings),
-        tables={**outcome.tables, **c.tables},
-        files=(*outcome.files, *c.files),
-    )
+    return with_part(outcome, run(study, outcome.trace, say))

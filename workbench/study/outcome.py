@@ -1,7 +1,7 @@
 """What the steps of a study bring together."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from workbench.describe import Equivalent
@@ -33,3 +33,28 @@ class Outcome:
     findings: tuple[Finding, ...] = ()
     tables: Mapping[str, object] = field(default_factory=dict)
     files: tuple[Callable[[Path], None], ...] = ()
+
+
+@dataclass(frozen=True, eq=False)
+class Part:
+    """What one further step of a study adds to its outcome; the fields are those of Outcome."""
+
+    figures: Mapping[str, float | str] = field(default_factory=dict)
+    units: Mapping[str, str] = field(default_factory=dict)
+    chapters: tuple[Chapter, ...] = ()
+    findings: tuple[Finding, ...] = ()
+    tables: Mapping[str, object] = field(default_factory=dict)
+    files: tuple[Callable[[Path], None], ...] = ()
+
+
+def with_part(outcome, part: Part):
+    """Return an outcome (or a part) with a part added to it."""
+    return replace(
+        outcome,
+        figures={**outcome.figures, **part.figures},
+        units={**outcome.units, **part.units},
+        chapters=(*outcome.chapters, *part.chapters),
+        findings=(*outcome.findings, *part.findings),
+        tables={**outcome.tables, **part.tables},
+        files=(*outcome.files, *part.files),
+    )

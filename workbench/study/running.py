@@ -3,7 +3,7 @@
 import importlib.util
 import sys
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from workbench.outputs import whole
@@ -57,10 +57,13 @@ def input_files(study: Study) -> list[Path]:
     return found
 
 
-def run(name: str, out: Path | None = None, say: Callable[[str], None] = lambda _: None) -> Ran:
-    """Run a study given by path or name. out: folder of the outputs, reports/<name> beside studies/ where absent."""
+def run(name: str, out: Path | None = None, say: Callable[[str], None] = lambda _: None, scheduler: str = "") -> Ran:
+    """Run a study given by path or name. out: folder of the outputs, reports/<name> beside studies/ where absent.
+
+    scheduler: address of a cluster for what is many; the numbers are the same without it.
+    """
     folder = configuration.find(name)
-    study = configuration.load(folder, further_keys(folder))
+    study = replace(configuration.load(folder, further_keys(folder)), scheduler=scheduler)
     place = out or folder.parent.parent / "reports" / study.name
     digest = stamp.inputs(folder, input_files(study))
     if stamp.unchanged(place, digest):

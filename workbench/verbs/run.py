@@ -15,6 +15,9 @@ def declare(verbs) -> None:
     run.add_argument("study", help="a study's folder, or its name under studies/")
     run.add_argument("--out", type=Path, help="folder of the outputs (reports/<study> where absent)")
     run.add_argument(
+        "--scheduler", default="", metavar="ADDRESS", help="address of a Dask scheduler whose workers run the draws"
+    )
+    run.add_argument(
         "--if-data", action="store_true", help="where measured data is not on this machine, say so and exit with 0"
     )
 
@@ -24,7 +27,7 @@ def do(given: argparse.Namespace) -> int:
     from workbench.study.running import run
 
     try:
-        ran = run(given.study, given.out, Progress())
+        ran = run(given.study, given.out, Progress(), given.scheduler)
     except MissingData as missing:
         print(f"workbench: {missing}", file=sys.stderr)
         return 0 if given.if_data else NO_DATA
