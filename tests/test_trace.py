@@ -220,9 +220,10 @@ def test_a_suspect_without_a_value_on_the_records_is_ranked_and_harms_nothing(tm
 
     broken = replace(real, name="broken_friction", step=step)
     monkeypatch.setattr(candidates, "catalogue", lambda: {"broken_friction": broken, "stribeck_friction": real})
-    ranked, better = tracing.step(
+    judgements = tracing.step(
         tracing.State(campaign.plant, passes_of(campaign.records[:1], campaign.bandwidth)), lambda _: None
     )
-    found = {c.effect: c for c in ranked}
+    found = {j.candidate.effect: j.candidate for j in judgements}
     assert found["broken_friction"].gain == 0.0 and "no value" in found["broken_friction"].sentence
-    assert better is not None and ranked[0].effect == "stribeck_friction"
+    best = judgements[0]
+    assert best.candidate.effect == "stribeck_friction" and best.candidate.earns and best.state is not None

@@ -4,6 +4,8 @@ The loop over lanes has no branch and no call, so the compiler puts several lane
 to about twenty rows in and out together, beyond which it gives up proving that they do not overlap.
 """
 
+from functools import lru_cache
+
 import numpy as np
 
 from workbench.kernel.cache import load
@@ -11,6 +13,7 @@ from workbench.kernel.program import Program
 from workbench.kernel.scan import PREAMBLE
 
 
+@lru_cache(maxsize=512)
 def source(program: Program) -> str:
     """Return the text of a module with `lanes(inputs, constants, out)`: see `map_lanes`."""
     n_inputs, n_constants = (*program.inputs, 0)[:2]

@@ -5,6 +5,7 @@ CasADi keeps an SX function as a straight-line program; `read` turns it into dat
 """
 
 from dataclasses import dataclass
+from functools import cached_property
 from math import copysign
 
 import casadi as ca
@@ -65,6 +66,13 @@ class Program:
     inputs: tuple[int, ...]
     lines: tuple[Line, ...]
     outputs: tuple[tuple[str, ...], ...]
+
+    def __hash__(self) -> int:  # made once: what is kept under a program is looked up at every pass
+        return self._hash
+
+    @cached_property
+    def _hash(self) -> int:
+        return hash((self.name, self.inputs, self.lines, self.outputs))
 
 
 def literal(value: float) -> str:

@@ -3,6 +3,8 @@
 A step program has inputs (signals, states, constants) and outputs (next states, outputs).
 """
 
+from functools import lru_cache
+
 import numpy as np
 
 from workbench.kernel.cache import load
@@ -29,6 +31,7 @@ def fabs(a):
 '''
 
 
+@lru_cache(maxsize=512)
 def source(program: Program) -> str:
     """Return the text of a module with `scan(signals, states, constants, out)`: see `scan`."""
     n_signals, n_states, n_constants = program.inputs

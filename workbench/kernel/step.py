@@ -16,6 +16,8 @@ from workbench.errors import WorkbenchError
 from workbench.kernel import arrays, scan
 from workbench.kernel.program import Program, read
 
+MANY = 400  # instructions from which a step without states is worth compiling: NumPy passes over memory for each
+
 
 @dataclass(frozen=True)
 class Step:
@@ -44,7 +46,7 @@ class Step:
         n = max(np.size(s) for s in signals.values())
         constants = self.constants(values)
         inputs = [signals[r] for r in self.reads]
-        if self.states:
+        if self.states or len(self.program.lines) > MANY:
             stacked = np.empty((len(inputs), n))
             for row, value in zip(stacked, inputs, strict=True):
                 row[:] = value

@@ -1,4 +1,4 @@
-"""Fit one suspect jointly with the declared model: the best of its data-driven starts, then refined."""
+"""Fit one suspect jointly with the present model: the best of its data-driven starts, then refined."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -10,10 +10,10 @@ from workbench.identify.problem import Problem, to_search
 from workbench.identify.solve import Solution, cost_at, solve
 from workbench.plant import Plant
 from workbench.trace.candidates import ADDITION, Suspect
+from workbench.trace.linearised import Linearised
 from workbench.trace.starts import starts
 
 ROUGH = 1e-4  # relative decrease of the cost at which a start has shown what it is worth
-PROMISING = 0.99  # cost over what was left, below which a suspect is fitted to the end
 LEVEL = 1.002  # cost within which two starts have come to the same fit
 REFINED = 2  # starts that are refined: the cheapest by their linear fit alone
 
@@ -32,24 +32,21 @@ def within_reach(plant: Plant, passes: Sequence[Passes]) -> Plant:
     return plant
 
 
-def fitted(suspect: Suspect, passes: Sequence[Passes], residuals: Sequence[np.ndarray]) -> tuple[Problem, Solution]:
-    """Return the problem and its best solution. passes: identification records only; residuals: what is left on them.
+def fitted(
+    suspect: Suspect, base: Problem, solution: Solution, residuals: Sequence[np.ndarray]
+) -> tuple[Linearised, Solution]:
+    """Return the linearised problem of a suspect and its best solution. residuals: what is left on the records.
 
     Raises NoValue where the suspect has no value on these records from any of its starts.
     """
-    problem = Problem(within_reach(suspect.plant, passes), passes)
-    base = problem.start()
-    options = [base]
+    problem = Linearised(within_reach(suspect.plant, base.passes), base, solution)
+    options = [problem.start()]
     if suspect.kind == ADDITION:
         effect = suspect.plant[suspect.key]
-        options = []
-        for start in starts(effect, passes, residuals, suspect.plant):
-            theta = base.copy()
-            for k, name in enumerate(problem.free_shape):
-                if name.key == suspect.key:
-                    theta[k] = start.get(name.parameter, to_search(problem.parameter(name)))
-            options.append(theta)
-        options = options or [base]
+        options = [
+            np.array([start.get(n.parameter, to_search(problem.parameter(n))) for n in problem.free_shape])
+            for start in starts(effect, base.passes, residuals, suspect.plant)
+        ] or options
     if len(options) > 1:
         costs = [cost_at(problem, theta)[0] for theta in options]
         best = [i for i in np.argsort(costs, kind="stable")[:REFINED] if np.isfinite(costs[i])]
@@ -57,7 +54,4 @@ def fitted(suspect: Suspect, passes: Sequence[Passes], residuals: Sequence[np.nd
     solutions = [solve(problem, theta, ROUGH) for theta in options]
     least = min(s.cost for s in solutions)
     # of equal fits the earlier start: a wave of order k is also the second harmonic of k/2, whose start comes later
-    best = next(s for s in solutions if s.cost <= LEVEL * least)
-    # a suspect that leaves what the declared model left is not worth its last digits
-    worth = best.cost < PROMISING * sum(float(r @ r) for r in residuals)
-    return problem, solve(problem, best.theta) if worth else best
+    return problem, next(s for s in solutions if s.cost <= LEVEL * least)

@@ -1,46 +1,48 @@
 """The trace, first version: one effect after another, each fitted jointly and judged on data that its fold did not see."""
 
 from collections.abc import Callable, Collection, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
 from workbench.errors import WorkbenchError
 from workbench.finding import capital, title
-from workbench.identify.fit import fitted_on, seen
+from workbench.identify.fit import fitted_on, identify
 from workbench.identify.passes import Passes
 from workbench.identify.problem import Problem
-from workbench.identify.result import Fit
 from workbench.identify.solve import NoValue, Solution, solve
 from workbench.plant import Plant
 from workbench.threads import one_thread
 from workbench.trace.candidates import ADDITION, Suspect, suspects
 from workbench.trace.floor import floor as noise_floor
+from workbench.trace.linearised import Linearised
 from workbench.trace.result import CAUSE, NOTHING, UNKNOWN, Candidate, Trace
 from workbench.trace.score import HeldOut, gain, held_out
 from workbench.trace.search import fitted
+from workbench.trace.thin import thin
 from workbench.trace.verdict import cause, not_carried, plainly_left, verdict_sentence, where
 
 STEPS = 4  # effects added at most
 SHARE = 0.05  # of the residual's power that an effect must explain on held-out blocks
 CERTAIN = 3.0  # standard errors by which its gain must differ from zero
+LEADING = 6  # candidates that are fitted again with everything free
 ALIKE = 2.0  # standard errors of a gain over another candidate within which the two are told apart by their simplicity
 
 Progress = Callable[[str], None]
 
 
 class State:
-    """A plant with its solution, and what is left of the records."""
+    """A plant with its solution on the thinned identification records, and its held-out errors."""
 
-    def __init__(
-        self, plant: Plant, passes: Sequence[Passes], problem: Problem | None = None, solution: Solution | None = None
-    ):
+    def __init__(self, plant: Plant, passes: Sequence[Passes], theta: np.ndarray | None = None):
         self.passes = passes
-        self.problem = problem or Problem(plant, passes)
-        self.solution = solution or solve(self.problem)
+        self.problem = Problem(plant, passes)
+        self.solution = solve(self.problem, theta)
         self.plant = self.problem.with_linear(self.problem.with_shape(self.solution.theta), self.solution.c)
         self.errors: HeldOut = held_out(self.problem, self.solution)
 
-    @property
+    @cached_property
     def power(self) -> float:
         """Sum of squares of the measured drive behind the filter, where errors count."""
         return sum(float(np.sum(p.motion.filter(p.motion.u)[p.motion.keep] ** 2)) for p in self.passes)
@@ -50,6 +52,7 @@ class State:
         """Free parameters."""
         return len(self.problem.free_linear) + len(self.problem.free_shape)
 
+    @cached_property
     def residuals(self) -> list[np.ndarray]:
         """Residual of each identification record (n,), zero in the trimmed ends."""
         found = []
@@ -60,19 +63,52 @@ class State:
         return found
 
 
-def judged(state: State, suspect: Suspect) -> tuple[Candidate, State]:
-    """Fit one suspect jointly and score it against the present state."""
+@dataclass(frozen=True, eq=False)
+class Judgement:
+    """A suspect, what it came to beside the present model, and the state with it: whole() solves it with all free."""
+
+    suspect: Suspect
+    candidate: Candidate
+    errors: HeldOut
+    freedom: int
+    problem: Linearised | None = None
+    solution: Solution | None = None
+    state: State | None = None
+
+    def whole(self, before: State) -> "Judgement":
+        """Return the judgement after a fit with everything free; itself where that has no value."""
+        if self.problem is None:
+            return self
+        problem, theta = self.problem.whole(self.solution)
+        try:
+            after = State(problem.plant, before.passes, theta)
+        except NoValue:
+            return self
+        return replace(
+            self,
+            candidate=scored(before, self.suspect, after.errors, after.solution.cost),
+            errors=after.errors,
+            state=after,
+        )
+
+
+def judged(state: State, suspect: Suspect) -> Judgement:
+    """Fit one suspect beside the present model and score it against the present state."""
     try:
-        problem, solution = fitted(suspect, state.passes, state.residuals())
+        problem, solution = fitted(suspect, state.problem, state.solution, state.residuals)
     except NoValue:
         sentence = f"{capital(title(suspect.effect))} has no value on these records."
         whole = float(np.sqrt(state.errors.total / state.power))
         hopeless = Candidate(suspect.effect, suspect.at, suspect.kind, 0.0, 0.0, whole, whole, False, sentence)
-        return hopeless, state
-    after = State(suspect.plant, state.passes, problem, solution)
-    g, scatter = gain(state.errors, after.errors)
-    earns = g > SHARE and g > CERTAIN * scatter
-    power = state.power
+        return Judgement(suspect, hopeless, state.errors, state.freedom)
+    errors = held_out(problem, solution)
+    freedom = len(problem.free_linear) + len(problem.free_shape) + len(state.problem.free_shape)
+    return Judgement(suspect, scored(state, suspect, errors, solution.cost), errors, freedom, problem, solution)
+
+
+def scored(state: State, suspect: Suspect, errors: HeldOut, cost: float) -> Candidate:
+    """Return the candidate that a suspect is, by its held-out errors against those of the present state."""
+    g, scatter = gain(state.errors, errors)
     name = title(suspect.effect)
     verb = "Correcting the declared" if suspect.kind != ADDITION else "Adding"
     sentence = (
@@ -80,15 +116,15 @@ def judged(state: State, suspect: Suspect) -> tuple[Candidate, State]:
         if g > 0
         else f"{verb} {name} explains nothing on held-out blocks."
     )
-    candidate = Candidate(
+    return Candidate(
         suspect.effect, suspect.at, suspect.kind, g, scatter,
-        float(np.sqrt(after.errors.total / power)), float(np.sqrt(after.solution.cost / power)), earns, sentence,
+        float(np.sqrt(errors.total / state.power)), float(np.sqrt(cost / state.power)),
+        g > SHARE and g > CERTAIN * scatter, sentence,
     )  # fmt: skip
-    return candidate, after
 
 
-def step(state: State, progress: Progress, only: Collection[str] | None = None) -> tuple[list[Candidate], State | None]:
-    """Judge every suspect; return them best first, and the state with the best one added where it earns its place.
+def step(state: State, progress: Progress, only: Collection[str] | None = None) -> list[Judgement]:
+    """Judge every suspect; return them best first, those that lead fitted with everything free.
 
     only: names of effects, where not every suspect is to be judged.
     """
@@ -98,33 +134,40 @@ def step(state: State, progress: Progress, only: Collection[str] | None = None) 
             continue
         progress(f"trying {suspect.key}")
         judgements.append(judged(state, suspect))
-    judgements = simplest_first(judgements)
-    ranked = [candidate for candidate, _ in judgements]
-    best = next(((c, s) for c, s in judgements if c.earns), None)
-    return ranked, best[1] if best else None
+    judgements = by_gain(judgements)
+    for i, j in enumerate(judgements[:LEADING]):
+        if j.candidate.gain > SHARE / 2:
+            progress(f"fitting {j.suspect.key} with everything free")
+            judgements[i] = j.whole(state)
+    return simplest_first(judgements)
 
 
-def simplest_first(judgements: list[tuple[Candidate, State]]) -> list[tuple[Candidate, State]]:
-    """Order by gain, those that earn their place ahead of those that do not.
+def by_gain(judgements: Sequence[Judgement]) -> list[Judgement]:
+    """Order by gain, those that earn their place ahead of those that do not."""
+    return sorted(
+        judgements,
+        key=lambda j: (not j.candidate.earns, -j.candidate.gain, j.candidate.effect, j.candidate.at),
+    )
 
-    Of those that the data cannot tell from the best, the one with the fewest free parameters leads.
-    """
-    judgements = sorted(judgements, key=lambda j: (not j[0].earns, -j[0].gain, j[0].effect, j[0].at))
+
+def simplest_first(judgements: Sequence[Judgement]) -> list[Judgement]:
+    """Order by gain; of those that the data cannot tell from the best, the one with the fewest free parameters leads."""
+    judgements = by_gain(judgements)
     if not judgements:
         return judgements
     leader = judgements[0]
-    level = [j for j in judgements if j is leader or alike(leader[1], j[1], leader[0].gain)]
-    simplest = min(level, key=lambda j: (j[1].freedom, -j[0].gain, j[0].effect, j[0].at))
+    level = [j for j in judgements if j is leader or (j.state and alike(leader, j))]
+    simplest = min(level, key=lambda j: (j.freedom, -j.candidate.gain, j.candidate.effect, j.candidate.at))
     return [simplest, *(j for j in judgements if j is not simplest)]
 
 
-def alike(best: State, other: State, share: float) -> bool:
+def alike(best: Judgement, other: Judgement) -> bool:
     """Whether `best` takes away no more of what `other` leaves on held-out blocks than its scatter, or than SHARE.
 
     A ratio over blocks, as every gain: a few blocks in which much is left would drown a plain difference in scatter.
     """
     further, scatter = gain(other.errors, best.errors)
-    return further <= max(ALIKE * scatter, SHARE) and share > SHARE
+    return further <= max(ALIKE * scatter, SHARE) and best.candidate.gain > SHARE
 
 
 @one_thread
@@ -139,7 +182,7 @@ def trace(
 
     most: effects added at most. only: names of the effects that are judged, all where absent. Returns the verdict with its evidence. Validation records are evaluated, never used for a choice.
     """
-    identification = fitted_on(passes)
+    identification = thin(fitted_on(passes))
     progress("fitting the declared model")
     try:
         declared = state = State(plant, identification)
@@ -148,15 +191,16 @@ def trace(
             "the declared model has no value on these records: a shape parameter lies far from them; check it and its unit."
         ) from None
     steps, added = [], []
-    fits = [_fit(state, passes)]
+    fits = [identify(state.plant, passes)]
     for _ in range(most):
-        ranked, better = step(state, progress, only)
-        steps.append(tuple(ranked))
-        if better is None:
+        judgements = step(state, progress, only)
+        steps.append(tuple(j.candidate for j in judgements))
+        best = judgements[0] if judgements else None
+        if best is None or best.state is None or not best.candidate.earns:
             break
-        added.append(next(c for c in ranked if c.earns))
-        state = better
-        fits.append(_fit(state, passes))
+        added.append(best.candidate)
+        state = best.state
+        fits.append(identify(state.plant, passes))
     floor = noise_floor(passes, state.plant)
     before, after = fits[0], fits[-1]
     causes = tuple(cause(c, fits[i], fits[i + 1], after) for i, c in enumerate(added))
@@ -164,9 +208,5 @@ def trace(
     findings = list(not_carried(causes))
     return Trace(
         verdict, verdict_sentence(verdict, causes, before, after, floor), steps[0], tuple(steps), causes,
-        before, after, floor, tuple(findings), where(declared.passes, declared.residuals()) if verdict == UNKNOWN else {},
+        before, after, floor, tuple(findings), where(declared.passes, declared.residuals) if verdict == UNKNOWN else {},
     )  # fmt: skip
-
-
-def _fit(state: State, passes: Sequence[Passes]) -> Fit:
-    return seen(state.problem, state.solution, passes)
