@@ -9,6 +9,7 @@ from workbench.identify.by_record import own_estimates
 from workbench.identify.fit import identify, passes_of
 from workbench.identify.problem import Problem
 from workbench.identify.solve import solve
+from workbench.plant import Plant
 
 VISCOUS = "viscous_friction@axis.viscous"
 
@@ -117,3 +118,40 @@ def test_a_small_effect_that_is_well_determined_lacks_nothing():
     u = J * a + B * v + 0.02 + 0.004 * np.sin(q) + 0.01 * np.random.default_rng(1).normal(size=t.size)
     fit = identify(smooth() + find("gravity"), passes_of([recorded(t, q, u)], BAND))
     assert "gravity@axis.sine" not in kinds(fit, "excitation missing")
+
+
+def swinging(phases: tuple[float, ...], mgl: float = 0.3) -> list:
+    rng, made = np.random.default_rng(8), []
+    for k, phase in enumerate(phases):
+        t, q, v, a = moved(k + 40)
+        noise = coloured(rng, t.size, 0.02)
+        made.append(recorded(t, q, J * a + B * v + mgl * np.sin(q + phase) + noise, f"r{k}"))
+    return made
+
+
+def weighted() -> Plant:
+    return Plant("one mass", (find("inertia")(inertia=J), find("viscous_friction"), find("gravity")(cosine=-0.1)))
+
+
+def test_the_spread_is_of_the_parameters_that_are_declared():
+    fit = identify(weighted(), passes_of(swinging((0.4, 0.4, 0.4)), BAND))
+    assert {n for n in fit.spread if n.startswith("gravity")} == {"gravity@axis.mgl", "gravity@axis.phase"}
+    for name, truth in (("mgl", 0.3), ("phase", 0.4)):
+        low, high = fit.spread[f"gravity@axis.{name}"]
+        assert low <= estimate(fit, name).value <= high and low == pytest.approx(truth, rel=0.2) == high
+    assert set(fit.spread) <= {f"{e.effect}@{e.at}.{e.parameter}" for e in fit.estimates}
+
+
+def test_a_phase_near_a_half_turn_has_no_spread_of_a_whole_one():
+    low, high = identify(weighted(), passes_of(swinging((np.pi - 0.02, np.pi + 0.02)), BAND)).spread[
+        "gravity@axis.phase"
+    ]
+    assert high - low < 0.2
+
+
+def test_records_disagree_on_what_is_declared():
+    found = kinds(identify(weighted(), passes_of(swinging((0.2, 0.2, 1.4)), BAND)), "records disagree")
+    assert "gravity@axis.phase" in found and not any("sine" in n for n in found)
+    finding = found["gravity@axis.phase"]
+    assert finding.evidence["lowest"] == pytest.approx(0.2, abs=0.05)
+    assert finding.evidence["highest"] == pytest.approx(1.4, abs=0.05)

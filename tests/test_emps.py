@@ -99,7 +99,7 @@ def test_the_study_passes_its_checks_and_says_what_symmetric_friction_lacks(stud
     # The loop: the traced model gives the recorded force back better than the symmetric one, on both records.
     assert figures["controller_error_identification"] < 0.0025
     loops = {r.pop("model"): r for r in content["closed_loop"]}
-    assert all(loops["as traced"][role] < loops["symmetric, as published"][role] < p
+    assert all(loops["as traced"][role] < loops["the same parameters, simulated here"][role] < p
                for role, p in (("identification", 0.0585), ("validation", 0.0894)))  # fmt: skip
     html = (tmp_path / "out" / "report.html").read_text(encoding="utf-8")
     assert "12 of 12 printed figures are reproduced to their last digit." in html

@@ -14,9 +14,11 @@ import pytest
 from pypdf import PdfReader
 from test_report_example import further, study
 
+from workbench.finding import Finding
 from workbench.report import drawing, write
 from workbench.report.chapters import standard
-from workbench.report.contents import Callout, Chapter, Figure, Marked, Paragraph, Table
+from workbench.report.contents import Callout, Chapter, Figure, Heading, Items, Marked, Paragraph, Table
+from workbench.report.model import declared
 from workbench.report.wording import printable
 from workbench.trace.result import NOTHING, UNKNOWN
 
@@ -166,6 +168,26 @@ def test_a_report_without_a_cause_shows_one_model(verdict, tone, tmp_path):
     assert ("div", {"class": f"callout {tone}"}) in page.seen
     assert "extended model" not in page.text
     assert ("Coordinate: velocity." in page.text) == (verdict == UNKNOWN)
+
+
+def test_what_each_record_says_stands_beside_the_intervals_and_where_they_disagree_apart(result):
+    fit = result.trace.before
+    name = "viscous_friction@axis.viscous"
+    sentence = "viscous_friction: one value does not serve both."
+    told = replace(
+        fit, spread={name: (0.001, 0.02)}, findings=(*fit.findings, Finding("records disagree", name, sentence, {}, "")),
+    )  # fmt: skip
+    chapter = declared(replace(result, trace=replace(result.trace, before=told)))
+    table = next(b for b in chapter.blocks if isinstance(b, Table) and "by record" in b.columns)
+    at = table.columns.index("by record")
+    cells = {row[1].text: row[at] for row in table.rows}
+    assert cells["viscous"] == Marked("0.0010 to 0.0200", "bad")
+    assert cells["inertia"].text == "\u2013"
+    under = dict(zip([b.text for b in chapter.blocks if isinstance(b, Heading)],
+                     [b.texts for b in chapter.blocks if isinstance(b, Items)], strict=True))  # fmt: skip
+    assert under["Where the records disagree"] == (sentence,)
+    assert sentence not in "".join(under["What these records do not determine"])
+    assert not any("by record" in b.columns for b in declared(result).blocks if isinstance(b, Table))
 
 
 def test_chapters_of_a_study_stand_before_the_method(page, result):

@@ -186,7 +186,7 @@ def run(study: Study, say) -> Outcome:
     one = records[IDENTIFICATION]
     loop = Loop(one.dt, SUBSTEPS, resolution=one.resolution["position"])
     models = {
-        "symmetric, as published": printed_plant(obtained["symmetric"], declared),
+        "the same parameters, simulated here": printed_plant(obtained["symmetric"], declared),
         "symmetric, by the workbench": found.before.plant,
         "the same, by output error": refine(found.before.plant, passes, loop, law).plant,
         "as traced": found.after.plant,
@@ -275,17 +275,17 @@ def own_chapter(obtained, own, bandwidth) -> Chapter:
 
 def loop_chapter(study: Study, closed: dict[str, dict[str, float]], figures: dict[str, float]) -> Chapter:
     """Errors of the force when the records' loops are simulated, beside the printed ones."""
-    printed = study.table.table("published", optional=tuple(study.table.values["published"])).table(
-        "closed_loop", tuple(ERROR)
-    )
-    errors = {"symmetric, as printed": {r: printed.quantity(f"{r}_error", "1") for r in ROLES}} | closed
-    lower = all(first <= errors["symmetric, as printed"][r] for r, first in next(iter(closed.values())).items())
+    published = study.table.table("published", optional=tuple(study.table.values["published"]))
+    stated = published.table("closed_loop", tuple(ERROR))
+    printed = {r: stated.quantity(f"{r}_error", "1") for r in ROLES}
+    errors = {"symmetric, published parameters and error": printed} | closed
+    lower = all(error <= printed[r] for r, error in next(iter(closed.values())).items())
     said = "With the published parameters the simulated force is " + ("nearer to" if lower else "farther from")
     text = (
         "Here the reference goes in, and motion and force come out: the controller is the position over velocity loop that "
         "the files give the gains of, its velocity the difference of positions that are averaged over two samples. Put on "
-        f"the recorded positions, that law gives the recorded force to {figures[f'controller_error_{IDENTIFICATION}']:.2%}, "
-        f"and to {figures[f'controller_error_{VALIDATION}']:.2%} with the pulses, whose height the file states in whole volts. "
+        f"the recorded positions, that law gives the recorded force to {100 * figures[f'controller_error_{IDENTIFICATION}']:.2f} %, "
+        f"and to {100 * figures[f'controller_error_{VALIDATION}']:.2f} % with the pulses, whose height the file states in whole volts. "
         "An error is |e|/|F| of the unfiltered force. How the printed simulation integrated the friction and took the "
         "velocity is not stated, so its figures are a bound here and not digits to be reproduced."
     )

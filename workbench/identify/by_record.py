@@ -6,12 +6,15 @@ small matrices are made. Its variance is cluster-robust over blocks of that reco
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from math import pi, remainder
 
 import numpy as np
 
-from workbench.identify.intervals import BLOCKS, SHORTEST
+from workbench.effect import Effect
+from workbench.identify.intervals import BLOCKS, SHORTEST, outward_slope
 from workbench.identify.problem import Name, Problem
 from workbench.identify.solve import Solution, scales
+from workbench.plant import Plant
 
 SHARE = 0.01  # of what all records together know of a parameter: a record that knows less has no say in it
 DETERMINED = 1e-10  # eigenvalue of a record's scaled Gram matrix over the largest, above which a direction counts
@@ -76,11 +79,37 @@ def known(gram: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return inverse, np.where(lost | (diagonal <= 0.0), 0.0, 1.0 / np.where(diagonal > 0.0, diagonal, 1.0))
 
 
-def spread(names: Sequence[Name], owns: Sequence[Own]) -> dict[str, tuple[float, float]]:
-    """Return parameter -> (lowest, highest) own estimate, where two records or more determine it."""
+def outside_of(plant: Plant, names: Sequence[Name], own: Own) -> dict[tuple[str, str], float]:
+    """Return (effect key, outside parameter) -> one record's own estimate, of those that it determines.
+
+    plant: as fitted. A phase is the one nearest to the common value.
+    """
     found = {}
-    for j, n in enumerate(names):
-        values = [float(o.value[j]) for o in owns if np.isfinite(o.value[j])]
+    for e in plant.effects:
+        inside = {n: p.value for n, p in e.parameters.items()}
+        says = {n.parameter: v for n, v in zip(names, own.value.tolist(), strict=True) if n.key == e.key}
+        moved = inside | {n: v for n, v in says.items() if np.isfinite(v)}
+        outside = e.border.outward(moved) if e.border else moved
+        for name, p in e.outside.items():
+            own_part = [says[n] for n in depends(e, name) if n in says]
+            if own_part and np.isfinite(own_part).all():
+                value = float(outside[name])
+                found[e.key, name] = p.value + remainder(value - p.value, 2 * pi) if p.unit == "rad" else value
+    return found
+
+
+def depends(effect: Effect, name: str) -> set[str]:
+    """Return the inside parameters that an outside one depends on."""
+    inside = {n: p.value for n, p in effect.parameters.items()}
+    return {n for n, s in zip(inside, outward_slope(effect, name, inside), strict=True) if s != 0.0}
+
+
+def spread(plant: Plant, names: Sequence[Name], owns: Sequence[Own]) -> dict[str, tuple[float, float]]:
+    """Return outside parameter -> (lowest, highest) own estimate, where two records or more determine it."""
+    each = [outside_of(plant, names, o) for o in owns]
+    found = {}
+    for key in dict.fromkeys(k for one in each for k in one):
+        values = [one[key] for one in each if key in one]
         if len(values) > 1:
-            found[f"{n.key}.{n.parameter}"] = (min(values), max(values))
+            found[".".join(key)] = (min(values), max(values))
     return found

@@ -2,15 +2,18 @@
 
 from collections.abc import Mapping, Sequence
 from itertools import combinations
+from math import pi
 
 import numpy as np
 
 from workbench.effect import Effect
 from workbench.finding import Finding
-from workbench.identify.by_record import Own
+from workbench.identify.by_record import Own, depends, outside_of
 from workbench.identify.problem import Name, Problem
 from workbench.identify.solve import Solution
+from workbench.plant import Plant
 
+DISAGREE = "records disagree"
 ERROR = 0.05  # chance, over all pairs of records and parameters of a fit, that one of them is said to disagree
 MATTERS = 0.05  # of the value: records that differ by less are not worth a sentence, however sure it is
 FAINT = 0.5  # half width over value beyond which a parameter that stays below the noise is said to lack excitation
@@ -24,11 +27,12 @@ REMEDY = {  # by the signal that the effect reads, the first that fits
 }
 
 
-def disagreements(problem: Problem, names: Sequence[Name], owns: Sequence[Own]) -> list[Finding]:
+def disagreements(problem: Problem, plant: Plant, names: Sequence[Name], owns: Sequence[Own]) -> list[Finding]:
     """Say of which parameters two records' own estimates differ by more than their intervals allow.
 
-    Of each parameter the pair with the largest |b_i - b_k| / sqrt(s_i^2 + s_k^2) is compared with Student's quantile at
-    the smaller of the two degrees of freedom, at ERROR over the number of pairs and parameters (Bonferroni).
+    Of each linear parameter the pair with the largest |b_i - b_k| / sqrt(s_i^2 + s_k^2) is compared with Student's quantile
+    at the smaller of the two degrees of freedom, at ERROR over the number of pairs and parameters (Bonferroni). What is
+    said is said of the parameter that is declared. plant: as fitted.
     """
     from scipy.special import stdtrit
 
@@ -38,30 +42,47 @@ def disagreements(problem: Problem, names: Sequence[Name], owns: Sequence[Own]) 
         for a, b in combinations(owns, 2)
         if min(a.freedom, b.freedom) > 0 and a.deviation[j] + b.deviation[j] > 0.0
     ]
-    said = []
     worst: dict[int, tuple[float, Own, Own]] = {}
     for j, a, b in pairs:
         apart = abs(a.value[j] - b.value[j]) / np.hypot(a.deviation[j], b.deviation[j])
         allowed = stdtrit(min(a.freedom, b.freedom), 1.0 - ERROR / (2 * len(pairs)))
         if apart > max(allowed, worst.get(j, (0.0,))[0] * allowed):
             worst[j] = (apart / allowed, a, b)
-    for j, (ratio, a, b) in worst.items():
-        n = names[j]
-        p, e = problem.parameter(n), problem.plant[n.key]
-        low, high = sorted((a, b), key=lambda o: o.value[j])
-        difference = float(high.value[j] - low.value[j])
-        if difference <= MATTERS * max(abs(low.value[j]), abs(high.value[j])):
-            continue
-        said.append(
-            Finding(
-                "records disagree", f"{n.key}.{n.parameter}",
-                f"{e.name}: {p.meaning} is {low.value[j]:.3g} by record '{low.record}' alone and {high.value[j]:.3g} by "
-                f"'{high.record}', {ratio:.1f} times what their intervals allow; one value does not serve both.",
-                {"lowest": float(low.value[j]), "highest": float(high.value[j]), "times_allowed": float(ratio)},
-                "look for an effect that the plant lacks, or for what changed between the records",
-            )
-        )  # fmt: skip
-    return said
+    said: dict[str, Finding] = {}
+    for j, (ratio, a, b) in sorted(worst.items(), key=lambda found: -found[1][0]):
+        if abs(b.value[j] - a.value[j]) > MATTERS * max(abs(a.value[j]), abs(b.value[j])):
+            finding = disagreement(plant, names, j, ratio, a, b)
+            said.setdefault(finding.subject, finding)
+    return list(said.values())
+
+
+def disagreement(plant: Plant, names: Sequence[Name], j: int, ratio: float, a: Own, b: Own) -> Finding:
+    """Say that two records disagree on linear parameter j, by the declared parameter in which it shows most."""
+    e = plant[names[j].key]
+    one, other = outside_of(plant, names, a), outside_of(plant, names, b)
+    shown = {
+        n: p
+        for n, p in e.outside.items()
+        if names[j].parameter in depends(e, n) and (e.key, n) in one.keys() & other.keys()
+    }
+    if not shown:  # declared by a pair of which a record determines only this part
+        shown, key = {names[j].parameter: e.parameters[names[j].parameter]}, (e.key, names[j].parameter)
+        one, other = {key: float(a.value[j])}, {key: float(b.value[j])}
+
+    def difference(name: str) -> float:
+        x, y = one[e.key, name], other[e.key, name]
+        return abs(x - y) / (pi if shown[name].unit == "rad" else max(abs(x), abs(y), 1e-300))
+
+    name = max(shown, key=difference)
+    p = shown[name]
+    (low, lower), (high, higher) = sorted([(one[e.key, name], a.record), (other[e.key, name], b.record)])
+    return Finding(
+        DISAGREE, f"{e.key}.{name}",
+        f"{e.name}: {p.meaning} is {low:.3g} by record '{lower}' alone and {high:.3g} by '{higher}', {ratio:.1f} times what "
+        "their intervals allow; one value does not serve both.",
+        {"lowest": low, "highest": high, "times_allowed": float(ratio)},
+        "look for an effect that the plant lacks, or for what changed between the records",
+    )  # fmt: skip
 
 
 def excitation(problem: Problem, solution: Solution, half: Mapping[Name, float], noise: float) -> list[Finding]:

@@ -65,7 +65,7 @@ def seen(problem: Problem, solution: Solution, passes: Sequence[Passes]) -> Fit:
     # a cause before what it causes: what is not excited is not determined
     half = dict(zip(names, t * np.sqrt(np.maximum(np.diag(cov), 0.0)), strict=True))
     said = findings.excitation(problem, solution, half, noise)
-    said += findings.disagreements(problem, linear, owns) + intervals.findings(problem, estimates, names, cov)
+    said += findings.disagreements(problem, plant, linear, owns) + intervals.findings(problem, estimates, names, cov)
     series, predictions = {}, {}
     for p in passes:
         series[p.motion.record.name], predictions[p.motion.record.name] = series_of(plant, p)
@@ -91,7 +91,7 @@ def seen(problem: Problem, solution: Solution, passes: Sequence[Passes]) -> Fit:
         findings=tuple(said),
         condition=condition,
         details={"theta": solution.theta, "cost": solution.cost},
-        spread=spread(linear, owns),
+        spread=spread(plant, linear, owns),
     )
 
 

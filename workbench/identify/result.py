@@ -52,7 +52,7 @@ class Fit:
 
     nrmse: record name -> rms(F(T - That)) / rms(F(T)); identification, validation: the same over all records of a role.
     rms: role -> rms residual, SI. series: record name -> Series. predictions: record name -> unfiltered drive (n,), SI.
-    condition: condition number of the scaled columns. spread: "effect@at.parameter" of a free linear parameter -> (lowest,
+    condition: condition number of the scaled columns. spread: "effect@at.parameter", as declared, of what is linear -> (lowest,
     highest) of what each identification record says by itself at the common shape, where two or more determine it.
     """
 

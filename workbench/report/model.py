@@ -1,11 +1,19 @@
 """The declared model and the extended one: which effects they hold, and their parameters."""
 
-from workbench.finding import title
+from collections.abc import Sequence
+
+from workbench.finding import Finding, title
+from workbench.identify.findings import DISAGREE
+from workbench.identify.result import Fit
 from workbench.plant import Plant
 from workbench.report.contents import CODE, Chapter, Heading, Marked, Paragraph, StudyResult, Table
 from workbench.report.wording import listed, parameters, said
 
 HELD = "Values marked as fixed were declared as known and were not fitted."
+BY_RECORD = (
+    "By record: the lowest and the highest of what each identification record says by itself of a linear parameter, the "
+    "shape being the common one."
+)
 
 
 def declared(result: StudyResult) -> Chapter:
@@ -18,8 +26,8 @@ def declared(result: StudyResult) -> Chapter:
     blocks = [
         Paragraph(text),
         effects(fit.plant, "The effects of the declared model."),
-        parameters(fit.estimates, f"Parameters of the declared model with 95 % intervals. {HELD}"),
-        *undetermined(fit.findings),
+        parameters(fit.estimates, f"Parameters of the declared model with 95 % intervals. {held(fit)}", fit=fit),
+        *on_parameters(fit.findings),
     ]
     return Chapter("The declared model", tuple(blocks))
 
@@ -32,14 +40,24 @@ def extended(result: StudyResult) -> Chapter:
         f"With {names}, all parameters were fitted again together. What a parameter moves by, from the declared to the "
         "extended model, is the part of the missing effect that it had stood in for."
     )
-    caption = f"Parameters of the extended model with 95 % intervals, beside the declared model's values. {HELD}"
-    blocks = (Paragraph(text), parameters(trace.after.estimates, caption, trace.before.estimates))
-    return Chapter("The extended model", (*blocks, *undetermined(trace.after.findings)))
+    caption = (
+        f"Parameters of the extended model with 95 % intervals, beside the declared model's values. {held(trace.after)}"
+    )
+    blocks = (Paragraph(text), parameters(trace.after.estimates, caption, trace.before.estimates, fit=trace.after))
+    return Chapter("The extended model", (*blocks, *on_parameters(trace.after.findings)))
 
 
-def undetermined(findings) -> tuple:
-    """Return the findings on parameters under a heading; nothing where all are determined."""
-    return (Heading("What these records do not determine"), *said(findings)) if findings else ()
+def held(fit: Fit) -> str:
+    """Return what the caption of a table of parameters says of its cells."""
+    return f"{HELD} {BY_RECORD}" if fit.spread else HELD
+
+
+def on_parameters(findings: Sequence[Finding]) -> tuple:
+    """Return the findings on parameters under their headings; nothing where there are none."""
+    differ = [f for f in findings if f.kind == DISAGREE]
+    rest = [f for f in findings if f.kind != DISAGREE]
+    blocks = (Heading("Where the records disagree"), *said(differ)) if differ else ()
+    return blocks + ((Heading("What these records do not determine"), *said(rest)) if rest else ())
 
 
 def effects(plant: Plant, caption: str) -> Table:

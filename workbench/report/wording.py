@@ -1,12 +1,15 @@
 """Pieces of text that several chapters share."""
 
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 
 from workbench.finding import Finding, title
-from workbench.identify.result import Estimate
+from workbench.identify.findings import DISAGREE
+from workbench.identify.result import Estimate, Fit
 from workbench.report import numbers
 from workbench.report.contents import BAD, CODE, QUIET, Items, Marked, Table
+
+Spread = Mapping[str, tuple[float, float]]
 
 
 def printable(text: str) -> str:
@@ -47,19 +50,37 @@ def interval(e: Estimate) -> tuple[str, str | Marked]:
     return value, Marked(f"{wide}, not determined", BAD) if undetermined else wide
 
 
-def parameters(estimates: Sequence[Estimate], caption: str, before: Sequence[Estimate] = ()) -> Table:
-    """Return a table of parameters with their intervals; with `before`, beside what the declared model found."""
+def by_record(e: Estimate, spread: Spread, differ: Collection[str]) -> str | Marked:
+    """Return what the records say of a parameter one at a time, as a cell; marked where they disagree."""
+    name = f"{e.effect}@{e.at}.{e.parameter}"
+    if name not in spread:
+        return Marked("\u2013", QUIET)
+    low, high = spread[name]
+    text = numbers.with_interval((low + high) / 2, low, high)[1] or numbers.number(low)
+    return Marked(text, BAD) if name in differ else text
+
+
+def parameters(
+    estimates: Sequence[Estimate], caption: str, before: Sequence[Estimate] = (), *, fit: Fit | None = None
+) -> Table:
+    """Return a table of parameters with their intervals.
+
+    before: what the declared model found, beside. fit: whose records say something of a parameter one at a time, beside.
+    """
     earlier = {(e.effect, e.at, e.parameter): interval(e)[0] for e in before}
+    spread = fit.spread if fit is not None else {}
+    differ = {f.subject for f in fit.findings if f.kind == DISAGREE} if fit is not None else set()
     rows, last = [], None
     for e in estimates:
         here = (e.effect, e.at)
         name = f"{title(e.effect)} ({e.at})" if of_effects(estimates) else title(e.effect)
         value, wide = interval(e)
         was = (earlier.get((*here, e.parameter), Marked("\u2013", QUIET)),) if before else ()
+        each = (by_record(e, spread, differ),) if spread else ()
         first = name if here != last else ""
-        rows.append((first, Marked(e.parameter, CODE), e.meaning, *was, value, wide, numbers.unit(e.unit)))
+        rows.append((first, Marked(e.parameter, CODE), e.meaning, *was, value, wide, *each, numbers.unit(e.unit)))
         last = here
-    was = ("declared",) if before else ()
+    was, each = ("declared",) if before else (), ("by record",) if spread else ()
     now = "extended" if before else "value"
-    columns = ("effect", "parameter", "meaning", *was, now, "95 % interval", "unit")
-    return Table(columns, tuple(rows), caption, "llp" + "r" * len(was) + "rrl")
+    columns = ("effect", "parameter", "meaning", *was, now, "95 % interval", *each, "unit")
+    return Table(columns, tuple(rows), caption, "llp" + "r" * len(was) + "rr" + "r" * len(each) + "l")
