@@ -16,6 +16,7 @@ from workbench.simulate.dynamics import constants_of
 SOURCE = Path(__file__).parent / "reference" / "loop.c"
 FLAGS = ["-O3", "-march=native", "-std=c99", "-shared", "-fPIC"]
 STRICT = ["-ffp-contract=off"]
+FREE = ["-DLIBM"]
 MOST = 64
 METRICS = (
     "q v k_outside e_outside e_inside outside k_settled peak peak_speed peak_torque final_error sum_u sum_uu reversals"
