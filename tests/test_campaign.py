@@ -327,7 +327,20 @@ def test_an_effect_at_a_place_of_the_other_plant_is_refused(campaign):
 
 def test_an_effect_twice_at_one_place_is_refused(campaign):
     campaign.toml += '[[effects]]\neffect = "inertia"\nat = "axis"\n'
-    campaign.refused("effect 3 'inertia', at: effect 'inertia' acts twice at 'axis'; declare it once.")
+    campaign.refused(
+        "effect 3 'inertia', at: effect 'inertia' acts twice at 'axis'; declare it once, or give each of them a label of its own."
+    )
+
+
+def test_labels_tell_effects_of_one_name_apart(campaign):
+    mode = '[[effects]]\neffect = "flexible_mode"\nat = "axis"\n'
+    first = mode + 'label = "first"\nparameters.frequency = { value = 60.0, unit = "Hz" }\n'
+    campaign.toml += first + mode + 'parameters.frequency = { value = 140.0, unit = "Hz" }\nlabel = "second"\n'
+    plant = campaign.load().plant
+    assert plant["flexible_mode first@axis"].parameters["frequency"].value == 60.0
+    assert plant["flexible_mode second@axis"].parameters["frequency"].value == 140.0
+    campaign.toml += first
+    campaign.refused("effect 5 'flexible_mode', at: effect 'flexible_mode first' acts twice at 'axis'")
 
 
 @pytest.mark.parametrize(

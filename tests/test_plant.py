@@ -33,7 +33,10 @@ def test_a_plant_is_composed_and_not_changed():
 
 
 def test_an_effect_acts_once_at_a_place_and_may_act_at_two():
-    with pytest.raises(WorkbenchError, match="effect 'inertia' acts twice at 'axis'; declare it once."):
+    with pytest.raises(
+        WorkbenchError,
+        match="effect 'inertia' acts twice at 'axis'; declare it once, or give each of them a label of its own.",
+    ):
         declared() + find("inertia")
     two = Plant(TWO_MASS) + find("inertia")(at="motor") + find("inertia")(at="load")
     assert two["inertia@load"].at == "load"

@@ -80,14 +80,14 @@ def _plant(top: Table, kind: str, rotary: bool, notes: dict[str, str]) -> Plant:
     stated = (("drive", "actuator_limit", "F"), ("speed", "speed_limit", "x/s"))
     limits = {name: top.quantity(key, effect_unit(unit, rotary), above=0.0) for name, key, unit in stated if key in top}
     plant = Plant(kind, (), rotary, geometry, Limits(**limits))
-    for one in top.tables("effects", "effect", ("effect", "at"), ("law", "parameters")):
+    for one in top.tables("effects", "effect", ("effect", "at"), ("law", "parameters", "label")):
         effect = fx.find(one.text("effect"), one.path("effect"))
-        effect = replace(_declared(effect, one, rotary), at=one.text("at"))
+        effect = _declared(effect, one, rotary)
         try:
-            plant = plant + effect
+            plant = plant + replace(effect, at=one.text("at"), label=one.text("label"))
         except WorkbenchError as e:
             raise WorkbenchError(f"{one.path('at')}: {e}") from e
-        notes[f"effects.{effect.key}.law"] = one.text("law")
+        notes[f"effects.{plant.effects[-1].key}.law"] = one.text("law")
     return plant
 
 

@@ -8,6 +8,7 @@ returns ({state: next value}, output); what the output means is fixed by the por
 
 import importlib
 import pkgutil
+import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cache
@@ -41,7 +42,7 @@ class Border:
 class Effect:
     """See the module. motions: kinds of axis on which it exists. `linear` parameters enter the output linearly and no state;
     this is checked when steps are built. traced: offered as what a model may lack (False: another spelling of an effect
-    that is). An effect that can be at a joint and at a sensor is the same map of both, and takes its port from `at`.
+    that is). label: tells effects of one name at one place apart, as two resonances. An effect that can be at a joint and at a sensor is the same map of both, and takes its port from `at`.
     """
 
     name: str
@@ -63,8 +64,11 @@ class Effect:
     at: str = "axis"
     border: Border | None = None
     traced: bool = True
+    label: str = ""
 
     def __post_init__(self):
+        if not re.fullmatch(r"[\w-]*", self.label):
+            raise WorkbenchError(f"effect '{self.name}': label '{self.label}' must be letters, digits, '-' or '_'.")
         if {"joint", "sensor"} <= set(self.places):
             object.__setattr__(self, "port", SENSOR if self.at.startswith("sensor") else ANGLE)
         for name in ("parameters", "states"):
@@ -82,22 +86,31 @@ class Effect:
 
     @property
     def key(self) -> str:
-        """Name and place, unique in a plant unless an effect is there twice."""
-        return f"{self.name}@{self.at}"
+        """Name, with its label, and place: unique in a plant."""
+        return f"{self.named}@{self.at}"
+
+    @property
+    def named(self) -> str:
+        """Name, with its label where it has one: "flexible_mode second"."""
+        return f"{self.name} {self.label}" if self.label else self.name
 
     @property
     def shape(self) -> tuple[str, ...]:
         """Parameters that are searched: all that are not linear."""
         return tuple(n for n in self.parameters if n not in self.linear)
 
-    def __call__(self, *, at: str | None = None, fixed: bool | None = None, **values: float) -> "Effect":
-        """Return this effect with inside values set (and, with fixed=, all of those held or freed), at another place."""
+    def __call__(
+        self, *, at: str | None = None, fixed: bool | None = None, label: str | None = None, **values: float
+    ) -> "Effect":
+        """Return this effect with inside values set (with fixed=, all of those held or freed), at another place, labelled."""
         parameters = dict(self.parameters)
         for name, value in values.items():
             if name not in parameters:
                 raise WorkbenchError(f"effect '{self.name}': unknown parameter '{name}'; {nearest(name, parameters)}")
             parameters[name] = parameters[name].at(value, fixed=fixed, where=f"{self.name}.{name}")
-        return replace(self, parameters=parameters, at=self.at if at is None else at)
+        return replace(
+            self, parameters=parameters, at=self.at if at is None else at, label=self.label if label is None else label
+        )
 
     def free(self, *names: str) -> "Effect":
         """Return this effect with the named inside parameters no longer fixed."""

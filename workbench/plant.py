@@ -67,7 +67,9 @@ class Plant:
                     f"effect '{e.name}' cannot act at '{e.at}' on a plant of {self.kind}; {nearest(e.at, allowed)}"
                 )
             if e.key in seen:
-                raise WorkbenchError(f"effect '{e.name}' acts twice at '{e.at}'; declare it once.")
+                raise WorkbenchError(
+                    f"effect '{e.named}' acts twice at '{e.at}'; declare it once, or give each of them a label of its own."
+                )
             seen.add(e.key)
 
     def __add__(self, effect: Effect) -> "Plant":

@@ -78,7 +78,7 @@ def disagreement(plant: Plant, names: Sequence[Name], j: int, ratio: float, a: O
     (low, lower), (high, higher) = sorted([(one[e.key, name], a.record), (other[e.key, name], b.record)])
     return Finding(
         DISAGREE, f"{e.key}.{name}",
-        f"{e.name}: {p.meaning} is {low:.3g} by record '{lower}' alone and {high:.3g} by '{higher}', {ratio:.1f} times what "
+        f"{e.named}: {p.meaning} is {low:.3g} by record '{lower}' alone and {high:.3g} by '{higher}', {ratio:.1f} times what "
         "their intervals allow; one value does not serve both.",
         {"lowest": low, "highest": high, "times_allowed": float(ratio)},
         "look for an effect that the plant lacks, or for what changed between the records",
@@ -122,7 +122,7 @@ def excitation(problem: Problem, solution: Solution, half: Mapping[Name, float],
             )
             said.append(
                 Finding(
-                    "excitation missing", f"{n.key}.{n.parameter}", f"{e.name}: {p.meaning} {why}.", evidence, remedy
+                    "excitation missing", f"{n.key}.{n.parameter}", f"{e.named}: {p.meaning} {why}.", evidence, remedy
                 )
             )
     return said

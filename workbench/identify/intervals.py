@@ -94,7 +94,7 @@ def estimates(plant, names: list[Name], cov: np.ndarray, t: float) -> tuple[Esti
             fixed = all(e.parameters[n].fixed for n, s in zip(e.parameters, slope, strict=True) if s != 0.0)
             found.append(
                 Estimate(
-                    e.name, e.at, name, p.value, p.value - half, p.value + half,
+                    e.named, e.at, name, p.value, p.value - half, p.value + half,
                     effect_unit(p.unit, plant.rotary, inside), p.meaning, fixed,
                 )
             )  # fmt: skip
@@ -124,7 +124,7 @@ def findings(problem: Problem, found: tuple[Estimate, ...], names: list[Name], c
         said.append(
             Finding(
                 "at bound", f"{n.key}.{n.parameter}",
-                f"{plant[n.key].name}: {p.meaning} came out on its bound or without any effect on these records; "
+                f"{plant[n.key].named}: {p.meaning} came out on its bound or without any effect on these records; "
                 "it is not determined.",
                 {"lower": p.lower, "upper": p.upper},
                 "record a motion that excites it, or declare it fixed",

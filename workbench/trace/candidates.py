@@ -41,7 +41,7 @@ def suspects(plant: Plant) -> list[Suspect]:
         default = catalogue().get(e.name)
         held = [n for n, p in e.parameters.items() if p.fixed and not (default and default.parameters[n].fixed)]
         if held:
-            found.append(Suspect(e.name, e.at, CORRECTION, plant.swap(e.free(*held))))
+            found.append(Suspect(e.named, e.at, CORRECTION, plant.swap(e.free(*held))))
     return sorted(found, key=lambda s: (s.effect, s.at, s.kind))
 
 

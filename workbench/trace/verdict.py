@@ -27,7 +27,7 @@ def _share(before: float, after: float) -> float:
 
 def cause(candidate: Candidate, before: Fit, here: Fit, last: Fit) -> Cause:
     """Return the cause that a candidate became: its share from `before` to `here`, its parameters from the last fit."""
-    effect = find(candidate.effect)
+    effect = find(candidate.effect.partition(" ")[0])  # without its label
     estimates = tuple(e for e in last.estimates if (e.effect, e.at) == (candidate.effect, candidate.at))
     identification = _share(before.rms[IDENTIFICATION], here.rms[IDENTIFICATION])
     validation = _share(before.rms[VALIDATION], here.rms[VALIDATION])

@@ -1,0 +1,95 @@
+"""Several resonances of one axis: labelled effects, in the frequency response, in identification and in a campaign."""
+
+from math import pi
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from workbench.effect import find
+from workbench.errors import WorkbenchError
+from workbench.identify.fit import identify, passes_of
+from workbench.plant import Plant
+from workbench.record import Record, Source
+from workbench.simulate import open_loop
+
+J, B = 0.012, 0.05
+MODES = {"first": (0.004, 60.0, 0.03), "second": (0.0015, 140.0, 0.02)}  # mass, frequency, damping
+
+
+def axis(scale: float = 1.0) -> Plant:
+    plant = Plant("one mass", (find("inertia")(inertia=J), find("viscous_friction")(viscous=B)))
+    for label, (mass, frequency, damping) in MODES.items():
+        plant += find("flexible_mode")(mass=mass, frequency=scale * frequency, damping=damping / scale, label=label)
+    return plant
+
+
+def response(f: np.ndarray) -> np.ndarray:
+    """Velocity over drive: 1/(b + s (J + sum m (2 zeta w s + w^2)/(s^2 + 2 zeta w s + w^2)))."""
+    s, mass = 2j * pi * f, J
+    for m, frequency, zeta in MODES.values():
+        w = 2 * pi * frequency
+        mass = mass + m * (2 * zeta * w * s + w * w) / (s * s + 2 * zeta * w * s + w * w)
+    return 1.0 / (B + s * mass)
+
+
+def multisine(n: int, dt: float, lines: np.ndarray, seed: int = 0) -> np.ndarray:
+    t, rng = np.arange(n) * dt, np.random.default_rng(seed)
+    return sum(np.sin(2 * pi * f * t + rng.uniform(0, 2 * pi)) for f in lines) * 0.05
+
+
+def test_two_resonances_have_the_frequency_response_of_the_closed_form():
+    dt, period = 1e-4, 10_000  # 1 s: lines at whole Hz
+    lines = np.arange(5, 250, 3)
+    drive = np.tile(multisine(period, dt, lines), 8)
+    v = open_loop(axis(), drive, dt, 4, record=("v",))["v"][-period:, 0]
+    # the velocity is that at the sample; the drive is held over it, which is half a sample's delay and a sinc
+    ratio = np.fft.rfft(v)[lines] / np.fft.rfft(drive[:period])[lines]
+    held = np.sinc(lines * dt) * np.exp(-1j * pi * lines * dt)
+    error = np.abs(ratio / held / response(lines) - 1.0)
+    assert error.max() < 0.05
+    assert np.abs(response(lines)).max() > 3 * np.abs(response(np.array([100.0])))[0]  # they do resonate
+    one = axis().without("flexible_mode second@axis")
+    v = open_loop(one, drive, dt, 4, record=("v",))["v"][-period:, 0]
+    assert np.abs(np.fft.rfft(v)[lines] / np.fft.rfft(drive[:period])[lines] / held / response(lines) - 1.0).max() > 0.5
+
+
+@pytest.fixture(scope="module")
+def shaken() -> Record:
+    """Return a record of 8 s at 2 kHz, its drive a multisine on a slow motion, integrated at twenty times the rate."""
+    dt, finer = 5e-4, 20
+    t = np.arange(16_000 * finer) * dt / finer
+    drive = multisine(t.size, dt / finer, np.arange(2, 250, 1.7), 3) + 0.2 * np.sin(2 * pi * 0.7 * t)
+    drive *= np.minimum(t / 0.5, 1.0)
+    q = open_loop(axis(), drive, dt / finer, 4)["q"][::finer, 0]
+    channels = {"position": q, "torque": drive[::finer].copy()}
+    return Record("shaken", "identification", t[::finer].copy(), channels, {}, Source(Path("x"), "", "none", {}))
+
+
+@pytest.mark.parametrize("start", [0.92, 1.06])
+def test_two_resonances_are_identified(shaken, start):
+    fit = identify(axis(start), passes_of([shaken], 220.0))
+    found = {(e.effect, e.parameter): e.value for e in fit.estimates}
+    for label, truth in MODES.items():
+        for name, value, within in zip(("mass", "frequency", "damping"), truth, (0.02, 0.001, 0.01), strict=True):
+            assert found[f"flexible_mode {label}", name] == pytest.approx(value, rel=within), (label, name)
+    assert found["inertia", "inertia"] == pytest.approx(J, rel=0.005)
+    assert fit.identification < 0.01
+
+
+def test_a_resonance_too_far_from_its_start_is_said_not_to_be_found(shaken):
+    fit = identify(axis(1.15), passes_of([shaken], 220.0))
+    assert fit.identification > 0.1
+    assert any(f.kind == "at bound" and f.subject.startswith("flexible_mode second@axis") for f in fit.findings)
+
+
+def test_effects_of_one_name_at_one_place_are_told_apart_by_their_labels():
+    plant = axis()
+    assert [e.key for e in plant.effects[2:]] == ["flexible_mode first@axis", "flexible_mode second@axis"]
+    assert plant["flexible_mode second@axis"].parameters["frequency"].value == 140.0
+    with pytest.raises(WorkbenchError, match="2 effects 'flexible_mode'"):
+        plant["flexible_mode"]
+    with pytest.raises(WorkbenchError, match="acts twice at 'axis'; declare it once, or give each of them a label"):
+        plant + find("flexible_mode")(label="second")
+    with pytest.raises(WorkbenchError, match="label 'a@b' must be letters"):
+        find("flexible_mode")(label="a@b")
