@@ -105,8 +105,8 @@ def one_mass(rng, name: str, count: float) -> Base:
     """An axis of one mass. Draws the same facts for every base, so that seeds compare."""
     declared = ONE_MASS[name]
     machine = Machine(servo(rng)._replace(count=count), {})
-    if name in ("coulomb", "viscous"):  # dry friction that gives way by two counts, the finest that anyone could see
-        machine = machine.put("rate", 0.5 / count)
+    if name in ("coulomb", "viscous"):  # dry friction that gives way by half a count, which nobody can see
+        machine = machine.put("rate", 2.0 / count)
     if name == "viscous":
         machine = machine.put("h0", 0.0)
     if name == "dry":

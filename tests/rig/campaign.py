@@ -207,7 +207,8 @@ def campaign(
 
     The truth: missing (as a trace should name it, ["unknown"] for what no catalogue has), effects (as asked for), at, sizes
     (over the noise, as they came out), parameters, axis, floor (role -> nrmse that the true model leaves), where (of a cause
-    outside the catalogue: coordinate and spans), and rig: the machine as it is.
+    outside the catalogue: coordinate and spans, in rad), metres (travel that is one rad; 1 on a rotary axis), and rig: the
+    machine as it is.
     """
     if RATE % rate:
         raise ValueError(f"a log at {rate} Hz does not divide the integration's {RATE} Hz.")
@@ -243,5 +244,6 @@ def campaign(
         "axis": {k: getattr(sound.machine.axis, k) for k in ("inertia", "viscous", "h0", "rate")},
         "floor": floors(sound, nominal, records, how, power),
         "where": next((m.kind.where(m.p, seconds) for m in found if m.kind.where), None),
+        "metres": sound.metres or 1.0,
         "rig": machine,
     }

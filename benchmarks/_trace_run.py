@@ -1,0 +1,109 @@
+"""One campaign of the trace's benchmark: made, traced, given to the peers, and judged against what the rig knows."""
+
+import resource
+from dataclasses import asdict
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from time import process_time
+
+from benchmarks._trace_draw import LEVEL, NONE, OUTSIDE, Spec, campaign
+
+WITHIN = 0.1  # of the range, in which a place or time is right
+
+
+def made(folder: Path, s: Spec) -> dict:
+    """Write the campaign of a spec, and return the rig's truth."""
+    options = {
+        k: v
+        for k, v in asdict(s).items()
+        if k in ("base", "noise", "memory", "count", "rate", "band", "ratio", "short")
+    }
+    return campaign(folder, s.seed, s.missing, s.over / LEVEL, **options)
+
+
+def ranges(campaign) -> dict[str, tuple[float, float]]:
+    """Return coordinate -> (low, high) over the identification records; velocity by differences."""
+    import numpy as np
+
+    records = [r for r in campaign.records if r.role == "identification"]
+    q = [r.channels["position"] for r in records]
+    v = [np.gradient(np.convolve(x, np.ones(9) / 9, "same"), r.time)[20:-20] for x, r in zip(q, records, strict=True)]
+    signals = {"position": q, "velocity": v, "time": [r.time for r in records]}
+    return {name: (min(x.min() for x in xs), max(x.max() for x in xs)) for name, xs in signals.items()}
+
+
+def place_right(where, unknown: dict, span: dict[str, tuple[float, float]], length: float) -> bool | None:
+    """Whether a stated place is one of the true ones within WITHIN of the coordinate's range; None where there is none.
+
+    Each end has to be right; a moment (shorter than WITHIN) is right where it is a true one.
+    """
+    coordinate, spans = where
+    if not spans:
+        return None
+    if unknown.get("coordinate") != coordinate:
+        return False
+    reach = WITHIN * (span[coordinate][1] - span[coordinate][0])
+    scale = length if coordinate == "position" else 1.0
+    said = (unknown["low"], unknown["high"])
+    return any(all(abs(a - scale * b) <= reach for a, b in zip(said, true, strict=True)) for true in spans)
+
+
+def judged(s: Spec, truth: dict, said: dict, right_place: bool | None) -> dict:
+    """Return what the table counts."""
+    missing, added = truth["missing"], said["added"]
+    known = [] if s.of in (NONE, OUTSIDE) else missing
+    before, after, floor = said["before"], said["after"], truth["floor"]
+    achievable = before["validation"] - floor["validation"]
+    share = (before["validation"] - after["validation"]) / achievable if achievable > 0.0 else 0.0
+    hit = bool(set(known) & set(added))
+    return {
+        "first": bool(known) and said["verdict"] == "cause" and said["ranked"][0] in known,
+        "both": bool(known) and set(known) <= set(added),
+        "rival": bool(known) and bool(set(known) & ({*said["ranked"][:1]} | set(said["rivals"]))),
+        "alarm": s.of == NONE and said["verdict"] != "nothing_missing",
+        "unknown": said["verdict"] == "unknown",
+        "place": right_place,
+        "spurious": len([n for n in added if n not in known]),
+        "share": min(share, 1.0) if hit else 0.0,
+        "worse": after["validation"] > 1.001 * before["validation"],
+    }
+
+
+def traced(campaign) -> dict:
+    """Trace a campaign; return what it says, and what it cost."""
+    from workbench.study.standard import trace_campaign
+
+    start = process_time()
+    found = trace_campaign(campaign)
+    seconds = process_time() - start
+    both = lambda fit: {"identification": fit.identification, "validation": fit.validation}  # noqa: E731
+    return {
+        "verdict": found.verdict,
+        "ranked": [c.effect for c in found.ranked[:6]],
+        "gains": [round(float(c.gain), 4) for c in found.ranked[:6]],
+        "added": list(found.added),
+        "rivals": [r.partition("@")[0].partition(" at ")[0] for c in found.causes for r in c.rivals],
+        "before": both(found.before),
+        "after": both(found.after),
+        "floor": dict(found.floor),
+        "unknown": {k: v for k, v in found.unknown.items() if isinstance(v, str | int | float)},
+        "seconds": seconds,
+        "megabytes": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024,
+    }
+
+
+def one(s: Spec) -> dict:
+    """Make, trace and judge one campaign."""
+    from workbench.campaign import load
+
+    with TemporaryDirectory() as folder:
+        truth = made(Path(folder), s)
+        loaded = load(Path(folder))
+        said = traced(loaded)
+        length = 1.0
+        right = None
+        if truth["where"] is not None and said["unknown"]:
+            length = truth["metres"]
+            right = place_right(truth["where"], said["unknown"], ranges(loaded), length)
+    kept = {k: truth[k] for k in ("missing", "effects", "at", "sizes", "parameters", "floor", "where")}
+    return {"key": s.key, "spec": asdict(s), "truth": kept, "said": said, "judged": judged(s, truth, said, right)}

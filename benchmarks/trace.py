@@ -1,0 +1,90 @@
+"""Traces of campaigns of the rig in tests/, effects chosen at random; beside them two peers on the same residuals.
+
+`make bench-trace` (or python -m benchmarks.trace [CAMPAIGNS] [SEED] [one|two]) runs them all; what is done is kept, by the
+sources' digest, and not done again. `python -m benchmarks.trace KEY` does one campaign once more and says what it found.
+"""
+
+import json
+import multiprocessing
+import os
+import sys
+from hashlib import sha256
+from pathlib import Path
+
+from benchmarks._trace_draw import Spec, specs
+
+ROOT = Path(__file__).resolve().parent.parent
+KEPT = ROOT / "reports" / "bench_trace"
+FEW, MANY, SEED, WORKERS = 8, 200, 1, 2
+MASSES = {"one": False, "two": True}
+
+
+def sources() -> str:
+    """Digest of what results depend on: the package, the rig, and how a campaign is judged."""
+    paths = [p for part in ("workbench", "tests/rig") for p in sorted((ROOT / part).rglob("*.py"))]
+    paths += [ROOT / "benchmarks" / "_trace_run.py"]
+    return sha256(b"".join(p.read_bytes() for p in paths)).hexdigest()[:10]
+
+
+def attempt(spec: Spec) -> dict:
+    """One campaign; a failure of ours is a result too."""
+    from benchmarks._trace_run import one
+
+    try:
+        return one(spec)
+    except Exception as wrong:  # the sweep goes on, and says so at its end
+        return {"key": spec.key, "failed": f"{spec.missing} on {spec.base}: {type(wrong).__name__}: {wrong}"}
+
+
+def sweep(wanted: list[Spec], kept: Path, workers: int = WORKERS) -> list[dict]:
+    """Return the results of all, in their order; each is appended to `kept` as soon as it is there."""
+    kept.parent.mkdir(parents=True, exist_ok=True)
+    lines = kept.read_text(encoding="utf-8").splitlines() if kept.is_file() else []
+    done = {r["key"]: r for r in map(json.loads, filter(lambda line: line.endswith("}"), lines))}
+    left = [s for s in wanted if s.key not in done]
+    context = multiprocessing.get_context("spawn")
+    with kept.open("a", encoding="utf-8") as file, context.Pool(min(workers, max(len(left), 1))) as pool:
+        for number, result in enumerate(pool.imap_unordered(attempt, left), 1):
+            done[result["key"]] = result
+            if "failed" not in result:
+                file.write(json.dumps(result) + "\n")
+                file.flush()
+            print(f"\r{number} of {len(left)}", end="", file=sys.stderr, flush=True)
+    print(file=sys.stderr)
+    return [done[s.key] for s in wanted]
+
+
+def main(campaigns: int = FEW, seed: int = SEED, two_mass: bool | None = None, workers: int = WORKERS) -> None:
+    """Print what a sweep comes to."""
+    from benchmarks._trace_table import table
+
+    os.environ.setdefault("OMP_NUM_THREADS", "1")
+    results = sweep(specs(campaigns, seed, two_mass), KEPT / f"{sources()}.jsonl", workers)
+    print(table([r for r in results if "failed" not in r]))
+    for r in results:
+        if "failed" in r:
+            print(f"  failed: {r['key']} {r['failed']}")
+
+
+def again(key: str) -> None:
+    """Do one campaign of the kept results once more, and print all that is known of it."""
+    from benchmarks._trace_run import one
+
+    for file in KEPT.glob("*.jsonl"):
+        for line in file.read_text(encoding="utf-8").splitlines():
+            r = json.loads(line)
+            if r["key"] == key:
+                print(json.dumps(one(Spec(**{**r["spec"], "missing": tuple(r["spec"]["missing"])})), indent=1))
+                return
+    sys.exit(f"bench-trace: no kept campaign has the key '{key}'.")
+
+
+if __name__ == "__main__":
+    words = [w for w in sys.argv[1:] if w]
+    numbers = [int(w) for w in words if w.isdigit() and len(w) < 12]
+    masses = next((MASSES[w] for w in words if w in MASSES), None)
+    keys = [w for w in words if w not in MASSES and not (w.isdigit() and len(w) < 12)]
+    if keys:
+        again(keys[0])
+    else:
+        main(*(numbers + [MANY, SEED][len(numbers) :]), masses, int(os.environ.get("WORKERS", WORKERS)))
