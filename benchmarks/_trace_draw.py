@@ -1,7 +1,7 @@
 """The campaigns of the trace's benchmark: what is missing, how large, of which machine, and how that is measured."""
 
 import sys
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from hashlib import sha256
 from json import dumps
 from pathlib import Path
@@ -80,8 +80,8 @@ def in_turn(rng, names: list[str], count: int) -> list[str]:
     return found[:count]
 
 
-def specs(campaigns: int, seed: int, two_mass: bool | None = None, parts: dict[str, float] = PARTS) -> list[Spec]:
-    """Draw campaigns. two_mass: on two masses only, or on one only; both where it is None."""
+def specs(campaigns: int, seed: int, two_mass: bool | None = None, short: bool = False) -> list[Spec]:
+    """Draw campaigns. two_mass: on two masses only, or on one only; both where it is None. short: all records are short."""
     rng = np.random.default_rng([seed, 3])
 
     def allowed(name: str) -> tuple[str, ...]:
@@ -89,7 +89,7 @@ def specs(campaigns: int, seed: int, two_mass: bool | None = None, parts: dict[s
 
     every = [n for n in EFFECTS if allowed(n)]
     known, own = [n for n in every if EFFECTS[n].effect], [n for n in every if not EFFECTS[n].effect]
-    counts = {of: round(part * campaigns) for of, part in parts.items()}
+    counts = {of: round(part * campaigns) for of, part in PARTS.items()}
     numbers = iter(range(1000 * seed, 1000 * seed + 10 * campaigns + 10))
     found = [spec(SINGLE, next(numbers), (n,), allowed(n)) for n in in_turn(rng, known, counts[SINGLE])]
     for first in in_turn(rng, known, counts[PAIR]):
@@ -103,4 +103,4 @@ def specs(campaigns: int, seed: int, two_mass: bool | None = None, parts: dict[s
     if own:
         found += [spec(OUTSIDE, next(numbers), (n,), allowed(n)) for n in in_turn(rng, own, counts[OUTSIDE])]
     order = np.random.default_rng([seed, 5]).permutation(len(found))
-    return [found[k] for k in order]
+    return [replace(found[k], short=short or found[k].short) for k in order]

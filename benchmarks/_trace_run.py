@@ -7,6 +7,7 @@ from tempfile import TemporaryDirectory
 from time import process_time
 
 from benchmarks._trace_draw import LEVEL, NONE, OUTSIDE, Spec, campaign
+from benchmarks._trace_peers import answers
 
 WITHIN = 0.1  # of the range, in which a place or time is right
 
@@ -69,6 +70,16 @@ def judged(s: Spec, truth: dict, said: dict, right_place: bool | None) -> dict:
     }
 
 
+def peers(campaign, before) -> dict[str, list[str]]:
+    """What the peers make of the residual of the declared model. Presliding hysteresis is, to them, friction that they know."""
+    series = [s for s in before.series.values() if s.role == "identification"]
+    geometry, effects = campaign.plant.geometry, campaign.plant.effects
+    ratio, pole_pairs = geometry.gear_ratio or 1.0, geometry.pole_pairs or 1.0
+    declared = {e.name for e in effects if not all(p.fixed for p in e.parameters.values())}
+    declared |= {"coulomb_friction"} if "presliding_hysteresis" in declared else set()
+    return answers(series, campaign.bandwidth, (ratio, 2.0 * ratio, ratio * pole_pairs), declared)
+
+
 def traced(campaign) -> dict:
     """Trace a campaign; return what it says, and what it cost."""
     from workbench.study.standard import trace_campaign
@@ -87,6 +98,7 @@ def traced(campaign) -> dict:
         "after": both(found.after),
         "floor": dict(found.floor),
         "unknown": {k: v for k, v in found.unknown.items() if isinstance(v, str | int | float)},
+        "peers": peers(campaign, found.before),
         "seconds": seconds,
         "megabytes": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024,
     }

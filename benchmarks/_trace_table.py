@@ -64,6 +64,24 @@ def shares(results: Sequence[dict]) -> list[str]:
     ]
 
 
+def peers(results: Sequence[dict]) -> list[str]:
+    """The same counts for the peers. Neither ever says "unknown"; on nothing missing, anything picked is a false alarm."""
+    names = list(dict.fromkeys(name for r in results for name in r["said"]["peers"]))
+    lines = [
+        "",
+        "on the same residuals:    one missing, named first            pairs, both            none, false alarms   spurious",
+    ]
+    for name in names:
+        said = [(r, r["said"]["peers"][name]) for r in results if name in r["said"]["peers"]]
+        single = [picked[:1] == r["truth"]["missing"] for r, picked in said if r["spec"]["of"] == SINGLE]
+        pair = [set(r["truth"]["missing"]) <= set(picked) for r, picked in said if r["spec"]["of"] == PAIR]
+        none = [bool(picked) for r, picked in said if r["spec"]["of"] == NONE]
+        wrong = sum(len(set(picked) - set(r["truth"]["missing"])) for r, picked in said)
+        counted = "   ".join(share(sum(x), len(x)) for x in (single, pair, none))
+        lines.append(f"  {name:14}{counted}   {wrong:4d}")
+    return lines
+
+
 def power(results: Sequence[dict]) -> list[str]:
     """Share named first against the size of what is missing over the noise."""
     lines = ["", "share named first, against size over noise (one missing):"]
@@ -100,7 +118,10 @@ def right(r: dict) -> bool:
 
 def failures(results: Sequence[dict]) -> list[str]:
     """One line a campaign that is not right in all: what it lacks, how large, what was said, and how to make it again."""
-    lines = ["", "not right in all (spec by its key: python -m benchmarks.trace KEY makes and traces it again):"]
+    lines = [
+        "",
+        "not right in all (spec by its key: python -m benchmarks.trace --again KEY makes and traces it again):",
+    ]
     for r in sorted(results, key=lambda r: (r["spec"]["of"], r["truth"]["effects"])):
         if right(r):
             continue
@@ -127,4 +148,4 @@ def failures(results: Sequence[dict]) -> list[str]:
 
 
 def table(results: Sequence[dict]) -> str:
-    return "\n".join([*shares(results), *power(results), *confusion(results), *failures(results)])
+    return "\n".join([*shares(results), *peers(results), *power(results), *confusion(results), *failures(results)])

@@ -1,9 +1,10 @@
 """Traces of campaigns of the rig in tests/, effects chosen at random; beside them two peers on the same residuals.
 
-`make bench-trace` (or python -m benchmarks.trace [CAMPAIGNS] [SEED] [one|two]) runs them all; what is done is kept, by the
-sources' digest, and not done again. `python -m benchmarks.trace KEY` does one campaign once more and says what it found.
+`make bench-trace` (or python -m benchmarks.trace --help) runs them all; what is done is kept, by the sources' digest, and not
+done again. `make bench` runs a few, with short records.
 """
 
+import argparse
 import json
 import multiprocessing
 import os
@@ -16,7 +17,7 @@ from benchmarks._trace_draw import Spec, specs
 ROOT = Path(__file__).resolve().parent.parent
 KEPT = ROOT / "reports" / "bench_trace"
 FEW, MANY, SEED, WORKERS = 8, 200, 1, 2
-MASSES = {"one": False, "two": True}
+MASSES = {"any": None, "one": False, "two": True}
 
 
 def sources() -> str:
@@ -54,12 +55,13 @@ def sweep(wanted: list[Spec], kept: Path, workers: int = WORKERS) -> list[dict]:
     return [done[s.key] for s in wanted]
 
 
-def main(campaigns: int = FEW, seed: int = SEED, two_mass: bool | None = None, workers: int = WORKERS) -> None:
+def main(campaigns: int = FEW, seed: int = SEED, two_mass: bool | None = None, short: bool = True) -> None:
     """Print what a sweep comes to."""
     from benchmarks._trace_table import table
 
     os.environ.setdefault("OMP_NUM_THREADS", "1")
-    results = sweep(specs(campaigns, seed, two_mass), KEPT / f"{sources()}.jsonl", workers)
+    workers = int(os.environ.get("WORKERS", WORKERS))
+    results = sweep(specs(campaigns, seed, two_mass, short), KEPT / f"{sources()}.jsonl", workers)
     print(table([r for r in results if "failed" not in r]))
     for r in results:
         if "failed" in r:
@@ -79,12 +81,19 @@ def again(key: str) -> None:
     sys.exit(f"bench-trace: no kept campaign has the key '{key}'.")
 
 
+def asked() -> argparse.Namespace:
+    parser = argparse.ArgumentParser(prog="bench-trace", description=__doc__.split("\n")[0])
+    parser.add_argument("--campaigns", type=int, default=MANY, help="how many (%(default)s)")
+    parser.add_argument("--seed", type=int, default=SEED, help="of what is drawn (%(default)s)")
+    parser.add_argument("--masses", choices=MASSES, default="any", help="machines of one mass, of two, or both")
+    parser.add_argument("--short", action="store_true", help="records of a third of the length")
+    parser.add_argument("--again", metavar="KEY", help="do one campaign of the kept results once more, and print it")
+    return parser.parse_args()
+
+
 if __name__ == "__main__":
-    words = [w for w in sys.argv[1:] if w]
-    numbers = [int(w) for w in words if w.isdigit() and len(w) < 12]
-    masses = next((MASSES[w] for w in words if w in MASSES), None)
-    keys = [w for w in words if w not in MASSES and not (w.isdigit() and len(w) < 12)]
-    if keys:
-        again(keys[0])
+    given = asked()
+    if given.again:
+        again(given.again)
     else:
-        main(*(numbers + [MANY, SEED][len(numbers) :]), masses, int(os.environ.get("WORKERS", WORKERS)))
+        main(given.campaigns, given.seed, MASSES[given.masses], given.short)
