@@ -37,14 +37,20 @@ def attempt(spec: Spec) -> dict:
         return {"key": spec.key, "failed": f"{spec.missing} on {spec.base}: {type(wrong).__name__}: {wrong}"}
 
 
+def read(kept: Path) -> dict[str, dict]:
+    """Return key -> result of what is kept; a line that a kill cut short is passed over."""
+    lines = kept.read_text(encoding="utf-8").splitlines() if kept.is_file() else []
+    return {r["key"]: r for r in map(json.loads, filter(lambda line: line.endswith("}}"), lines))}
+
+
 def sweep(wanted: list[Spec], kept: Path, workers: int = WORKERS) -> list[dict]:
     """Return the results of all, in their order; each is appended to `kept` as soon as it is there."""
     kept.parent.mkdir(parents=True, exist_ok=True)
-    lines = kept.read_text(encoding="utf-8").splitlines() if kept.is_file() else []
-    done = {r["key"]: r for r in map(json.loads, filter(lambda line: line.endswith("}"), lines))}
+    done = read(kept)
     left = [s for s in wanted if s.key not in done]
     context = multiprocessing.get_context("spawn")
     with kept.open("a", encoding="utf-8") as file, context.Pool(min(workers, max(len(left), 1))) as pool:
+        file.write("\n")
         for number, result in enumerate(pool.imap_unordered(attempt, left), 1):
             done[result["key"]] = result
             if "failed" not in result:
@@ -55,13 +61,17 @@ def sweep(wanted: list[Spec], kept: Path, workers: int = WORKERS) -> list[dict]:
     return [done[s.key] for s in wanted]
 
 
-def main(campaigns: int = FEW, seed: int = SEED, two_mass: bool | None = None, short: bool = True) -> None:
-    """Print what a sweep comes to."""
+def main(
+    campaigns: int = FEW, seed: int = SEED, two_mass: bool | None = None, short: bool = True, run: bool = True
+) -> None:
+    """Print what a sweep comes to; run: false prints what is kept of it."""
     from benchmarks._trace_table import table
 
     os.environ.setdefault("OMP_NUM_THREADS", "1")
     workers = int(os.environ.get("WORKERS", WORKERS))
-    results = sweep(specs(campaigns, seed, two_mass, short), KEPT / f"{sources()}.jsonl", workers)
+    wanted, kept = specs(campaigns, seed, two_mass, short), KEPT / f"{sources()}.jsonl"
+    done = read(kept)
+    results = sweep(wanted, kept, workers) if run else [done[s.key] for s in wanted if s.key in done]
     print(table([r for r in results if "failed" not in r]))
     for r in results:
         if "failed" in r:
@@ -87,6 +97,7 @@ def asked() -> argparse.Namespace:
     parser.add_argument("--seed", type=int, default=SEED, help="of what is drawn (%(default)s)")
     parser.add_argument("--masses", choices=MASSES, default="any", help="machines of one mass, of two, or both")
     parser.add_argument("--short", action="store_true", help="records of a third of the length")
+    parser.add_argument("--kept", action="store_true", help="run nothing: the table of what is kept")
     parser.add_argument("--again", metavar="KEY", help="do one campaign of the kept results once more, and print it")
     return parser.parse_args()
 
@@ -96,4 +107,4 @@ if __name__ == "__main__":
     if given.again:
         again(given.again)
     else:
-        main(given.campaigns, given.seed, MASSES[given.masses], given.short)
+        main(given.campaigns, given.seed, MASSES[given.masses], given.short, not given.kept)
