@@ -1,7 +1,7 @@
 """How small the residual could be: torque noise in the band, and encoder counts seen through the derivative filter.
 
-First version. Torque noise is read off the drive above the evaluation bandwidth and taken as white below it; the
-encoder's part is the change of the required drive when the smoothed position is rounded to counts once more.
+Torque noise is read off the drive above the evaluation bandwidth and taken as white below it. The encoders' part is the
+change of the required drive when a motion that runs between their counts is read in counts.
 """
 
 from collections.abc import Sequence
@@ -14,6 +14,7 @@ from workbench.motion import MOTION_BAND, LowPass, motion
 from workbench.plant import Plant
 from workbench.record import ROLES
 
+ENCODERS = ("position", "load_position")
 QUIET = (1.6, 0.42)  # band read for noise: from this times the evaluation bandwidth to this times the sampling rate
 
 
@@ -32,20 +33,39 @@ def drive_noise(passes: Passes) -> float:
     return float(np.sqrt(2 * density * np.sum(response**2))) / m.u.size
 
 
-def encoder_noise(passes: Passes, plant: Plant) -> float:
-    """Return the rms change of the filtered required drive when the smoothed position is rounded to counts."""
-    m = passes.motion
-    if m.counts <= 0:
-        return 0.0
-    record = m.record
-    smooth = LowPass(MOTION_BAND * m.filter.bandwidth, 1 / m.dt, m.u.size)(record.channels["position"])
-    rounded = np.round(smooth / m.counts) * m.counts
+def between_counts(x: np.ndarray, t: np.ndarray) -> np.ndarray:
+    """Return a position (n,) that a quantised reading x (n,) may have come from: straight from step to step of the count.
 
-    def drive(position):
-        seen = replace(record, channels={**record.channels, "position": position})
+    Between two steps nothing but their places is known; a low pass alone would keep the stairs of a slow motion.
+    """
+    steps = np.flatnonzero(np.diff(x))
+    if steps.size < 2:
+        return np.array(x)
+    times = np.concatenate([t[:1], 0.5 * (t[steps] + t[steps + 1]), t[-1:]])
+    return np.interp(t, times, np.concatenate([x[:1], 0.5 * (x[steps] + x[steps + 1]), x[-1:]]))
+
+
+def encoder_noise(passes: Passes, plant: Plant) -> float:
+    """Return the rms change of the filtered required drive when motion between counts is read in counts.
+
+    All encoders at once, through the derivative filter and through operators with memory alike: what the fit would be
+    left with on a drive without noise.
+    """
+    m = passes.motion
+    record = m.record
+    counts = {n: c for n, c in record.resolution.items() if n in ENCODERS and n in record.channels and c > 0}
+    if not counts:
+        return 0.0
+    smooth = LowPass(MOTION_BAND * m.filter.bandwidth, 1 / m.dt, m.u.size)
+    true = {n: smooth(between_counts(record.channels[n], m.t)) for n in counts}
+    read = {n: np.round(x / counts[n]) * counts[n] for n, x in true.items()}
+
+    def drive(positions, resolution):
+        seen = replace(record, channels={**record.channels, **positions}, resolution=resolution)
         return m.filter(required(Passes(motion(seen, m.filter.bandwidth)), plant))
 
-    difference = (drive(rounded) - drive(smooth))[m.keep]
+    exact = {**record.resolution, **dict.fromkeys(counts, 0.0)}
+    difference = (drive(read, record.resolution) - drive(true, exact))[m.keep]
     return float(np.sqrt(np.mean(difference**2)))
 
 
