@@ -148,8 +148,19 @@ def test_deflection_and_levers_are_those_of_identification():
     given = ca.Function("f", [*rows, *symbols.constants.values()], [torque, lever["motor"], lever["load"]])
     rest = [values.get(n, 0.0) for n in symbols.constants]
     found = np.array([[float(v) for v in given(m, q, *rest)] for m, q in zip(motor, load, strict=True)])
-    np.testing.assert_allclose(found, np.stack([STIFFNESS * x, by_motor, by_load], axis=1), rtol=1e-12, atol=1e-12)
+    np.testing.assert_allclose(
+        found, np.stack(np.broadcast_arrays(STIFFNESS * x, by_motor, by_load), axis=1), rtol=1e-12, atol=1e-12
+    )
     assert (x == 0.0).any() and (x != 0.0).any()
+
+
+def test_in_a_gap_an_elastic_joint_carries_no_torque_and_a_hysteretic_one_what_it_holds():
+    """A gap is in series with the joint: what the joint holds, both bodies feel, also while the gap is crossed."""
+    plant = elastic() + find("backlash")(half_width=1e-3)
+    motor, load = np.array([0.0, 5e-4, 2e-3]), np.zeros(3)
+    x, by_motor, by_load = Bodies(SimpleNamespace(t=0.0, dt=1e-4), None).mapped(plant, motor - load, motor, load)
+    np.testing.assert_allclose(STIFFNESS * x * by_motor, STIFFNESS * np.array([0.0, 0.0, 1e-3]), rtol=1e-12)
+    assert (by_motor, by_load) == (1.0, -1.0)
 
 
 def crossings(x: np.ndarray, dt: float) -> np.ndarray:

@@ -72,12 +72,12 @@ def inverse(definition: Definition) -> Program:
 
 @lru_cache(maxsize=64)
 def partials(definition: Definition) -> Program:
-    """Program of (output, d output/d q, d output/d motor_q, d output/d load_q) of an angle map."""
+    """Program of (output, d output/d motor_q, d output/d load_q) of an angle map."""
     effect = definition.effect
     s, z, p = symbols(effect)
     named = view(effect.reads, s)
     _, output, _ = apply(effect, named, z, fx.namespace(**view(effect.parameters, p)))
-    slopes = [ca.jacobian(output, named[n]) if n in named else ca.SX(0) for n in ("q", "motor_q", "load_q")]
+    slopes = [ca.jacobian(output, named[n]) if n in named else ca.SX(0) for n in ("motor_q", "load_q")]
     return read(ca.Function(f"{effect.name}_partials", [s, z, p], [ca.densify(ca.vertcat(output, *slopes))]))
 
 
@@ -143,7 +143,10 @@ class Bodies:
         return path, self.keep(("body", path), make)
 
     def mapped(self, plant: Plant, deflection, motor, load) -> tuple:
-        """Return (effective deflection, its slope with respect to the motor's and to the load's position), (n,) each.
+        """Return (effective deflection, and by what the joint's torque enters the motor's and the load's balance), (n,) each.
+
+        A map of the deflection alone (a gap) lies in series with the joint, and what is in series carries the same
+        torque; what a map draws from a body's own position (a gear's error) is a change of ratio, and works on that body.
 
         What a map adds where both encoders read zero is taken off: they were set to zero with the joint relaxed, so a
         constant is nothing but where their zeros are. Left in, it would wind up a joint that is at rest.
@@ -152,12 +155,10 @@ class Bodies:
         for e in angles(plant):
             program, values = partials(Definition(e)), values_of(e)
             signals = {"q": deflection, "motor_q": motor, "load_q": load, **self.clock()}
-            output, by_q, extra_motor, extra_load = arrays.evaluate(program, [signals[r] for r in e.reads], (), values)[
-                0
-            ]
+            output, more_motor, more_load = arrays.evaluate(program, [signals[r] for r in e.reads], (), values)[0]
             signals |= {"q": 0.0, "motor_q": 0.0, "load_q": 0.0}
             at_zero = arrays.evaluate(program, [signals[r] for r in e.reads], (), values)[0][0]
-            by_motor, by_load = by_motor * by_q + extra_motor, by_load * by_q + extra_load
+            by_motor, by_load = by_motor + more_motor, by_load + more_load
             deflection = output - at_zero
         return deflection, by_motor, by_load
 

@@ -100,28 +100,33 @@ def forces(effects: tuple[Effect, ...], place: str, signals: Mapping[str, ca.SX]
     return after, total
 
 
-def deflection(effects: tuple[Effect, ...], symbols: Symbols) -> tuple[dict[str, ca.SX], ca.SX]:
-    """Return (name -> next state, effective deflection): motor less load, through the angle maps.
+def deflection(effects: tuple[Effect, ...], symbols: Symbols) -> tuple[dict[str, ca.SX], ca.SX, dict[str, ca.SX]]:
+    """Return (name -> next state, effective deflection, place -> lever): motor less load, through the angle maps.
 
-    As in identification, what a map adds where both positions are zero is taken off: there the joint is relaxed.
+    As in identification: what a map adds where both positions are zero is taken off, for there the joint is relaxed; and
+    only what a map draws from a body's own position changes by what the joint's torque enters that body's balance.
     """
     motor, load = symbols.state("q"), symbols.state("load.q")
-    signals = fixed_signals(symbols) | {"motor_q": motor, "load_q": load, "dt": symbols.constant("h")}
+    signals = fixed_signals(symbols) | {"dt": symbols.constant("h")}
+    free = {n: ca.SX.sym(n) for n in ("q", "motor_q", "load_q")}
     after: dict[str, ca.SX] = {}
     x = motor - load
+    lever = {"motor": ca.SX(1.0), "load": ca.SX(-1.0)}
     for e in angle_maps(effects):
-        at_zero = call(e, signals | dict.fromkeys(("q", "motor_q", "load_q"), ca.SX(0.0)), symbols)[1]
-        moved, x, _ = call(e, signals | {"q": x}, symbols)
-        x = x - at_zero
-        after |= moved
-    return after, x
+        at_zero = call(e, signals | dict.fromkeys(free, ca.SX(0.0)), symbols)[1]
+        moved, out, _ = call(e, signals | free, symbols)
+        found = [*moved.values(), out - at_zero, ca.jacobian(out, free["motor_q"]), ca.jacobian(out, free["load_q"])]
+        *states, x, by_motor, by_load = ca.substitute(found, list(free.values()), [x, motor, load])
+        lever = {"motor": lever["motor"] + ca.densify(by_motor), "load": lever["load"] + ca.densify(by_load)}
+        after |= dict(zip(moved, states, strict=True))
+    return after, x, lever
 
 
 def joint(effects: tuple[Effect, ...], common: Mapping[str, ca.SX], symbols: Symbols):
     """Return (name -> next state, torque of the joint, place -> by what it enters that body's balance)."""
-    after, x = deflection(effects, symbols)
-    lever = {p: ca.densify(ca.jacobian(x, symbols.state(f"{prefix}q"))) for p, prefix in BODIES[TWO_MASS].items()}
-    v = lever["motor"] * symbols.state("v") + lever["load"] * symbols.state("load.v")
+    after, x, lever = deflection(effects, symbols)
+    slope = {p: ca.densify(ca.jacobian(x, symbols.state(f"{prefix}q"))) for p, prefix in BODIES[TWO_MASS].items()}
+    v = slope["motor"] * symbols.state("v") + slope["load"] * symbols.state("load.v")
     # Increments from positions, which a gap's edge or a gear's error cannot let drift from the deflection itself.
     signals = {**common, "q": x, "v": v, "dq": x - symbols.state(LAST)}
     moved, torque = forces(effects, "joint", signals, symbols)
