@@ -10,9 +10,17 @@ from collections.abc import Sequence
 
 from workbench import __version__
 from workbench.errors import INTERNAL_ERROR, USER_ERROR, WorkbenchError
-from workbench.verbs import effects, new, plan, replay, run, trace
+from workbench.verbs import effects, new, plan, replay, response, run, trace
 
-VERBS = {"new": new, "run": run, "trace": trace, "plan": plan, "replay": replay, "effects": effects}
+VERBS = {
+    "new": new,
+    "run": run,
+    "trace": trace,
+    "plan": plan,
+    "response": response,
+    "replay": replay,
+    "effects": effects,
+}
 
 
 def parser() -> argparse.ArgumentParser:

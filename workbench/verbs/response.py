@@ -1,0 +1,55 @@
+"""`workbench response`: the frequency response of a campaign's record, its modes, and a notch for each."""
+
+import argparse
+from pathlib import Path
+
+
+def declare(verbs) -> None:
+    response = verbs.add_parser(
+        "response",
+        help="find the modes of an axis from its frequency response",
+        description="Estimate the frequency response, drive to acceleration, from a record of a multisine or of noise; fit "
+        "its modes and propose notches; write response.csv, response.json and response.svg.",
+    )
+    response.add_argument("folder", type=Path, help="the campaign: a folder with campaign.toml and its records")
+    response.add_argument("--out", type=Path, required=True, help="folder to write into")
+    response.add_argument(
+        "--record", metavar="NAME", help="which record; the one whose drive shakes most evenly where absent"
+    )
+    response.add_argument(
+        "--channel", default="position", help="whose motion: position (where absent) or load_position"
+    )
+
+
+def do(given: argparse.Namespace) -> int:
+    from workbench.campaign import load
+    from workbench.errors import WorkbenchError, nearest
+    from workbench.frequency import fit_modes, response_of, shaken
+    from workbench.frequency.output import JSON, findings, write
+    from workbench.outputs import whole
+    from workbench.report.response import figure
+
+    campaign = load(given.folder)
+    records = [r for r in campaign.records if given.record in (None, r.name)]
+    if not records:
+        raise WorkbenchError(
+            f"there is no record '{given.record}'; {nearest(given.record, [r.name for r in campaign.records])}"
+        )
+    channels = [n for n in records[0].channels if n.endswith("position")]
+    if given.channel not in channels:
+        raise WorkbenchError(
+            f"--channel '{given.channel}' is no position of these records; {nearest(given.channel, channels)}"
+        )
+    response = response_of(shaken(records, campaign.bandwidth), channel=given.channel)
+    modes = fit_modes(response)
+    found = findings(response, modes)
+    unit = "rad/s²/(N·m)" if campaign.plant.rotary else "m/s²/N"
+    with whole(given.out, JSON) as beside:
+        write(beside, response, modes, campaign.plant.rotary)
+        (beside / "response.svg").write_bytes(figure(found[0].sentence, response, modes, unit))
+    averages = f"{response.averages:.0f} {'periods' if response.method == 'periods' else 'averages (Welch)'}"
+    print(f"Frequency response of record '{response.record}', {averages}.")
+    for f in found:
+        print(f"- {f.sentence}")
+    print(f"\n{given.out / JSON}")
+    return 0
