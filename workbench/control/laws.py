@@ -17,15 +17,32 @@ from workbench.errors import WorkbenchError, nearest
 FOLLOWING, FROZEN, ERROR = "following", "frozen", "error"
 RULES = (FOLLOWING, FROZEN, ERROR)
 
-_PD = Law("fixed_pd", ("kp", "kd"), lambda s, z, p: ({}, p.kp * s.e - p.kd * s.vh))
+MOTOR = ("motor_vh",)  # what a law reads whose speed is the motor's
 
 
-def fixed_pd(kp, kd) -> Controller:
+OF_MOTOR = ", speed of the motor"
+
+
+def speed(s):
+    """The speed that a law acts on: the motor's where it asks for that, else that of y."""
+    return getattr(s, "motor_vh", s.vh)
+
+
+def _fixed(s, z, p):
+    return {}, p.kp * s.e - p.kd * speed(s)
+
+
+_PD = Law("fixed_pd", ("kp", "kd"), _fixed)
+_PD_MOTOR = Law("fixed_pd" + OF_MOTOR, _PD.parameters, _fixed, reads=MOTOR)
+
+
+def fixed_pd(kp, kd, *, motor_speed: bool = False) -> Controller:
     """u = kp (r - y) - kd vh.
 
-    kp: N*m/rad or N/m. kd: N*m*s/rad or N*s/m. Scalars, or (lanes,) arrays with a value a lane.
+    kp: N*m/rad or N/m. kd: N*m*s/rad or N*s/m. Scalars, or (lanes,) arrays with a value a lane. motor_speed: of two masses,
+    vh is the motor's speed whichever encoder gives y, as for every law here: it damps without the joint in between.
     """
-    return Controller("fixed_pd", _PD, {"kp": kp, "kd": kd})
+    return Controller("fixed_pd", _PD_MOTOR if motor_speed else _PD, {"kp": kp, "kd": kd})
 
 
 def _following(s, z, p):
@@ -42,27 +59,31 @@ def _frozen(s, z, p):
 
 
 def _scheduled_step(s, z, p):
-    return {}, (p.scale * s.kp) * s.e - (p.scale * s.kd) * s.vh
+    return {}, (p.scale * s.kp) * s.e - (p.scale * s.kd) * speed(s)
 
 
 def _profiled_step(s, z, p):
     left = absolute(s.e)
     fastest = minimum(sqrt(2.0 * p.deceleration * left), p.speed_limit)
     wanted = minimum(s.kp * left, s.kd * fastest)
-    return {}, p.scale * (sign0(s.e) * wanted - s.kd * s.vh)
+    return {}, p.scale * (sign0(s.e) * wanted - s.kd * speed(s))
 
 
 @cache
-def _scheduled(rule: str, follows: str, profiled: bool) -> Law:
+def _scheduled(rule: str, follows: str, profiled: bool, motor_speed: bool) -> Law:
     amplitude = {FOLLOWING: _following, ERROR: _error_aware, FROZEN: _frozen}[rule]
     return Law(
-        name=f"scheduled_pd, {rule}" + ", joint" * (follows == JOINT) + ", profiled" * profiled,
+        name=f"scheduled_pd, {rule}"
+        + ", joint" * (follows == JOINT)
+        + ", profiled" * profiled
+        + OF_MOTOR * motor_speed,
         parameters=("scale", "deceleration", "speed_limit") if profiled else ("scale",),
         step=_profiled_step if profiled else _scheduled_step,
         states=("held",) if rule == FROZEN else (),
         columns=("kp", "kd"),
         amplitude=amplitude,
         start=(lambda target, reading: {"held": np.abs(target - reading)}) if rule == FROZEN else None,
+        reads=MOTOR if motor_speed else (),
         follows=follows,
     )
 
@@ -76,6 +97,7 @@ def scheduled_pd(
     deceleration=None,
     speed_limit=None,
     follows: str = FEEDBACK,
+    motor_speed: bool = False,
 ) -> Controller:
     """u = Kp(A) (r - y) - Kd(A) vh, A the amplitude of the equivalent motion.
 
@@ -111,17 +133,17 @@ def scheduled_pd(
     if table is not None and (table.min() < 0 or table.max() >= len(tables)):
         raise WorkbenchError(f"scheduled_pd: table numbers must lie in 0 to {len(tables) - 1}.")
     profile = {} if deceleration is None else {"deceleration": deceleration, "speed_limit": speed_limit}
-    law = _scheduled(rule, follows, bool(profile))
+    law = _scheduled(rule, follows, bool(profile), motor_speed)
     return Controller("scheduled_pd", law, {"scale": scale, **profile}, tables, table, reversal)
 
 
-def cascaded(s, z, p, wanted, speed, more=0.0, growing=1.0):
-    """Return the step of a PI controller of speed: u = kvp (wanted - speed) + integral + more.
+def cascaded(s, z, p, wanted, more=0.0, growing=1.0):
+    """Return the step of a PI controller of speed: u = kvp (wanted - vh) + integral + more.
 
     growing: where the integral may move. It stops while the command is beyond the drive's limit and the error would push it
     further, and never asks for more than the limit itself.
     """
-    error = wanted - speed
+    error = wanted - speed(s)
     command = p.kvp * error + z.integral + more
     free = growing * ((absolute(command) <= s.limit) + (command * error < 0.0))
     grown = clip(z.integral + (p.ki * s.dt) * error, -s.limit, s.limit)
@@ -129,15 +151,11 @@ def cascaded(s, z, p, wanted, speed, more=0.0, growing=1.0):
 
 
 def _cascade(s, z, p):
-    return cascaded(s, z, p, clip(p.kv * s.e, -p.speed_limit, p.speed_limit), s.vh)
-
-
-def _on_motor(s, z, p):
-    return cascaded(s, z, p, clip(p.kv * s.e, -p.speed_limit, p.speed_limit), s.motor_vh)
+    return cascaded(s, z, p, clip(p.kv * s.e, -p.speed_limit, p.speed_limit))
 
 
 _CASCADE = Law("pi_cascade", ("kv", "kvp", "ki", "speed_limit"), _cascade, states=("integral",))
-_DUAL = Law("pi_cascade, speed of the motor", _CASCADE.parameters, _on_motor, ("integral",), reads=("motor_vh",))
+_DUAL = Law("pi_cascade" + OF_MOTOR, _CASCADE.parameters, _cascade, ("integral",), reads=MOTOR)
 
 
 def pi_cascade(kv, kvp, ki, speed_limit, *, motor_speed: bool = False) -> Controller:
@@ -145,7 +163,7 @@ def pi_cascade(kv, kvp, ki, speed_limit, *, motor_speed: bool = False) -> Contro
 
     kv: 1/s. kvp: N*m*s/rad or N*s/m. ki: N*m/rad or N/m. speed_limit: rad/s or m/s. Scalars or (lanes,) arrays.
     The integral stops while the command is beyond the drive's limit and the error would push it further, and is itself
-    clamped to that limit. motor_speed: of two masses, the speed is the motor's whichever encoder gives the position.
+    clamped to that limit. motor_speed: as for fixed_pd.
     """
     values = {"kv": kv, "kvp": kvp, "ki": ki, "speed_limit": speed_limit}
     return Controller("pi_cascade", _DUAL if motor_speed else _CASCADE, values)

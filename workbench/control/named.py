@@ -10,15 +10,18 @@ from workbench.errors import WorkbenchError, nearest
 @cache
 def every() -> dict[str, Law]:
     """Return every law that a controller of this package can have, by its name."""
-    fixed = (laws._PD, laws._CASCADE, laws._DUAL, profile._PLAIN, profile._FED)
+    either = (False, True)
+    fixed = (laws._PD, laws._PD_MOTOR, laws._CASCADE, laws._DUAL)
+    profiles = (profile._law(fed, motor_speed) for fed in either for motor_speed in either)
     scheduled = (
-        laws._scheduled(rule, follows, profiled)
+        laws._scheduled(rule, follows, profiled, motor_speed)
         for rule in laws.RULES
         for follows in FOLLOWED
-        for profiled in (False, True)
+        for profiled in either
+        for motor_speed in either
         if follows == FEEDBACK or rule == laws.FOLLOWING
     )
-    return {one.name: one for one in (*fixed, *scheduled)}
+    return {one.name: one for one in (*fixed, *profiles, *scheduled)}
 
 
 def law(name: str) -> Law:

@@ -9,11 +9,12 @@ Its slope times the measured speed is the acceleration that the profile asks for
 """
 
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 
 from workbench.control.law import Controller, Law
-from workbench.control.laws import cascaded
+from workbench.control.laws import MOTOR, OF_MOTOR, cascaded, speed
 from workbench.control.table import Table
 from workbench.effects.elementary import absolute, clip, maximum, minimum, sign0, sqrt, where
 from workbench.errors import WorkbenchError
@@ -57,36 +58,40 @@ def _near(s, p):
 
 def _profile(s, z, p):
     wanted, _ = _wanted(s.e, p)
-    return cascaded(s, z, p, sign0(s.e) * wanted, s.vh, growing=_near(s, p))
+    return cascaded(s, z, p, sign0(s.e) * wanted, growing=_near(s, p))
 
 
 def _fed(s, z, p):
     wanted, slope = _wanted(s.e, p)
-    speed = sign0(s.e) * wanted
-    sliding = s.friction * clip(speed * p.per_first, -1.0, 1.0)
-    return cascaded(s, z, p, speed, s.vh, sliding - p.mass * slope * s.vh, _near(s, p))
+    asked = sign0(s.e) * wanted
+    sliding = s.friction * clip(asked * p.per_first, -1.0, 1.0)
+    return cascaded(s, z, p, asked, sliding - p.mass * slope * speed(s), _near(s, p))
 
 
-_PLAIN = Law("profile_pi", NUMBERS, _profile, states=("integral",))
-_FED = Law(
-    "profile_pi, fed forward",
-    (*NUMBERS, "mass", "per_first"),
-    _fed,
-    states=("integral",),
-    columns=("friction",),
-    amplitude=lambda s, z, p: ({}, _wanted(s.e, p)[0]),
-)
+@cache
+def _law(fed: bool, motor_speed: bool) -> Law:
+    return Law(
+        "profile_pi" + ", fed forward" * fed + OF_MOTOR * motor_speed,
+        (*NUMBERS, "mass", "per_first") if fed else NUMBERS,
+        _fed if fed else _profile,
+        states=("integral",),
+        columns=("friction",) if fed else (),
+        amplitude=(lambda s, z, p: ({}, _wanted(s.e, p)[0])) if fed else None,
+        reads=MOTOR if motor_speed else (),
+    )
 
 
-def profile_pi(kv, kvp, ki, deceleration, gate, speed_limit, *, feed_forward: FeedForward | None = None) -> Controller:
+def profile_pi(
+    kv, kvp, ki, deceleration, gate, speed_limit, *, feed_forward: FeedForward | None = None, motor_speed: bool = False
+) -> Controller:
     """u = kvp (v_r - vh) + ki integral of (v_r - vh) dt where |r - y| <= gate, v_r along the profile of the module.
 
     kv: 1/s. kvp: N*m*s/rad or N*s/m. ki: N*m/rad or N/m. deceleration: rad/s^2 or m/s^2. gate: rad or m. speed_limit:
     rad/s or m/s. Scalars or (lanes,) arrays. feed_forward: adds sliding friction at v_r, and mass times the acceleration
-    that the profile asks for, -(dv_r/de) vh.
+    that the profile asks for, -(dv_r/de) vh. motor_speed: as for fixed_pd.
     """
     values = dict(zip(NUMBERS, (kv, kvp, ki, deceleration, gate, speed_limit), strict=True))
     if feed_forward is None:
-        return Controller("profile_pi", _PLAIN, values)
+        return Controller("profile_pi", _law(False, motor_speed), values)
     known = {"mass": feed_forward.mass, "per_first": 1.0 / float(feed_forward.speeds[0])}
-    return Controller("profile_pi", _FED, values | known, (feed_forward.table,))
+    return Controller("profile_pi", _law(True, motor_speed), values | known, (feed_forward.table,))
