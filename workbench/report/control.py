@@ -86,11 +86,11 @@ def schedule_chapter(designed: Designed, rule: str) -> Chapter:
     return Chapter("Gains per amplitude, and the schedule", tuple(blocks + ([Items(tuple(said))] if said else [])))
 
 
-def step_chapter(task: Task, controllers: dict) -> Chapter:
-    """The same step under every controller: position, what is left of it, and torque."""
+def step_chapter(task: Task, controllers: dict, load: str = "") -> Chapter:
+    """The same step under every controller: position, what is left of it, and torque. load: "loaded" where there is one."""
     plant, step = task.plant, task.step
     unit, effort = numbers.unit(plant.displacement), numbers.unit(plant.effort)
-    bound = task.bound()
+    bound = task.bound(task.load_inertias[0])
     scenarios = task.scenarios(load_inertias=task.load_inertias[:1], frictions=(1.0,), inertias=(1.0,), phases=1)
     traces = {
         name: task.run(make(1), scenarios, ("q", "u"), every=1).trajectories for name, make in controllers.items()
@@ -118,9 +118,9 @@ def step_chapter(task: Task, controllers: dict) -> Chapter:
         axes[0].legend(loc="lower right")
 
     figure = Figure(
-        "step",
+        f"step_{load}" if load else "step",
         lambda: svg(heading, draw, rows=3, height=5.8, share=True),
-        f"A step of {numbers.quantity(step, plant.displacement)} without load. Dotted: the time-optimal bound.",
+        f"A step of {numbers.quantity(step, plant.displacement)} {'with the load' if load else 'without load'}. Dotted: the time-optimal bound.",
         f"Three graphs over time for {len(traces)} controllers. {heading}.",
     )
     text = (
@@ -128,7 +128,7 @@ def step_chapter(task: Task, controllers: dict) -> Chapter:
         "speed limits, torque noise, and the identified friction. Every controller was tuned by the same search on the same "
         "scenarios, with the same limits, also on its sensitivity."
     )
-    return Chapter("The step", (Paragraph(text), figure))
+    return Chapter("The step, loaded" if load else "The step", (Paragraph(text), figure))
 
 
 def _time(seconds: float) -> str:

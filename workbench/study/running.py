@@ -24,12 +24,12 @@ class Ran:
 
 
 def steps_of(study_folder: Path):
-    """Return the study's own module (study.py), or None."""
+    """Return the study's own module (study.py), or None. It is a package: other modules beside it are `from . import ...`."""
     path = study_folder / STEPS
     if not path.is_file():
         return None
     name = f"workbench_study_{study_folder.name}"
-    spec = importlib.util.spec_from_file_location(name, path)
+    spec = importlib.util.spec_from_file_location(name, path, submodule_search_locations=[str(study_folder)])
     module = importlib.util.module_from_spec(spec)
     sys.modules[name] = module
     spec.loader.exec_module(module)

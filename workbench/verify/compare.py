@@ -76,14 +76,14 @@ def verdicts(comparison: Comparison, ours: str, baselines: Sequence[str], unit: 
         where = "with the load" if load else "without load"
         for name in baselines:
             other = comparison.row(name, load)
-            time = _side(mine.time_1pct, other.time_1pct, LEVEL["time"])
-            error = _side(mine.final_error, other.final_error, LEVEL["error"])
+            time = side(mine.time_1pct, other.time_1pct, LEVEL["time"])
+            error = side(mine.final_error, other.final_error, LEVEL["error"])
             found.append(
                 Finding(
                     "comparison",
                     f"{ours} against {name}",
-                    f"Against {name} {where}, {ours} is {_words(time, error)}: 1 % time {_ms(mine.time_1pct)} against "
-                    f"{_ms(other.time_1pct)}, final error {_micro(mine.final_error)} against {_micro(other.final_error)} "
+                    f"Against {name} {where}, {ours} is {words(time, error)}: 1 % time {ms(mine.time_1pct)} against "
+                    f"{ms(other.time_1pct)}, final error {micro(mine.final_error)} against {micro(other.final_error)} "
                     f"µ{unit} ({mine.error_counts:.1f} against {other.error_counts:.1f} counts).",
                     {
                         "time": mine.time_1pct,
@@ -96,22 +96,23 @@ def verdicts(comparison: Comparison, ours: str, baselines: Sequence[str], unit: 
     return Comparison(comparison.rows, tuple(found))
 
 
-def _ms(seconds: float) -> str:
+def ms(seconds: float) -> str:
     return f"{1e3 * seconds:.1f} ms" if np.isfinite(seconds) else "never"
 
 
-def _micro(value: float) -> str:
-    return f"{1e6 * value:.3g}"
+def micro(value: float) -> str:
+    value = 1e6 * value
+    return f"{value:.3g}" if value < 1000 else f"{value:.0f}"
 
 
-def _side(mine: float, other: float, level: float) -> int:
+def side(mine: float, other: float, level: float) -> int:
     """1 where mine is smaller (better) by more than the level, -1 where it is larger, else 0."""
     if not np.isfinite(mine) or not np.isfinite(other):
         return int(np.isfinite(mine)) - int(np.isfinite(other))
     return int(mine < other * (1 - level)) - int(mine > other * (1 + level))
 
 
-def _words(time: int, error: int) -> str:
+def words(time: int, error: int) -> str:
     """How two comparisons are said: "faster but less accurate"."""
     fast = {1: "faster", 0: "as fast", -1: "slower"}[time]
     exact = {1: "more accurate", 0: "as accurate", -1: "less accurate"}[error]

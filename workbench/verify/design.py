@@ -58,6 +58,18 @@ def gains_of(
     return equivalent, gains
 
 
+def described_at(plant: Plant, equivalent: Equivalent, gains: Gains, loop: Loop) -> Callable[[np.ndarray], Equivalent]:
+    """Return amplitudes (n,) -> Equivalent of the plant's friction, each at the natural frequency that the gains give it."""
+    friction, inertia, _ = friction_of(plant)
+    omega = np.log(np.sqrt((gains.kp + equivalent.stiffness) / inertia))
+
+    def at(amplitudes: np.ndarray) -> Equivalent:
+        known = np.exp(np.interp(np.log(amplitudes), np.log(gains.amplitude), omega))
+        return equivalent_of(friction, amplitudes, known, loop.resolution)
+
+    return at
+
+
 def linear_of(plant: Plant, equivalent: Equivalent, loop: Loop) -> Linear:
     """Return the linearisations that every law must be robust on: gross sliding, and the stiffest presliding spring."""
     _, inertia, viscous = friction_of(plant)
@@ -99,14 +111,8 @@ def design(
     )
     say("checking the gains on the simulated loop, and between the knots")
     simulated = steps_of(plant, gains, task)
-    friction, inertia, viscous = friction_of(plant)
-
-    def equivalent_at(a):
-        omega = np.exp(
-            np.interp(np.log(a), np.log(amplitudes), np.log(np.sqrt((gains.kp + equivalent.stiffness) / inertia)))
-        )
-        return equivalent_of(friction, a, omega, loop.resolution)
-
+    _, inertia, viscous = friction_of(plant)
+    equivalent_at = described_at(plant, equivalent, gains, loop)
     between = between_knots(
         schedule, equivalent_at, inertia, loop, viscous=viscous, sensitivity=goal.sensitivity, points=3
     )

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from workbench.control import Controller, FeedForward, fixed_pd, pi_cascade, profile_pi, scheduled_pd
-from workbench.verify.linear import Linear
+from workbench.verify.linear import Judge
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,15 +35,15 @@ def repeated(values: np.ndarray, lanes: int) -> np.ndarray:
     return np.repeat(values, lanes)
 
 
-def pd_family(linear: Linear, start: tuple[float, float]) -> Family:
+def pd_family(linear: Judge, start: tuple[float, float], *, motor_speed: bool = False) -> Family:
     """Fixed PD: kp, kd."""
     start = np.array(start)
 
     def controller(points, lanes):
-        return fixed_pd(repeated(points[:, 0], lanes), repeated(points[:, 1], lanes))
+        return fixed_pd(repeated(points[:, 0], lanes), repeated(points[:, 1], lanes), motor_speed=motor_speed)
 
     def sensitivity(points):
-        return linear.peak(lambda theta, rate: points[:, :1] + points[:, 1:2] * rate)
+        return linear.peak(points[:, :1], points[:, 1:2])
 
     return Family("fixed PD", ("kp", "kd"), start / 100, start * 100, start, controller, sensitivity)
 
@@ -54,30 +54,40 @@ def integrating(theta: np.ndarray, kvp, ki, dt: float):
     return kvp + ki * dt * back / (1.0 - back)
 
 
-def cascade_family(linear: Linear, start: tuple[float, float, float], speed_limit: float) -> Family:
+def cascade_family(
+    linear: Judge,
+    start: tuple[float, float, float],
+    speed_limit: float,
+    *,
+    motor_speed: bool = False,
+    name: str = "PI cascade",
+) -> Family:
     """Position P over velocity PI with a velocity limit: kv, kvp, ki."""
     start = np.array(start)
     dt = linear.loop.sample_time
 
     def controller(points, lanes):
-        return pi_cascade(*(repeated(points[:, k], lanes) for k in range(3)), speed_limit)
+        return pi_cascade(*(repeated(points[:, k], lanes) for k in range(3)), speed_limit, motor_speed=motor_speed)
 
     def sensitivity(points):
         kv, kvp, ki = (points[:, k : k + 1] for k in range(3))
-        return linear.peak(lambda theta, rate: integrating(theta, kvp, ki, dt) * (kv + rate), integrators=1)
+        inner = integrating(linear.theta, kvp, ki, dt)
+        return linear.peak(inner * kv, inner, integrators=1)
 
     return Family(
-        "PI cascade", ("kv", "kvp", "ki"), start * (0.05, 0.02, 0.001), start * (5.0, 10.0, 100.0), start,
+        name, ("kv", "kvp", "ki"), start * (0.05, 0.02, 0.001), start * (5.0, 10.0, 100.0), start,
         controller, sensitivity,
     )  # fmt: skip
 
 
 def profile_family(
-    linear: Linear,
+    linear: Judge,
     start: tuple[float, float, float, float],
     speed_limit: float,
     step: float,
     feed_forward: FeedForward | None = None,
+    *,
+    motor_speed: bool = False,
 ) -> Family:
     """Square-root profile with PI near the target: kv, kvp, ki, deceleration, gate. step: the motion's, rad or m."""
     start = np.array([*start, 1e-2 * step])
@@ -85,13 +95,13 @@ def profile_family(
     mass = feed_forward.mass if feed_forward else 0.0
 
     def controller(points, lanes):
-        return profile_pi(*(repeated(points[:, k], lanes) for k in range(5)), speed_limit, feed_forward=feed_forward)
+        values = (repeated(points[:, k], lanes) for k in range(5))
+        return profile_pi(*values, speed_limit, feed_forward=feed_forward, motor_speed=motor_speed)
 
     def sensitivity(points):
         kv, kvp, ki = (points[:, k : k + 1] for k in range(3))
-        return linear.peak(
-            lambda theta, rate: integrating(theta, kvp, ki, dt) * (kv + rate) + mass * kv * rate, integrators=1
-        )
+        inner = integrating(linear.theta, kvp, ki, dt)
+        return linear.peak(inner * kv, inner + mass * kv, integrators=1)
 
     lower, upper = start * (0.1, 0.02, 0.001, 0.3, 1e-3), start * (5.0, 10.0, 100.0, 2.0, 10.0)
     name = "profile with PI, fed forward" if feed_forward else "profile with PI"
@@ -129,12 +139,14 @@ def blended(schedule, point: np.ndarray, rule: str) -> Blend:
 
 
 def scheduled_family(
-    linear: Linear,
+    linear: Judge,
     schedule,
     rule: str,
     start: tuple[float, float],
     deceleration: float | None = None,
     speed_limit: float | None = None,
+    *,
+    motor_speed: bool = False,
 ) -> Family:
     """Scheduled PD in two modes: two scales, switch, gains of gross sliding; with a start of the deceleration, that too."""
     presliding = [1.0, 1.0, 3e-3 if schedule.knots[-1] > 3e-3 else schedule.knots[-1]]
@@ -145,7 +157,8 @@ def scheduled_family(
         profile = {}
         if deceleration:
             profile = {"deceleration": repeated(points[:, 5], lanes), "speed_limit": speed_limit}
-        return scheduled_pd(tables, rule, table=np.repeat(np.arange(len(points)), lanes), **profile)
+        which = np.repeat(np.arange(len(points)), lanes)
+        return scheduled_pd(tables, rule, table=which, motor_speed=motor_speed, **profile)
 
     def sensitivity(points):
         return linear.scheduled_peak(schedule.knots, *two_mode_gains(schedule, points))
@@ -160,4 +173,45 @@ def scheduled_family(
         start,
         controller,
         sensitivity,
+    )
+
+
+def joint_gains(knots: np.ndarray, at: np.ndarray, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return (kp, kd) (points, m) at knots (m,), straight in log-log between the amplitudes `at` (n,); points (points, 2 n)
+    hold n values of kp, then n of kd."""
+    n, where = at.size, np.log(knots)
+    kp, kd = (
+        np.exp([np.interp(where, np.log(at), row) for row in np.log(part)]) for part in (points[:, :n], points[:, n:])
+    )
+    return kp, kd
+
+
+def joint_family(
+    linear: Judge,
+    knots: np.ndarray,
+    at: np.ndarray,
+    start: tuple[float, float],
+    reversal: float,
+    *,
+    motor_speed: bool = True,
+) -> Family:
+    """PD scheduled over the relative displacement of motor and load since its reversal: kp and kd at the amplitudes `at`.
+
+    knots: of the table. reversal: of the relative displacement, rad or m.
+    """
+    n = at.size
+    start = np.repeat(start, n)
+
+    def controller(points, lanes):
+        kp, kd = joint_gains(knots, at, points)
+        tables = [Blend(knots, p, d, "following", reversal) for p, d in zip(kp, kd, strict=True)]
+        which = np.repeat(np.arange(len(points)), lanes)
+        return scheduled_pd(tables, "following", table=which, follows="joint", motor_speed=motor_speed)
+
+    def sensitivity(points):
+        return np.max([linear.peak(points[:, i, None], points[:, n + i, None]) for i in range(n)], axis=0)
+
+    names = (*(f"kp at {a:.2g}" for a in at), *(f"kd at {a:.2g}" for a in at))
+    return Family(
+        "scheduled PD (relative displacement)", names, start / 100, start * 100, start, controller, sensitivity
     )

@@ -15,9 +15,9 @@ from workbench.verify.families import Family
 from workbench.verify.task import Task, cost
 
 POPULATION = 12  # members a searched number
-GENERATIONS = 40
+GENERATIONS = 60
 UNSTABLE = 10.0  # what an unstable linearisation counts as, of sensitivity over its limit
-LOCAL = 160  # evaluations of the local search
+LOCAL = 240  # evaluations of the local search
 ROUNDED = 1.001  # by what a limit may be missed and still counts as kept
 
 
@@ -27,16 +27,17 @@ SEEDS = (1, 2, 3)
 @dataclass(frozen=True, eq=False)
 class Trail:
     """Every point that a search tried, arrays (n,): the worst 1 % time in s and final error in rad or m over the scenarios,
-    and whether the limits on overshoot, ripple and sensitivity were kept."""
+    whether the limits on overshoot, ripple and sensitivity were kept, and the cost."""
 
     time: np.ndarray
     error: np.ndarray
     kept: np.ndarray
+    cost: np.ndarray
 
     @classmethod
     def joined(cls, trails: "Sequence[Trail]") -> "Trail":
         """Return several trails as one."""
-        return cls(*(np.concatenate([getattr(t, n) for t in trails]) for n in ("time", "error", "kept")))
+        return cls(*(np.concatenate([getattr(t, n) for t in trails]) for n in ("time", "error", "kept", "cost")))
 
     def front(self) -> tuple[np.ndarray, np.ndarray]:
         """Return (time, error) of the points that keep the limits and that no other beats on both, by rising time."""
@@ -46,11 +47,6 @@ class Trail:
         time, error = time[order], error[order]
         least = np.concatenate([[np.inf], np.minimum.accumulate(error)[:-1]])
         return time[error < least], error[error < least]
-
-    def error_within(self, time: float) -> float:
-        """Return the least error of a point that keeps the limits and needs no longer than `time`; infinite for none."""
-        ok = self.kept & (self.time <= time)
-        return float(self.error[ok].min()) if ok.any() else float("inf")
 
 
 @dataclass(frozen=True, eq=False)
@@ -119,8 +115,9 @@ def optimise(task: Task, family: Family, seed: int = 1) -> Tuned:
         points = np.exp(np.atleast_2d(logs.T))
         metrics = task.run(family.controller(points, lanes), scenarios.tiled(len(points)))
         beyond = np.clip(family.sensitivity(points) / w.sensitivity - 1.0, 0.0, UNSTABLE)
-        trails.append(trail_of(task, metrics, beyond, lanes))
-        return cost(task, metrics, bound, lanes) + w.steepness * beyond
+        value = cost(task, metrics, bound, lanes) + w.steepness * beyond
+        trails.append(trail_of(task, metrics, beyond, value, lanes))
+        return value
 
     bounds = list(zip(np.log(family.lower), np.log(family.upper), strict=True))
     found = differential_evolution(
@@ -147,8 +144,8 @@ def optimise(task: Task, family: Family, seed: int = 1) -> Tuned:
     return Tuned(family, np.exp(best), float(value), trail.time.size, seed, trail)
 
 
-def trail_of(task: Task, metrics: Metrics, beyond: np.ndarray, lanes: int) -> Trail:
-    """Return what points gave, `lanes` scenarios each; beyond: how far their sensitivity exceeds its limit."""
+def trail_of(task: Task, metrics: Metrics, beyond: np.ndarray, value: np.ndarray, lanes: int) -> Trail:
+    """Return what points gave, `lanes` scenarios each; beyond: how far their sensitivity exceeds its limit; value: cost."""
 
     def worst(values: np.ndarray) -> np.ndarray:
         return np.max(values.reshape(-1, lanes), axis=1)
@@ -156,7 +153,7 @@ def trail_of(task: Task, metrics: Metrics, beyond: np.ndarray, lanes: int) -> Tr
     w = task.weights
     fine = worst(metrics.overshoot) <= w.overshoot * ROUNDED
     fine &= worst(metrics.ripple) <= w.ripple * task.plant.limits.drive * ROUNDED
-    return Trail(worst(metrics.time_1pct), worst(metrics.final_error), fine & (beyond <= ROUNDED - 1.0))
+    return Trail(worst(metrics.time_1pct), worst(metrics.final_error), fine & (beyond <= ROUNDED - 1.0), value)
 
 
 def simplex(x: np.ndarray) -> np.ndarray:
