@@ -161,9 +161,8 @@ def test_a_schedule_is_judged_at_every_amplitude_and_not_in_gross_sliding_alone(
 
 def test_the_front_holds_what_no_other_point_beats_and_no_point_that_breaks_a_limit():
     time, error = np.array([1.0, 2.0, 3.0, 1.5, 0.5]), np.array([5.0, 3.0, 4.0, 5.0, 1.0])
-    trail = Trail(time, error, np.array([True, True, True, True, False]))
+    trail = Trail(time, error, np.array([True, True, True, True, False]), error)
     assert [v.tolist() for v in trail.front()] == [[1.0, 2.0], [5.0, 3.0]]
-    assert trail.error_within(1.9) == 5.0 and trail.error_within(0.6) == np.inf
     assert Trail.joined([trail, trail]).front()[0].tolist() == [1.0, 2.0]
 
 

@@ -1,0 +1,104 @@
+"""Every controller of the contest on one actuator, the figures that it comes to, and the checks of its schedule."""
+
+from dataclasses import replace
+
+from workbench.control import pi_cascade
+from workbench.plant import Plant
+from workbench.study.configuration import Study
+from workbench.study.controlling import Control
+from workbench.study.controlling import numbers as numbers_of
+from workbench.verify.checks import Checks, checked
+from workbench.verify.contest import Contest, contest
+from workbench.verify.design import Designed, steps_of, two_modes
+from workbench.verify.line_up import REACHED, LineUp, line_up
+
+FROZEN, PAPER = "scheduled PD (frozen)", "scheduled PD (following)"
+ERROR, PROFILE = "scheduled PD (error)", "scheduled PD (error, profile)"
+FIXED, CASCADE, SOFT = "fixed PD", "PI cascade", "soft cascade"
+BEST, FED = "profile with PI", "profile with PI, fed forward"
+SHORT = (PAPER, ERROR, CASCADE, BEST)  # of the second actuator
+
+
+def soft(study: Study, plant: Plant, speed: float):
+    """Return the maker of the stated cascade: kv, ki and kvp as study.toml says."""
+    one = study.table.table("contest", optional=("seeds", "tuning_time", "margins", "soft_cascade")).table(
+        "soft_cascade", ("kv", "ki", "ratio")
+    )
+    kv, ki = (one.quantity(k, "1/s", above=0.0) for k in ("kv", "ki"))
+    kvp = one.number("ratio", above=0.0) * kv * plant["inertia"].parameters["inertia"].value
+    return lambda lanes: pi_cascade(kv, kvp, ki * kvp, speed)
+
+
+def held(
+    study: Study, control: Control, model: Plant, known: Plant, names=None, say=lambda _: None
+) -> tuple[LineUp, Contest]:
+    """Make every controller from the model, and tune and judge it on the known plant. names: of families, all where absent."""
+    asked = study.table.table("contest", ("seeds", "tuning_time"), ("margins", "soft_cascade"))
+    goal = replace(control.goal, drive=known.limits.drive, speed=known.limits.speed)
+    task = control.task.on(known)
+    made = line_up(model, control.amplitudes, goal, task, per_octave=control.per_octave, tolerance=control.tolerance)
+    families = tuple(f for f in made.families if names is None or f.name in names)
+    seeds = [int(s) for s in numbers_of(asked, "seeds", (1.0,))]
+    found = contest(
+        task, families, {SOFT: soft(study, known, REACHED * known.limits.speed)},
+        tuning_time=asked.quantity("tuning_time", "s", above=0.0), seeds=seeds, say=say,
+    )  # fmt: skip
+    return made, found
+
+
+def designed(made: LineUp, found: Contest, control: Control, plant: Plant) -> tuple[Designed, Checks]:
+    """Return the scheduled PD of the paper's rule as the chapter on gains and the export take it, and its checks."""
+    final = {
+        r: two_modes(made.schedule, found[n].tuned.median, r) for r, n in (("following", PAPER), ("frozen", FROZEN))
+    }
+    aware = two_modes(made.schedule, found[ERROR].tuned.median, "following")
+    checks = checked(plant, made.equivalent, made.gains, aware, control.goal, control.loop)
+    tuned = {n: s.tuned.median for n, s in found.standings.items() if s.tuned}
+    simulated = steps_of(plant, made.gains, found.task)
+    return Designed(
+        plant, made.equivalent, made.gains, made.schedule, simulated, checks.between, tuned, final, ()
+    ), checks  # fmt: skip
+
+
+def figures_of(found: Contest) -> tuple[dict[str, float], dict[str, str]]:
+    """Return (figures, units) by which the study is judged; medians over the seeds."""
+
+    def of(name, figure):
+        return found[name].median(figure)
+
+    errors = {
+        "paper_error": of(PAPER, "error"),
+        "paper_error_loaded": of(PAPER, "error_loaded"),
+        "error_rule_error": of(ERROR, "error"),
+        "error_rule_error_loaded": of(ERROR, "error_loaded"),
+        "error_rule_error_grid": of(ERROR, "error_grid"),
+        "error_rule_profile_error_grid": of(PROFILE, "error_grid"),
+        "profile_pi_error_grid": of(BEST, "error_grid"),
+        "cascade_error_grid": of(CASCADE, "error_grid"),
+    }
+    ratios = {
+        "paper_time_over_bound": found.over_bound(PAPER),
+        "paper_error_over_fixed": of(PAPER, "error") / of(FIXED, "error"),
+        "error_rule_time_over_bound": found.over_bound(ERROR),
+        "error_rule_time_over_fixed": of(ERROR, "time") / of(FIXED, "time"),
+        "error_rule_error_over_fixed": of(ERROR, "error") / of(FIXED, "error"),
+        "profile_pi_time_over_bound": found.over_bound(BEST),
+        "paper_time_over_soft_cascade": of(PAPER, "time") / of(SOFT, "time"),
+        "cascade_time_over_bound": found.over_bound(CASCADE),
+        "sensitivity": max(of(n, "sensitivity") for n, s in found.standings.items() if s.tuned),
+    }
+    return {**errors, **ratios}, dict.fromkeys(errors, "rad")
+
+
+def as_table(found: Contest) -> list[dict]:
+    """Every controller as results.json holds it: figures of every seed, and the numbers of the one that stands for them."""
+    return [
+        {
+            "controller": n,
+            "figures": {k: list(v) for k, v in s.values.items()},
+            "numbers": s.tuned.median.numbers if s.tuned else {},
+            "seeds": [r.seed for r in s.tuned.runs] if s.tuned else [],
+            "front": [list(v) for v in s.tuned.trail.front()] if s.tuned else [],
+        }
+        for n, s in found.standings.items()
+    ]

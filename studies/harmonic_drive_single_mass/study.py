@@ -1,0 +1,139 @@
+"""The paper's first approach: records, virgin curve, equivalents, gains, schedule, steps, tables; and beyond it, a contest.
+
+Everything is derived from the plant that study.toml assumes: the study logs slow sines on it through the sampled loop,
+identifies the model, and tunes on the identified one. The controllers are judged on the assumed plant.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+
+from workbench.export.feed_forward import export_feed_forward
+from workbench.identify.fit import identify, passes_of
+from workbench.plant import Plant
+from workbench.report import control as control_chapters
+from workbench.report.checks import checks_chapter
+from workbench.report.contents import Chapter, Paragraph
+from workbench.report.contest import contest_chapter, margin_figure, standings_table
+from workbench.report.reproduction import as_table, counted
+from workbench.study import standard
+from workbench.study.configuration import Study
+from workbench.study.control import write_gains
+from workbench.study.controlling import Control, control_of, numbers
+from workbench.study.outcome import Outcome, Part, with_part
+from workbench.study.series import robustness
+from workbench.trace.tracing import trace
+from workbench.verify.margin import against_margin
+
+from . import controllers, description, paper, records
+from .controllers import BEST as PROFILE_PI
+from .controllers import CASCADE, ERROR, FIXED, PAPER, SHORT, SOFT
+from .records import FIRST, SECOND
+
+FURTHER = ("actuators", "friction", "records", "contest")
+SUSPECTS = ("viscous_friction", "stribeck_friction", "coulomb_asymmetry")  # the trace is asked about these
+BASELINES = (FIXED, CASCADE, SOFT)
+SHOWN = (PAPER, ERROR, CASCADE, PROFILE_PI, SOFT)  # steps
+
+
+def run(study: Study, say) -> Outcome:
+    """Log, identify, describe; tune every controller alike; check, compare and reproduce."""
+    known = records.assumed(study, FIRST)
+    control = control_of(study.table, known)
+    say("logging slow sines")
+    seen = records.logged(study, control, known)
+    passes = passes_of(seen.records, seen.bandwidth)
+    found = trace(seen.declared, passes, say, most=1, only=SUSPECTS)
+    alone = identify(seen.declared, passes[:1])
+    curve, fitted = records.virgin_chapter(seen, found.before, alone, passes)
+    model = found.after.plant
+    described, deviation = description.equivalents_chapter(model, standard.amplitudes(study))
+    outcome = Outcome(
+        plant=seen.declared,
+        campaign="FHA-8C-50 as assumed, records simulated by this study",
+        bandwidth=seen.bandwidth,
+        trace=found,
+        records=seen.records,
+        equivalents=standard.described(model, standard.amplitudes(study)),
+        figures={**standard.trace_figures(found), **fitted, **deviation},
+        units={"h0": "N*m", "a": "1/rad"},
+        chapters=(curve, described),
+        findings=(*found.findings, *found.after.findings),
+    )
+    outcome = with_part(outcome, contested(study, control, model, known, fitted, say))
+    return with_part(outcome, second(study, control, say))
+
+
+def contested(study: Study, control: Control, model: Plant, known: Plant, fitted, say) -> Part:
+    """Everything about controllers on the first actuator."""
+    made, held = controllers.held(study, control, model, known, say=say)
+    designed, checks = controllers.designed(made, held, control, model)
+    say("error against margin")
+    asked = study.table.table("contest", ("seeds", "tuning_time"), ("margins", "soft_cascade"))
+    margins = against_margin(
+        model, control.amplitudes, control.goal, held.task, (PAPER, ERROR), numbers(asked, "margins", (2.0,)),
+        tuning_time=asked.quantity("tuning_time", "s", above=0.0), say=say,
+    )  # fmt: skip
+    disc = held.task.load_inertias[-1]
+    printed = paper.rows(held, fitted, disc)
+    figures, units = controllers.figures_of(held)
+    loaded = replace(held.task, load_inertias=(disc,))
+    steps = (
+        control_chapters.step_chapter(held.task, {n: held[n].maker for n in SHOWN}),
+        control_chapters.step_chapter(loaded, {n: held[n].maker for n in (PAPER, SOFT, CASCADE, PROFILE_PI)}, "loaded"),
+    )
+    against = contest_chapter(
+        held, (PAPER, ERROR, PROFILE_PI), BASELINES, tuple(n for n in held.standings if n != SOFT)
+    )
+    against = replace(against, blocks=(*against.blocks, margin_figure(margins, "rad", control.goal.sensitivity)))
+    part = Part(
+        figures={
+            **figures,
+            **counted(printed),
+            "knots": float(made.schedule.knots.size),
+            "sensitivity_between_knots": checks.between.worst_sensitivity[0],
+            "pumping_over_damping": float(np.max(checks.moving.pumping / checks.moving.damping)),
+            "gain_margin": float(np.min(checks.gain_margin)),
+            "phase_margin": float(np.min(checks.phase_margin)),
+        },
+        units=units | {"phase_margin": "rad"},
+        chapters=(
+            control_chapters.schedule_chapter(designed, control.rule),
+            checks_chapter(checks, control.goal.sensitivity, model),
+            *steps,
+            against,
+            paper.chapter(printed),
+        ),
+        tables={
+            "contest": controllers.as_table(held),
+            "reproduction": as_table(printed),
+            "error_against_margin": {"limits": margins.limits, **margins.values},
+        },
+        files=(
+            lambda folder: write_gains(designed, control, folder),
+            lambda folder: export_feed_forward(made.feed_forward, model, folder / "gains"),
+        ),
+    )
+    if "robustness" in study.table:
+        part = with_part(part, robustness(study, held.task, held.makers, say))
+    return part
+
+
+def second(study: Study, control: Control, say) -> Part:
+    """The same contest, in short, on the second actuator."""
+    known = records.assumed(study, SECOND)
+    say(f"the second actuator, {SECOND}")
+    _, held = controllers.held(study, control, known, known, SHORT, say)
+    text = (
+        "Which actuator the paper drove is not stated. The same controllers, tuned again, on the FHA-8C-30: lighter, faster, "
+        "and with less torque. The printed times lie nearer to the bound of the FHA-8C-50."
+    )
+    figures = {f"{n}_second": v for n, v in {
+        "paper_time_over_bound": held.over_bound(PAPER),
+        "profile_pi_time_over_bound": held.over_bound(PROFILE_PI),
+    }.items()}  # fmt: skip
+    return Part(
+        figures=figures,
+        chapters=(Chapter("The second actuator", (Paragraph(text), standings_table(held))),),
+        tables={"contest_second": controllers.as_table(held)},
+    )
