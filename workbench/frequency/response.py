@@ -19,6 +19,10 @@ AVERAGES = (
 REPEATS = 0.9  # correlation of a record with itself a period later, from which on it is taken to repeat
 LEAST = 3  # periods, beside the first, which is left out for its transient
 EXCITED = 10.0  # of a line's amplitude over its standard error, from which on it counts as excited
+STRONG, FAINT = (
+    20,
+    1e-3,
+)  # lines of the drive that tell how strong it shakes, and the share of their density that still does
 HIGHEST = 0.4  # of the sampling rate, up to which a response is given
 BAND = (0.05, 0.6)  # of the evaluation bandwidth, in which a record is looked at for what shakes it
 EFFECTIVE = 9.0 / 11.0  # independent averages per segment of Hann's window with half overlap (Welch 1967)
@@ -172,4 +176,14 @@ def by_welch(record: Record, u: np.ndarray, a: np.ndarray, size: int) -> Respons
         # Bendat and Piersol 2010: relative random error of a gain, of each part
         deviation = np.abs(value) * np.sqrt((1.0 - coherence) / (2.0 * coherence * averages))
     scale = gain_of_difference(f, record.dt)
-    return Response(record.name, f, value / scale, coherence, deviation / scale, 1.5 * rate / size, "Welch", averages)
+    found = Response(record.name, f, value / scale, coherence, deviation / scale, 1.5 * rate / size, "Welch", averages)
+    return found.where(shakes(power))
+
+
+def shakes(power: np.ndarray) -> np.ndarray:
+    """Return the lines at which the drive has a density of FAINT or more of its STRONG strongest lines' (n,).
+
+    Elsewhere the drive only answers to the encoder, through the controller: coherent, and no response of the axis.
+    """
+    strong = np.sort(power[1:])[::-1][: STRONG + 1][-1]
+    return power > FAINT * strong

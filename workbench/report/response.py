@@ -9,7 +9,7 @@ FINER = 2000  # frequencies at which the fitted response is drawn
 
 
 def figure(title: str, response: Response, modes: Modes, unit: str) -> bytes:
-    """Return the figure as SVG. unit: of acceleration over drive."""
+    """Return the figure as SVG. unit: of the gain, acceleration over drive."""
 
     def draw(axes) -> None:
         top, low = axes
@@ -21,10 +21,10 @@ def figure(title: str, response: Response, modes: Modes, unit: str) -> bytes:
         top.loglog(f, np.abs(modes.at(f)), color=AFTER, label="fitted")
         for k, m in enumerate(modes.modes):
             top.axvline(m.frequency, color=BEFORE, lw=0.8, ls="--", label="mode" if k == 0 else None)
-        top.set_ylabel(f"acceleration over drive, {unit}")
+        top.set_ylabel(f"gain, {unit}")
         top.legend(loc="best")
         decades(top.yaxis)
-        low.semilogx(response.frequency, response.coherence, color=MUTED, lw=0.9)
+        low.semilogx(response.frequency, response.coherence, ".", ms=2.5, color=MUTED)
         low.set_ylim(0.0, 1.05)
         low.set_ylabel("coherence")
         low.set_xlabel("frequency, Hz")
