@@ -98,7 +98,7 @@ def specs(campaigns: int, seed: int, two_mass: bool | None = None, short: bool =
             second = str(rng.choice(others))
             shared = tuple(sorted(set(allowed(first)) & set(allowed(second))))
             found.append(spec(PAIR, next(numbers), (first, second), shared))
-    sound = sorted({b for n in known for b in allowed(n)} - {"viscous", "dry"})
+    sound = sorted({b for n in known for b in allowed(n)} - {"coulomb", "viscous", "dry"})
     found += [spec(NONE, next(numbers), (), (b,)) for b in in_turn(rng, sound, counts[NONE])]
     if own:
         found += [spec(OUTSIDE, next(numbers), (n,), allowed(n)) for n in in_turn(rng, own, counts[OUTSIDE])]

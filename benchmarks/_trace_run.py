@@ -51,16 +51,17 @@ def place_right(where, unknown: dict, span: dict[str, tuple[float, float]], leng
 
 def judged(s: Spec, truth: dict, said: dict, right_place: bool | None) -> dict:
     """Return what the table counts."""
-    missing, added = truth["missing"], said["added"]
+    missing, also = truth["missing"], truth["also"]
+    ranked, added = ([n for n in said[k] if n in missing or n not in also] for k in ("ranked", "added"))
     known = [] if s.of in (NONE, OUTSIDE) else missing
     before, after, floor = said["before"], said["after"], truth["floor"]
     achievable = before["validation"] - floor["validation"]
     share = (before["validation"] - after["validation"]) / achievable if achievable > 0.0 else 0.0
     hit = bool(set(known) & set(added))
     return {
-        "first": bool(known) and said["verdict"] == "cause" and said["ranked"][0] in known,
+        "first": bool(known) and said["verdict"] == "cause" and ranked[:1] != [] and ranked[0] in known,
         "both": bool(known) and set(known) <= set(added),
-        "rival": bool(known) and bool(set(known) & ({*said["ranked"][:1]} | set(said["rivals"]))),
+        "rival": bool(known) and bool(set(known) & ({*ranked[:1]} | set(said["rivals"]))),
         "alarm": s.of == NONE and said["verdict"] != "nothing_missing",
         "unknown": said["verdict"] == "unknown",
         "place": right_place,
@@ -117,5 +118,5 @@ def one(s: Spec) -> dict:
         if truth["where"] is not None and said["unknown"]:
             length = truth["metres"]
             right = place_right(truth["where"], said["unknown"], ranges(loaded), length)
-    kept = {k: truth[k] for k in ("missing", "effects", "at", "sizes", "parameters", "floor", "where")}
+    kept = {k: truth[k] for k in ("missing", "effects", "also", "at", "sizes", "parameters", "floor", "where")}
     return {"key": s.key, "spec": asdict(s), "truth": kept, "said": said, "judged": judged(s, truth, said, right)}

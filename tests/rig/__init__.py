@@ -6,14 +6,14 @@ written a second time. `campaign` writes one folder and returns what the declare
 of a machine and motions of one's own.
 """
 
-from rig.bases import ONE_MASS, TWO_MASS, plain, servo
+from rig.bases import ONE_MASS, TWO_MASS, based, plain, servo
 from rig.campaign import BAND, COUNT, LEVEL, ROLES, Measuring, bring, campaign, runs
 from rig.effects import EFFECTS
 from rig.kernel import LIMIT, PER_CONTROL, RATE, Axis, masing, simulate
 from rig.machine import Machine, run
-from rig.motions import Motion, following
+from rig.motions import RECORDS, Motion, following
 
 __all__ = [
-    "BAND", "COUNT", "EFFECTS", "LEVEL", "LIMIT", "ONE_MASS", "PER_CONTROL", "RATE", "ROLES", "TWO_MASS", "Axis", "Machine",
-    "Measuring", "Motion", "bring", "campaign", "following", "masing", "plain", "run", "runs", "servo", "simulate",
+    "BAND", "COUNT", "EFFECTS", "LEVEL", "LIMIT", "ONE_MASS", "PER_CONTROL", "RATE", "RECORDS", "ROLES", "TWO_MASS", "Axis", "Machine",
+    "Measuring", "Motion", "based", "bring", "campaign", "following", "masing", "plain", "run", "runs", "servo", "simulate",
 ]  # fmt: skip

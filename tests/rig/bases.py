@@ -45,7 +45,8 @@ class Declared:
 @dataclass(frozen=True)
 class Base:
     """machine: the true one as long as nothing is missing. declared: how it is stated. metres, newtons: on a linear axis,
-    the travel that is one radian and the force that is one N*m; None on a rotary one."""
+    the travel that is one radian and the force that is one N*m; None on a rotary one. also: what a
+    trace may add besides, as it is there on the scale of a count."""
 
     name: str
     machine: Machine
@@ -54,6 +55,7 @@ class Base:
     pole_pairs: int = 5
     metres: float | None = None
     newtons: float = 1.0
+    also: tuple[str, ...] = ()
 
     @property
     def rotary(self) -> bool:
@@ -88,6 +90,7 @@ ONE_MASS = {
     "viscous": (VISCOUS,),  # dry friction is for somebody to find
     "dry": (PRESLIDING,),
 }
+MEMORY = ("presliding_hysteresis", "fading_memory", "lugre_friction")  # friction that gives way before it slips
 TWO_MASS = ("two mass", "elastic", "undamped")  # as it is; no hysteresis in the joint; no damping there
 
 
@@ -105,8 +108,11 @@ def one_mass(rng, name: str, count: float) -> Base:
     """An axis of one mass. Draws the same facts for every base, so that seeds compare."""
     declared = ONE_MASS[name]
     machine = Machine(servo(rng)._replace(count=count), {})
-    if name in ("coulomb", "viscous"):  # dry friction that gives way by half a count, which nobody can see
-        machine = machine.put("rate", 2.0 / count)
+    if name in (
+        "coulomb",
+        "viscous",
+    ):  # light dry friction that gives way by two counts: no log can tell it from a jump
+        machine = machine.put("rate", 0.5 / count).put("h0", 0.25 * machine.axis.h0)
     if name == "viscous":
         machine = machine.put("h0", 0.0)
     if name == "dry":
@@ -120,7 +126,7 @@ def one_mass(rng, name: str, count: float) -> Base:
         return Base(
             name, machine, (inertia, *declared), metres=rng.uniform(0.03, 0.1), newtons=rng.uniform(30.0, 100.0)
         )
-    return Base(name, machine, (inertia, *declared))
+    return Base(name, machine, (inertia, *declared), also=MEMORY if name == "coulomb" else ())
 
 
 def two_mass(rng, name: str, count: float) -> Base:

@@ -205,7 +205,7 @@ def campaign(
     of 20 kHz. short: records of a third of the length. ratio: of the gear. references: further records, made by
     `following`, after the four (on two masses five) of every campaign.
 
-    The truth: missing (as a trace should name it, ["unknown"] for what no catalogue has), effects (as asked for), at, sizes
+    The truth: missing (as a trace should name it, ["unknown"] for what no catalogue has), effects (as asked for), also (see Base), at, sizes
     (over the noise, as they came out), parameters, axis, floor (role -> nrmse that the true model leaves), where (of a cause
     outside the catalogue: coordinate and spans, in rad), metres (travel that is one rad; 1 on a rotary axis), and rig: the
     machine as it is.
@@ -238,6 +238,7 @@ def campaign(
     return {
         "missing": known if len(known) == len(found) else ["unknown"],
         "effects": list(missing),
+        "also": list(sound.also),
         "at": [m.at for m in found],
         "sizes": sizes,
         "parameters": {m.name: dict(zip(m.kind.names, m.p, strict=True)) for m in found},
