@@ -11,7 +11,9 @@ from workbench.effect import Effect
 from workbench.errors import WorkbenchError, nearest
 from workbench.identify.fit import fitted_on, identify, passes_of
 from workbench.identify.passes import Passes
+from workbench.identify.problem import Problem
 from workbench.identify.result import Fit
+from workbench.identify.solve import solve
 from workbench.plan import Envelope, Sensing, envelope_of, sensing_of
 from workbench.plan.information import freed
 from workbench.plant import Plant
@@ -97,7 +99,10 @@ def suspect(basis: Basis, text: str) -> tuple[Plant, Effect, float]:
     if chosen is None:
         raise WorkbenchError(f"there is no candidate '{text}' for this plant; {nearest(text, [s.key for s in known])}")
     records = fitted_on(basis.passes)
-    problem, solution = fitted(chosen, records, residuals(basis.fit, records))
+    declared = Problem(plant, records)
+    beside, found = fitted(chosen, declared, solve(declared), residuals(basis.fit, records))
+    problem, start = beside.whole(found)
+    solution = solve(problem, start)
     effect = problem.with_linear(problem.with_shape(solution.theta), solution.c)[chosen.key]
     return plant, effect, float(np.sqrt(solution.cost / solution.y.size))
 
