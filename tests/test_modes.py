@@ -8,6 +8,7 @@ import pytest
 
 from workbench.effect import find
 from workbench.errors import WorkbenchError
+from workbench.frequency import fit_modes, response_of
 from workbench.identify.fit import identify, passes_of
 from workbench.plant import Plant
 from workbench.record import Record, Source
@@ -54,16 +55,40 @@ def test_two_resonances_have_the_frequency_response_of_the_closed_form():
     assert np.abs(np.fft.rfft(v)[lines] / np.fft.rfft(drive[:period])[lines] / held / response(lines) - 1.0).max() > 0.5
 
 
+def recorded(seconds: float, lines: np.ndarray, periods: int = 1, slow: float = 0.0) -> Record:
+    """Return a record at 2 kHz of an axis that is shaken at `lines` in Hz, integrated at twenty times the rate."""
+    dt, finer = 5e-4, 20
+    t = np.arange(round(seconds / dt) * finer) * dt / finer
+    drive = multisine(t.size, dt / finer, lines, 3) + slow * np.sin(2 * pi * 0.7 * t)
+    drive = np.tile(drive, periods) if periods > 1 else drive * np.minimum(t / 0.5, 1.0)
+    q = open_loop(axis(), drive, dt / finer, 4)["q"][::finer, 0]
+    time, channels = np.arange(q.size) * dt, {"position": q, "torque": drive[::finer].copy()}
+    return Record("shaken", "identification", time, channels, {}, Source(Path("x"), "", "none", {}))
+
+
 @pytest.fixture(scope="module")
 def shaken() -> Record:
-    """Return a record of 8 s at 2 kHz, its drive a multisine on a slow motion, integrated at twenty times the rate."""
-    dt, finer = 5e-4, 20
-    t = np.arange(16_000 * finer) * dt / finer
-    drive = multisine(t.size, dt / finer, np.arange(2, 250, 1.7), 3) + 0.2 * np.sin(2 * pi * 0.7 * t)
-    drive *= np.minimum(t / 0.5, 1.0)
-    q = open_loop(axis(), drive, dt / finer, 4)["q"][::finer, 0]
-    channels = {"position": q, "torque": drive[::finer].copy()}
-    return Record("shaken", "identification", t[::finer].copy(), channels, {}, Source(Path("x"), "", "none", {}))
+    return recorded(8.0, np.arange(2, 250, 1.7), slow=0.2)
+
+
+def poles() -> list[tuple[float, float]]:
+    """Return (frequency in Hz, damping ratio) of the axis free to move, by the roots of b + s (J + ...)."""
+    below, above = np.poly1d([1.0]), []
+    for m, frequency, zeta in MODES.values():
+        w = 2 * pi * frequency
+        own = np.poly1d([1.0, 2 * zeta * w, w * w])
+        above = [(n * own) for n in above] + [below * np.poly1d([2 * zeta * w * m, w * w * m])]
+        below = below * own
+    roots = (B * below + np.poly1d([1.0, 0.0]) * sum(above, J * below)).roots
+    return sorted((abs(r) / (2 * pi), -r.real / abs(r)) for r in roots if r.imag > 0)
+
+
+def test_both_resonances_are_found_in_the_frequency_response_of_a_record():
+    modes = fit_modes(response_of(recorded(2.0, np.arange(4, 500, 3) * 0.5, periods=6))).modes
+    assert len(modes) == 2
+    for mode, (frequency, damping) in zip(modes, poles(), strict=True):
+        assert mode.frequency == pytest.approx(frequency, rel=1e-4)
+        assert mode.damping == pytest.approx(damping, rel=1e-3)
 
 
 @pytest.mark.parametrize("start", [0.92, 1.06])

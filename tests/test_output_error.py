@@ -89,6 +89,17 @@ def test_output_error_finds_the_parameters_of_the_rig(waves):
     assert inverse.plant["inertia"].parameters["inertia"].value == pytest.approx(found["inertia"].value, rel=0.03)
 
 
+def test_a_plant_whose_values_are_all_known_is_only_compared(waves):
+    known = model()
+    known = replace(
+        known, effects=tuple(e(fixed=True, **{n: p.value for n, p in e.parameters.items()}) for e in known.effects)
+    )
+    fit = refine(known, passes_of([waves], BAND), RIG, CASCADE)
+    assert fit.plant == known
+    before, after = fit.details["output_error"]
+    assert before == after < 0.003
+
+
 def sampled(inertia: float, viscous: float, kp: float, kd: float, reference: np.ndarray, ts: float):
     """Exact response of inertia and viscous friction under a held torque: the matrix exponential, one step a sample."""
     step = expm(ts * np.array([[0, 1, 0], [0, -viscous / inertia, 1 / inertia], [0, 0, 0]]))[:2]

@@ -263,6 +263,7 @@ def run(study, say) -> Outcome:
     )  # fmt: skip
     cells = tuple((what, Marked(word, "good" if word == "borne out" else "bad"), number) for what, word, number in said)
     review = Table(("What reviews say", "These records", "Numbers"), cells, "Strengths and weaknesses, judged.", "plp")
+    order = base.plant["kinematic_error"].parameters["order"].value
     return Outcome(
         plant=campaign.plant,
         campaign=campaign.title,
@@ -273,6 +274,7 @@ def run(study, say) -> Outcome:
             "identification_error_base": base.identification,
             "validation_error_base": base.validation,
             "borne_out": float(sum(yes for _, yes, _ in judged)),
+            "kinematic_order_deviation": abs(order - 2 * base.plant.geometry.gear_ratio),
         },
         chapters=(
             Chapter("Models on the same records", (Paragraph(text), table, *figures(fits, base, passes, largest))),

@@ -87,6 +87,8 @@ class Loops:
 
     def slopes(self, x: np.ndarray, steps: np.ndarray) -> np.ndarray:
         """Return d drives/d x (N, parameters), by central differences within the bounds."""
+        if not x.size:
+            return np.zeros((self.measured.size, 0))
         lower, upper = self.bounds()
         ahead, behind = np.minimum(x + steps, upper), np.maximum(x - steps, lower)
         points = []
