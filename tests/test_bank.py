@@ -106,3 +106,11 @@ def test_a_value_beyond_its_bounds_and_no_record_are_sentences():
         identify_bank(plant(), [])
     with pytest.raises(WorkbenchError, match="maxwell_slip"):
         identify_bank(replace(plant(), effects=plant().effects[:2]), [motion(record, BAND)])
+
+
+def test_elements_that_never_slip_are_said_to_be_one():
+    slips = (*SLIPS, 8e-3, 2e-2)
+    wide = Plant("one mass", (find("viscous_friction"), find("constant_offset"), maxwell_slip(slips)))
+    (finding,) = identify_bank(wide, [motion(slow(7), BAND)]).findings
+    assert "k5, k6 never slip" in finding.sentence and finding.evidence["reach"] < 8e-3
+    assert identify_bank(plant(), [motion(slow(7), BAND)]).findings == ()

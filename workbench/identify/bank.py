@@ -15,6 +15,7 @@ import numpy as np
 from workbench import effect as fx
 from workbench.effect import Effect
 from workbench.errors import WorkbenchError
+from workbench.finding import Finding
 from workbench.identify.stream import BLOCK, Blocks, Column, Weights, weights_of
 from workbench.kernel.step import build
 from workbench.motion import Motion
@@ -27,13 +28,14 @@ SIGNALS = ("q", "v", "a", "t", "dt", "ratio", "pole_pairs")  # what an effect be
 @dataclass(frozen=True, eq=False)
 class LongFit:
     """plant: with its free linear parameters set. residual: rms in N*m or N; error: over the rms of the drive. weights:
-    how the least squares was solved. Neither is filtered.
+    how the least squares was solved. Neither is filtered. findings: elements that the records do not tell apart.
     """
 
     plant: Plant
     residual: float
     error: float
     weights: Weights
+    findings: tuple[Finding, ...] = ()
 
 
 def checked(plant: Plant) -> Effect:
@@ -87,12 +89,13 @@ def identify_bank(plant: Plant, motions: Sequence[Motion], block: int = BLOCK) -
     if not motions:
         raise WorkbenchError("there is no record to fit the bank to; give at least one motion.")
     slips = np.array([bank.parameters[n].value for n in bank.shape])
-    records, power = [], 0.0
+    records, power, reach = [], 0.0, 0.0
     for m in motions:
         names, columns, drive = columns_of(plant, m)
         position = np.cumsum(m.dq)  # behind the dead band of one count, as operators see it in `identify`
         records.append(Blocks(position, drive, slips, "stop", columns, block, m.keep))
         power += float(m.u[m.keep] @ m.u[m.keep])
+        reach = max(reach, float(np.abs(position - position[0]).max()))
     found = weights_of(records, "stop")
     values = {bank.key: dict(zip(bank.linear, found.weights.tolist(), strict=True))}
     for (e, name), value in zip(names, found.columns.tolist(), strict=True):
@@ -105,4 +108,17 @@ def identify_bank(plant: Plant, motions: Sequence[Motion], block: int = BLOCK) -
         values.setdefault(e.key, {})[name] = value
     count = sum(r.rows for r in records)
     error = found.residual / np.sqrt(power / count) if power > 0.0 else float("nan")
-    return LongFit(plant.with_values(values), found.residual, float(error), found)
+    return LongFit(plant.with_values(values), found.residual, float(error), found, unslipped(plant, bank, slips, reach))
+
+
+def unslipped(plant: Plant, bank: Effect, slips: np.ndarray, reach: float) -> tuple[Finding, ...]:
+    """Say which elements never slip: to the records they are one spring, however many they are."""
+    names = [n for n, slip in zip(bank.linear, slips, strict=True) if slip >= reach]
+    if len(names) < 2:
+        return ()
+    sentence = (
+        f"{bank.named}: elements {', '.join(names)} never slip in these records, which reach {reach:.3g} "
+        f"{plant.displacement} from where they begin; only the sum of their stiffnesses is determined."
+    )
+    remedy = "record a longer stroke, or leave out all but one of them"
+    return (Finding("known only together", f"{bank.key}.{names[0]}", sentence, {"reach": reach}, remedy),)
