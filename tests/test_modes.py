@@ -8,7 +8,7 @@ import pytest
 
 from workbench.effect import find
 from workbench.errors import WorkbenchError
-from workbench.frequency import fit_modes, response_of
+from workbench.frequency import Mode, Modes, fit_modes, flexible_modes, response_of
 from workbench.identify.fit import identify, passes_of
 from workbench.plant import Plant
 from workbench.record import Record, Source
@@ -106,6 +106,30 @@ def test_a_resonance_too_far_from_its_start_is_said_not_to_be_found(shaken):
     fit = identify(axis(1.15), passes_of([shaken], 220.0))
     assert fit.identification > 0.1
     assert any(f.kind == "at bound" and f.subject.startswith("flexible_mode second@axis") for f in fit.findings)
+
+
+def test_the_frequency_response_gives_the_parts_that_identification_starts_from(shaken):
+    """No frequency is guessed: one record is looked at for its modes, another is identified from there."""
+    parts = flexible_modes(fit_modes(response_of(recorded(2.0, np.arange(4, 500, 3) * 0.5, periods=6))))
+    for part, (_, frequency, damping) in zip(parts, MODES.values(), strict=True):
+        assert part.parameters["frequency"].value == pytest.approx(frequency, rel=1e-3)
+        assert part.parameters["damping"].value == pytest.approx(damping, rel=1e-2)
+    start = Plant("one mass", (find("inertia"), find("viscous_friction"), *parts))
+    fit = identify(start, passes_of([shaken], 220.0))
+    masses = [fit.plant[e.key].parameters["mass"].value for e in parts]
+    assert masses == pytest.approx([m for m, _, _ in MODES.values()], rel=0.02)
+
+
+def test_one_resonance_needs_no_label_and_none_gives_no_part():
+    w, z = 2 * pi * 60.0, 0.02
+    free = w * (1.3**0.5)
+    # 1/(J + m w^2/(s^2 + w^2)) of m = 0.3 J: zero at w, pole at w sqrt(1.3)
+    r, p = (w**2 / free**2 - 1.0, 0.0)
+    poles, mode = np.array([[free, z]]), Mode(free / (2 * pi), 0.1, z, 0.001, 5.0)
+    (part,) = flexible_modes(Modes((mode,), poles, np.array([-r, p, 1.0 + r]), 0.0, 1.0))
+    assert part.key == "flexible_mode@axis"
+    assert part.parameters["frequency"].value == pytest.approx(60.0, rel=1e-2)
+    assert flexible_modes(Modes((), poles, np.array([0.0, 0.0, 1.0]), 0.0, 1.0)) == ()
 
 
 def test_effects_of_one_name_at_one_place_are_told_apart_by_their_labels():

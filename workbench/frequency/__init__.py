@@ -3,8 +3,10 @@
 from workbench.frequency.limit import GainLimit, gain_limit
 from workbench.frequency.modes import Mode, Modes, fit_modes
 from workbench.frequency.notch import Notch, notch_for
+from workbench.frequency.parts import flexible_modes
 from workbench.frequency.response import Response, response_of, shaken
 
 __all__ = [
-    "GainLimit", "Mode", "Modes", "Notch", "Response", "fit_modes", "gain_limit", "notch_for", "response_of", "shaken",
+    "GainLimit", "Mode", "Modes", "Notch", "Response", "fit_modes", "flexible_modes", "gain_limit", "notch_for",
+    "response_of", "shaken",
 ]  # fmt: skip
