@@ -1,0 +1,105 @@
+"""The benchmark of the trace: how campaigns are drawn, judged and counted; and a few of them, as everyone's quick subset."""
+
+import json
+from collections import Counter
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from benchmarks._trace_draw import NONE, OUTSIDE, PAIR, SINGLE, clash, spec, specs
+from benchmarks._trace_peers import greedy, sparse
+from benchmarks._trace_run import judged, one, place_right
+from benchmarks._trace_table import interval, table
+from benchmarks.trace import read
+
+# --- drawing ------------------------------------------------------------------------------------------------------------
+
+
+def test_every_kind_is_drawn_as_often_as_the_others_and_no_pair_clashes():
+    drawn = specs(400, 3)
+    assert drawn == specs(400, 3) != specs(400, 4)
+    assert len({s.key for s in drawn}) == len(drawn)
+    singles = Counter(s.missing[0] for s in drawn if s.of == SINGLE)
+    assert max(singles.values()) - min(singles.values()) <= 1
+    pairs = [s for s in drawn if s.of == PAIR]
+    assert pairs and not any(clash(*s.missing) for s in pairs)
+    assert {s.missing for s in drawn if s.of == NONE} == {()}
+    assert not any(s.two for s in specs(60, 3, two_mass=False)) and all(s.two for s in specs(60, 3, two_mass=True))
+
+
+# --- judging ------------------------------------------------------------------------------------------------------------
+
+
+def test_a_share_has_clopper_and_pearsons_interval():
+    """Closed forms at none and all; 5 of 10 as the tables of 1934 have it."""
+    assert interval(0, 20) == (0.0, pytest.approx(1 - 0.025 ** (1 / 20)))
+    assert interval(20, 20) == (pytest.approx(0.025 ** (1 / 20)), 1.0)
+    assert interval(5, 10) == (pytest.approx(0.187, abs=5e-4), pytest.approx(0.813, abs=5e-4))
+
+
+def test_a_place_is_right_within_a_tenth_of_the_range():
+    span, where = {"position": (-2.0, 2.0)}, ("position", [(-0.5, 0.1)])
+    said = {"coordinate": "position", "low": -0.8, "high": 0.4}
+    assert place_right(where, said, span, 1.0)
+    assert not place_right(where, said | {"low": -1.0}, span, 1.0)
+    assert not place_right(where, said | {"coordinate": "velocity"}, span, 1.0)
+    assert not place_right(where, said, span, 0.1)  # a linear axis, whose metres are fewer
+    assert place_right(("command", []), said, span, 1.0) is None
+
+
+def test_what_is_judged_follows_from_what_was_said():
+    s = spec(PAIR, 1, ("cogging", "gravity"), ("presliding",))
+    truth = {"missing": ["cogging", "gravity"], "also": [], "floor": {"validation": 0.01}}
+    said = {
+        "verdict": "cause", "ranked": ["gravity", "cogging"], "added": ["gravity", "inertia"], "rivals": [],
+        "before": {"validation": 0.05}, "after": {"validation": 0.02},
+    }  # fmt: skip
+    j = judged(s, truth, said, None)
+    assert j["first"] and not j["both"] and j["spurious"] == 1 and not j["worse"]
+    assert j["share"] == pytest.approx(0.75)
+    assert judged(s, truth, said | {"added": ["inertia"]}, None)["share"] == 0.0
+    none = spec(NONE, 1, (), ("presliding",))
+    assert judged(none, truth | {"missing": []}, said, None)["alarm"]
+
+
+def test_a_result_that_a_kill_cut_short_is_done_again(tmp_path):
+    whole = {"key": "a", "judged": {"first": True}}
+    (tmp_path / "kept").write_text(json.dumps(whole) + "\n" + json.dumps(whole | {"key": "b"})[:-3] + "\n")
+    assert read(tmp_path / "kept") == {"a": whole} and read(tmp_path / "none") == {}
+
+
+# --- peers --------------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("peer", [greedy, sparse])
+def test_a_peer_finds_a_term_of_its_own_library(peer):
+    rng = np.random.default_rng(1)
+    x = rng.normal(size=(2000, 6))
+    y = 0.5 * x[:, 3] + 0.1 * rng.normal(size=2000)
+    assert peer(list("abcdef"), x, y)[:1] == ["d"]
+
+
+# --- the quick subset ---------------------------------------------------------------------------------------------------
+
+PLAIN = {"rate": 1000, "count": 4.848e-6, "memory": 0.0, "noise": 2e-3, "band": 150.0, "short": True, "over": 6.0}
+FEW = [
+    spec(SINGLE, 1, ("cyclic_friction",), ("presliding",)),
+    spec(SINGLE, 2, ("encoder_eccentricity",), ("gravity",)),
+    spec(SINGLE, 3, ("transport_delay",), ("linear",)),
+    spec(PAIR, 4, ("cogging", "nonlinear_viscous_friction"), ("presliding",)),
+    spec(NONE, 5, (), ("stribeck",)),
+    spec(OUTSIDE, 6, ("coarse_torque",), ("presliding",)),
+]
+
+
+@pytest.mark.parametrize("drawn", FEW, ids=lambda s: "+".join(s.missing) or s.of)
+def test_a_campaign_of_the_benchmark_is_traced_as_it_should_be(drawn):
+    result = one(replace(drawn, **PLAIN))
+    j = result["judged"]
+    assert j["spurious"] == 0 and not j["worse"] and not j["alarm"]
+    assert j["unknown"] == (drawn.of == OUTSIDE)
+    if drawn.of in (SINGLE, PAIR):
+        assert j["first"] and j["both"] and j["share"] > 0.95
+    assert set(result["said"]["peers"]) == {"greedy, BIC", "PySINDy"}
+    assert json.loads(json.dumps(result)) and table([result]).startswith("1 campaigns")
