@@ -16,10 +16,9 @@ from workbench.identify.problem import Problem
 from workbench.identify.solve import solve
 from workbench.plan import Envelope, Sensing, design, prospects, separate
 from workbench.plan.following import followed
-from workbench.plan.information import freed
 from workbench.plan.motions import moves, multisine, quantity, ramps, sine
 from workbench.plan.pool import pool
-from workbench.plant import ONE_MASS, Limits, Plant
+from workbench.plant import ONE_MASS, Limits, Plant, freed
 from workbench.record import IDENTIFICATION, Record, Source
 
 ENVELOPE = Envelope(low=-2.0, high=2.0, speed=12.0, acceleration=500.0, drive=2.4)

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 
 from workbench import __version__
 from workbench.errors import INTERNAL_ERROR, USER_ERROR, WorkbenchError
-from workbench.verbs import effects, new, plan, replay, response, run, trace
+from workbench.verbs import diff, effects, new, plan, replay, response, run, trace
 
 VERBS = {
     "new": new,
@@ -18,6 +18,7 @@ VERBS = {
     "trace": trace,
     "plan": plan,
     "response": response,
+    "diff": diff,
     "replay": replay,
     "effects": effects,
 }

@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from math import inf
 
-from workbench.effect import Effect
+from workbench.effect import Effect, catalogue
 from workbench.errors import WorkbenchError, nearest
 
 ONE_MASS, TWO_MASS = "one mass", "two mass"
@@ -127,3 +127,12 @@ class Plant:
     def digest(self) -> str:
         """sha256 over digest_lines, on which tuning runs and which gain tables carry."""
         return hashlib.sha256("\n".join(self.digest_lines()).encode()).hexdigest()
+
+
+def freed(plant: Plant) -> Plant:
+    """Return the plant with every parameter free that is a value: one held by definition (an exponent) stays held."""
+    known = catalogue()
+    for e in plant.effects:
+        by_definition = {n for n, p in known[e.name].parameters.items() if p.fixed} if e.name in known else set()
+        plant = plant.swap(e.free(*(n for n in e.parameters if n not in by_definition)))
+    return plant

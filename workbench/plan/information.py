@@ -8,7 +8,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from workbench.effect import catalogue
 from workbench.identify.passes import Passes
 from workbench.identify.problem import LOGARITHMIC, Name, Problem
 from workbench.identify.solve import slopes
@@ -37,15 +36,6 @@ class Information:
         unseen = vectors[:, ~shown]
         scaled = inverse @ (self.scatter * np.outer(sizes, sizes)) @ inverse + 1e12 * unseen @ unseen.T
         return scaled * np.outer(sizes, sizes)
-
-
-def freed(plant: Plant) -> Plant:
-    """Return the plant with every parameter free that is a value: one held by definition (an exponent) stays held."""
-    known = catalogue()
-    for e in plant.effects:
-        by_definition = {n for n, p in known[e.name].parameters.items() if p.fixed} if e.name in known else set()
-        plant = plant.swap(e.free(*(n for n in e.parameters if n not in by_definition)))
-    return plant
 
 
 def names_of(plant: Plant) -> list[Name]:

@@ -15,8 +15,7 @@ from workbench.identify.problem import Problem
 from workbench.identify.result import Fit
 from workbench.identify.solve import solve
 from workbench.plan import Envelope, Sensing, envelope_of, sensing_of
-from workbench.plan.information import freed
-from workbench.plant import Plant
+from workbench.plant import Plant, freed
 from workbench.readers.declaration import Table
 from workbench.record import IDENTIFICATION
 from workbench.study import configuration

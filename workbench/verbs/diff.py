@@ -1,0 +1,43 @@
+"""`workbench diff`: what changed between two campaigns of one axis."""
+
+import argparse
+from pathlib import Path
+
+
+def declare(verbs) -> None:
+    diff = verbs.add_parser(
+        "diff",
+        help="say what changed between two campaigns of one axis",
+        description="Fit the same model to two campaigns of one axis (before and after a repair, cold and warm), and say "
+        "which parameters moved beyond their intervals.",
+    )
+    diff.add_argument("before", type=Path, help="a campaign: a folder with campaign.toml and its records")
+    diff.add_argument("after", type=Path, help="the campaign to compare it with")
+    diff.add_argument("--out", type=Path, help="folder to write diff.json into")
+
+
+def do(given: argparse.Namespace) -> int:
+    from workbench.campaign import load
+    from workbench.diff import check_models, compare, doubts
+    from workbench.diff.output import JSON, write
+    from workbench.identify.fit import passes_of
+    from workbench.outputs import whole
+    from workbench.plant import freed
+
+    before, after = load(given.before), load(given.after)
+    check_models(before, after)
+    bandwidth = min(before.bandwidth, after.bandwidth)
+    passes = [passes_of(c.records, bandwidth) for c in (before, after)]
+    found = compare(freed(before.plant), *passes)
+    doubtful = doubts(before, after, *passes)
+    if given.out:
+        with whole(given.out, JSON) as beside:
+            write(beside, before.title, after.title, found, doubtful)
+    print(found.sentence)
+    for c in sorted(found.changes, key=lambda c: not c.moved):
+        print(f"- {c.sentence}")
+    for name in found.undetermined:
+        print(f"- {name} is not determined by one of the campaigns, and not compared.")
+    for f in doubtful:
+        print(f"- {f.sentence}")
+    return 0
