@@ -238,7 +238,7 @@ def campaign(
     return {
         "missing": known if len(known) == len(found) else ["unknown"],
         "effects": list(missing),
-        "also": list(sound.also),
+        "also": [] if set(known) & set(sound.also) else list(sound.also),
         "at": [m.at for m in found],
         "sizes": sizes,
         "parameters": {m.name: dict(zip(m.kind.names, m.p, strict=True)) for m in found},
