@@ -10,6 +10,7 @@ from workbench.identify.fit import identify, passes_of
 from workbench.identify.problem import Problem
 from workbench.identify.solve import solve
 from workbench.plant import Plant
+from workbench.study import results
 
 VISCOUS = "viscous_friction@axis.viscous"
 
@@ -37,6 +38,7 @@ def test_the_spread_is_that_of_fits_to_each_record():
         values = [estimate(f, name.split(".")[1]).value for f in alone]
         assert (low, high) == pytest.approx((min(values), max(values)), rel=1e-6)
     assert alone[0].spread == {}
+    assert results.model(fit)["by_record"] == {n: list(ends) for n, ends in fit.spread.items()}
 
 
 def test_the_spread_holds_the_truth_with_friction_of_memory():

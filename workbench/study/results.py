@@ -54,6 +54,7 @@ def model(fit) -> dict:
         ],
         "nrmse": {"identification": fit.identification, "validation": fit.validation, "records": dict(fit.nrmse)},
         "rms": dict(fit.rms),
+        "by_record": {name: list(ends) for name, ends in fit.spread.items()},
     }
 
 
