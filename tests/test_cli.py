@@ -77,6 +77,11 @@ def test_trace_writes_what_the_format_asks_for(tmp_path, capsys):
     assert cause["at"] == "axis" and set(cause["parameters"]) == {"drop", "speed"}
     low, high = cause["parameters"]["speed"]["interval_95"]
     assert low < cause["parameters"]["speed"]["value"] < high
+    follows = {p["coordinate"]: p["explained"] for p in trace["where"] if p["model"] == "declared" and not p["record"]}
+    assert max(follows, key=follows.get) == "velocity" and follows["velocity"] > 0.5
+    page = (out / "trace.html").read_text(encoding="utf-8")
+    assert trace["sentence"].split(".")[0] in page and "Where the residual lives" in page
+    assert (out / "trace.pdf").read_bytes().startswith(b"%PDF")
     for path in trace["predictions"].values():
         assert (out / path).read_text().startswith("time_s,prediction\n")
 

@@ -7,6 +7,7 @@ from workbench.report.method import method, provenance
 from workbench.report.model import declared, extended
 from workbench.report.opening import finding, records
 from workbench.report.residual import residual
+from workbench.report.where import where
 
 __all__ = [
     "cause",
@@ -19,12 +20,16 @@ __all__ = [
     "records",
     "residual",
     "standard",
+    "where",
 ]
 
 
 def standard(result: StudyResult) -> tuple[Chapter, ...]:
     """Return all chapters; those of the study itself stand between the description and the method."""
-    chapters = [finding(result), records(result), declared(result), residual(result), cause(result)]
+    chapters = [finding(result), records(result), declared(result), residual(result)]
+    if result.where:
+        chapters.append(where(result.where))
+    chapters.append(cause(result))
     if result.trace.causes:
         chapters.append(extended(result))
     if result.equivalent:

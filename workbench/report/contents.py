@@ -16,6 +16,7 @@ from workbench.finding import Finding
 from workbench.plant import Plant
 from workbench.record import Record
 from workbench.trace.result import Trace
+from workbench.trace.where import Where
 
 GOOD, BAD, QUIET, STRONG, CODE, PLAIN = "good", "bad", "quiet", "strong", "code", "plain"
 
@@ -159,7 +160,9 @@ class Chapter:
 
 @dataclass(frozen=True, eq=False)
 class StudyResult:
-    """All that one study found.
+    """All that one study found, or one trace.
+
+    kind: "Study", or what else the report is of. where: what the residuals follow; nothing where it was not looked at.
 
     name: of the study; title: of the report; question: one line, what the study asks. campaign: its title. plant: as
     declared. bandwidth: of the evaluation filter, Hz. equivalent: effects with their description over amplitude.
@@ -178,6 +181,8 @@ class StudyResult:
     checks: tuple[Check, ...] = ()
     findings: tuple[Finding, ...] = ()
     chapters: Sequence[Chapter] = ()
+    where: tuple[Where, ...] = ()
+    kind: str = "Study"
 
     @property
     def drive(self) -> str:

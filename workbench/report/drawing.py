@@ -65,8 +65,13 @@ def fonts() -> Path:
     return Path(matplotlib.get_data_path(), "fonts", "ttf")
 
 
-def svg(title: str, draw: Callable, *, rows: int = 1, height: float = 2.6, share: str | bool = False) -> bytes:
-    """Return a figure under a title that says what is found. draw(axes): axes is a list, one for each row."""
+def svg(
+    title: str, draw: Callable, *, rows: int = 1, columns: int = 1, height: float = 2.6, share: str | bool = False
+) -> bytes:
+    """Return a figure under a title that says what is found. draw(axes): axes is a list, row by row.
+
+    share: the axis of abscissae; side by side, graphs share their ordinate.
+    """
     import matplotlib
     from matplotlib.backends.backend_svg import FigureCanvasSVG
     from matplotlib.figure import Figure
@@ -80,7 +85,9 @@ def svg(title: str, draw: Callable, *, rows: int = 1, height: float = 2.6, share
         matplotlib.rcParams.update(SETTINGS)
         figure = Figure(figsize=(WIDTH, height), layout="constrained")
         FigureCanvasSVG(figure)
-        axes = figure.subplots(rows, 1, squeeze=False, sharex=share)[:, 0]
+        axes = figure.subplots(
+            rows, columns, squeeze=False, sharex=share, sharey="row" if columns > 1 else False
+        ).ravel()
         draw(list(axes))
         figure.suptitle(fill(title, LETTERS), parse_math=False, x=0.008, ha="left", fontsize=8.9, fontweight="bold")
         out = BytesIO()

@@ -9,11 +9,11 @@ from workbench.identify.result import Series
 from workbench.report import drawing, numbers
 from workbench.report.drawing import AFTER, BEFORE, GRID, INK, MEASURED, MUTED, SERIES, STYLES, envelope
 from workbench.report.wording import title as title_of
+from workbench.trace.maps import borders
 from workbench.trace.result import Candidate
 
 WITH, WITHOUT = {"color": AFTER, "linestyle": "-"}, {"color": BEFORE, "linestyle": (0, (4, 1.5))}
 DENSE = 1500  # samples of an excerpt from which dashes would only look like noise
-PORTIONS = 60  # bins over a coordinate
 LONGEST = 28  # letters of a candidate's name
 
 
@@ -67,16 +67,6 @@ def against(
                 a.legend(loc="lower left", bbox_to_anchor=(0, 1), ncols=2)
 
     return drawing.svg(title, draw, rows=len(coordinates), height=0.35 + 1.6 * len(coordinates))
-
-
-def borders(values: np.ndarray) -> np.ndarray:
-    """Return the borders of bins: half of them even in the values, half in how many fall into each.
-
-    The first reach the largest speeds; the second resolve what happens near standstill, where most samples are.
-    """
-    half = np.linspace(0, 1, PORTIONS // 2 + 1)
-    low, high = np.min(values), np.max(values)
-    return np.unique(np.concatenate((low + (high - low) * half, np.quantile(values, half))))
 
 
 def bands(values: np.ndarray, residual: np.ndarray, least: int = 8) -> tuple[np.ndarray, ...]:

@@ -20,13 +20,19 @@ STANDARDS = ["a-3a", "ua-1"]  # archived with its structure; readable by a scree
 EPOCH = 0  # PDF/A wants a date: the same one always
 
 
-def write(result: StudyResult, folder: Path) -> None:
-    """Write report.html, report.pdf and figures/*.svg into an existing folder; the same bytes for the same result."""
+def write(result: StudyResult, folder: Path, stem: str = "report") -> None:
+    """Write report.html, report.pdf and figures/*.svg into an existing folder; the same bytes for the same result.
+
+    stem: of the two files' names.
+    """
     chapters = standard(result)
     figures = drawn(chapters)
     data = {
         "title": result.title,
         "name": result.name,
+        "over": " \u00b7 ".join(
+            (f"{result.kind} {result.name}", *(c for c in (result.campaign,) if c != result.title))
+        ),
         "question": result.question,
         "campaign": result.campaign,
         "chapters": [{"title": c.title, "blocks": [as_data(b) for b in c.blocks]} for c in chapters],
@@ -34,8 +40,8 @@ def write(result: StudyResult, folder: Path) -> None:
     (folder / "figures").mkdir(exist_ok=True)
     for name, svg in figures.items():
         (folder / "figures" / name).write_bytes(svg)
-    for name, content in compiled(data, figures).items():
-        (folder / name).write_bytes(content)
+    for ending, content in compiled(data, figures).items():
+        (folder / f"{stem}.{ending}").write_bytes(content)
 
 
 def drawn(chapters: Sequence[Chapter]) -> dict[str, bytes]:
@@ -69,7 +75,7 @@ def plain(value):
 
 
 def compiled(data: dict, figures: dict[str, bytes]) -> dict[str, bytes]:
-    """Return file name -> content of the page and the PDF."""
+    """Return "html" -> the page and "pdf" -> the paper."""
     import typst
 
     with TemporaryDirectory() as place:
@@ -88,4 +94,4 @@ def compiled(data: dict, figures: dict[str, bytes]) -> dict[str, bytes]:
             )  # fmt: skip
             return made
 
-        return {"report.html": one("html"), "report.pdf": one("pdf", pdf_standards=STANDARDS)}
+        return {"html": one("html"), "pdf": one("pdf", pdf_standards=STANDARDS)}

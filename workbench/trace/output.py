@@ -1,8 +1,10 @@
 """trace.json and the predictions beside it."""
 
 import json
+from collections.abc import Mapping
 from math import isfinite
 from pathlib import Path
+from types import MappingProxyType
 
 import numpy as np
 
@@ -88,13 +90,13 @@ def as_dict(trace: Trace, predictions: dict[str, str]) -> dict:
     }
 
 
-def write(trace: Trace, folder: Path) -> None:
-    """Write trace.json and predictions/<record>.csv into an existing folder."""
+def write(trace: Trace, folder: Path, more: Mapping[str, object] = MappingProxyType({})) -> None:
+    """Write trace.json and predictions/<record>.csv into an existing folder. more: further keys of trace.json."""
     paths = {}
     (folder / "predictions").mkdir()
     for name, prediction in trace.after.predictions.items():
         paths[name] = f"predictions/{name}.csv"
         rows = np.column_stack([trace.after.series[name].time, prediction])
         np.savetxt(folder / paths[name], rows, fmt="%.9g", delimiter=",", header="time_s,prediction", comments="")
-    text = json.dumps(as_dict(trace, paths), indent=1, allow_nan=False)
+    text = json.dumps(as_dict(trace, paths) | dict(more), indent=1, allow_nan=False)
     (folder / "trace.json").write_text(text + "\n", encoding="utf-8")

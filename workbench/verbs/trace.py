@@ -10,7 +10,7 @@ def declare(verbs) -> None:
     trace = verbs.add_parser(
         "trace",
         help="find what a campaign's declared model lacks",
-        description="Find what the declared model of a campaign lacks, and write trace.json and predictions.",
+        description="Find what the declared model of a campaign lacks, and write trace.json, predictions, trace.html and trace.pdf.",
     )
     trace.add_argument("folder", type=Path, help="the campaign: a folder with campaign.toml and its records")
     trace.add_argument("--out", type=Path, required=True, help="folder to write into")
@@ -19,16 +19,14 @@ def declare(verbs) -> None:
 
 def do(given: argparse.Namespace) -> int:
     from workbench.campaign import load
-    from workbench.outputs import whole
-    from workbench.study.standard import trace_campaign
-    from workbench.trace.output import write
+    from workbench.study.traced import run
 
     campaign = load(given.folder, resample=given.resample)
-    found = trace_campaign(campaign, Progress())
-    with whole(given.out, "trace.json") as beside:
-        write(found, beside)
+    found = run(campaign, given.out, Progress())
     print(found.sentence)
     for finding in (*campaign.findings, *found.findings):
         print(f"- {finding.sentence}")
-    print(f"\n{given.out / 'trace.json'}")
+    print()
+    for name in ("trace.json", "trace.html", "trace.pdf"):
+        print(given.out / name)
     return 0

@@ -1,0 +1,76 @@
+"""The page of a trace: where the residual lives, in figures with axes, units, a legend and the finding in their titles."""
+
+import re
+from dataclasses import replace
+
+import pytest
+from test_report_example import records, study, trace
+
+from workbench.identify.fit import passes_of
+from workbench.report import write
+from workbench.report.chapters import standard
+from workbench.report.contents import Figure, Items, Table
+from workbench.report.where import where as chapter
+from workbench.trace.result import NOTHING
+from workbench.trace.where import as_list, where
+
+
+@pytest.fixture(scope="module")
+def passes():
+    return passes_of(records(), 60.0)
+
+
+@pytest.fixture(scope="module")
+def found(passes):
+    return where(passes, trace())
+
+
+def figures(found) -> dict[str, Figure]:
+    return {b.name: b for b in chapter(found).blocks if isinstance(b, Figure)}
+
+
+def test_what_the_residual_follows_is_said_with_what_is_left_of_it(found):
+    first = next(b for b in chapter(found).blocks if isinstance(b, Items)).texts[0]
+    share = re.match(
+        r"Velocity and the way of motion explain (\d+)\u00a0% of the residual's power, and ([\d.]+)\u00a0% of", first
+    )
+    assert share and float(share[1]) > 50 and float(share[2]) < 10
+    assert figures(found)["where_torque_motion"].alt.count("Velocity and the way of motion explain") == 1
+    assert "Velocity and the way of motion explain" in figures(found)["where_torque_motion"].svg().decode()
+
+
+def test_axes_have_names_and_units_and_models_a_legend(found):
+    for name, labels in {
+        "where_torque_place": ("position (rad)", "place in a turn (rad)"),
+        "where_torque_motion": ("velocity (rad/s)", "distance since reversal (rad)", "load (mN\u00b7m)"),
+        "where_torque_time": ("time (s)", "sweep_slow", "orbit", "rms (mN\u00b7m)"),
+        "where_torque_spectra": ("frequency (Hz)", "order (1/rad)", "amplitude (mN\u00b7m)"),
+    }.items():
+        svg = figures(found)[name].svg().decode()
+        for label in (*labels, "declared model", "extended model"):
+            assert label in svg, (name, label)
+
+
+def test_of_a_model_with_nothing_missing_there_is_one_curve(passes):
+    found = where(passes, trace(NOTHING))
+    assert found[0].after is None
+    assert "extended model" not in figures(found)["where_torque_time"].svg().decode()
+    table = next(b for b in chapter(found).blocks if isinstance(b, Table))
+    assert [row[0] for row in table.rows] == ["backward", "at rest", "forward"]
+    assert len(table.columns) == 4
+
+
+def test_places_of_both_models_are_plain_numbers(found):
+    rows = as_list(found)
+    assert {r["model"] for r in rows} == {"declared", "extended"}
+    for r in rows:
+        assert r["low"] < r["high"] and 0 <= r["share"] <= 1 and r["sentence"].startswith("the residual")
+
+
+def test_the_page_of_a_trace_has_its_own_name_and_its_chapters_once(found, tmp_path):
+    result = replace(study(), where=found, kind="Trace of campaign")
+    titles = [c.title for c in standard(result)]
+    assert titles.count("Where the residual lives") == 1 and len(set(titles)) == len(titles)
+    write(result, tmp_path, "trace")
+    assert {"trace.html", "trace.pdf", "figures"} == {p.name for p in tmp_path.iterdir()}
+    assert "Trace of campaign bench_axis" in (tmp_path / "trace.html").read_text(encoding="utf-8")

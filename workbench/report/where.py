@@ -1,0 +1,177 @@
+"""Where the residual lives: small multiples of its mean and size over everything that it may follow, before and after."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from workbench.finding import capital
+from workbench.report import numbers
+from workbench.report import where_figures as figures
+from workbench.report.contents import Chapter, Figure, Items, Paragraph, Table
+from workbench.report.where_figures import SPREAD
+from workbench.report.wording import listed
+from workbench.trace.maps import BINS, MOTOR_TURN, POSITION_NAME, TIME, TURN, WAY
+from workbench.trace.places import Place, sentence
+from workbench.trace.spectra import STANDS_OUT
+from workbench.trace.where import Where
+
+FOLLOWS = 0.05  # share of the residual's power from which it is said to follow a coordinate
+CLOSELY = 0.3  # share from which that is the finding, rather than a window in which the residual is larger
+PLACES = (POSITION_NAME, TURN, MOTOR_TURN)
+
+
+def where(found: Sequence[Where]) -> Chapter:
+    """The chapter: over place, over motion, over time, over frequency and order; in the angle too, where there is one."""
+    text = (
+        "What a residual follows tells what it comes from. Below, the residual of the identification records is held "
+        "against each coordinate in bins, for each way of motion: its mean, with two standard errors (over visits to a bin, "
+        "since neighbouring samples are no independent witnesses), and its rms. A coordinate explains the share of the "
+        "residual's power that the means hold. Where a window of a coordinate holds plainly more of the residual than the "
+        "rest, it is the one whose variance differs most likely from the rest's."
+    )
+    blocks = [Paragraph(text)]
+    for w in found:
+        blocks += [Items(tuple(told(w))), *drawn(w), ways(w)]
+    return Chapter("Where the residual lives", tuple(blocks))
+
+
+def span(low: float, high: float, unit: str) -> str:
+    """Return "between 1.20 and 1.50 rad", with a prefix."""
+    factor, shown = numbers.prefixed(max(abs(low), abs(high)), unit)
+    return f"between {numbers.number(low * factor)} and {numbers.number(high * factor)}\u00a0{shown}"
+
+
+def name(w: Where) -> str:
+    return "residual" if w.of in ("torque", "force") else f"residual of the joint's {w.of}"
+
+
+def standing(w: Where) -> list[Place]:
+    return [p for p in w.before.places if p.stands_out]
+
+
+def told(w: Where) -> list[str]:
+    """Return sentences: what the residual follows most, and the places that stand out."""
+    best = ranked(w)[0]
+    share = w.before.explained(best)
+    if share >= FOLLOWS:
+        texts = [
+            f"{capital(best)} and the way of motion explain {numbers.percent(share)} of the {name(w)}'s power{then(w, best)}."
+        ]
+    else:
+        texts = [f"No coordinate explains more than {numbers.percent(max(share, 1e-3))} of the {name(w)}'s power."]
+    texts += [f"{capital(sentence(p, name(w), span))}{later(w, p)}." for p in standing(w)]
+    return texts
+
+
+def ranked(w: Where) -> list[str]:
+    """Return the coordinates, the one that explains most first."""
+    names = dict.fromkeys(m.coordinate for m in w.before.maps if not m.record)
+    return sorted(names, key=lambda n: -w.before.explained(n))
+
+
+def then(w: Where, coordinate: str) -> str:
+    """Return what a coordinate explains of the extended model's residual."""
+    if w.after is None:
+        return ""
+    return f", and {numbers.percent(w.after.explained(coordinate))} of what the extended model leaves"
+
+
+def later(w: Where, p: Place) -> str:
+    """Return whether a place stands out in the extended model's residual too."""
+    if w.after is None:
+        return ""
+    other = w.after.place(p.coordinate)
+    if other is None or not other.stands_out:
+        return "; in the extended model's residual nothing stands out there"
+    return f"; for the extended model {sentence(other, name(w), span)}"
+
+
+def drawn(w: Where) -> list[Figure]:
+    """Return the figures of one residual."""
+    coordinates = [c for c in dict.fromkeys(m.coordinate for m in w.before.maps) if c not in (WAY, TIME)]
+    rows = {"place": [c for c in coordinates if c in PLACES], "motion": [c for c in coordinates if c not in PLACES]}
+    made = [multiples(w, kind, chosen) for kind, chosen in rows.items()]
+    if w.before.over(TIME):
+        made.append(over_time(w))
+    return [*made, spectra(w)]
+
+
+def heading(w: Where, coordinates: Sequence[str]) -> str:
+    """Return which coordinate the residual follows; where it follows none closely, the place that stands out most."""
+    best = max(coordinates, key=w.before.explained)
+    share = w.before.explained(best)
+    places = [p for p in standing(w) if p.coordinate in coordinates]
+    if places and share < CLOSELY:
+        return capital(sentence(places[0], name(w), span))
+    if share < FOLLOWS:
+        return f"The {name(w)} follows none of these: {numbers.percent(share)} of its power at most"
+    return f"{capital(best)} and the way of motion explain {numbers.percent(share)} of the {name(w)}'s power{then(w, best)}"
+
+
+def both(w: Where) -> str:
+    return "of the declared and the extended model" if w.after else "of the declared model"
+
+
+def multiples(w: Where, kind: str, coordinates: Sequence[str]) -> Figure:
+    """Return one figure: a row a coordinate, backward motion on the left and forward motion on the right."""
+    title = heading(w, coordinates)
+    others = "; ".join(f"{c} explains {numbers.percent(w.before.explained(c))}" for c in coordinates)
+    caption = (
+        f"Residual of the {w.of} over {listed(coordinates)}: mean with two standard errors (line and area) and rms (dotted), "
+        f"{both(w)}. {capital(others)} of the declared model's."
+    )
+    return Figure(
+        f"where_{w.of}_{kind}",
+        lambda: figures.multiples(title, w, coordinates),
+        caption,
+        f"{2 * len(coordinates)} graphs, a row a coordinate. {title}. {others}.",
+    )
+
+
+def ways(w: Where) -> Table:
+    """Return the residual of each way of motion in numbers."""
+    found = [r.over(WAY)[0] for r in (w.before, w.after) if r]
+    factor, unit = numbers.prefixed(float(np.nanmax(found[0].rms)), w.unit)
+    rows = []
+    for k, way in enumerate(("backward", "at rest", "forward")):
+        share = numbers.percent(float(found[0].count[k] / found[0].count.sum()))
+        means = (numbers.plus_minus(float(m.mean[k]) * factor, SPREAD * float(m.error[k]) * factor) for m in found)
+        cells = ((mean, numbers.number(float(m.rms[k]) * factor)) for mean, m in zip(means, found, strict=True))
+        rows.append((way, share, *(c for pair in cells for c in pair)))
+    models = ("declared", "extended")[: len(found)]
+    columns = (
+        "way of motion",
+        "of the samples",
+        *(f"{what} ({unit}), {m}" for m in models for what in ("mean", "rms")),
+    )
+    caption = f"The residual of the {w.of} by the way of motion: mean with two standard errors, and rms."
+    return Table(columns, tuple(rows), caption, "lr" + "rr" * len(found))
+
+
+def over_time(w: Where) -> Figure:
+    """Return the residual on each record over time."""
+    records = [m.record for m in w.before.over(TIME)]
+    place = w.before.place(TIME)
+    title = capital(sentence(place, name(w), span)) if place else f"The {name(w)} on each record over time"
+    return Figure(
+        f"where_{w.of}_time",
+        lambda: figures.over_time(title, w),
+        f"Rms residual of the {w.of} in {BINS} stretches of each record, {both(w)}.",
+        f"{len(records)} graphs over time, one a record: {listed(records)}. {title}.",
+    )
+
+
+def spectra(w: Where) -> Figure:
+    """Return the residual over frequency and over order."""
+    frequency, order = w.before.spectra
+    low, high = frequency.band
+    there = span(low, high, "Hz") if low else f"below {numbers.scaled(high, 'Hz')}"
+    title = f"Half of the {name(w)}'s power lies {there}"
+    line, times = order.lines[0] if order.lines else (0.0, 0.0)
+    if times >= STANDS_OUT:
+        title += f"; order {numbers.exact(line, 3)} is {numbers.number(times, 2)} times the orders about it"
+    caption = (
+        f"Residual of the {w.of}, {both(w)}: density over frequency (top), and amplitude over order, the spectrum over "
+        f"position (bottom); an order of k has k waves in 2\u03c0 {'rad, a turn' if w.rotary else 'm'}."
+    )
+    return Figure(f"where_{w.of}_spectra", lambda: figures.spectra(title, w), caption, f"Two graphs. {title}.")

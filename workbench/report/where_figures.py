@@ -1,0 +1,110 @@
+"""The figures of where a residual lives. Each function returns SVG; what it shows is in its title."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from workbench.report import numbers
+from workbench.report.drawing import AFTER, BEFORE, MUTED, decades, svg
+from workbench.trace.maps import BACKWARD, FORWARD, STROKE, TIME, Map
+from workbench.trace.where import Residual, Where
+
+ROW = 1.3  # inches of a row
+HEAD = 0.95  # inches of title and legend
+SPREAD = 2.0  # standard errors of a mean that are drawn
+
+Model = tuple[str, Residual, dict]
+
+
+def models(w: Where) -> list[Model]:
+    """Return (label, residual, style) of each model."""
+    found = [("declared model", w.before, {"color": BEFORE})]
+    return found + ([("extended model", w.after, {"color": AFTER})] if w.after else [])
+
+
+def prefix(w: Where, coordinate: str | None = None) -> tuple[float, str]:
+    """Return (factor, unit) that suits the largest rms of all maps, or of those over one coordinate."""
+    chosen = [m.rms for m in w.before.maps if m.coordinate == (coordinate or m.coordinate)]
+    return numbers.prefixed(max(float(np.nanmax(r)) for r in chosen), w.unit)
+
+
+def multiples(title: str, w: Where, coordinates: Sequence[str]) -> bytes:
+    """Mean and rms over each coordinate: a row a coordinate, backward motion on the left and forward on the right."""
+    small, fine = prefix(w)
+
+    def draw(axes):
+        for k, coordinate in enumerate(coordinates):
+            for axis, way in zip(axes[2 * k : 2 * k + 2], (BACKWARD, FORWARD), strict=True):
+                for label, residual, style in models(w):
+                    m = next(m for m in residual.over(coordinate) if m.way == way)
+                    curve(axis, m, small, label, style)
+                axis.axhline(0, color=MUTED, linewidth=0.6)
+                axis.set_title(f"moving {way}" if k == 0 else "", loc="left", fontweight="normal")
+            axes[2 * k].set_ylabel(numbers.label("residual", fine))
+        legend(axes)
+
+    return svg(title, draw, rows=len(coordinates), columns=2, height=HEAD + ROW * len(coordinates))
+
+
+def curve(axis, m: Map, small: float, label: str, style: dict) -> None:
+    """Draw mean, its standard error and rms of one model over one coordinate."""
+    factor, shown = numbers.prefixed(float(np.max(np.abs(m.edges))), m.unit)
+    seen = m.count > 0
+    x, mean, error = m.centre[seen] * factor, m.mean[seen] * small, SPREAD * np.nan_to_num(m.error[seen]) * small
+    axis.fill_between(x, mean - error, mean + error, facecolor=style["color"], alpha=0.25, linewidth=0)
+    axis.plot(x, mean, **style, label=f"mean, {label}")
+    axis.plot(x, m.rms[seen] * small, ":", **style, linewidth=1.0, label=f"rms, {label}")
+    axis.margins(x=0.01)
+    if m.coordinate == STROKE:
+        axis.set_xscale("log")
+        decades(axis.xaxis)
+    elif m.coordinate != "velocity":  # whose two ways lie on two sides of zero
+        axis.set_xlim(*(factor * m.edges[[0, -1]]))
+    axis.set_xlabel(numbers.label(m.coordinate, shown))
+
+
+def legend(axes) -> None:
+    """Put one legend under the whole figure."""
+    handles, labels = axes[0].get_legend_handles_labels()
+    axes[0].figure.legend(handles, labels, loc="outside lower center", ncols=2)
+
+
+def over_time(title: str, w: Where) -> bytes:
+    """Rms of each record over its time, a row a record."""
+    small, fine = prefix(w, TIME)
+    rows = w.before.over(TIME)
+
+    def draw(axes):
+        for axis, m in zip(axes, rows, strict=True):
+            for label, residual, style in models(w):
+                one = next(o for o in residual.over(TIME) if o.record == m.record)
+                axis.stairs(one.rms * small, one.edges, **style, label=label)
+            axis.set_title(m.record.replace("$", r"\$"), loc="left", fontweight="normal")
+            axis.set_ylabel(numbers.label("rms", fine))
+            axis.set_ylim(bottom=0.0)
+            axis.margins(x=0.01)
+        axes[-1].set_xlabel("time (s)")
+        legend(axes)
+
+    return svg(title, draw, rows=len(rows), height=HEAD + 1.15 * len(rows))
+
+
+def spectra(title: str, w: Where) -> bytes:
+    """Density over frequency and amplitude over order, both logarithmic."""
+    small, fine = prefix(w)
+    x = "rad" if w.rotary else "m"
+
+    def draw(axes):
+        for label, residual, style in models(w):
+            frequency, order = residual.spectra
+            axes[0].semilogy(frequency.at, frequency.amplitude * small, **style, label=label)
+            axes[1].loglog(order.at, order.amplitude * small, **style, linewidth=0.9)
+        axes[0].set_xlabel("frequency (Hz)")
+        axes[0].set_ylabel(numbers.label("density", f"{fine}/\u221aHz"))
+        axes[1].set_xlabel(numbers.label("order", f"1/{x}"))
+        axes[1].set_ylabel(numbers.label("amplitude", fine))
+        for axis in (axes[0].yaxis, axes[1].yaxis, axes[1].xaxis):
+            decades(axis)
+        legend(axes)
+
+    return svg(title, draw, rows=2, height=4.2)
