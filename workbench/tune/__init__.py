@@ -2,6 +2,7 @@
 
 from workbench.tune.gains import Gains
 from workbench.tune.goal import TuningGoal
+from workbench.tune.measured import tune_within
 from workbench.tune.tuning import tune
 
-__all__ = ["Gains", "TuningGoal", "tune"]
+__all__ = ["Gains", "TuningGoal", "tune", "tune_within"]

@@ -18,7 +18,15 @@ ACTIVE = 2e-4  # relative distance from a limit, below which it stops the gains
 
 @one_thread
 def tune(
-    equivalent, inertia: float, viscous: float, goal: TuningGoal, loop, *, margins: bool = True, begin=None
+    equivalent,
+    inertia: float,
+    viscous: float,
+    goal: TuningGoal,
+    loop,
+    *,
+    margins: bool = True,
+    begin=None,
+    most_kp=None,
 ) -> Gains:
     """Return the PD gains of each amplitude that bring the linear axis into the band soonest, to stay.
 
@@ -27,12 +35,15 @@ def tune(
     equivalent: amplitude A, stiffness k_e and loss c_e w, arrays (n,), rad or m, and N*m/rad or N/m. inertia: J, kg*m^2 or
     kg. viscous: b, N*m*s/rad or N*s/m. loop: an object with sample_time, delay and velocity_filter, s. margins: also ask
     python-control for gain and phase margin. begin: (kp, kd) SI, (n,) each, where the program starts instead of where the
-    limits meet. The problem is stated in `tune.problem`; limits are those of `goal`, and the sampled loop is exact.
+    limits meet. most_kp: the largest Kp at each amplitude, SI, (n,), where something else limits it too. The problem is
+    stated in `tune.problem`; limits are those of `goal`, and the sampled loop is exact.
 
     WorkbenchError: arrays that are no description over increasing amplitudes, or no gains keep the goal (which limit).
     """
     axis = Axis.of(equivalent, inertia, viscous, loop)
     box = stable_box(axis)
+    if most_kp is not None:
+        box = np.minimum(box[0], np.asarray(most_kp, dtype=float) / axis.unit_kp), box[1]
     kp0, kd0, possible = start(axis, goal, box)
     if not possible.all():
         raise WorkbenchError(_impossible(axis, goal, possible))
