@@ -19,7 +19,7 @@ def test_help_names_every_verb(capsys):
         main(["--help"])
     assert stopped.value.code == 0
     said = capsys.readouterr().out
-    for verb in ("new", "run", "trace", "effects"):
+    for verb in ("new", "check", "run", "trace", "effects"):
         assert verb in said
 
 

@@ -187,6 +187,27 @@ def test_files_that_make_no_campaign_are_refused_and_nothing_is_left(axis, tmp_p
     assert [p.name for p in tmp_path.iterdir()] == ["log.csv"]
 
 
+def test_two_encoders_make_two_masses_and_a_load_that_stands_is_locked(tmp_path):
+    carried = Path(__file__).resolve().parent.parent / "studies" / "harmonic_drive_models" / "campaign"
+    new(tmp_path / "axis", sorted(carried.glob("*.csv.gz")))
+    found, known = load(tmp_path / "axis" / "campaign"), load(carried)
+    assert found.plant.kind == known.plant.kind == "two mass"
+    mine, theirs = ({r.name: (r.role, r.locked) for r in c.records} for c in (found, known))
+    assert mine == theirs
+    resolution = found.records[0].resolution
+    for name, step in known.records[0].resolution.items():
+        assert resolution[name] == pytest.approx(step, rel=1e-3)
+
+
+def test_of_two_forces_the_one_that_motion_explains_is_the_drive(axis, tmp_path):
+    table = foreign(axis[0]["val_moves"])
+    other = np.random.default_rng(2).normal(size=(len(table), 1))
+    file = csv(tmp_path / "log.csv", np.hstack([table[:, :1], other, table[:, 1:]]), "t,i1,i2,pos", "%.0f,%.3f,%.4f,%d")
+    file.write_text(file.read_text().replace("i1,i2", "i b,i a"), encoding="utf-8")
+    new(tmp_path / "axis", [file])
+    assert load(tmp_path / "axis" / "campaign").records[0].source.columns["torque"] == "i a"
+
+
 def test_what_the_user_says_comes_before_every_guess(axis, tmp_path):
     table = foreign(axis[0]["val_moves"])
     file = csv(tmp_path / "log.csv", table[:, [0, 2, 1]], "t,i,pos", "%.0f,%d,%.4f")  # wrong names

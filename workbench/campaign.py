@@ -9,7 +9,7 @@ from pathlib import Path
 from types import MappingProxyType
 
 from workbench import effect as fx
-from workbench.errors import WorkbenchError
+from workbench.errors import UnsoundRecord, WorkbenchError
 from workbench.finding import Finding
 from workbench.plant import KINDS, TWO_MASS, Geometry, Limits, Plant
 from workbench.readers import declaration
@@ -66,9 +66,11 @@ def load(folder: Path | str, *, resample: bool = False) -> Campaign:
     findings = (*assumptions(measured), *findings)
     rate, slowest = min((1 / r.dt, r.name) for r in frozen)
     if bandwidth >= BAND * rate:
-        raise WorkbenchError(
+        raise UnsoundRecord(
             f"{top.path('evaluation_bandwidth')} is {bandwidth:g} Hz, but record '{slowest}' is sampled at {rate:g} Hz; "
-            f"give less than {BAND * rate:g} Hz, or log faster."
+            f"give less than {BAND * rate:g} Hz, or log faster.",
+            "sampling rate",
+            slowest,
         )
     return Campaign(folder, title, plant, frozen, bandwidth, findings, {k: n for k, n in notes.items() if n})
 

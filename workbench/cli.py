@@ -10,10 +10,11 @@ from collections.abc import Sequence
 
 from workbench import __version__
 from workbench.errors import INTERNAL_ERROR, USER_ERROR, WorkbenchError
-from workbench.verbs import diff, effects, new, plan, replay, response, run, trace
+from workbench.verbs import check, diff, effects, new, plan, replay, response, run, trace
 
 VERBS = {
     "new": new,
+    "check": check,
     "run": run,
     "trace": trace,
     "plan": plan,

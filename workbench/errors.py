@@ -11,6 +11,14 @@ class WorkbenchError(Exception):
     """Something that the user can mend. The message is a whole sentence; no traceback is shown for it."""
 
 
+class UnsoundRecord(WorkbenchError):
+    """A record that cannot be used as it was measured. kind: as a Finding sorts it. record: which."""
+
+    def __init__(self, sentence: str, kind: str, record: str):
+        super().__init__(sentence)
+        self.kind, self.record = kind, record
+
+
 def nearest(name: str, names: Iterable[str], most: int = 3) -> str:
     """Return the names closest to `name` as a clause, "did you mean 'a' or 'b'?", or the whole list where none is close."""
     names = sorted(set(names))

@@ -97,18 +97,18 @@ def _time(columns: Columns, told: Mapping[str, str]) -> Guess:
 
 def _pair(columns: Columns, rest: Sequence[str], told: Mapping[str, str], time: Guess) -> tuple[Guess, Guess]:
     """Return drive and position: by name, else the pair of columns in which motion explains the drive best."""
-    drives = [told["drive"]] if "drive" in told else _ranked(columns, rest, DRIVES)
-    positions = [told["position"]] if "position" in told else _ranked(columns, rest, ("position",))
+    drives = [told["drive"]] if "drive" in told else _likeliest(columns, rest, DRIVES)
+    positions = [told["position"]] if "position" in told else _likeliest(columns, rest, ("position",))[:1]
     open_ = [n for n in rest if columns.meanings[n].kind == "" and "error" not in columns.meanings[n].quality]
     by_name = {"drive": bool(drives), "position": bool(positions)}
-    drives, positions = drives[:1] or open_, positions[:1] or open_
+    drives, positions = drives or open_, positions or open_
     best, score = None, -np.inf
     for d in drives:
         for p in positions:
             if d != p:
                 explained = _explained(columns, d, p, time) if len(drives) * len(positions) > 1 else 1.0
                 best, score = ((d, p), explained) if explained > score else (best, score)
-    if best is None or score < EXPLAINED:
+    if best is None or (score < EXPLAINED and not all(by_name.values())):
         raise WorkbenchError(
             f"{columns.surveys[0].path}: which column is the drive's torque, force or current and which the position cannot "
             f"be told from the names or the data ({', '.join(rest) or 'none is left'}); say --channel drive=COLUMN "
@@ -123,17 +123,16 @@ def _pair(columns: Columns, rest: Sequence[str], told: Mapping[str, str], time: 
     return _drive(columns, best[0], reasons["drive"]), _position(columns, best[1], reasons["position"])
 
 
-def _ranked(columns: Columns, names: Sequence[str], kinds: Sequence[str]) -> list[str]:
-    """Return the columns of these quantities: measured ones first, set values last, and no errors or loads."""
+def _likeliest(columns: Columns, names: Sequence[str], kinds: Sequence[str]) -> list[str]:
+    """Return the columns of these quantities that come first: measured before set values, and no errors or loads."""
 
     def rank(n: str):
         m = columns.meanings[n]
         return ("reference" in m.quality, "measured" not in m.quality, kinds.index(m.kind))
 
-    return sorted(
-        (n for n in names if columns.meanings[n].kind in kinds and not {"error", "load"} & columns.meanings[n].quality),
-        key=rank,
-    )
+    fit = [n for n in names if columns.meanings[n].kind in kinds]
+    fit = [n for n in fit if not {"error", "load"} & columns.meanings[n].quality]
+    return [n for n in fit if rank(n) == min(map(rank, fit))]
 
 
 def _explained(columns: Columns, drive: str, position: str, time: Guess) -> float:
@@ -181,8 +180,8 @@ def _others(columns: Columns, rest: Sequence[str], told: Mapping[str, str], posi
             found.setdefault("load_position", Guess("load_position", n, unit, "its name says so"))
         elif m.kind == "velocity" and "reference" not in m.quality and m.unit and m.unit != "count":
             found.setdefault("velocity", Guess("velocity", n, m.unit, "its name and unit say so"))
-        elif m.kind == "temperature" and m.unit:
-            found.setdefault("temperature", Guess("temperature", n, m.unit, "its name and unit say so"))
+        elif m.kind in ("temperature", "normal") and m.unit:
+            found.setdefault(m.kind, Guess(m.kind, n, m.unit, "its name and unit say so"))
         elif "reference" in m.quality and m.kind in ("", "position"):
             found.setdefault("reference", Guess("reference", n, unit, "its name says so"))
         elif m.kind in ("", "position") and like > SMOOTH:

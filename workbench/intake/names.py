@@ -15,6 +15,7 @@ QUANTITIES = {
     "position": "p pos position q qm x angle ang theta phi enc encoder lage winkel weg istlage",
     "velocity": "v vel velocity speed spd omega w dq qd drehzahl geschwindigkeit",
     "temperature": "temp temperature temperatur housing",
+    "normal": "normal normalkraft",
 }
 QUALITIES = {
     "reference": "ref reference set setpoint soll sollwert sp cmd command commanded target demand desired des qg qr goal",
@@ -104,4 +105,9 @@ def fits(unit: str, kind: str) -> bool:
     found = kind_of(unit)
     if found == "":
         return kind in drive and unit in ("percent", "permille")
-    return found == kind or (found in drive and kind in drive) or (unit == "count" and kind == "time")
+    return (
+        found == kind
+        or (found == "force" and kind == "normal")
+        or (found in drive and kind in drive)
+        or (unit == "count" and kind == "time")
+    )

@@ -1,7 +1,7 @@
 """From guessed channels to a proposed campaign: scales, encoder steps, roles, bandwidth, each with its reason."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -41,7 +41,10 @@ class Channel:
 
 @dataclass(frozen=True)
 class Entry:
-    """One [[records]] of the proposed campaign. survey: which file. until, counts_from: s, where a file is parted."""
+    """One [[records]] of the proposed campaign. survey: which file. until, counts_from: s, where a file is parted.
+
+    locked: the load's encoder stands while the motor's moves.
+    """
 
     survey: int
     role: str
@@ -49,14 +52,16 @@ class Entry:
     name: str = ""
     until: float | None = None
     counts_from: float | None = None
+    locked: bool = False
 
 
 @dataclass(frozen=True)
 class Proposal:
-    """rotary: torque over rad, else force over m. bandwidth, rate: Hz. uneven: time steps off, or 0. peak: largest drive,
+    """two_mass: with an encoder on the load. rotary: torque over rad, else force over m. bandwidth, rate: Hz. uneven: time steps off, or 0. peak: largest drive,
     as logged. travel: of the position, as logged.
     """
 
+    two_mass: bool
     rotary: bool
     channels: tuple[Channel, ...]
     entries: tuple[Entry, ...]
@@ -83,10 +88,16 @@ def proposal(columns: Columns, guesses: Sequence[Guess]) -> Proposal:
     for guess, scale in zip(guesses, scales, strict=True):
         step, why = _resolution(columns.of(guess.column)) if "position" in guess.channel else (0.0, "")
         channels.append(Channel(guess, scale, step, why))
+    load = next((g.column for g in guesses if g.channel == "load_position"), None)
+    entries = _entries(columns, clocks, places, rates, bands)
+    if load:
+        still = [not np.ptp(x) > 0 for x in columns.of(load)]
+        entries = tuple(replace(e, locked=still[e.survey]) for e in entries)
     return Proposal(
+        two_mass=load is not None,
         rotary=not linear,
         channels=tuple(channels),
-        entries=_entries(columns, clocks, places, rates, bands),
+        entries=entries,
         bandwidth=_rounded(min(max(bands), signals.HIGHEST * min(rates))),
         rate=min(rates),
         uneven=sum(_uneven(t) for t in clocks),

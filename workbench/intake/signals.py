@@ -39,14 +39,15 @@ def quantum(values: np.ndarray) -> float:
     if moved.size < 10:
         return 0.0
     step = float(np.min(moved))
-    step = float(np.median(moved[moved < 1.5 * step]))  # rounded decimals scatter about it
-    ratio = moved / step
-    off = np.abs(ratio - np.round(ratio))
-    small = ratio < 10.5  # beyond these, rounding of the step itself adds up
-    several = np.unique(np.round(ratio[small])).size > 1 or still > 0.1  # a constant speed has equal increments, too
-    whole = np.mean(off[small] < 0.1) >= WHOLE and np.mean(small) > 0.05 and several
-    counts = np.round(ratio[small])  # all of them say the step more exactly than the smallest
-    return float(moved[small] @ counts / (counts @ counts)) if whole else 0.0
+    for reach in (1.5, 3.5, 10.5):  # decimals are rounded: the more counts, the more exactly they say the step
+        few = moved[moved < reach * step]
+        counts = np.round(few / step)
+        step = float(few @ counts / (counts @ counts))
+    few = moved[moved < 10.5 * step]
+    counts = np.round(few / step)
+    several = np.unique(counts).size > 1 or still > 0.1  # a constant speed has equal increments, too
+    whole = np.mean(np.abs(few / step - counts) < 0.1) >= WHOLE and few.size > 0.05 * moved.size
+    return step if whole and several else 0.0
 
 
 @dataclass(frozen=True)

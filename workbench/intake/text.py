@@ -6,10 +6,14 @@ from collections.abc import Sequence
 from workbench.intake.proposal import Channel, Proposal
 from workbench.units import effect_unit
 
-MODEL = (
-    ("inertia", "inertia", "F*s^2/x"),
-    ("viscous_friction", "viscous", "F*s/x"),
-    ("coulomb_friction", "coulomb", "F"),
+INERTIA, VISCOUS = ("inertia", "inertia", "F*s^2/x"), ("viscous_friction", "viscous", "F*s/x")
+COULOMB = ("coulomb_friction", "coulomb", "F")
+ONE_MASS = tuple(("axis", *effect) for effect in (INERTIA, VISCOUS, COULOMB))
+TWO_MASS = (
+    *(("motor", *effect) for effect in (INERTIA, VISCOUS, COULOMB)),
+    *(("load", *effect) for effect in (INERTIA, VISCOUS)),
+    ("joint", "linear_stiffness", "stiffness", "F/x"),
+    ("joint", "linear_damping", "damping", "F*s/x"),
 )
 
 
@@ -20,7 +24,9 @@ def campaign_text(title: str, p: Proposal, files: Sequence[str]) -> str:
         *(["# Every line that says `assumed = true` waits for a number from a data sheet."] if _assumed(p) else []),
         "",
         f"title = {json.dumps(title, ensure_ascii=False)}",
-        'plant = "one mass"  # or "two mass", with an encoder on the motor and one on the load',
+        'plant = "two mass"  # an encoder on the motor and one on the load'
+        if p.two_mass
+        else 'plant = "one mass"  # or "two mass", with an encoder on the motor and one on the load',
         f'evaluation_bandwidth = {{ value = {p.bandwidth!r}, unit = "Hz" }}  # models are compared below it; up to here the '
         "position's spectrum stands above its noise",
         *_limits(p),
@@ -33,8 +39,8 @@ def campaign_text(title: str, p: Proposal, files: Sequence[str]) -> str:
         "",
         "# The model that the workbench begins with; it says itself what this lacks. All parameters are fitted.",
     ]
-    for effect, parameter, unit in MODEL:
-        said += ["[[effects]]", f'effect = "{effect}"', 'at = "axis"']
+    for at, effect, parameter, unit in TWO_MASS if p.two_mass else ONE_MASS:
+        said += ["[[effects]]", f'effect = "{effect}"', f'at = "{at}"']
         said += [
             f'parameters.{parameter} = {{ value = 0.0, unit = "{effect_unit(unit, p.rotary)}", fixed = false }}',
             "",
@@ -43,6 +49,7 @@ def campaign_text(title: str, p: Proposal, files: Sequence[str]) -> str:
         said += ["[[records]]", f"file = {json.dumps(files[e.survey], ensure_ascii=False)}"]
         said += [f'name = "{e.name}"'] if e.name else []
         said.append(f'role = "{e.role}"  # {e.why}')
+        said += ["load_locked = true  # the load's encoder stands"] if e.locked else []
         for key, value in (("until", e.until), ("counts_from", e.counts_from)):
             said += [f'{key} = {{ value = {value!r}, unit = "s" }}'] if value is not None else []
         said.append("")

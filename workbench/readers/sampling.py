@@ -4,7 +4,7 @@ from collections.abc import Callable, Mapping
 
 import numpy as np
 
-from workbench.errors import WorkbenchError
+from workbench.errors import UnsoundRecord
 from workbench.finding import Finding
 
 FEWEST = 100  # samples
@@ -24,22 +24,26 @@ def uniform(
 
     time: (n,) s. channels: name -> (n,). place: sample number -> "file, row". Every step must be within 1 % of the median
     step; with resample=True, channels are interpolated linearly at the median step from the first sample on, and the
-    finding (kind "resampled", subject `name`) says how many steps were off and the longest. Raises WorkbenchError with
+    finding (kind "resampled", subject `name`) says how many steps were off and the longest. Raises UnsoundRecord with
     file and row for time that does not increase, a step that is off, and a gap longer than ten steps.
     """
     if time.size < FEWEST:
-        raise WorkbenchError(
+        raise UnsoundRecord(
             f"{place(time.size - 1)}: the record ends after {time.size} samples; at least {FEWEST} are needed, so "
-            "measure longer."
+            "measure longer.",
+            "short record",
+            name,
         )
     with np.errstate(over="ignore"):  # an infinite step is a gap
         steps = np.diff(time)
     back = np.flatnonzero(steps <= 0)
     if back.size:
         k = int(back[0]) + 1
-        raise WorkbenchError(
+        raise UnsoundRecord(
             f"{place(k)}: time does not increase ({time[k - 1]:.9g} s, then {time[k]:.9g} s); sort the rows, or split "
-            "the record where the clock restarts."
+            "the record where the clock restarts.",
+            "time",
+            name,
         )
     median = float(np.median(steps))
     off = np.flatnonzero(np.abs(steps - median) > TOLERANCE * median)
@@ -47,15 +51,19 @@ def uniform(
         return time, channels, None
     worst = int(np.argmax(steps))
     if steps[worst] > LONGEST_GAP * median:
-        raise WorkbenchError(
+        raise UnsoundRecord(
             f"{place(worst + 1)}: a gap of {steps[worst]:.6g} s in time, {steps[worst] / median:.0f} median steps of "
-            f"{median:.6g} s; split the record there into two files."
+            f"{median:.6g} s; split the record there into two files.",
+            "dropped samples",
+            name,
         )
     if not resample:
         k = int(off[0])
-        raise WorkbenchError(
+        raise UnsoundRecord(
             f"{place(k + 1)}: the time step is {steps[k]:.6g} s and the median step {median:.6g} s, more than 1 % apart "
-            f"({off.size} of {steps.size} steps are); log at one rate, or allow resampling (--resample)."
+            f"({off.size} of {steps.size} steps are); log at one rate, or allow resampling (--resample).",
+            "dropped samples",
+            name,
         )
     return _resampled(name, time, channels, median, off.size)
 

@@ -1,0 +1,188 @@
+"""Faults put into measured campaigns are found by name; sound campaigns, measured and simulated, have no findings.
+
+The faults are made by tests/faults.py and the simulated campaigns by tests/rig.py, which share nothing with the workbench.
+"""
+
+import math
+import os
+import resource
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+import rig
+from faults import Folder, clip, drop, faster, freeze, late, times
+
+from workbench.check.channels import _leaps, runs
+from workbench.check.checking import check
+from workbench.cli import main
+from workbench.intake.new import new
+
+ROOT = Path(__file__).resolve().parent.parent
+CARRIED = {
+    "axis": ROOT / "studies" / "harmonic_drive_axis" / "campaign",
+    "models": ROOT / "studies" / "harmonic_drive_models" / "campaign",
+}
+DEGREES = 180 / math.pi
+
+# (campaign, what is done to it, in which records (all where none), the finding's name)
+FAULTS = [
+    ("axis", times("drive", -1), (), "drive sign"),
+    ("axis", times("drive", -1), ("id_multisine",), "drive sign"),
+    ("axis", times("position", -1), (), "encoder sign"),
+    ("axis", times("drive", 10), (), "drive scale"),
+    ("axis", times("drive", 2), ("id_staircase",), "drive scale"),
+    ("axis", times("position", DEGREES), (), "encoder scale"),
+    ("axis", times("time", 1e3), (), "sampling rate"),
+    ("axis", clip("drive", 0.9), ("id_staircase",), "clipped"),
+    ("axis", clip("position", 0.7), (), "clipped"),
+    ("axis", drop(5, 1, clock=False), ("id_staircase",), "dropped samples"),
+    ("axis", freeze("position", 0.05), ("val_moves",), "frozen"),
+    ("axis", late("drive", 4e-3), (), "misaligned"),
+    ("models", times("load_position", -1), (), "encoder sign"),
+    ("models", times("load_position", DEGREES), (), "encoder scale"),
+    ("models", times("drive", 30), (), "drive scale"),
+    ("models", late("load_position", 5e-3), (), "misaligned"),
+    ("models", freeze("load_position", 0.1), ("id_multisine",), "frozen"),
+    ("c01", faster(0.5), (), "time scale"),
+    ("c01", clip("drive", 0.5), (), "clipped"),
+    ("c02", times("position", -1), (), "encoder sign"),
+    ("c02", clip("load_position", 0.6), (), "clipped"),
+    ("c03", freeze("position", 0.02), ("id_slow_sine",), "frozen"),
+    ("c04", drop(5, 3, clock=True), ("id_multisine",), "dropped samples"),
+    ("c04", drop(3, 30, clock=True), ("id_staircase",), "dropped samples"),
+    ("c05", clip("position", 0.6), ("id_multisine",), "clipped"),
+    ("c06", freeze("drive", 0.1), ("id_multisine",), "frozen"),
+    ("c07", faster(2.0), (), "time scale"),
+    ("c08", times("drive", -1), (), "drive sign"),
+    ("c09", times("drive", -1), (), "drive sign"),
+    ("c09", times("position", 1e3), (), "encoder scale"),
+    ("c09", times("time", 1e-3), (), "sampling rate"),
+    ("c09", late("position", 3e-3), (), "misaligned"),
+    ("c10", times("drive", 1e-3), (), "drive scale"),
+    ("c11", late("drive", 3e-3), (), "misaligned"),
+    ("c14", times("drive", 1e-3), (), "drive scale"),
+    ("c14", faster(2.5), (), "time scale"),
+]
+# A wrong clock is a wrong rate as well, and starts at another time than is declared.
+TOGETHER = {"time scale": {"sampling rate"}, "sampling rate": {"start time"}}
+
+
+@pytest.mark.parametrize(("campaign", "fault", "records", "name"), FAULTS)
+def test_a_fault_is_found_by_its_name(request, tmp_path, campaign, fault, records, name):
+    original = CARRIED[campaign] if campaign in CARRIED else request.getfixturevalue("campaigns") / campaign
+    Folder(original, tmp_path / "c").change(fault, *records)
+    found = check(tmp_path / "c")
+    kinds = {f.kind for f in found}
+    assert name in kinds and kinds <= {name} | TOGETHER.get(name, set()), found
+    if records:
+        assert {f.subject.split(".")[0] for f in found} == set(records)
+    for f in found:
+        assert any(c.isdigit() for c in f.sentence) and f.sentence[-1] == "." and f.remedy[-1] == "."
+
+
+@pytest.mark.parametrize("name", [*CARRIED, *(f"c{k:02d}" for k in range(1, 15))])
+def test_a_campaign_as_it_was_measured_has_no_findings(request, name):
+    folder = CARRIED[name] if name in CARRIED else request.getfixturevalue("campaigns") / name
+    assert check(folder) == ()
+
+
+@pytest.mark.parametrize(
+    ("seed", "missing", "size"),
+    [(1, (), 1.0), (2, ("transport_delay",), 3.0), (3, ("gravity", "constant_offset"), 3.0), (4, ("inertia",), 3.0),
+     (5, ("actuator_lag",), 3.0), (6, ("slip_moments", "friction_drift"), 3.0)],
+)  # fmt: skip
+def test_what_a_model_lacks_is_no_fault_of_the_records(tmp_path, seed, missing, size):
+    rig.campaign(tmp_path / "c", seed, missing, size, short=True)
+    assert check(tmp_path / "c") == ()
+
+
+def test_measured_data_of_other_rigs_has_only_the_findings_that_are_true(data, tmp_path):
+    new(tmp_path / "emps", [data / "emps" / "DATA_EMPS.mat", data / "emps" / "DATA_EMPS_PULSES.mat"])
+    assert [f.kind for f in check(tmp_path / "emps" / "campaign")] == ["assumed scale"]
+    new(tmp_path / "rig", [data / "friction_rig" / "reciprocating_friction.csv.gz"])
+    (found,) = check(tmp_path / "rig" / "campaign")
+    assert found.kind == "dropped samples" and "179 of 42578" in found.sentence
+
+
+def test_records_that_do_not_excite_a_parameter_are_said(tmp_path):
+    """Only the staircase is fitted, and of it only rest and the first step, which goes one way."""
+    rig.campaign(tmp_path / "c", 1, (), short=True)
+    folder = Folder(tmp_path / "c", tmp_path / "d")
+    head, *records = (folder.place / "campaign.toml").read_text(encoding="utf-8").split("[[records]]")
+    start = next(r["start_time_s"] for r in folder.declared["records"] if "staircase" in r["file"])
+    first = f'until = {{ value = {start + 1.5}, unit = "s" }}\nrole'
+    records = [
+        r.replace("role", first) if "staircase" in r else r.replace('"identification"', '"validation"') for r in records
+    ]
+    (folder.place / "campaign.toml").write_text("[[records]]".join([head, *records]), encoding="utf-8")
+    found = {f.subject: f for f in check(tmp_path / "d")}
+    assert {f.kind for f in found.values()} == {"excitation missing"}
+    assert {"presliding_hysteresis@axis.h0", "presliding_hysteresis@axis.x0"} <= set(found)
+    assert "one way only" in found["presliding_hysteresis@axis.h0"].sentence
+    assert "reverses" in found["presliding_hysteresis@axis.x0"].remedy
+
+
+def test_an_encoder_that_never_moves_is_said_without_a_claim_on_the_axis(tmp_path):
+    def still(table):
+        table["position"][:] = table["position"][0]
+
+    Folder(CARRIED["axis"], tmp_path / "c").change(still, "id_staircase")
+    (found,) = check(tmp_path / "c")
+    assert (found.kind, found.subject) == ("frozen", "id_staircase.position") and "axis moves" not in found.sentence
+
+
+def test_an_encoder_too_coarse_for_the_stroke_of_friction_is_said(tmp_path):
+    rig.campaign(tmp_path / "c", 1, (), short=True)
+    Folder(tmp_path / "c", tmp_path / "d").declare("resolution = 4.848e-06", "resolution = 1e-3")
+    assert "encoder resolution" in {f.kind for f in check(tmp_path / "d")}
+
+
+def test_a_log_too_slow_for_the_bandwidth_is_said(tmp_path):
+    rig.campaign(tmp_path / "c", 1, (), short=True)
+    Folder(tmp_path / "c", tmp_path / "d").declare("value = 150.0", "value = 300.0")
+    (found,) = [f for f in check(tmp_path / "d") if f.kind == "sampling rate"]
+    assert "1000 Hz" in found.sentence and "1200 Hz" in found.sentence and "250 Hz" in found.remedy
+
+
+def test_the_command_says_each_finding_with_its_remedy_and_exits_with_1(tmp_path, capsys):
+    shutil.copytree(CARRIED["axis"].parent, tmp_path / "axis")
+    assert main(["check", str(tmp_path / "axis")]) == 0
+    assert "Nothing was found" in capsys.readouterr().out
+    Folder(CARRIED["axis"], tmp_path / "c").change(times("drive", -1))
+    assert main(["check", str(tmp_path / "c")]) == 1
+    said = capsys.readouterr().out
+    assert said.startswith("drive sign: In record") and "Turn the sign of the drive" in said and "1 finding" in said
+
+
+def test_a_study_without_a_campaign_cannot_be_checked_and_says_so(monkeypatch, capsys):
+    monkeypatch.chdir(ROOT)
+    assert main(["check", "emps"]) == 2
+    assert "only a campaign can be checked" in capsys.readouterr().err
+
+
+def test_a_check_takes_less_than_two_seconds():
+    """Of processor time, with kernels and bytecode in their caches, as on any second call; start-up is part of it."""
+    environment = {k: v for k, v in os.environ.items() if k != "PYTHONDONTWRITEBYTECODE"}
+    command = [sys.executable, "-m", "workbench.cli", "check", str(CARRIED["models"])]
+    command[1:3] = ["-c", "import sys; from workbench.cli import main; sys.exit(main())"]
+    taken = []
+    for _ in range(3):
+        before = resource.getrusage(resource.RUSAGE_CHILDREN)
+        subprocess.run(command, cwd=ROOT, env=environment, check=True, capture_output=True)
+        after = resource.getrusage(resource.RUSAGE_CHILDREN)
+        taken.append(after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime)
+    assert min(taken) < 2.0
+
+
+def test_runs_are_maximal():
+    assert [(r.first, r.last) for r in runs(np.array([1, 1, 2, 3, 3, 3, 0, 0.0]), 2)] == [(0, 1), (3, 5), (6, 7)]
+
+
+def test_a_missing_sample_is_found_where_it_is_and_quantised_motion_has_none():
+    position = np.round(1e4 * np.sin(np.linspace(0, 3, 3000)))
+    assert _leaps(position, 1.0).size == 0
+    assert _leaps(np.delete(position, [700, 701, 702]), 1.0).tolist() == [700]

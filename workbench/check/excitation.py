@@ -1,0 +1,31 @@
+"""Missing excitation of each declared parameter, as identification would say it after a fit."""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from workbench.check.seen import Seen
+from workbench.finding import Finding
+from workbench.identify import findings, intervals
+from workbench.identify.fit import fitted_on
+from workbench.identify.problem import Problem
+from workbench.identify.solve import Solution, cost_at
+
+
+def missing(seen: Seen) -> Iterator[Finding]:
+    """Say which free parameters the identification records do not excite, the shape parameters as declared."""
+    problem = Problem(seen.campaign.plant, fitted_on(seen.passes))
+    theta = problem.start()
+    cost, c, y, phi = cost_at(problem, theta)
+    if not np.isfinite(cost):
+        yield Finding(
+            "no value", "plant",
+            "An effect of the declared plant has no value on these records.",
+            {}, "Check the declared parameters and their units.",
+        )  # fmt: skip
+        return
+    solution = Solution(theta, c, y, phi, cost, np.zeros((y.size, theta.size)))
+    names, covariance, t, _ = intervals.covariance(problem, solution)
+    half = dict(zip(names, t * np.sqrt(np.maximum(np.diag(covariance), 0.0)), strict=True))
+    noise = float(np.sqrt(np.mean(solution.residual**2)))
+    yield from findings.excitation(problem, solution, half, noise)
