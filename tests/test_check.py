@@ -143,7 +143,7 @@ def test_an_encoder_too_coarse_for_the_stroke_of_friction_is_said(tmp_path):
 
 def test_a_log_too_slow_for_the_bandwidth_is_said(tmp_path):
     rig.campaign(tmp_path / "c", 1, (), short=True)
-    Folder(tmp_path / "c", tmp_path / "d").declare("value = 150.0", "value = 300.0")
+    Folder(tmp_path / "c", tmp_path / "d").declare("value = 150", "value = 300")
     (found,) = [f for f in check(tmp_path / "d") if f.kind == "sampling rate"]
     assert "1000 Hz" in found.sentence and "1200 Hz" in found.sentence and "250 Hz" in found.remedy
 

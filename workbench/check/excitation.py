@@ -11,6 +11,9 @@ from workbench.identify.fit import fitted_on
 from workbench.identify.problem import Problem
 from workbench.identify.solve import Solution, cost_at
 
+BLOCK = 0.05  # s
+QUIET = 0.1  # share of the blocks that are taken for noise alone
+
 
 def missing(seen: Seen) -> Iterator[Finding]:
     """Say which free parameters the identification records do not excite, the shape parameters as declared."""
@@ -27,5 +30,10 @@ def missing(seen: Seen) -> Iterator[Finding]:
     solution = Solution(theta, c, y, phi, cost, np.zeros((y.size, theta.size)))
     names, covariance, t, _ = intervals.covariance(problem, solution)
     half = dict(zip(names, t * np.sqrt(np.maximum(np.diag(covariance), 0.0)), strict=True))
-    noise = float(np.sqrt(np.mean(solution.residual**2)))
-    yield from findings.excitation(problem, solution, half, noise)
+    yield from findings.excitation(problem, solution, half, noise(problem, solution), "noise")
+
+
+def noise(problem: Problem, solution: Solution) -> float:
+    """Return rms of the residual where it is quietest: elsewhere it is what the model lacks, and no want of excitation."""
+    blocks = [float(np.sqrt(np.mean(solution.residual[b] ** 2))) for b in problem.blocks(BLOCK)]
+    return float(np.quantile(blocks, QUIET))

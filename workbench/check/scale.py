@@ -15,6 +15,7 @@ from workbench.units import effect_unit
 # A data sheet's inertia is off by tens of per cent where a coupling or a payload was left out; units and gear ratios
 # are off by more.
 FACTOR = 1.5
+FRICTION = 3.0  # by which friction itself may differ between two records: cold grease, a drift over hours
 CLEAR = 3.0  # times the residual that the own part of inertia must be: what a model lacks is then less than FACTOR
 LIKE = 0.7  # correlation with what the other records predict, from which a record's own scale is read
 # Logarithmic spread of what is declared about what is true, by which the cause of a wrong scale is told.
@@ -49,16 +50,18 @@ class Ratio:
 class Pooled:
     """Least squares over several records. own: parameter -> rms of its part that no other parameter can take over.
 
-    left: rms of the residual, on the scale of `own`.
+    whole: parameter -> rms of its part. left: rms of the residual. All three on one scale.
     """
 
     values: dict[str, float]
     own: dict[str, float]
+    whole: dict[str, float]
     left: float
 
     def clear(self, name: str) -> bool:
-        """Whether a parameter's own part stands out of the residual, so that what the model lacks cannot stand for it."""
-        return self.own.get(name, 0.0) > CLEAR * self.left
+        """Whether a parameter's own part is most of it and stands out of the residual: nothing else can stand for it."""
+        own = self.own.get(name, 0.0)
+        return own > max(CLEAR * self.left, 0.5 * self.whole.get(name, 0.0))
 
 
 def pooled(balances: Sequence[Balance]) -> Pooled:
@@ -77,8 +80,8 @@ def pooled(balances: Sequence[Balance]) -> Pooled:
     scaled = inverse @ (moment / norms)
     own = np.abs(scaled) / np.sqrt(np.maximum(np.diag(inverse), 1e-300))
     left = float(np.sqrt(max(power - scaled @ (moment / norms), 0.0)))
-    fitted = (scaled / norms).tolist()
-    return Pooled(dict(zip(names, fitted, strict=False)), dict(zip(names, own.tolist(), strict=False)), left)
+    values, own, whole = (dict(zip(names, x.tolist(), strict=False)) for x in (scaled / norms, own, np.abs(scaled)))
+    return Pooled(values, own, whole, left)
 
 
 def predicted(b: Balance, fit: Pooled) -> np.ndarray:
@@ -96,32 +99,39 @@ def jackknife(balances: Sequence[Balance]) -> Iterator[Pooled]:
         yield pooled([h for h in halves if h is not out])
 
 
-def beyond(factors: Sequence[float]) -> bool:
-    """Whether all factors lie beyond FACTOR, on one side."""
-    logs = np.log(np.maximum(factors, 1e-300))
-    return bool(np.all(logs > np.log(FACTOR)) or np.all(logs < -np.log(FACTOR)))
+def beyond(logs: Sequence[float], factor: float) -> bool:
+    """Whether all logarithms of factors lie beyond `factor`, on one side."""
+    return bool(np.all(np.array(logs) > np.log(factor)) or np.all(np.array(logs) < -np.log(factor)))
 
 
-def own_scales(balances: Sequence[Balance]) -> dict[str, float]:
-    """Return record -> factor of its drive over what all others predict, where it is beyond FACTOR and the rest agree."""
+def own_scales(balances: Sequence[Balance], inertia: str) -> dict[str, float]:
+    """Return record -> factor of its drive over what all others ask for, where it is too large and the rest agree."""
     left, odd = list(balances), {}
     while len(left) > 2:
-        factors = {b.record.name: _factor(b, pooled([x for x in left if x is not b])) for b in left}
-        worst = max(left, key=lambda b: abs(np.log(factors[b.record.name])))
-        if not beyond([factors[worst.record.name]]):
-            return odd
+        # inertia does not change between records; friction does, with temperature and wear
+        limits = {b.record.name: FACTOR if pooled([b]).clear(inertia) else FRICTION for b in left}
+        logs = {b.record.name: _own(b, pooled([x for x in left if x is not b]), inertia) for b in left}
+        worst = max(left, key=lambda b: abs(logs[b.record.name]) / np.log(limits[b.record.name]))
+        name = worst.record.name
         left.remove(worst)
-        if not beyond([_factor(worst, fit) for fit in jackknife(left)]):
+        if not beyond([logs[name], *(_own(worst, fit, inertia) for fit in jackknife(left))], limits[name]):
             return odd
-        odd[worst.record.name] = factors[worst.record.name]
+        odd[name] = float(np.exp(logs[name]))
     return {}
 
 
-def _factor(b: Balance, fit: Pooled) -> float:
-    """Return the factor of a record's drive over what these parameters predict, 1 where the two are not alike."""
+def _own(b: Balance, fit: Pooled, inertia: str) -> float:
+    """Return the logarithm of a record's drive over what `fit` asks for: by inertia alone where that is clear.
+
+    0 where the two are not alike.
+    """
+    alone = pooled([b])
+    if alone.clear(inertia):
+        mine, theirs = alone.values[inertia], fit.values.get(inertia, 0.0)
+        return float(np.log(mine / theirs)) if mine > 0 and theirs > 0 and fit.clear(inertia) else 0.0
     made, drive = predicted(b, fit), b.drive - np.mean(b.drive)
     size = float(np.sqrt((made @ made) * (drive @ drive)))
-    return float(drive @ made) / float(made @ made) if made @ drive > LIKE * size > 0 else 1.0
+    return float(np.log((drive @ made) / (made @ made))) if made @ drive > LIKE * size > 0 else 0.0
 
 
 def encoders(seen: Seen) -> Iterator[Finding]:
@@ -140,7 +150,7 @@ def drives(seen: Seen) -> Iterator[Finding]:
     """Say which record's drive has a scale of its own, and whether all have another than the declared inertia asks for."""
     balances = [b for b in seen.aligned if b.names]
     free = [b for b in balances if not b.record.locked]  # of the joint alone the others say little
-    odd = own_scales(free)
+    odd = own_scales(free, seen.inertia)
     for record, factor in odd.items():
         yield Finding(
             "drive scale", f"{record}.{seen.drive}",
@@ -160,7 +170,8 @@ def _against_declared(seen: Seen, balances: Sequence[Balance]) -> Iterator[Findi
     fitted = fit.values.get(seen.inertia, 0.0)
     if declared <= 0 or fitted <= 0 or not fit.clear(seen.inertia):
         return
-    if not beyond([other.values.get(seen.inertia, 0.0) / declared for other in jackknife(balances)]):
+    others = (max(other.values.get(seen.inertia, 0.0), 1e-300) for other in jackknife(balances))
+    if not beyond([float(np.log(other / declared)) for other in others], FACTOR):
         return
     ratios = [Ratio("inertia", fitted, declared), *_friction(seen, fit.values)]
     kind, factor = _cause(ratios, _encoder_step(seen))

@@ -85,14 +85,16 @@ def disagreement(plant: Plant, names: Sequence[Name], j: int, ratio: float, a: O
     )  # fmt: skip
 
 
-def excitation(problem: Problem, solution: Solution, half: Mapping[Name, float], noise: float) -> list[Finding]:
+def excitation(
+    problem: Problem, solution: Solution, half: Mapping[Name, float], noise: float, called: str = "residual"
+) -> list[Finding]:
     """Say which free parameters the records do not excite.
 
     A linear one: its column is zero; or the column at its value (the larger of declared and fitted) stays below the
     `noise`, the residual's rms, while its interval is wide or it has none. One of an effect with memory: no record
     reverses, or, of a linear one, all records together move one way.
 
-    half: half widths of the 95 % intervals, of the parameters that have one.
+    half: half widths of the 95 % intervals, of the parameters that have one. called: what `noise` is, in sentences.
     """
     turns, ways = motion_of(problem)
     said = []
@@ -109,7 +111,7 @@ def excitation(problem: Problem, solution: Solution, half: Mapping[Name, float],
             if column == 0.0:
                 why = "has no part in the drive on these records"
             elif 0.0 < share < noise and wide:
-                why = f"moves the drive by {share:.2g} rms at its value, less than the residual of {noise:.2g}"
+                why = f"moves the drive by {share:.2g} rms at its value, less than the {called} of {noise:.2g}"
             evidence = {"contribution": share, "noise": noise}
         if not why and remembers(e):
             if linear and ways < 2:
