@@ -186,12 +186,20 @@ EFFECTS: dict[str, Kind] = {
     "gravity of a data sheet": Kind(
         "gravity", lambda r, b: (sign(r) * r.uniform(0.1, 0.3),), ("share",), wrong=("weight", 0), bases=("gravity",), natural=True
     ),
+    "flexible_mode@load": Kind(
+        "flexible_mode", lambda r, b: (2e-4, r.uniform(20.0, 50.0), r.uniform(0.02, 0.1)), ("inertia", "frequency", "damping"),
+        "swinging", places=("load",), bases=TWO,
+    ),
     # in the joint of two masses
     "kinematic_error@joint": Kind(
         "kinematic_error", lambda r, b: (5e-5, r.choice([1.0, 2.0]) * b.ratio, phase(r)), ("amplitude", "order", "phase"),
         fields=("tooth", "tooth_turns", "tooth_phase"), places=("joint",), bases=TWO,
     ),
     "backlash": Kind("backlash", lambda r, b: (5e-5,), ("half_width",), fields=("gap",), places=("joint",), bases=TWO),
+    "creep@joint": Kind(
+        "creep", lambda r, b: (30.0, r.uniform(0.3, 2.0), r.uniform(5.0, 20.0), r.uniform(0.3, 1.0)),
+        ("stiffness", "slow", "fast", "second"), "creeping", places=("joint",), bases=TWO,
+    ),
     "cubic_stiffness": Kind("cubic_stiffness", lambda r, b: (1e6,), ("k3",), "hardening", places=("joint",), bases=TWO),
     "piecewise_stiffness": Kind(
         "piecewise_stiffness", lambda r, b: (100.0, r.uniform(3e-4, 8e-4)), ("k2", "threshold"), "second_slope", places=("joint",), bases=TWO
