@@ -2,6 +2,7 @@
 
 import resource
 from dataclasses import asdict
+from itertools import pairwise
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from time import process_time
@@ -36,7 +37,7 @@ def ranges(campaign) -> dict[str, tuple[float, float]]:
 def place_right(where, unknown: dict, span: dict[str, tuple[float, float]], length: float) -> bool | None:
     """Whether a stated place is one of the true ones within WITHIN of the coordinate's range; None where there is none.
 
-    Each end has to be right; a moment (shorter than WITHIN) is right where it is a true one.
+    Each end has to be right. Moments that recur must be hit within a quarter of what is between them, else any would do.
     """
     coordinate, spans = where
     if not spans:
@@ -44,6 +45,8 @@ def place_right(where, unknown: dict, span: dict[str, tuple[float, float]], leng
     if unknown.get("coordinate") != coordinate:
         return False
     reach = WITHIN * (span[coordinate][1] - span[coordinate][0])
+    if coordinate == "time" and len(spans) > 1:
+        reach = min(reach, 0.25 * min(b[0] - a[0] for a, b in pairwise(spans)))
     scale = length if coordinate == "position" else 1.0
     said = (unknown["low"], unknown["high"])
     return any(all(abs(a - scale * b) <= reach for a, b in zip(said, true, strict=True)) for true in spans)
