@@ -116,7 +116,10 @@ def ranking(found: Mapping[str, Perspectives], cases: str, unit: str) -> tuple[F
 
 
 def _said(value: float, unit: str) -> str:
-    return f"{1e6 * value:.3g} µ{unit}" if np.isfinite(value) else "not at rest at the end"
+    if not np.isfinite(value):
+        return "not at rest at the end"
+    factor, prefix = (1e6, "µ") if value < 1e-3 else (1e3, "m")
+    return f"{factor * value:.3g} {prefix}{unit}"
 
 
 def statement(share: Share, what: str) -> str:

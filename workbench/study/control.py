@@ -8,6 +8,7 @@ from workbench.finding import title
 from workbench.report import control as chapters
 from workbench.study.configuration import Study
 from workbench.study.controlling import Control, control_of
+from workbench.study.hunting import limit_cycles
 from workbench.study.outcome import Part, with_part
 from workbench.study.series import robustness
 from workbench.trace.result import Trace
@@ -51,6 +52,8 @@ def run(study: Study, found: Trace, say: Callable[[str], None]) -> Part:
     part = Part(figures, units, tuple(parts), comparison.findings, tables, files)
     if "robustness" in study.table:
         part = with_part(part, robustness(study, task, makers, say))
+    if "limit_cycle" in study.table:
+        part = with_part(part, limit_cycles(study, task, makers, say))
     return part
 
 

@@ -1,0 +1,266 @@
+"""Limit cycles: describing functions against closed forms, balance against published relay loops, and the region of gains."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from workbench.control import fixed_pd, grid, pi_cascade, profile_pi, scheduled_pd
+from workbench.effect import find
+from workbench.errors import WorkbenchError
+from workbench.limit_cycle import axis_of, balance, command, dials, region, turned
+from workbench.limit_cycle.describing import PHASES, along, clipped, harmonics_of
+from workbench.limit_cycle.simulated import harmonics, simulated
+from workbench.plant import ONE_MASS, TWO_MASS, Limits, Plant
+from workbench.report.contents import Figure
+from workbench.simulate import Loop
+from workbench.verify.task import Task
+
+FAST, SLOW = Loop(2.5e-4, 4, 2.5e-4, 2.5e-4, 4.848e-6), Loop(1e-3, 4, 1e-3, 1e-3, 4.848e-6)
+J = 0.0074
+PHASE = 2 * np.pi * np.arange(PHASES) / PHASES
+
+
+def axis(*more, speed=12.57) -> Plant:
+    effects = (find("inertia")(inertia=J), find("presliding_hysteresis")(h0=0.15, x0=1 / 636), *more)
+    return Plant(ONE_MASS, effects, limits=Limits(3.3, speed))
+
+
+def gains(loop: Loop, count: int = 10):
+    """kp and kd from far below to beyond what the sampled double integrator bears."""
+    kp, kd = J / loop.sample_time**2, J / loop.sample_time
+    return np.geomspace(1e-3, 0.12, count) * kp, np.geomspace(0.01, 1.3, count) * kd
+
+
+def schedule():
+    knots = grid(1e-5, 2.6, 2)
+    kp = np.where(knots < 3e-3, np.minimum(3.3 / knots, 2500.0), 60.0)
+    return SimpleNamespace(knots=knots, kp=kp, kd=np.where(knots < 3e-3, 1.6 * np.sqrt(J * kp), 1.3))
+
+
+def first(u: np.ndarray) -> complex:
+    return complex(harmonics_of(u, np.ones(1))[0])
+
+
+# --- waveforms -------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("over", [0.5, 1.2, 3.0, 100.0])
+def test_the_limited_sine_has_the_describing_function_of_a_saturation(over):
+    m = min(1.0 / over, 1.0)
+    expected = 2 / np.pi * (np.arcsin(m) + m * np.sqrt(1 - m * m)) * over
+    assert abs(first(clipped(over * np.cos(PHASE), 1.0))) == pytest.approx(expected, rel=2e-3)
+
+
+def test_a_square_wave_moves_its_phase_smoothly_between_phases():
+    """A tenth of a phase later is a tenth of a phase later in the first harmonic too, however steep the sine."""
+    later = 0.1 * 2 * np.pi / PHASES
+    turned_by = np.angle(first(clipped(1e4 * np.cos(PHASE - later), 1.0)) / first(clipped(1e4 * np.cos(PHASE), 1.0)))
+    assert turned_by == pytest.approx(-later, rel=0.05)
+
+
+def test_moving_gains_have_the_quadrature_that_the_passivity_check_states():
+    """Gains that fall along the stroke feed in kq = (2/pi) Int Kp cos sin: another derivation, in workbench.schedule."""
+    from workbench.schedule.check import pumping
+    from workbench.schedule.table import Schedule
+
+    s = schedule()
+    made = Schedule(s.knots, s.kp, s.kd, 2, "following")
+    a = np.array([1e-3, 1e-2])
+    for amplitude, kq in zip(a, pumping(made, a), strict=True):
+        phase = 2 * np.pi * (np.arange(4096) + 0.5) / 4096
+        y = amplitude * np.cos(phase)
+        u = command(scheduled_pd(s, "following"), 1e9, FAST)(y, 0 * y, np.full(1, 0.1))
+        c = -complex(harmonics_of(u, np.ones(1))[0]) * np.exp(-1j * phase[0]) / amplitude
+        assert -c.imag == pytest.approx(kq, rel=0.02)
+
+
+def test_a_schedule_looks_up_half_the_stroke_half_the_error_or_what_is_smaller():
+    y = np.cos(PHASE)
+    assert along("following", y, 0.0).max() == pytest.approx(1.0, abs=0.01)
+    assert (along("error", y, 0.0) <= np.minimum(np.abs(y) / 2 + 1e-12, 1.0)).all()
+    assert along("frozen", y, 0.0) == pytest.approx(0.5)
+
+
+def test_the_integral_of_a_cascade_is_that_of_its_pulse_transfer_function():
+    """Without a limit met: C = (kvp + ki Ts/(z - 1)) (kv + rate)."""
+    from workbench.tune import sampled
+    from workbench.tune.sampled import Clock
+
+    theta = 0.2
+    rate = complex(sampled.difference(np.array([theta]), Clock.of(FAST))[0]) / FAST.sample_time
+    y, vh = 1e-6 * np.cos(PHASE), (1e-6 * rate * np.exp(1j * PHASE)).real
+    found = -first(command(pi_cascade(50.0, 1.3, 400.0, 12.0), 3.3, FAST)(y, vh, np.full(1, theta))) / 1e-6
+    expected = (1.3 + 400.0 * FAST.sample_time / (np.exp(1j * theta) - 1)) * (50.0 + rate)
+    assert found == pytest.approx(expected, rel=2e-3)
+
+
+def test_a_law_that_is_not_known_and_two_masses_are_refused():
+    with pytest.raises(WorkbenchError, match="profile_pi"):
+        dials(profile_pi(50.0, 1.0, 1.0, 300.0, 0.01, 12.0))
+    two = Plant(TWO_MASS, (find("inertia")(at="motor", inertia=1.0), find("inertia")(at="load", inertia=1.0)))
+    with pytest.raises(WorkbenchError, match="two"):
+        axis_of(two, FAST, 1.0)
+    with pytest.raises(WorkbenchError, match="limit"):
+        axis_of(Plant(ONE_MASS, axis().effects), FAST, 1.0)
+
+
+# --- balance ---------------------------------------------------------------------------------------------------------
+
+
+def test_on_the_edge_of_linear_stability_the_loop_hunts_with_the_frequency_of_its_eigenvalue():
+    """Bare mass, gains 2 % beyond the edge, so that the limit is hardly met: the eigenvalue on the unit circle says w."""
+    from workbench.tune import sampled
+
+    bare = Plant(ONE_MASS, (find("inertia")(inertia=J),), limits=Limits(3.3))
+    there = axis_of(bare, FAST, 1.0)
+    unit = J / FAST.sample_time
+    motion = sampled.steps(np.zeros(1), np.zeros(1), there.clock)
+    kds = np.linspace(0.2, 1.0, 401)
+    edge = next(
+        k for k in kds if sampled.spectral_radius(np.array([0.02]), np.array([k]), motion, there.clock)[0] > 1.0
+    )
+    matrix = sampled.closed(np.array([0.02]), np.array([edge]), motion, there.clock)[0]
+    values = np.linalg.eigvals(matrix)
+    omega = abs(np.angle(values[np.abs(values).argmax()])) / FAST.sample_time
+    c = fixed_pd(0.02 * J / FAST.sample_time**2, 1.02 * edge * unit)
+    (cycle,) = [x for x in balance(there, 1.0).cycles(command(c, 3.3, FAST)) if x.stable]
+    assert cycle.omega == pytest.approx(omega, rel=0.02)
+
+
+def test_a_saturated_loop_has_the_power_balance_of_a_triangular_velocity():
+    """In the limit of a square-wave torque the power that a net delay T feeds in is closed: u (8 A/t_p) T a zero crossing.
+
+    With friction at its Coulomb height, 4 h0 A = 4 u (8 A f) T, so f = h0/(8 u T): no amplitude in it. The slope of a triangle
+    is pi^2/8 = sum 1/k^2 over odd k times that of its first harmonic; five harmonics have 0.9597 of it.
+    """
+    h0, limit, lag, dt = 0.15, 3.3, 1.5, 1e-5  # samples: one of computation, half of the hold
+    loop = Loop(dt, 1, dt, 0.0, 0.0)
+    there = axis_of(Plant(ONE_MASS, (find("inertia")(inertia=J), find("presliding_hysteresis")(h0=h0, x0=1e-7)),
+                          limits=Limits(limit)), loop, 10.0)  # fmt: skip
+    kp = 1.0e6
+    cycles = [c for c in balance(there, 1.0).cycles(command(fixed_pd(kp, 1e-9), limit, loop)) if c.stable]
+    closed = h0 / (8 * limit * lag * dt) * 2 * np.pi
+    assert cycles[-1].omega == pytest.approx(closed / (8 / np.pi**2 * sum(k**-2.0 for k in (1, 3, 5, 7, 9))), rel=0.01)
+
+
+def test_harmonics_of_a_made_up_oscillation_are_found():
+    t = 2.5e-4 * np.arange(4000)
+    amplitude, omega, third = harmonics(0.3 + 2e-3 * np.cos(317.0 * t) + 6e-5 * np.cos(951.0 * t + 0.4), 2.5e-4)
+    assert (amplitude, omega) == pytest.approx((2e-3, 317.0), rel=0.01) and third == pytest.approx(0.03, rel=0.1)
+    assert harmonics(np.full(100, 0.2), 2.5e-4) == (0.0, 0.0, 0.0)
+
+
+# --- regions ---------------------------------------------------------------------------------------------------------
+
+
+def agreed(r) -> None:
+    """Existence right in every case with a third harmonic of at most 5 %, frequency within 10 %; and both kinds are there."""
+    assert (r.right | ~r.judged).all(), np.argwhere(~r.right & r.judged)
+    assert np.nanmax(np.abs(r.frequency_error)) < 0.1
+    assert 3 <= (r.exists & r.judged).sum() and 20 <= (~r.exists).sum()
+
+
+@pytest.mark.parametrize("loop", [FAST, SLOW], ids=["4 kHz", "1 kHz"])
+def test_of_ten_by_ten_pd_gains_existence_is_right_and_frequency_within_ten_percent(loop):
+    kp, kd = gains(loop)
+    r = region(axis(), loop, fixed_pd(1.0, 1.0), kp, kd, 1.0, 2.0 if loop is FAST else 4.0)
+    assert r.judged.sum() == 100
+    agreed(r)
+
+
+def test_friction_with_memory_moves_the_edge_of_what_hunts():
+    """At 1 kHz the presliding spring and loss are of the size of the gains: without friction more gains hunt."""
+    kp, kd = gains(SLOW, 6)
+    bare = Plant(ONE_MASS, (find("inertia")(inertia=J),), limits=Limits(3.3, 12.57))
+    with_friction, without = (
+        np.array(
+            [[bool([c for c in b.cycles(command(fixed_pd(p, d), 3.3, SLOW)) if c.stable]) for d in kd] for p in kp]
+        )
+        for b in (balance(axis_of(plant, SLOW, 1.0), 1.0) for plant in (axis(), bare))
+    )
+    assert (with_friction != without).any()
+
+
+def test_an_integrating_cascade_hunts_where_it_is_predicted_to():
+    r = region(
+        axis(), FAST, pi_cascade(1.0, 1.3, 1.0, 12.0), np.geomspace(5, 600, 6), np.geomspace(0.5, 500, 6), 1.0, 2.0
+    )
+    assert (r.right | ~r.judged).all() and 1 <= r.exists.sum() <= 12
+    assert np.nanmax(np.abs(r.frequency_error)) < 0.1
+
+
+@pytest.mark.parametrize("rule", ["following", "error", "frozen"])
+def test_a_schedule_hunts_where_it_is_predicted_to(rule):
+    factors = np.geomspace(0.2, 8.0, 7)
+    r = region(axis(), FAST, scheduled_pd(schedule(), rule), factors, factors, 1.0, 2.0)
+    assert (
+        r.judged & ~r.right
+    ).sum() <= 1  # where a stable and an unstable cycle are about to meet, either may be said
+    assert 3 <= (r.exists & r.judged).sum() <= 40
+
+
+def test_turning_the_dials_multiplies_what_a_controller_has():
+    c = turned(scheduled_pd(schedule(), "error"), 2.0, 3.0)
+    assert (c.tables[0].columns["kp"] == 2 * schedule().kp).all() and (
+        c.tables[0].columns["kd"] == 3 * schedule().kd
+    ).all()
+    assert turned(pi_cascade(10.0, 1.0, 5.0, 12.0), 2.0, 3.0).parameters["ki"] == 15.0
+
+
+def test_a_release_without_gains_that_hunt_dies_out():
+    m = simulated(axis(), FAST, [fixed_pd(200.0, 2.0)] * 2, np.array([1e-3, 1e-2]), 1.0)
+    assert not m.lasts.any()
+
+
+# --- a study ---------------------------------------------------------------------------------------------------------
+
+TOML = """
+title = "t"
+[limit_cycle]
+controllers = ["fixed PD"]
+first = [1.0, 40.0]
+second = [0.3, 20.0]
+count = 4
+duration = { value = 1.0, unit = "s" }
+largest = { value = 0.5, unit = "rad" }
+"""
+
+
+def study(tmp_path, text=TOML):
+    from workbench.study import configuration
+
+    (tmp_path / "study.toml").write_text(text)
+    return configuration.load(tmp_path)
+
+
+def run(tmp_path, text=TOML):
+    from workbench.study.hunting import limit_cycles
+
+    task = Task(axis(), FAST, 0.5, 0.1)
+    return limit_cycles(study(tmp_path, text), task, {"fixed PD": lambda n: fixed_pd(400.0, 1.5)}, lambda _: None)
+
+
+def test_a_study_gets_a_region_with_figures_by_which_it_may_be_judged(tmp_path):
+    part = run(tmp_path)
+    assert (
+        part.figures["limit_cycle_wrong_fixed_pd"] == 0.0 and 12.0 <= part.figures["limit_cycle_cases_fixed_pd"] <= 16.0
+    )
+    drawn = [b for b in part.chapters[0].blocks if isinstance(b, Figure)]
+    assert len(drawn) == 1 and b"factor on kp" in drawn[0].svg()
+    assert "does not hunt" in part.findings[0].sentence
+
+
+@pytest.mark.parametrize(
+    ("was", "becomes", "words"),
+    [
+        ("[1.0, 40.0]", "[40.0, 1.0]", ("first", "two factors")),
+        ('"fixed PD"', '"fixed P"', ("fixed P", "'fixed PD'")),
+        ("count", "cuont", ("cuont", "count")),
+        ('["fixed PD"]', '"fixed PD"', ("controllers", "list")),
+    ],
+)
+def test_a_faulty_declaration_is_answered_with_file_and_key(was, becomes, words, tmp_path):
+    with pytest.raises(WorkbenchError) as caught:
+        run(tmp_path, TOML.replace(was, becomes))
+    assert all(w in str(caught.value) for w in ("study.toml", *words))

@@ -1,0 +1,22 @@
+"""Limit cycles of the sampled loop: predicted by harmonic balance, confirmed or refuted by simulation, over a region of gains."""
+
+from workbench.limit_cycle.axis import Axis, axis_of
+from workbench.limit_cycle.balance import Balance, Cycle, balance
+from workbench.limit_cycle.describing import command, dials, turned
+from workbench.limit_cycle.region import Region, region
+from workbench.limit_cycle.simulated import Motion, simulated
+
+__all__ = [
+    "Axis",
+    "Balance",
+    "Cycle",
+    "Motion",
+    "Region",
+    "axis_of",
+    "balance",
+    "command",
+    "dials",
+    "region",
+    "simulated",
+    "turned",
+]

@@ -1,0 +1,132 @@
+"""Limit cycles predicted: harmonic balance of the sampled loop with the friction's equivalents.
+
+For y = A cos(w t) friction is a spring k_e(A, w) and a loss c_e w(A, w), the command its first harmonic -C y, and the loop is
+linear: its zero-order hold, delay and velocity filter are exact. A limit cycle is where
+
+    D(A, theta) = 1 + C(A, theta) P(theta; k_e, c_e) = 0,   theta = w Ts
+
+It is stable where a larger amplitude decays: with s = sigma + i w, Re ds/dA = Im(D_A / D_w) < 0 (Loeb's criterion). Each
+one found is then made better by further harmonics: see `further`.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from workbench.limit_cycle.axis import COUNTS, Axis
+from workbench.limit_cycle.describing import PHASES, Command, harmonics_of
+from workbench.limit_cycle.further import refined
+from workbench.tune import sampled
+
+AMPLITUDES, THETAS = 36, 72
+LOWEST, HIGHEST = 2e-3, 3.0  # theta, rad a sample
+NEWTON = 20
+BESIDE = 0.3  # of a cell: a root may lie as far outside, since D bends; two cells may then find one root
+SAME = (0.12, 0.05)  # relative differences of amplitude and frequency below which two roots are one
+
+
+@dataclass(frozen=True)
+class Cycle:
+    """amplitude: zero to peak, rad or m. omega: rad/s. stable: whether motion comes to it. third: harmonic over the first;
+    NaN where one harmonic alone was balanced. speed: its largest."""
+
+    amplitude: float
+    omega: float
+    stable: bool
+    third: float
+    speed: float
+
+
+@dataclass(frozen=True, eq=False)
+class Balance:
+    """axis: with the loop. amplitude (n, 1), theta (f,): the grid. response (n, f): P from torque to position."""
+
+    axis: Axis
+    amplitude: np.ndarray
+    theta: np.ndarray
+    response: np.ndarray
+
+    @property
+    def rate(self) -> np.ndarray:
+        """vh over y on the grid, 1/s, (f,)."""
+        return sampled.difference(self.theta, self.axis.clock) / self.axis.loop.sample_time
+
+    def describing(self, law: Command) -> np.ndarray:
+        """Return C (n, f) on the grid: the first harmonic of the command over that of the reading, negative."""
+        wave = np.exp(1j * 2.0 * np.pi * np.arange(PHASES) / PHASES)
+        a = self.amplitude[:, :, None]
+        y = np.broadcast_to((a * wave).real, (a.shape[0], self.theta.size, PHASES))
+        vh = (a * self.rate[None, :, None] * wave).real
+        u = law(y, vh, np.broadcast_to(self.theta[None, :, None], (*y.shape[:2], 1)))
+        return -harmonics_of(u, np.ones(1))[..., 0] / self.amplitude
+
+    def cycles(self, law: Command) -> tuple[Cycle, ...]:
+        """Return the limit cycles of a law, the smallest first, each with further harmonics where these are found."""
+        d = 1.0 + self.describing(law) * self.response
+        roots = [self._root(d, i, j) for i, j in zip(*_candidates(d), strict=True)]
+        found = [c for root in roots if root is not None and (c := self._cycle(*root, law)) is not None]
+        found.sort(key=lambda c: c.amplitude)
+        return tuple(c for k, c in enumerate(found) if k == 0 or not _same(found[k - 1], c))
+
+    def _cycle(self, amplitude: float, omega: float, stable: bool, inside: bool, law: Command) -> Cycle | None:
+        """Return the cycle of a root; of a root beside its cell only where further harmonics confirm it."""
+        better = refined(self.axis, law, amplitude, omega)
+        if better is not None:
+            return Cycle(better.amplitude, better.omega, stable, better.third, better.speed)
+        return Cycle(amplitude, omega, stable, np.nan, amplitude * omega) if inside else None
+
+    def _root(self, d: np.ndarray, i: int, j: int) -> tuple[float, float, bool, bool] | None:
+        """Solve D = 0 about one cell, bilinear in log A and log theta: (A, w, stable, inside the cell), or None."""
+        root = _bilinear(d[i, j], d[i + 1, j], d[i, j + 1], d[i + 1, j + 1])
+        if root is None:
+            return None
+        x, y, over_x, over_y = root
+        a, t = self.amplitude[:, 0], self.theta
+        amplitude = float(a[i] * (a[i + 1] / a[i]) ** x)
+        omega = float(t[j] * (t[j + 1] / t[j]) ** y) / self.axis.loop.sample_time
+        inside = 0.0 <= x <= 1.0 and 0.0 <= y <= 1.0
+        return amplitude, omega, bool((over_x / over_y).imag < 0.0), inside
+
+
+def _candidates(d: np.ndarray):
+    """Cells in which both parts of D change sign."""
+
+    def changes(x):
+        signs = np.sign(x)
+        return np.abs(signs[:-1, :-1] + signs[1:, :-1] + signs[:-1, 1:] + signs[1:, 1:]) < 4.0
+
+    return np.nonzero(changes(d.real) & changes(d.imag))
+
+
+def _bilinear(d00, d10, d01, d11):
+    """Return (x, y, dD/dx, dD/dy) of the zero of a bilinear complex function in or beside the unit square, or None."""
+    x = y = 0.5
+    for _ in range(NEWTON):
+        value = d00 * (1 - x) * (1 - y) + d10 * x * (1 - y) + d01 * (1 - x) * y + d11 * x * y
+        over_x = (d10 - d00) * (1 - y) + (d11 - d01) * y
+        over_y = (d01 - d00) * (1 - x) + (d11 - d10) * x
+        area = over_x.real * over_y.imag - over_x.imag * over_y.real
+        if area == 0.0:
+            return None
+        dx = -(value.real * over_y.imag - value.imag * over_y.real) / area
+        dy = -(over_x.real * value.imag - over_x.imag * value.real) / area
+        x, y = x + dx, y + dy
+        if abs(dx) + abs(dy) < 1e-10:
+            inside = -BESIDE <= x <= 1.0 + BESIDE and -BESIDE <= y <= 1.0 + BESIDE
+            return (x, y, over_x, over_y) if inside else None
+    return None
+
+
+def _same(one: Cycle, other: Cycle) -> bool:
+    """Whether two roots are one that two cells have found."""
+    near = abs(other.amplitude / one.amplitude - 1.0) < SAME[0] and abs(other.omega / one.omega - 1.0) < SAME[1]
+    return near and one.stable == other.stable
+
+
+def balance(axis: Axis, largest: float) -> Balance:
+    """Return the balance of an axis for amplitudes from ten encoder counts to `largest`, rad or m."""
+    loop = axis.loop
+    amplitude = np.geomspace(COUNTS * (loop.count or largest / 1e6), largest, AMPLITUDES)[:, None]
+    theta = np.geomspace(LOWEST, HIGHEST, THETAS)
+    stiffness, loss = axis.equivalents(amplitude, theta / loop.sample_time)
+    return Balance(axis, amplitude, theta, axis.response(theta, stiffness, loss))
