@@ -10,7 +10,6 @@ import rig
 
 from workbench.cli import main
 from workbench.effect import find
-from workbench.errors import WorkbenchError
 from workbench.identify.fit import identify, passes_of
 from workbench.identify.problem import Problem
 from workbench.identify.solve import solve
@@ -18,7 +17,7 @@ from workbench.plan import Envelope, Sensing, design, prospects, separate
 from workbench.plan.following import followed
 from workbench.plan.motions import moves, multisine, quantity, ramps, sine
 from workbench.plan.pool import pool
-from workbench.plant import ONE_MASS, Limits, Plant, freed
+from workbench.plant import ONE_MASS, TWO_MASS, Limits, Plant, freed
 from workbench.record import IDENTIFICATION, Record, Source
 
 ENVELOPE = Envelope(low=-2.0, high=2.0, speed=12.0, acceleration=500.0, drive=2.4)
@@ -48,6 +47,9 @@ def carried_out(machine: rig.Machine, reference, drive: np.ndarray, seed: int = 
     torque = made.u + noise * np.random.default_rng(seed).standard_normal(made.u.size)
     position = rig.COUNT * np.floor(made.q / rig.COUNT + 0.5)
     channels, resolution = {"torque": torque, "position": position}, {"position": rig.COUNT}
+    if machine.two:
+        channels["load_position"] = rig.COUNT * np.floor(made.ql / rig.COUNT + 0.5)
+        resolution["load_position"] = rig.COUNT
     record = Record("planned", IDENTIFICATION, made.t, channels, {}, Source(Path("rig"), "", "rig", {}), resolution)
     return passes_of([record], rig.BAND)
 
@@ -136,9 +138,43 @@ def test_a_rival_that_shows_nothing_as_it_stands_does_not_hide_the_other():
     assert found.deviations > 3.0
 
 
-def test_two_masses_are_refused_with_a_sentence():
-    with pytest.raises(WorkbenchError, match="one mass"):
-        separate(Plant("two mass"), STRIBECK(at="load"), find("transport_delay")(), ENVELOPE, SENSING)
+def test_the_motor_of_two_masses_is_planned_where_the_joint_needs_it():
+    """Inertia behind a spring and a damper: the deflection is that of the closed form."""
+    k, c, load = 250.0, 0.03, 0.005
+    bodies = (find("inertia")(inertia=0.002, at="motor"), find("inertia")(inertia=load, at="load"))
+    plant = Plant(TWO_MASS, (*bodies, find("linear_stiffness")(stiffness=k), find("linear_damping")(damping=c)))
+    wave = sine(ENVELOPE, 0.1, 4.0, 1e-3, "rad", 5.0)
+    passes = followed(wave, plant, SENSING)
+    channels, inside = passes.motion.record.channels, slice(1000, 3000)
+    w = 10 * np.pi
+    phasor = -load * w**2 * 0.1 / (k + 1j * w * c)
+    expected = np.imag(phasor * np.exp(1j * w * (wave.time[inside] - 0.15)))
+    np.testing.assert_allclose(
+        (channels["position"] - channels["load_position"])[inside], expected, atol=2e-3 * abs(phasor)
+    )
+
+
+def test_rivals_on_two_masses_part_when_the_rig_follows_the_motor():
+    axis = rig.Axis(0.0021, 0.011, 0.11, 620.0, load_inertia=0.0055, load_viscous=0.003, k2=250.0, c2=0.03)
+    bodies = (
+        find("inertia")(inertia=axis.inertia, fixed=True, at="motor"),
+        find("inertia")(inertia=axis.load_inertia, fixed=True, at="load"),
+    )
+    drags = (
+        find("viscous_friction")(viscous=axis.viscous, at="motor"),
+        find("viscous_friction")(viscous=axis.load_viscous, at="load"),
+    )
+    friction = find("presliding_hysteresis")(h0=axis.h0, x0=1 / axis.rate, at="motor")
+    joint = (find("linear_stiffness")(stiffness=axis.k2), find("linear_damping")(damping=axis.c2))
+    plant = Plant(TWO_MASS, (*bodies, *drags, friction, *joint), limits=Limits(drive=rig.LIMIT))
+    right, wrong = STRIBECK(at="motor"), find("nonlinear_viscous_friction")(quadratic=-4e-4, at="motor")
+    found = separate(plant, right, wrong, ENVELOPE, replace(SENSING, load=0.01))
+    drive = followed(found.reference, plant + right, SENSING)
+    planned = replace(found.reference, position=drive.motion.record.channels["position"])
+    machine = rig.Machine(axis, {}).adding("stribeck", "motor", (0.02, 0.5))
+    passes = carried_out(machine, planned, drive.motion.u)
+    costs = [solve(Problem(plant + e, passes)).cost / SENSING.drive**2 for e in (right, wrong)]
+    assert found.apart and (costs[1] - costs[0]) ** 0.5 > 0.5 * found.deviations
 
 
 # --- accuracy -----------------------------------------------------------------------------------------------------------

@@ -157,7 +157,8 @@ def _change(a: Estimate, b: Estimate, chance: float, first: Side, second: Side, 
     half = float(t * np.hypot(deviation(a), deviation(b)))
     apart, size = b.value - a.value, max(abs(a.value), abs(b.value))
     moved = chance < CHANCE and abs(apart) > MATTERS * size
-    what = f"{capital(title(a.effect))}, {a.meaning}"
+    where = "" if a.at in ("axis", "command") else f" at the {a.at}"
+    what = f"{capital(title(a.effect))}{where}, {a.meaning}"
     unit = "" if a.unit in ("1", "") else f" {a.unit}"
     if moved:
         share = f" ({100 * abs(apart) / abs(a.value):.2g} %)" if a.value else ""

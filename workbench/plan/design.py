@@ -33,7 +33,9 @@ Progress = Callable[[str], None]
 
 @dataclass(frozen=True, eq=False)
 class Plan:
-    """picks: the motions. trajectory: all of them, joined by moves, one record. drive (n,): what it takes, N*m or N.
+    """picks: the motions. trajectory: all of them, joined by moves, one record; the load's where there are two masses.
+
+    drive (n,): what it takes, N*m or N. position (n,): of the drive's encoder, the motor's.
 
     promised: every parameter as written outside, with the interval that a record of the trajectory would give: all of them
     hold at once in 95 of 100 such records.
@@ -44,6 +46,7 @@ class Plan:
     picks: tuple[Reference, ...]
     trajectory: Reference
     drive: np.ndarray
+    position: np.ndarray
     promised: tuple[Estimate, ...]
     information: Information
     covariance: np.ndarray
@@ -155,4 +158,5 @@ def finished(plant: Plant, aim: Aim, picks: Sequence[Reference], envelope: Envel
     whole = information(passes, plant, sensing)
     covariance = whole.covariance(aim.sizes)
     promised = intervals.estimates(plant, aim.names, covariance, aim.width)
-    return Plan(plant, tuple(picks), trajectory, passes.motion.u, promised, whole, covariance)
+    m = passes.motion
+    return Plan(plant, tuple(picks), trajectory, m.u, m.record.channels["position"], promised, whole, covariance)

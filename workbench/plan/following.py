@@ -7,10 +7,10 @@ import numpy as np
 
 from workbench import effect as fx
 from workbench.effect import Effect
-from workbench.errors import WorkbenchError
 from workbench.identify.passes import Passes, predicted
 from workbench.motion import motion
 from workbench.plan.envelope import Sensing
+from workbench.plan.joint import deflection
 from workbench.plan.motions import Reference
 from workbench.plant import ONE_MASS, Plant
 from workbench.record import IDENTIFICATION, Record, Source
@@ -22,23 +22,34 @@ SOURCE = Source(Path("planned"), "", "planned", {})
 def followed(reference: Reference, plant: Plant, sensing: Sensing) -> Passes:
     """Return passes over the record of a plant whose encoder reads the reference: the drive that this takes.
 
-    Raises WorkbenchError for two masses, and where an effect reads a channel that a plan does not have.
+    Of two masses the load follows the reference, and the motor is where the joint needs it. Raises WorkbenchError where an
+    effect reads a channel that a plan does not have.
     """
-    if plant.kind != ONE_MASS:
-        raise WorkbenchError("a motion is planned for one mass only so far; this plant has two.")
-    channel = "torque" if plant.rotary else "force"
-    position = np.array(reference.position)
-    record = Record(
-        "planned", IDENTIFICATION, reference.time, {channel: np.zeros(position.size), "position": position}, {}, SOURCE,
-        {"position": sensing.counts},
-    )  # fmt: skip
-    passes = Passes(motion(record, sensing.bandwidth))
+    given = np.array(reference.position)
+    if plant.kind == ONE_MASS:
+        passes = recorded(reference, plant, sensing, {"position": given})
+    else:
+
+        def make(deflection: np.ndarray) -> Passes:
+            positions = {"position": given + deflection, "load_position": given.copy()}
+            return recorded(reference, plant, sensing, positions)
+
+        passes = make(deflection(plant, make, sensing.counts, given.size))
     drive = predicted(passes, plant)
     reads_drive = any({"u", "tau"} & set(e.reads) and e.port == fx.FORCE for e in plant.effects)
     for _ in range(ROUNDS if reads_drive else 0):
         passes = driven(passes, drive)
         drive = predicted(passes, plant)
     return driven(passes, drive)
+
+
+def recorded(reference: Reference, plant: Plant, sensing: Sensing, positions: dict[str, np.ndarray]) -> Passes:
+    """Return passes over a record of these positions, its drive zero."""
+    channel = "torque" if plant.rotary else "force"
+    channels = {channel: np.zeros(reference.position.size), **positions}
+    counts = dict.fromkeys(positions, sensing.counts)
+    record = Record("planned", IDENTIFICATION, reference.time, channels, {}, SOURCE, counts)
+    return Passes(motion(record, sensing.bandwidth))
 
 
 def driven(passes: Passes, drive: np.ndarray) -> Passes:

@@ -11,7 +11,7 @@ import numpy as np
 from workbench.identify.passes import Passes
 from workbench.identify.problem import LOGARITHMIC, Name, Problem
 from workbench.identify.solve import slopes
-from workbench.plan.envelope import Sensing, mass_of
+from workbench.plan.envelope import Sensing
 from workbench.plant import Plant
 
 
@@ -55,4 +55,4 @@ def information(passes: Passes, plant: Plant, sensing: Sensing) -> Information |
     shapes = [problem.parameter(n) for n in problem.free_shape]
     per_unit = np.array([1.0 / p.value if p.scale in LOGARITHMIC else 1.0 for p in shapes])  # d/dp = (d/dlog p)/p
     columns = np.hstack([phi, slopes(problem, theta, c, y, phi) * per_unit])
-    return Information(columns.T @ columns, sensing.scatter(columns, mass_of(plant)))
+    return Information(columns.T @ columns, sensing.scatter(columns, plant))

@@ -6,8 +6,8 @@ from pathlib import Path
 
 import numpy as np
 
+from workbench.identify.passes import Passes
 from workbench.plan.design import Plan
-from workbench.plan.motions import Reference
 from workbench.plan.prospect import Prospect
 from workbench.plan.separate import Separation
 
@@ -15,16 +15,18 @@ TRAJECTORY = "trajectory.csv"
 JSON = "plan.json"
 
 
-def write_trajectory(file: Path, reference: Reference, drive: np.ndarray, rotary: bool, dt: float) -> None:
+def write_trajectory(
+    file: Path, time: np.ndarray, position: np.ndarray, drive: np.ndarray, rotary: bool, dt: float
+) -> None:
     """Write time, position, velocity, acceleration and the drive to feed forward as CSV, every `dt` s, SI.
 
-    Between the samples of the plan, cubic splines.
+    time, position of the drive's encoder, drive: (n,). Between these, cubic splines.
     """
     from scipy.interpolate import CubicSpline
 
-    course = CubicSpline(reference.time, reference.position)
-    t = np.arange(int(np.floor(reference.time[-1] / dt + 1e-9)) + 1) * dt
-    rows = np.column_stack([t, course(t), course(t, 1), course(t, 2), CubicSpline(reference.time, drive)(t)])
+    course = CubicSpline(time, position)
+    t = np.arange(int(np.floor(time[-1] / dt + 1e-9)) + 1) * dt
+    rows = np.column_stack([t, course(t), course(t, 1), course(t, 2), CubicSpline(time, drive)(t)])
     rows = np.round(rows, 12) + 0.0  # what is left of rounding at rest is zero, and has no sign
     x, f = ("rad", "torque_Nm") if rotary else ("m", "force_N")
     header = f"time_s,position_{x},velocity_{x}_per_s,acceleration_{x}_per_s2,{f}"
@@ -33,7 +35,7 @@ def write_trajectory(file: Path, reference: Reference, drive: np.ndarray, rotary
 
 def write_plan(folder: Path, plan: Plan, found: tuple[Prospect, ...], accuracy: float, dt: float) -> None:
     """Write the trajectory and plan.json into an existing folder."""
-    write_trajectory(folder / TRAJECTORY, plan.trajectory, plan.drive, plan.plant.rotary, dt)
+    write_trajectory(folder / TRAJECTORY, plan.trajectory.time, plan.position, plan.drive, plan.plant.rotary, dt)
     content = {
         "format": 1,
         "accuracy": accuracy,
@@ -60,8 +62,8 @@ def write_plan(folder: Path, plan: Plan, found: tuple[Prospect, ...], accuracy: 
     _dump(folder, content)
 
 
-def write_separation(folder: Path, found: Separation, drive: np.ndarray, rotary: bool, dt: float) -> None:
-    """Write the motion that parts two effects, and plan.json, into an existing folder."""
+def write_separation(folder: Path, found: Separation, passes: Passes | None, rotary: bool, dt: float) -> None:
+    """Write the motion that parts two effects, as `passes` follow it, and plan.json, into an existing folder."""
     content = {
         "format": 1,
         "separate": [found.first, found.second],
@@ -74,7 +76,8 @@ def write_separation(folder: Path, found: Separation, drive: np.ndarray, rotary:
         "sample_time": dt,
     }
     if found.apart:
-        write_trajectory(folder / TRAJECTORY, found.reference, drive, rotary, dt)
+        m = passes.motion
+        write_trajectory(folder / TRAJECTORY, m.t, m.record.channels["position"], m.u, rotary, dt)
     _dump(folder, content)
 
 

@@ -71,7 +71,8 @@ def per_cent(part: float) -> str:
 
 def sentence(e: Estimate, now: float, then: float, why: str) -> str:
     value = f"{e.value:.3g}" + ("" if e.unit in ("1", "") else f" {e.unit}")
-    text = f"{capital(title(e.effect))}, {e.meaning}: {value}, now known to {per_cent(now)}, with this motion to {per_cent(then)}"
+    where = "" if e.at in ("axis", "command") else f" at the {e.at}"
+    text = f"{capital(title(e.effect))}{where}, {e.meaning}: {value}, now known to {per_cent(now)}, with this motion to {per_cent(then)}"
     return f"{text}; {why}." if why else f"{text}."
 
 

@@ -17,7 +17,7 @@ from workbench.finding import title
 from workbench.identify.passes import Passes
 from workbench.identify.problem import Problem
 from workbench.identify.solve import NoValue, bounded, scales, slopes, solve
-from workbench.plan.envelope import Envelope, Sensing, mass_of
+from workbench.plan.envelope import Envelope, Sensing
 from workbench.plan.following import followed, with_effect
 from workbench.plan.motions import Reference
 from workbench.plan.pool import pool
@@ -71,7 +71,7 @@ def separate(
     """Return the motion that parts two effects best.
 
     plant: the model without either, its values fitted. a, b: at their places, with the values that explain the records;
-    an effect that the plant has is set free there. seconds: length of the motion. WorkbenchError for two masses.
+    an effect that the plant has is set free there. seconds: length of the motion, the load's where there are two masses.
     """
     both = tuple(x.free(*x.parameters) if x.key in {e.key for e in plant.effects} else x for x in (a, b))
     models = tuple(with_effect(plant, x) for x in both)
@@ -100,12 +100,12 @@ def _said(a: Effect, b: Effect, parting: Parting, reference: Reference | None) -
     return Separation(a.key, b.key, reference, parting.angle, parting.deviations, motion, sentence)
 
 
-def _parting(left: np.ndarray, without: np.ndarray, sensing: Sensing, mass: float) -> Parting:
+def _parting(left: np.ndarray, without: np.ndarray, sensing: Sensing, plant: Plant) -> Parting:
     """left: (n,) that the other effect leaves. without: (n,) that the declared model leaves."""
     power, whole = float(left @ left), float(without @ without)
     if power <= 0.0 or whole <= 0.0:
         return Parting(0.0, 0.0)
-    scatter = float(sensing.scatter(left[:, None], mass)[0, 0])
+    scatter = float(sensing.scatter(left[:, None], plant)[0, 0])
     return Parting(asin(min((power / whole) ** 0.5, 1.0)), power / scatter**0.5)
 
 
@@ -125,7 +125,7 @@ def _rest(passes: Passes, plant: Plant) -> np.ndarray:
 
 def _linearised(passes: Passes, plant: Plant, other: Plant, sensing: Sensing) -> Parting:
     without, left = _rest(passes, plant), _rest(passes, other)
-    return _parting(left, without, sensing, mass_of(plant)) if left.size and without.size else Parting(0.0, 0.0)
+    return _parting(left, without, sensing, plant) if left.size and without.size else Parting(0.0, 0.0)
 
 
 def _refitted(reference: Reference, plant: Plant, models: Sequence[Plant], sensing: Sensing) -> Parting:
@@ -140,8 +140,8 @@ def _refitted(reference: Reference, plant: Plant, models: Sequence[Plant], sensi
             without, left = (solve(Problem(p, (passes,)), tolerance=1e-4).residual for p in (plant, other))
         except NoValue:
             return Parting(0.0, 0.0)
-        here = _parting(left, without, sensing, mass_of(plant))
-        if truth is models[1] and _parting(without, without, sensing, mass_of(plant)).deviations < APART:
+        here = _parting(left, without, sensing, plant)
+        if truth is models[1] and _parting(without, without, sensing, plant).deviations < APART:
             continue
         worst = min(worst, here, key=lambda p: p.deviations)
     return worst

@@ -15,6 +15,7 @@ from workbench.identify.problem import Problem
 from workbench.identify.result import Fit
 from workbench.identify.solve import solve
 from workbench.plan import Envelope, Sensing, envelope_of, sensing_of
+from workbench.plan.envelope import load_rest
 from workbench.plant import Plant, freed
 from workbench.readers.declaration import Table
 from workbench.record import IDENTIFICATION
@@ -29,7 +30,7 @@ ACCURACY = 0.02
 
 @dataclass(frozen=True, eq=False)
 class Basis:
-    """fit: of the plant with every value free. sample_time: s, at which the drive reads a reference. accuracy: a share."""
+    """fit: of the plant with every value free. load: rms that it leaves of the load's balance, 0 of one mass. sample_time: s, at which the drive reads a reference. accuracy: a share."""
 
     campaign: Campaign
     passes: tuple[Passes, ...]
@@ -38,6 +39,7 @@ class Basis:
     sensing: Sensing
     sample_time: float
     accuracy: float
+    load: float
 
 
 def basis_of(name: str, say: Callable[[str], None] = lambda _: None) -> Basis:
@@ -57,10 +59,11 @@ def basis_of(name: str, say: Callable[[str], None] = lambda _: None) -> Basis:
     say("fitting the declared model, every value free")
     fit = identify(freed(campaign.plant), passes)
     given = study.table.table("plan", optional=("accuracy", *KEYS))
-    sensing = sensing_of(passes, fit.rms[IDENTIFICATION])
+    load = load_rest(fit.plant, fitted_on(passes))
+    sensing = sensing_of(passes, fit.rms[IDENTIFICATION], load)
     return Basis(
         campaign, passes, fit, limited(envelope_of(fit.plant, passes), given, fit.plant.rotary), sensing,
-        sample_time(study.table, sensing.dt), given.number("accuracy", ACCURACY, above=0.0),
+        sample_time(study.table, sensing.dt), given.number("accuracy", ACCURACY, above=0.0), load,
     )  # fmt: skip
 
 

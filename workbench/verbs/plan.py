@@ -68,11 +68,11 @@ def _separate(given: argparse.Namespace, basis) -> int:
         raise WorkbenchError(f"'{a.key}' is named twice; name two effects.")
     # an effect that is declared is taken out of the model that both share
     plant = plant.without(b.key) if b.key in (e.key for e in plant.effects) else plant
-    sensing = sensing_of(basis.passes, min(left, also))
+    sensing = sensing_of(basis.passes, min(left, also), basis.load)
     found = separate(plant, a, b, basis.envelope, sensing)
-    drive = followed(found.reference, with_effect(plant, a), sensing).motion.u if found.apart else None
+    passes = followed(found.reference, with_effect(plant, a), sensing) if found.apart else None
     with whole(given.out, JSON) as beside:
-        write_separation(beside, found, drive, plant.rotary, basis.sample_time)
+        write_separation(beside, found, passes, plant.rotary, basis.sample_time)
     print(found.sentence)
     print(f"\n{given.out / (TRAJECTORY if found.apart else JSON)}")
     return 0
