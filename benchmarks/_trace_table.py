@@ -102,7 +102,7 @@ def confusion(results: Sequence[dict]) -> list[str]:
         named[what][said["added"][0] if said["added"] else said["verdict"]] += 1
     lines = ["", "missing, and what was added first (or the verdict):"]
     for what in sorted(named):
-        lines.append(f"  {what:32}" + ", ".join(f"{name} {n}" for name, n in named[what].most_common()))
+        lines.append(f"  {what:36}" + ", ".join(f"{name} {n}" for name, n in named[what].most_common()))
     return lines
 
 
