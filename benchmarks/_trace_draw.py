@@ -12,6 +12,7 @@ sys.path.append(str(Path(__file__).resolve().parent.parent / "tests"))
 
 from rig import COUNT, EFFECTS, LEVEL, TWO_MASS, campaign  # noqa: E402, F401
 
+DRY = {"coulomb_friction", "lugre_friction", "presliding_hysteresis", "fading_memory"}
 SINGLE, PAIR, NONE, OUTSIDE = "single", "pair", "none", "outside"
 PARTS = {SINGLE: 0.55, PAIR: 0.15, NONE: 0.15, OUTSIDE: 0.15}
 SIZES = (2.0, 12.0)  # over the noise, even in the logarithm
@@ -59,9 +60,11 @@ def measured(rng) -> dict:
 
 
 def clash(a: str, b: str) -> bool:
-    """Whether two kinds cannot be missing at once: one name, one law, or one field for both; or no base in common."""
+    """Whether two kinds cannot be missing at once: one name, one law or one field for both, both dry friction that may have
+    memory; or no base in common."""
     x, y = EFFECTS[a], EFFECTS[b]
     same = x.effect == y.effect or (x.law and x.law == y.law) or set(x.fields) & set(y.fields)
+    same = same or {x.effect, y.effect} <= DRY
     return bool(same) or not set(x.bases) & set(y.bases)
 
 
