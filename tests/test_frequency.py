@@ -9,11 +9,17 @@ import pytest
 import rig
 from scipy import signal
 
+from workbench.campaign import Campaign
+from workbench.check.modes import undeclared
+from workbench.check.seen import Seen
 from workbench.cli import main
+from workbench.effect import Effect, find
 from workbench.errors import WorkbenchError
+from workbench.finding import Finding
 from workbench.frequency import fit_modes, gain_limit, notch_for, response_of
 from workbench.frequency.output import findings
 from workbench.frequency.response import period_of
+from workbench.plant import ONE_MASS, Plant
 from workbench.record import IDENTIFICATION, Record, Source
 
 RATE, FINE = 2000.0, 10  # Hz of the log; steps a sample
@@ -236,6 +242,24 @@ def test_what_is_no_loop_is_refused(law, bound, said):
     response = response_of(recorded("multisine", 60.0, 0.02, coulomb=0.0))
     with pytest.raises(WorkbenchError, match=said):
         gain_limit(response, law_of(response, 1e-3) if law is None else law, bound)
+
+
+# --- the check ----------------------------------------------------------------------------------------------------------
+
+
+def seen_as_one_mass(record: Record, *further: Effect) -> list[Finding]:
+    plant = Plant(ONE_MASS, (find("inertia")(inertia=MOTOR + LOAD), *further))
+    return list(undeclared(Seen(Campaign(Path("c"), "c", plant, (record,), 150.0))))
+
+
+def test_a_mode_of_an_axis_that_is_declared_as_one_mass_is_said():
+    (said,) = seen_as_one_mass(recorded("multisine", 60.0, 0.02))
+    assert said.kind == "mode" and "60" in said.sentence and "two masses" in said.remedy
+
+
+def test_no_mode_is_said_where_it_is_declared_or_where_there_is_none():
+    assert not seen_as_one_mass(recorded("multisine", 60.0, 0.02), find("flexible_mode")())
+    assert not seen_as_one_mass(of_the_rig(rig.servo(np.random.default_rng(4))))
 
 
 # --- the command --------------------------------------------------------------------------------------------------------

@@ -5,7 +5,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from workbench.campaign import load
-from workbench.check import alignment, channels, excitation, sampling, scale, sign
+from workbench.check import alignment, channels, excitation, modes, sampling, scale, sign
 from workbench.check.seen import Seen
 from workbench.errors import UnsoundRecord
 from workbench.finding import Finding
@@ -42,7 +42,7 @@ def check(folder: Path) -> tuple[Finding, ...]:
     found += [*channels.resampled(seen), *sampling.rates(seen), *sampling.strokes(seen)]
     found += faults(seen)
     if all(f.kind in HARMLESS for f in found):
-        found += excitation.missing(seen)
+        found += [*excitation.missing(seen), *modes.undeclared(seen)]
     return gathered(found, names)
 
 
