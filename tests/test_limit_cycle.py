@@ -9,7 +9,7 @@ from workbench.control import fixed_pd, grid, pi_cascade, profile_pi, scheduled_
 from workbench.effect import find
 from workbench.errors import WorkbenchError
 from workbench.limit_cycle import axis_of, balance, command, dials, region, turned
-from workbench.limit_cycle.describing import PHASES, along, clipped, harmonics_of
+from workbench.limit_cycle.describing import PHASES, clipped, harmonics_of, reversals
 from workbench.limit_cycle.simulated import harmonics, simulated
 from workbench.plant import ONE_MASS, TWO_MASS, Limits, Plant
 from workbench.report.contents import Figure
@@ -75,11 +75,17 @@ def test_moving_gains_have_the_quadrature_that_the_passivity_check_states():
         assert -c.imag == pytest.approx(kq, rel=0.02)
 
 
-def test_a_schedule_looks_up_half_the_stroke_half_the_error_or_what_is_smaller():
-    y = np.cos(PHASE)
-    assert along("following", y, 0.0).max() == pytest.approx(1.0, abs=0.01)
-    assert (along("error", y, 0.0) <= np.minimum(np.abs(y) / 2 + 1e-12, 1.0)).all()
-    assert along("frozen", y, 0.0) == pytest.approx(0.5)
+def test_the_stroke_runs_from_reversal_to_reversal():
+    found = reversals(np.cos(PHASE))
+    assert found["stroke"].max() == pytest.approx(2.0, abs=0.01) and found["stroke"][0] == 0.0
+    assert found["reversal"].sum() == 2
+
+
+def test_a_frozen_schedule_holds_the_gain_of_half_the_error_at_its_reversal():
+    """y = A cos: the error at a reversal is A, so the gain is that of A/2 all along."""
+    s, amplitude = schedule(), 4e-3
+    u = command(scheduled_pd(s, "frozen"), 1e9, FAST)(amplitude * np.cos(PHASE), 0.0 * PHASE, np.full(1, 0.1))
+    assert -first(u) / amplitude == pytest.approx(np.interp(amplitude / 2, s.knots, s.kp), rel=1e-3)
 
 
 def test_the_integral_of_a_cascade_is_that_of_its_pulse_transfer_function():
@@ -96,8 +102,8 @@ def test_the_integral_of_a_cascade_is_that_of_its_pulse_transfer_function():
 
 
 def test_a_law_that_is_not_known_and_two_masses_are_refused():
-    with pytest.raises(WorkbenchError, match="profile_pi"):
-        dials(profile_pi(50.0, 1.0, 1.0, 300.0, 0.01, 12.0))
+    with pytest.raises(WorkbenchError, match="speed of the motor"):
+        dials(pi_cascade(50.0, 1.0, 1.0, 12.0, motor_speed=True))
     two = Plant(TWO_MASS, (find("inertia")(at="motor", inertia=1.0), find("inertia")(at="load", inertia=1.0)))
     with pytest.raises(WorkbenchError, match="two"):
         axis_of(two, FAST, 1.0)
@@ -188,6 +194,12 @@ def test_an_integrating_cascade_hunts_where_it_is_predicted_to():
     )
     assert (r.right | ~r.judged).all() and 1 <= r.exists.sum() <= 12
     assert np.nanmax(np.abs(r.frequency_error)) < 0.1
+
+
+def test_a_profile_with_pi_hunts_where_it_is_predicted_to():
+    c = profile_pi(60.0, 1.3, 20.0, 300.0, 0.02, 12.0)
+    r = region(axis(), FAST, c, np.geomspace(0.2, 20, 5), np.geomspace(0.1, 40, 5), 0.5, 2.0)
+    assert (r.judged & ~r.right).sum() == 0 and 1 <= r.exists.sum() <= 15
 
 
 @pytest.mark.parametrize("rule", ["following", "error", "frozen"])

@@ -1,22 +1,30 @@
-"""Controllers over one cycle of a periodic reading: the command's waveform, and its first harmonic.
+"""Controllers over one cycle of a periodic reading: the command's waveform, by the law's own step.
 
-The reading is y(f) over the phase f = w t, its filtered velocity vh(f) follows from the harmonics of y; theta = w Ts. Both come as arrays
-(..., PHASES), one cycle along the last axis, the target at zero. A schedule moves its gains with the stroke since the last
-reversal; the integral of a cascade is stepped until it repeats, with its limit and where it stops. The command obeys the
-drive's limit.
+The reading is y(f) over the phase f = w t, its filtered velocity vh(f) follows from the harmonics of y; theta = w Ts. Both
+come as arrays (..., phases), one cycle along the last axis, the target at zero. What a law does at a sample is evaluated at
+every phase: a schedule looks up its gains by the stroke since the last reversal, and states are stepped along the phase
+until they repeat. The command obeys the drive's limit.
 """
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import lru_cache
 
+import casadi as ca
 import numpy as np
 
-from workbench.control import Controller, gains_at
+from workbench.control import Controller, Law, gains_at
+from workbench.effect import namespace
 from workbench.errors import WorkbenchError
+from workbench.kernel.arrays import evaluate
 from workbench.simulate import Loop
+from workbench.simulate.stage import Stage, stage
 
 PHASES = 64  # of a cycle
-CYCLES = 2  # of an integral that is stepped until it repeats
+CYCLES = 2  # that states are stepped until they repeat
+SIGNALS = ("r", "y", "e", "vh", "dt", "limit", "count", "stroke", "share", "reversal")
+
+Command = Callable[[np.ndarray, np.ndarray, np.ndarray], np.ndarray]  # (y, vh (..., p), theta (..., 1)) -> u (..., p)
 
 
 @dataclass(frozen=True)
@@ -27,82 +35,104 @@ class Dials:
     second: str
 
 
-PD, CASCADE = Dials("kp", "kd"), Dials("kv", "ki")
-DIALS = {"fixed_pd": PD, "pi_cascade": CASCADE} | {
-    f"scheduled_pd, {rule}": PD for rule in ("following", "frozen", "error")
-}  # law -> what is turned
-
-Command = Callable[[np.ndarray, np.ndarray, np.ndarray], np.ndarray]  # (y, vh (..., p), theta (..., 1)) -> u (..., p)
+DIALS = (Dials("kv", "ki"), Dials("kp", "kd"))
 
 
 def dials(controller: Controller) -> Dials:
-    """Return what is turned of a controller; WorkbenchError for a law whose waveform is not known."""
-    if controller.law.name not in DIALS:
-        raise WorkbenchError(
-            f"limit cycles are not predicted for the law '{controller.law.name}'; known: {', '.join(sorted(DIALS))}."
-        )
-    return DIALS[controller.law.name]
+    """Return what is turned of a controller; WorkbenchError where it has no such gains, or reads two encoders."""
+    law = controller.law
+    for pair in DIALS:
+        if {pair.first, pair.second} <= {*law.parameters, *law.columns} and not law.both:
+            return pair
+    raise WorkbenchError(
+        f"limit cycles are not predicted for the law '{law.name}': one encoder, and gains {' or '.join(f'{d.first}, {d.second}' for d in DIALS)} "
+        "are needed."
+    )
 
 
 def turned(controller: Controller, first: float, second: float) -> Controller:
     """Return a controller with the numbers of its two dials multiplied."""
     of = dials(controller)
-    if not controller.tables:
-        p = controller.parameters
-        return replace(controller, parameters={**p, of.first: p[of.first] * first, of.second: p[of.second] * second})
+    factor = {of.first: first, of.second: second}
     tables = tuple(
-        replace(t, columns={of.first: t.columns[of.first] * first, of.second: t.columns[of.second] * second})
-        for t in controller.tables
+        replace(t, columns={n: c * factor.get(n, 1.0) for n, c in t.columns.items()}) for t in controller.tables
     )
-    return replace(controller, tables=tables)
+    parameters = {n: v * factor.get(n, 1.0) for n, v in controller.parameters.items()}
+    return replace(controller, parameters=parameters, tables=tables)
+
+
+@lru_cache(maxsize=64)
+def _stage(law: Law, looks_up: bool) -> Stage:
+    """Return a law's step, or where it looks up, as a program of named values."""
+    signals = {n: ca.SX.sym(n) for n in (*SIGNALS, *law.columns)}
+    states = {n: ca.SX.sym(n) for n in law.states}
+    numbers = {n: ca.SX.sym(n) for n in law.parameters}
+    after, out = (law.amplitude if looks_up else law.step)(
+        namespace(**signals), namespace(**states), namespace(**numbers)
+    )
+    given = signals | {f"z.{n}": v for n, v in states.items()} | {f"p.{n}": v for n, v in numbers.items()}
+    return stage("law", given, {"out": out, **{f"z.{n}": v for n, v in after.items()}})
 
 
 def command(controller: Controller, limit: float, loop: Loop) -> Command:
     """Return the command over one cycle, of a controller of one lane on a drive with this limit."""
     dials(controller)
-    p = {n: float(np.ravel(v)[0]) for n, v in controller.parameters.items()}
-    if controller.law.name == "fixed_pd":
-        return lambda y, vh, theta: clipped(-p["kp"] * y - p["kd"] * vh, limit)
-    if controller.law.name == "pi_cascade":
-        return lambda y, vh, theta: _cascade(p, y, vh, theta, limit, loop.sample_time)
-    rule, table = controller.law.name.split(", ")[1], controller.tables[0]
+    law = controller.law
+    known = {"r": 0.0, "limit": limit, "count": loop.count, "share": 0.5}
+    known |= {f"p.{n}": float(np.ravel(v)[0]) for n, v in controller.parameters.items()}
 
-    def scheduled(y, vh, theta):
-        at = along(rule, y, loop.count)
-        kp, kd = (g.reshape(y.shape) for g in gains_at(table, at.ravel()))
-        return clipped(-p["scale"] * (kp * y + kd * vh), limit)
+    def waveform(y, vh, theta):
+        width = 2.0 * np.pi / y.shape[-1]
+        now = known | {"y": y, "e": -y, "vh": vh, "dt": loop.sample_time * width / theta}
+        if law.amplitude is not None:
+            at = _stepped(_stage(law, True), now | reversals(y), y.shape)[0]
+            columns = gains_at(controller.tables[0], at.ravel())
+            now |= {n: c.reshape(y.shape) for n, c in zip(law.columns, columns, strict=True)}
+        step = _stage(law, False)
+        u, states = _stepped(step, now, y.shape, centred=True)
+        if states:  # a state acts a sample late, not a phase
+            late = {n: shifted(v, (theta - width) / 2.0) for n, v in states.items()}
+            u = _values(step, now | late)["out"]
+        return clipped(np.broadcast_to(u, y.shape), limit)
 
-    return scheduled
+    return waveform
 
 
-def along(rule: str, y: np.ndarray, count: float) -> np.ndarray:
-    """Return the amplitude that a schedule looks up along a cycle: see workbench.control.scheduled_pd."""
+def reversals(y: np.ndarray) -> dict[str, np.ndarray]:
+    """Return stroke, the distance since the last reversal, and reversal, 1 at the phases after one."""
     top, bottom = y.max(axis=-1, keepdims=True), y.min(axis=-1, keepdims=True)
     falling = np.roll(y, -1, axis=-1) < y
-    stroke = np.where(falling, top - y, y - bottom)
-    if rule == "following":
-        return stroke / 2.0
-    if rule == "error":
-        return np.minimum(stroke, np.maximum(np.abs(y), count)) / 2.0
-    return (top - bottom) / 4.0 + 0.0 * y  # frozen: half of the error at the reversal
+    return {
+        "stroke": np.where(falling, top - y, y - bottom),
+        "reversal": 1.0 * (falling != np.roll(falling, 1, axis=-1)),
+    }
 
 
-def _cascade(p: dict, y: np.ndarray, vh: np.ndarray, theta: np.ndarray, limit: float, dt: float) -> np.ndarray:
-    """The law of workbench.control.pi_cascade along the phase, its integral stepped until it repeats."""
-    error = np.clip(-p["kv"] * y, -p["speed_limit"], p["speed_limit"]) - vh
-    phases = y.shape[-1]
-    width = 2.0 * np.pi / phases
-    grown = shifted(error, (theta - width) / 2.0) * (p["ki"] * dt * width / theta)  # it acts a sample late, not a phase
-    start, u, integrals = np.zeros(y.shape[:-1]), np.empty(y.shape), np.empty(y.shape)
+def _values(made: Stage, given: dict) -> dict:
+    return dict(zip(made.outputs, evaluate(made.program, [given[n] for n in made.inputs])[0], strict=True))
+
+
+def _stepped(made: Stage, given: dict, shape: tuple[int, ...], centred: bool = False):
+    """Return (output, state -> its values) over the phases; states are stepped until they repeat.
+
+    centred: a cycle about the target leaves no mean in a state, which a free integral would keep from its start.
+    """
+    names = [n for n in made.outputs if n != "out"]
+    if not names:
+        return np.broadcast_to(_values(made, given)["out"], shape), {}
+    along = {n: np.empty(shape) for n in ("out", *names)}
+    start = {n: np.zeros(shape[:-1]) for n in names}
     for _ in range(CYCLES):
-        integral = start
-        for k in range(phases):
-            integrals[..., k] = integral
-            u[..., k] = asked = p["kvp"] * error[..., k] + integral
-            free = (np.abs(asked) <= limit) | (asked * error[..., k] < 0.0)
-            integral = np.where(free, np.clip(integral + grown[..., k], -limit, limit), integral)
-        start = integral - integrals.mean(axis=-1)  # a cycle about the target has no mean
-    return clipped(u, limit)
+        now = start
+        for k in range(shape[-1]):
+            here = {n: v[..., k % v.shape[-1]] if np.ndim(v) else v for n, v in given.items()}
+            for n in names:
+                along[n][..., k] = now[n]
+            values = _values(made, here | now)
+            along["out"][..., k] = values["out"]
+            now = {n: values[n] for n in names}
+        start = {n: v - along[n].mean(axis=-1) if centred else v for n, v in now.items()}
+    return along["out"], {n: along[n] for n in names}
 
 
 def shifted(x: np.ndarray, by: np.ndarray) -> np.ndarray:
