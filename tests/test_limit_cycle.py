@@ -192,24 +192,24 @@ def test_an_integrating_cascade_hunts_where_it_is_predicted_to():
     r = region(
         axis(), FAST, pi_cascade(1.0, 1.3, 1.0, 12.0), np.geomspace(5, 600, 6), np.geomspace(0.5, 500, 6), 1.0, 2.0
     )
-    assert (r.right | ~r.judged).all() and 1 <= r.exists.sum() <= 12
+    assert (r.right | ~r.judged).all() and 1 <= r.exists.sum() <= 6
     assert np.nanmax(np.abs(r.frequency_error)) < 0.1
 
 
 def test_a_profile_with_pi_hunts_where_it_is_predicted_to():
     c = profile_pi(60.0, 1.3, 20.0, 300.0, 0.02, 12.0)
-    r = region(axis(), FAST, c, np.geomspace(0.2, 20, 5), np.geomspace(0.1, 40, 5), 0.5, 2.0)
-    assert (r.judged & ~r.right).sum() == 0 and 1 <= r.exists.sum() <= 15
+    r = region(axis(), FAST, c, np.geomspace(0.5, 20, 3), np.geomspace(0.3, 40, 3), 0.5, 1.0)
+    assert (r.judged & ~r.right).sum() == 0 and 1 <= r.exists.sum() <= 6
 
 
 @pytest.mark.parametrize("rule", ["following", "error", "frozen"])
 def test_a_schedule_hunts_where_it_is_predicted_to(rule):
-    factors = np.geomspace(0.2, 8.0, 7)
+    factors = np.geomspace(0.2, 8.0, 5)
     r = region(axis(), FAST, scheduled_pd(schedule(), rule), factors, factors, 1.0, 2.0)
     assert (
         r.judged & ~r.right
     ).sum() <= 1  # where a stable and an unstable cycle are about to meet, either may be said
-    assert 3 <= (r.exists & r.judged).sum() <= 40
+    assert 3 <= (r.exists & r.judged).sum() <= 20
 
 
 def test_turning_the_dials_multiplies_what_a_controller_has():
