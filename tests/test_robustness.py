@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from workbench.control import fixed_pd, pi_cascade, scheduled_pd
 from workbench.effect import find
 from workbench.errors import WorkbenchError
-from workbench.plant import ONE_MASS, Limits, Plant
+from workbench.plant import ONE_MASS, TWO_MASS, Limits, Plant
 from workbench.report.contents import Figure, Items
 from workbench.robustness import (
     Cases,
@@ -426,3 +426,31 @@ def test_a_study_gets_figures_statements_and_cases_that_the_command_replays(tmp_
     assert main(["replay", file, "--case", "2", "--out", str(tmp_path / "motion")]) == 0
     assert (tmp_path / "motion" / "motion.csv").read_text().startswith("time,q,y,u\n0.0,")
     assert main(["replay", file, "--case", "3"]) == 2
+
+
+def test_of_two_masses_the_load_is_what_is_judged_and_replayed(tmp_path):
+    effects = (
+        find("inertia")(at="motor", inertia=0.0074),
+        find("inertia")(at="load", inertia=5.8e-4),
+        find("presliding_hysteresis")(at="motor", h0=0.15, x0=1 / 636),
+        find("linear_stiffness")(at="joint", stiffness=440.0),
+        find("linear_damping")(at="joint", damping=0.02),
+    )
+    plant = Plant(TWO_MASS, effects, limits=Limits(3.3, 12.57))
+    loop = Loop(2.5e-4, 4, 2.5e-4, 2.5e-4, 4.848e-6, 4.848e-6)
+    vary = (
+        Varied("inertia@load.inertia", uniform(0.5, 1.5), relative=True),
+        Varied("linear_stiffness.stiffness", uniform(300.0, 800.0)),
+        Varied("kinematic_error.amplitude", uniform(0.0, 1e-4)),
+        Varied("kinematic_error.order", fixed(100.0)),
+    )
+    w = work(task(plant=plant, loop=loop), {"fixed PD": lambda lanes: fixed_pd(20.0, 0.6)}, vary)
+    assert "kinematic_error@joint" in w.task.plant
+    cases = independent(vary, 40, 1)
+    columns = joined(on_threads(w, blocks(cases)))
+    kept.write(w, kept.worst(cases, columns, 1), tmp_path / "worst.json")
+    again, (case,) = kept.read(tmp_path / "worst.json")
+    r = kept.replay(again, case)
+    assert r.same and not (r.position == r.trajectories["q"][:, 0]).all()
+    with pytest.raises(WorkbenchError, match="motor, load"):
+        work(task(plant=plant, loop=loop), makers(), (Varied("inertia.inertia", uniform(0.1, 0.2)),))
