@@ -1,6 +1,7 @@
 """`workbench trace`: a campaign's trace with its page, written whole."""
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 from workbench.campaign import Campaign
@@ -9,6 +10,7 @@ from workbench.identify.passes import Passes
 from workbench.outputs import whole
 from workbench.report import write as write_page
 from workbench.report.contents import Recorded, StudyResult
+from workbench.trace.calibration import as_dict, calibrations, finding
 from workbench.trace.output import write
 from workbench.trace.result import Trace
 from workbench.trace.tracing import trace
@@ -21,10 +23,13 @@ def run(campaign: Campaign, out: Path, say: Callable[[str], None] = lambda _: No
     """Trace a campaign and write trace.json, predictions, trace.html and trace.pdf into `out`, whole or not at all."""
     passes = passes_of(campaign.records, campaign.bandwidth)
     found = trace(campaign.plant, passes, say)
+    phases = calibrations(passes, found)
+    found = replace(found, findings=(*found.findings, *map(finding, phases)))
     say("writing the page")
     result = page(campaign, passes, found)
+    more = {"where": as_list(result.where), "calibrations": [as_dict(c) for c in phases]}
     with whole(out, "trace.json") as beside:
-        write(found, beside, {"where": as_list(result.where)})
+        write(found, beside, more)
         write_page(result, beside, "trace")
     return found
 
