@@ -79,6 +79,10 @@ def test_trace_writes_what_the_format_asks_for(tmp_path, capsys):
     assert low < cause["parameters"]["speed"]["value"] < high
     follows = {p["coordinate"]: p["explained"] for p in trace["where"] if p["model"] == "declared" and not p["record"]}
     assert max(follows, key=follows.get) == "velocity" and follows["velocity"] > 0.5
+    assert trace["calibrations"] == []
+    promised, blind, knowing = trace["closed_loop"]["responses"]
+    assert (blind["tuned_on"], blind["run_on"], knowing["tuned_on"]) == ("declared", "extended", "extended")
+    assert knowing["time_1pct"] < blind["time_1pct"]
     page = (out / "trace.html").read_text(encoding="utf-8")
     assert trace["sentence"].split(".")[0] in page and "Where the residual lives" in page
     assert (out / "trace.pdf").read_bytes().startswith(b"%PDF")

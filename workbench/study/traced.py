@@ -5,37 +5,68 @@ from dataclasses import replace
 from pathlib import Path
 
 from workbench.campaign import Campaign
+from workbench.errors import WorkbenchError
 from workbench.identify.fit import passes_of
 from workbench.identify.passes import Passes
 from workbench.outputs import whole
+from workbench.record import VALIDATION
 from workbench.report import write as write_page
+from workbench.report.closing import absent
+from workbench.report.closing import closing as closing_chapter
 from workbench.report.contents import Recorded, StudyResult
 from workbench.trace.calibration import as_dict, calibrations, finding
 from workbench.trace.output import write
 from workbench.trace.result import Trace
 from workbench.trace.tracing import trace
 from workbench.trace.where import as_list, where
+from workbench.verify.closing import Closed, close, lacking
+from workbench.verify.closing import as_dict as loop_as_dict
+
+Say = Callable[[str], None]
 
 QUESTION = "Does the declared model lack an effect, and if so, which, where does it show, and what is it worth?"
 
 
-def run(campaign: Campaign, out: Path, say: Callable[[str], None] = lambda _: None) -> Trace:
-    """Trace a campaign and write trace.json, predictions, trace.html and trace.pdf into `out`, whole or not at all."""
+def run(campaign: Campaign, out: Path, say: Say = lambda _: None, closing: bool = True) -> Trace:
+    """Trace a campaign and write trace.json, predictions, trace.html and trace.pdf into `out`, whole or not at all.
+
+    closing: whether the loop is closed with what was found, in simulation.
+    """
     passes = passes_of(campaign.records, campaign.bandwidth)
     found = trace(campaign.plant, passes, say)
     phases = calibrations(passes, found)
     found = replace(found, findings=(*found.findings, *map(finding, phases)))
+    closed = closed_loop(campaign, found, say) if closing and found.causes else None
     say("writing the page")
-    result = page(campaign, passes, found)
-    more = {"where": as_list(result.where), "calibrations": [as_dict(c) for c in phases]}
+    result = page(campaign, passes, found, closed)
+    more = {
+        "where": as_list(result.where),
+        "calibrations": [as_dict(c) for c in phases],
+        "closed_loop": {"missing": closed} if isinstance(closed, str) else closed and loop_as_dict(closed),
+    }
     with whole(out, "trace.json") as beside:
         write(found, beside, more)
         write_page(result, beside, "trace")
     return found
 
 
-def page(campaign: Campaign, passes: Sequence[Passes], found: Trace) -> StudyResult:
-    """Return what the page of a trace is made of."""
+def closed_loop(campaign: Campaign, found: Trace, say: Say) -> Closed | str:
+    """Return the loop closed with what a trace found, on the first validation record, or the sentence why it is not."""
+    record = next(iter(campaign.with_role(VALIDATION)), None)
+    if missing := lacking(campaign.plant, record):
+        return missing
+    say("closing the loop")
+    try:
+        return close(found.before.plant, found.after.plant, record)
+    except WorkbenchError as error:
+        return f"The loop is not closed: {error}"
+
+
+def page(campaign: Campaign, passes: Sequence[Passes], found: Trace, closed: Closed | str | None = None) -> StudyResult:
+    """Return what the page of a trace is made of. closed: the loop, a sentence why there is none, or None."""
+    chapters = ()
+    if closed is not None:
+        chapters = (absent(closed) if isinstance(closed, str) else closing_chapter(found, closed),)
     return StudyResult(
         name=campaign.folder.resolve().name,
         title=campaign.title,
@@ -46,6 +77,7 @@ def page(campaign: Campaign, passes: Sequence[Passes], found: Trace) -> StudyRes
         bandwidth=campaign.bandwidth,
         trace=found,
         findings=(*campaign.findings, *found.findings, *found.after.findings),
+        chapters=chapters,
         where=where(passes, found),
         kind="Trace of campaign",
     )

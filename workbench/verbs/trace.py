@@ -14,6 +14,9 @@ def declare(verbs) -> None:
     )
     trace.add_argument("folder", type=Path, help="the campaign: a folder with campaign.toml and its records")
     trace.add_argument("--out", type=Path, required=True, help="folder to write into")
+    trace.add_argument(
+        "--no-close", action="store_true", help="do not tune and simulate a loop without and with what was found"
+    )
     trace.add_argument("--resample", action="store_true", help="interpolate records whose time steps are uneven")
 
 
@@ -22,7 +25,7 @@ def do(given: argparse.Namespace) -> int:
     from workbench.study.traced import run
 
     campaign = load(given.folder, resample=given.resample)
-    found = run(campaign, given.out, Progress())
+    found = run(campaign, given.out, Progress(), closing=not given.no_close)
     print(found.sentence)
     for finding in (*campaign.findings, *found.findings):
         print(f"- {finding.sentence}")

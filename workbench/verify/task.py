@@ -27,7 +27,7 @@ class Weights:
 
 @dataclass(frozen=True, eq=False)
 class Task:
-    """plant: what runs. loop, criteria, duration (s): of the simulation. step: the target from rest, rad or m.
+    """plant: what runs. loop, criteria, duration (s): of the simulation. step: from rest at `start` to the target, rad or m.
 
     load_inertias: loads that are put on, kg*m^2 or kg, the first usually zero. frictions, inertias: factors that tuning
     meets beside 1. noise: torque noise rms. phases: encoder phases a scenario is repeated at.
@@ -44,6 +44,7 @@ class Task:
     phases: int = 2
     weights: Weights = field(default_factory=Weights)
     criteria: Criteria = field(default_factory=Criteria)
+    start: float = 0.0
 
     def scenarios(self, load_inertias=None, frictions=None, inertias=None, phases: int | None = None) -> ScenarioArrays:
         """Return every combination of loads, frictions, inertias and phases, as lanes in that order."""
@@ -62,7 +63,8 @@ class Task:
         golden = 0.6180339887498949
         return ScenarioArrays(
             lanes,
-            target=self.step + self.loop.resolution * ((k * golden) % 1.0),
+            target=self.start + (self.step + self.loop.resolution * ((k * golden) % 1.0)),
+            start=self.start,
             load_inertia=load,
             friction=friction,
             inertia=inertia,

@@ -1,0 +1,106 @@
+"""The loop closed with what was found: what the declared model promises, what becomes of it, and what knowing it gives."""
+
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from test_report_example import trace as example
+
+from workbench.effect import find
+from workbench.plant import ONE_MASS, TWO_MASS, Limits, Plant
+from workbench.record import VALIDATION, Record, Source
+from workbench.report.closing import absent, closing
+from workbench.report.contents import Callout, Figure, Table
+from workbench.verify.closing import DECLARED, EXTENDED, as_dict, close, lacking, loop_of, rise_of
+
+FRICTION = (find("viscous_friction")(viscous=0.01), find("coulomb_friction")(coulomb=0.1))
+
+
+def plant(inertia: float = 2e-3) -> Plant:
+    return Plant(ONE_MASS, (find("inertia")(inertia=inertia), *FRICTION), limits=Limits(drive=3.0))
+
+
+def record(reference: bool = True) -> Record:
+    t = np.arange(0, 2, 1e-3)
+    q = np.sin(2 * np.pi * t) ** 2
+    channels = {"torque": np.zeros(t.size), "position": q} | ({"reference": q} if reference else {})
+    units = dict.fromkeys(channels, "rad") | {"torque": "N*m"}
+    return Record("moves", VALIDATION, t, channels, units, Source(Path("x"), "0" * 64, "csv", {}), {"position": 1e-5})
+
+
+@pytest.fixture(scope="module")
+def heavier():
+    """An axis twice as heavy as declared."""
+    return close(plant(1e-3), plant(2e-3), record())
+
+
+def test_gains_tuned_on_a_lighter_axis_overshoot_and_those_that_know_do_not(heavier):
+    assert heavier.promised.overshoot < 0.0025 and heavier.knowing.overshoot < 0.0025
+    assert heavier.blind.overshoot > 0.01
+    assert heavier.change["overshoot"] == heavier.knowing.overshoot - heavier.blind.overshoot < 0
+    assert heavier.knowing.time_1pct < heavier.blind.time_1pct
+    assert heavier.followed.position > 0 and heavier.followed.drive > 0.01
+
+
+def test_where_nothing_was_missing_nothing_changes():
+    same = close(plant(), plant(), record())
+    assert set(same.change.values()) == {0.0}
+    assert same.followed.position == same.followed.drive == 0.0
+    assert same.followed.largest[DECLARED] == same.followed.largest[EXTENDED] > 0
+
+
+def test_the_step_stays_within_the_records_travel(heavier):
+    assert 0 < heavier.start < heavier.start + heavier.step < 1
+    q = heavier.signals[EXTENDED, EXTENDED][0]
+    assert q[0] == heavier.start and q[-1] == pytest.approx(heavier.start + heavier.step, abs=1e-3)
+
+
+def test_without_a_reference_the_step_alone_is_simulated():
+    assert close(plant(), plant(), record(reference=False)).followed is None
+
+
+def test_the_loop_runs_at_the_rate_of_the_record():
+    loop = loop_of(record())
+    assert loop.sample_time == pytest.approx(1e-3) and loop.substeps == 4 and loop.resolution == 1e-5
+
+
+def test_what_a_campaign_lacks_is_said():
+    assert lacking(plant(), record()) == ""
+    assert "state actuator_limit" in lacking(replace(plant(), limits=Limits()), record())
+    assert "no record" in lacking(plant(), None)
+    assert "two masses" in lacking(Plant(TWO_MASS, limits=Limits(drive=1.0)), record())
+    assert "actuator_limit" in absent(lacking(replace(plant(), limits=Limits()), record())).blocks[0].text
+
+
+def test_rise_is_from_a_tenth_to_nine_tenths():
+    time = np.linspace(0, 10, 101)
+    q = np.stack([1 + 0.2 * time, 1 + 0.05 * time], axis=1)  # reach 3 and 1.5
+    np.testing.assert_allclose(rise_of(time, q, 1.0, np.array([2.0, 2.0])), [4.0, np.inf])
+
+
+def test_it_is_json_whatever_comes_of_it(heavier):
+    never = replace(heavier.blind, time_1pct=float("inf"))
+    text = json.dumps(as_dict(replace(heavier, responses=(heavier.promised, never, heavier.knowing))), allow_nan=False)
+    content = json.loads(text)
+    assert content["responses"][1]["time_1pct"] is None and content["change"]["time_1pct"] is None
+    assert content["gains"]["extended"]["kvp"] > 0 and content["followed"]["record"] == "moves"
+
+
+def test_the_chapter_says_what_knowing_is_worth(heavier):
+    chapter = closing(example(), heavier)
+    (said,) = [b.text for b in chapter.blocks if isinstance(b, Callout)]
+    assert "Stribeck friction" in said and "an overshoot of 0." in said and "instead of" in said
+    table = next(b for b in chapter.blocks if isinstance(b, Table))
+    assert [r[:2] for r in table.rows] == [
+        ("declared model", "declared model"), ("declared model", "extended model"), ("extended model", "extended model"),
+    ]  # fmt: skip
+    svg = next(b for b in chapter.blocks if isinstance(b, Figure)).svg().decode()
+    for label in (
+        "error, absolute (rad)",
+        "command (N\u00b7m)",
+        "time (s)",
+        "tuned on the declared, run on the extended",
+    ):
+        assert label in svg

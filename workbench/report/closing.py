@@ -1,0 +1,159 @@
+"""The loop, closed with what was found: a step under gains tuned without and with it."""
+
+import numpy as np
+
+from workbench.finding import capital, title
+from workbench.report import numbers
+from workbench.report.contents import Callout, Chapter, Figure, Items, Paragraph, Table
+from workbench.report.drawing import AFTER, BEFORE, MUTED, STYLES, decades, envelope, svg
+from workbench.report.wording import listed
+from workbench.trace.result import Trace
+from workbench.verify.closing import DECLARED, EXTENDED, Closed, Response
+
+LEAST = 0.05  # of an encoder count, that an error is drawn down to
+LEVEL = 0.02  # relative change from which a figure is said to change
+COLOURS = {(DECLARED, DECLARED): MUTED, (DECLARED, EXTENDED): BEFORE, (EXTENDED, EXTENDED): AFTER}
+GAINS = {"kv": "1/s", "kvp": "{f}*s/{x}", "ki": "{f}/{x}"}
+
+
+def closing(found: Trace, closed: Closed) -> Chapter:
+    """What the found effect is worth to a controller, in figures and as motion."""
+    plant = found.after.plant
+    blocks = [
+        Callout(worth(found, closed)),
+        Paragraph(assumed(found, closed)),
+        responses(closed, plant.displacement),
+        step(found, closed),
+        gains(closed, plant.effort, plant.displacement),
+    ]
+    if closed.followed:
+        blocks.append(Items((followed(closed, plant.displacement),)))
+    return Chapter("The loop, closed with what was found", tuple(blocks))
+
+
+def causes(found: Trace) -> str:
+    return listed([title(c.effect) for c in found.causes])
+
+
+def seconds(value: float) -> str:
+    return numbers.scaled(value, "s") if np.isfinite(value) else "never"
+
+
+def hundredths(ratio: float) -> str:
+    """Return a ratio in hundredths of a per cent: what is less does not matter."""
+    return f"{numbers.placed(100 * ratio, 2)}\u00a0%" if np.isfinite(ratio) else numbers.named(ratio)
+
+
+def worth(found: Trace, closed: Closed) -> str:
+    """Return what tuning with the found effect changes, on the plant that has it."""
+    x = found.after.plant.displacement
+    a, b = closed.blind, closed.knowing
+    figures = (
+        ("a rise time", a.rise, b.rise, seconds),
+        ("a 1 % time", a.time_1pct, b.time_1pct, seconds),
+        ("an overshoot", a.overshoot, b.overshoot, hundredths),
+        ("a final error", a.final_error, b.final_error, lambda v: numbers.scaled(v, x)),
+    )
+    texts = [
+        f"{name} of {shown(now)} instead of {shown(was)}" if changed(was, now) else f"{name} of {shown(now)} as before"
+        for name, was, now, shown in figures
+    ]
+    return f"On the plant with {causes(found)}, gains tuned with it in the model give {listed(texts)}."
+
+
+def changed(was: float, now: float) -> bool:
+    if not (np.isfinite(was) and np.isfinite(now)):
+        return was != now
+    return abs(now - was) > LEVEL * max(abs(was), abs(now))
+
+
+def assumed(found: Trace, closed: Closed) -> str:
+    """Return what loop and what step this is."""
+    loop, x = closed.loop, found.after.plant.displacement
+    return (
+        f"The bench's own controller is not known, so one is assumed: position P over velocity PI every "
+        f"{seconds(loop.sample_time)}, with one sample of delay, one of velocity filter and the record's encoder. Its three "
+        "numbers are tuned by one search, on the declared and on the extended model, for the shortest 1 % time with an "
+        "overshoot of 0.2 % at most and a sensitivity of the sampled loop of 2 at most, within the limit of the drive. The "
+        f"step goes {numbers.scaled(closed.step, x)} from {numbers.scaled(closed.start, x)}, the middle half of the "
+        "validation record's travel. The extended model stands for the axis: these are predictions, to be checked on the bench."
+    )
+
+
+def named(r: Response) -> str:
+    return f"{r.tuned_on} model"
+
+
+def responses(closed: Closed, x: str) -> Table:
+    """Every combination that matters, in figures."""
+    factor, unit = numbers.prefixed(max(r.final_error for r in closed.responses if np.isfinite(r.final_error)), x)
+    rows = tuple(
+        (
+            named(r),
+            f"{r.run_on} model",
+            seconds(r.rise),
+            seconds(r.time_1pct),
+            hundredths(r.overshoot),
+            numbers.number(r.final_error * factor),
+        )
+        for r in closed.responses
+    )
+    columns = ("gains tuned on", "run on", "rise, 10 to 90 %", "1 % time", "overshoot", f"final error ({unit})")
+    caption = "The step: what the declared model promises, what becomes of it on the extended one, and the same tuned anew; the worst of eight encoder phases."  # fmt: skip
+    return Table(columns, rows, caption, "llrrrr")
+
+
+def step(found: Trace, closed: Closed) -> Figure:
+    """The error that is left, and the command."""
+    plant = found.after.plant
+    a, b = closed.blind, closed.knowing
+    heading = (
+        f"With {causes(found)} in the model the step is within 1 % after {seconds(b.time_1pct)}, without it after "
+        f"{seconds(a.time_1pct)}"
+    )
+    least = LEAST * (closed.loop.count or 1e-5 * closed.step)
+    target = closed.start + closed.step
+
+    def draw(axes):
+        for k, ((tuned_on, run_on), (q, u)) in enumerate(closed.signals.items()):
+            style = {"color": COLOURS[tuned_on, run_on], "ls": STYLES[k], "lw": 1.1}
+            left = np.maximum(np.abs(target - q), least)
+            axes[0].semilogy(
+                *envelope(closed.time, left), **style, label=f"tuned on the {tuned_on}, run on the {run_on}"
+            )
+            axes[1].plot(*envelope(closed.time, u), **style)
+        axes[0].axhline(0.01 * closed.step, color=MUTED, lw=0.7, ls=":")
+        axes[0].set_ylabel(numbers.label("error, absolute", numbers.unit(plant.displacement)))
+        axes[1].set_ylabel(numbers.label("command", numbers.unit(plant.effort)))
+        axes[1].set_xlabel("time (s)")
+        decades(axes[0].yaxis)
+        axes[0].legend(loc="lower left", bbox_to_anchor=(0, 1), ncols=1)
+
+    caption = "What is left of the step (top; dotted: 1 % of it) and the command (bottom)."
+    draws = lambda: svg(heading, draw, rows=2, height=4.6, share=True)  # noqa: E731
+    return Figure("closed_step", draws, caption, f"Two graphs over time for three loops. {heading}.")
+
+
+def gains(closed: Closed, f: str, x: str) -> Table:
+    """The tuned numbers."""
+    names = list(closed.gains[DECLARED])
+    units = [numbers.unit(GAINS[n].format(f=f, x=x)) for n in names]
+    rows = tuple((f"{model} model", *(numbers.number(v[n]) for n in names)) for model, v in closed.gains.items())
+    columns = ("tuned on", *(numbers.label(n, u) for n, u in zip(names, units, strict=True)))
+    return Table(columns, rows, "The gains of the cascade.", "l" + "r" * len(names))
+
+
+def followed(closed: Closed, x: str) -> str:
+    """Return how far the two models part when they follow the record's reference."""
+    f = closed.followed
+    was, now = (numbers.scaled(f.largest[n], x) for n in (DECLARED, EXTENDED))
+    return (
+        f"Along the reference of {f.record}, under the same gains, the motions that the two models predict differ by "
+        f"{numbers.scaled(f.position, x)} rms, and their drives by {numbers.percent(f.drive)}. The extended model lags behind "
+        f"the reference by {was} at most under the gains tuned on the declared one, and by {now} under its own."
+    )
+
+
+def absent(sentence: str) -> Chapter:
+    """The chapter where the loop was not closed, and why."""
+    return Chapter("The loop, closed with what was found", (Paragraph(capital(sentence)),))
