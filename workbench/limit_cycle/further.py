@@ -22,6 +22,7 @@ ORDERS = np.array([1, 3, 5, 7, 9])
 PHASES = 128
 CLOSE = 2e-3  # of the first harmonic: what a balance may leave, where an integral stops or a schedule has a step
 WITHIN = 5.0  # of the first harmonic's amplitude: further away it is another cycle
+ASTRAY = 1e6  # what is left where a step of the search has gone to infinity
 
 
 @dataclass(frozen=True)
@@ -52,6 +53,8 @@ def refined(axis: Axis, law: Command, amplitude: float, omega: float) -> Refined
         theta = orders * w * dt
         y = (q @ wave).real
         vh = ((q * sampled.difference(theta, axis.clock) / dt) @ wave).real
+        if not (np.isfinite(y).all() and np.isfinite(vh).all()):
+            return np.full(2 * orders.size, ASTRAY)
         u = law(y, vh, np.full(1, w * dt))
         driven = sampled.response(theta[None, :], steps, axis.clock)[0] * dt * dt / axis.mass
         held = 1.0 / (-axis.mass * (orders * w) ** 2 + 1j * axis.viscous * orders * w)

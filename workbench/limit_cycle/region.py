@@ -48,14 +48,8 @@ class Region:
 
     @property
     def judged(self) -> np.ndarray:
-        """Cases that count, (n, m): all but those whose third harmonic is above 5 %, of the simulated motion or, where that
-        comes to rest, of the predicted one."""
-        out = ~(self.exists & ~(self.third <= THIRD))
-        for at, cycles in self.cycles.items():
-            thirds = [c.third for c in cycles if c.stable]
-            if thirds and not self.exists[at]:
-                out[at] = not min(thirds) > THIRD  # one that is not known counts
-        return out
+        """Cases that count, (n, m): all but simulated cycles whose third harmonic is above 5 %."""
+        return ~(self.exists & ~(self.third <= THIRD))
 
     @property
     def right(self) -> np.ndarray:
