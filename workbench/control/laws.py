@@ -154,16 +154,25 @@ def _cascade(s, z, p):
     return cascaded(s, z, p, clip(p.kv * s.e, -p.speed_limit, p.speed_limit))
 
 
+def _cascade_on_motor(s, z, p):
+    return cascaded(s, z, p, clip(p.kv * (s.r - s.motor_y), -p.speed_limit, p.speed_limit))
+
+
 _CASCADE = Law("pi_cascade", ("kv", "kvp", "ki", "speed_limit"), _cascade, states=("integral",))
 _DUAL = Law("pi_cascade" + OF_MOTOR, _CASCADE.parameters, _cascade, ("integral",), reads=MOTOR)
+_ON_MOTOR = Law(
+    "pi_cascade, on the motor", _CASCADE.parameters, _cascade_on_motor, ("integral",), reads=("motor_y", *MOTOR)
+)
 
 
-def pi_cascade(kv, kvp, ki, speed_limit, *, motor_speed: bool = False) -> Controller:
+def pi_cascade(kv, kvp, ki, speed_limit, *, motor_speed: bool = False, motor_position: bool = False) -> Controller:
     """v_r = clip(kv (r - y), +-speed_limit), u = kvp (v_r - vh) + ki integral of (v_r - vh) dt.
 
     kv: 1/s. kvp: N*m*s/rad or N*s/m. ki: N*m/rad or N/m. speed_limit: rad/s or m/s. Scalars or (lanes,) arrays.
     The integral stops while the command is beyond the drive's limit and the error would push it further, and is itself
     clamped to that limit. motor_speed: as for fixed_pd.
+    motor_position: y is the motor's too, whichever encoder closes the loop: a cascade that does not see the load.
     """
     values = {"kv": kv, "kvp": kvp, "ki": ki, "speed_limit": speed_limit}
-    return Controller("pi_cascade", _DUAL if motor_speed else _CASCADE, values)
+    law = _ON_MOTOR if motor_position else _DUAL if motor_speed else _CASCADE
+    return Controller("pi_cascade", law, values)

@@ -11,7 +11,7 @@ from workbench.errors import WorkbenchError, nearest
 def every() -> dict[str, Law]:
     """Return every law that a controller of this package can have, by its name."""
     either = (False, True)
-    fixed = (laws._PD, laws._PD_MOTOR, laws._CASCADE, laws._DUAL)
+    fixed = (laws._PD, laws._PD_MOTOR, laws._CASCADE, laws._DUAL, laws._ON_MOTOR)
     profiles = (profile._law(fed, motor_speed) for fed in either for motor_speed in either)
     scheduled = (
         laws._scheduled(rule, follows, profiled, motor_speed)

@@ -35,7 +35,7 @@ def export_feed_forward(known: FeedForward, plant: Plant, folder: Path, name: st
     WorkbenchError where float32 does not hold a value, or a folder cannot be written.
     """
     values = np.array([known.mass, *known.speeds, *known.friction], dtype=float)
-    if not np.isfinite(values.astype(np.float32)).all():
+    if not (np.abs(values) <= np.finfo(np.float32).max).all():
         raise WorkbenchError("feed-forward: a value is too large for float32, which the header holds.")
     x, f = plant.displacement, plant.effort
     units = {"mass": f"{f}*s^2/{x}", "speeds": f"{x}/s", "friction": f}

@@ -79,10 +79,10 @@ def shaken(records: Sequence[Record], bandwidth: float) -> Record:
 
     Steps and feedback make motions coherent with the drive too, but there the drive answers to the motion.
     """
+    from scipy import signal
 
     def density(r: Record) -> float:
-        size = max(r.drive.size // AVERAGES, 8)
-        power, f = densities(r.drive, r.drive, size, 1 / r.dt)[1], np.fft.rfftfreq(size, r.dt)
+        f, power = signal.welch(r.drive, 1 / r.dt, "hann", max(r.drive.size // AVERAGES, 8), detrend="linear")
         inside = (f > BAND[0] * bandwidth) & (f < BAND[1] * bandwidth)
         return float(np.mean(np.log(power[inside] + 1e-300))) if inside.any() else -np.inf
 
@@ -161,33 +161,14 @@ def over_periods(record: Record, u: np.ndarray, a: np.ndarray, period: int) -> R
     return Response(record.name, f, value / scale, coherence, deviation / scale, step, "periods", count)
 
 
-def densities(u: np.ndarray, a: np.ndarray, size: int, rate: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return the densities of u with a, of u, and of a, per Hz, one-sided: scipy.signal's csd with Hann's window, half overlap
-    and lines taken off. Written out, because importing scipy.signal takes longer than a check of records may."""
-    place = np.linspace(-1.0, 1.0, size)
-    window = 0.5 - 0.5 * np.cos(2 * np.pi * np.arange(size) / size)
-
-    def transforms(x: np.ndarray) -> np.ndarray:
-        parts = np.lib.stride_tricks.sliding_window_view(x, size)[:: size - size // 2]
-        slope = parts @ place / (place @ place)
-        return np.fft.rfft((parts - parts.mean(axis=1, keepdims=True) - np.outer(slope, place)) * window, axis=1)
-
-    one, other = transforms(u), transforms(a)
-    both = np.full(one.shape[1], 2.0)
-    both[0] = 1.0
-    if size % 2 == 0:
-        both[-1] = 1.0
-    scale = both / (rate * np.sum(window**2))
-    pairs = ((one, other), (one, one), (other, other))
-    cross, power, motion = (np.mean(x.conj() * y, axis=0) * scale for x, y in pairs)
-    return cross, power.real, motion.real
-
-
 def by_welch(record: Record, u: np.ndarray, a: np.ndarray, size: int) -> Response:
     """Welch's averages over half overlapped segments of `size` samples, Hann's window."""
+    from scipy import signal
+
     rate = 1 / record.dt
-    f = np.fft.rfftfreq(size, record.dt)
-    cross, power, motion = densities(u, a, size, rate)
+    f, cross = signal.csd(u, a, rate, "hann", size, detrend="linear")
+    _, power = signal.welch(u, rate, "hann", size, detrend="linear")
+    _, motion = signal.welch(a, rate, "hann", size, detrend="linear")
     averages = EFFECTIVE * (2 * (u.size // size) - 1)
     with np.errstate(divide="ignore", invalid="ignore"):
         value = cross / power

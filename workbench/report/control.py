@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from workbench.plant import ONE_MASS
 from workbench.report import numbers
 from workbench.report.contents import BAD, GOOD, Callout, Chapter, Figure, Items, Marked, Paragraph, Table
 from workbench.report.drawing import AFTER, BEFORE, MUTED, SERIES, STYLES, decades, envelope, svg
@@ -91,9 +92,10 @@ def step_chapter(task: Task, controllers: dict, load: str = "") -> Chapter:
     plant, step = task.plant, task.step
     unit, effort = numbers.unit(plant.displacement), numbers.unit(plant.effort)
     bound = task.bound(task.load_inertias[0])
+    position = "q" if plant.kind == ONE_MASS else "load.q"
     scenarios = task.scenarios(load_inertias=task.load_inertias[:1], frictions=(1.0,), inertias=(1.0,), phases=1)
     traces = {
-        name: task.run(make(1), scenarios, ("q", "u"), every=1).trajectories for name, make in controllers.items()
+        name: task.run(make(1), scenarios, (position, "u"), every=1).trajectories for name, make in controllers.items()
     }
     target = float(np.ravel(scenarios.target)[0])
     heading = f"Every controller comes to rest near the bound of {numbers.scaled(bound, 's')}; what is left differs by decades"
@@ -101,15 +103,15 @@ def step_chapter(task: Task, controllers: dict, load: str = "") -> Chapter:
     def draw(axes):
         for k, (name, t) in enumerate(traces.items()):
             style = {"color": SERIES[k % len(SERIES)], "ls": STYLES[k % len(STYLES)], "lw": 1.1}
-            q, u = t["q"][:, 0], t["u"][:, 0]
+            q, u = t[position][:, 0], t["u"][:, 0]
             axes[0].plot(*envelope(t.time, q), label=name, **style)
-            left = np.maximum(np.abs(target - q), 0.05 * task.loop.resolution)
+            left = np.maximum(np.abs(target - q), 0.05 * task.loop.count)
             axes[1].semilogy(*envelope(t.time, left), **style)
             axes[2].plot(*envelope(t.time, u), **style)
         axes[0].axvline(bound, color=MUTED, lw=0.8, ls=":")
         axes[1].axvline(bound, color=MUTED, lw=0.8, ls=":")
-        axes[1].axhline(task.loop.resolution, color=MUTED, lw=0.8)
-        axes[1].text(0, task.loop.resolution * 1.15, " one encoder count", color=MUTED, va="bottom")
+        axes[1].axhline(task.loop.count, color=MUTED, lw=0.8)
+        axes[1].text(0, task.loop.count * 1.15, " one encoder count", color=MUTED, va="bottom")
         axes[0].set_ylabel(numbers.label("position", unit))
         axes[1].set_ylabel(numbers.label("error, absolute", unit))
         axes[2].set_ylabel(numbers.label("command", effort))

@@ -59,7 +59,6 @@ def figure(name: str, r: Region) -> Figure:
             (r.exists & r.judged, "o", AFTER, "simulated: hunts"),
             (~r.exists, ".", MUTED, "simulated: comes to rest"),
             (r.exists & ~r.judged, "s", INK, f"hunts, third harmonic above {100 * THIRD:.0f} %"),
-            (~r.exists & r.predicted & ~r.judged, "s", MUTED, "at rest, predicted with such a harmonic"),
             (r.judged & ~r.right, "x", BEFORE, "prediction is wrong"),
         )
         for where, mark, colour, label in marks:

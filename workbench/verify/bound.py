@@ -1,9 +1,11 @@
 """The time-optimal bound: full torque, full speed, full braking with the help of friction, at rest on the target."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from workbench.identify.passes import Passes, required
-from workbench.plant import Plant
+from workbench.plant import ONE_MASS, Plant
 from workbench.verify.equivalent import friction_of, made_up
 
 POINTS = 400  # of speed
@@ -22,20 +24,31 @@ def sliding_torque(plant: Plant, speeds: np.ndarray, counts: float) -> np.ndarra
     return result
 
 
+def bodies(plant: Plant) -> tuple[Plant, ...]:
+    """Return the plant, or each body of two masses as one with its own forces: a rigid axis is their sum."""
+    if plant.kind == ONE_MASS:
+        return (plant,)
+    return tuple(
+        replace(plant, kind=ONE_MASS, effects=tuple(e(at="axis") for e in plant.effects if e.at == place))
+        for place in ("motor", "load")
+    )
+
+
 def time_optimal(
     plant: Plant, step: float, *, load_inertia: float = 0.0, counts: float = 1e-6, band: float = 0.01, speeds=None
 ) -> float:
     """Return the least time in s in which a step (rad or m, from rest) can enter the band about the target to stay there.
 
     Bang-bang with the plant's torque and speed limits, sliding friction helping the brake, and the axis at rest exactly
-    on the target; the time counts to the edge of the band. Forces that depend on position are left out.
+    on the target; the time counts to the edge of the band. Forces that depend on position are left out. Two masses count as
+    rigidly joined.
     """
-    _, inertia, _ = friction_of(plant)
-    mass, step = inertia + load_inertia, abs(step)
+    parts = bodies(plant)
+    mass, step = sum(friction_of(p)[1] for p in parts) + load_inertia, abs(step)
     drive, fastest = plant.limits.drive, plant.limits.speed
     v = np.linspace(0.0, 1.0, POINTS) * min(fastest, np.sqrt(2 * drive * step / mass))
     coarse = np.linspace(0.0, v[-1], 24)
-    friction = np.interp(v, coarse, sliding_torque(plant, coarse, counts))
+    friction = np.interp(v, coarse, sum(sliding_torque(p, coarse, counts) for p in parts))
     speeding, braking = (drive - friction) / mass, (drive + friction) / mass
     if np.any(speeding <= 0.0):
         v = v[: np.argmax(speeding <= 0.0)]

@@ -77,13 +77,16 @@ def contest(
     *,
     tuning_time: float,
     seeds: Sequence[int] = SEEDS,
+    loaded: bool = False,
     say: Callable[[str], None] = lambda _: None,
 ) -> Contest:
     """Tune every family from every seed on the grid of `task` (its frictions and inertias), and judge it with the stated ones.
 
-    tuning_time: duration of a simulation while tuning, s. The task's load inertias are none, then the load.
+    tuning_time: duration of a simulation while tuning, s. The task's load inertias are none, then the load; tuning meets
+    the load where `loaded`.
     """
-    training = replace(task, load_inertias=task.load_inertias[:1], duration=tuning_time)
+    loads = task.load_inertias if loaded else task.load_inertias[:1]
+    training = replace(task, load_inertias=loads, duration=tuning_time)
     standings = {}
     for family in families:
         say(f"tuning {family.name} from {len(seeds)} seeds")
@@ -160,3 +163,17 @@ def verdict(contest: Contest, ours: str, baseline: str, unit: str) -> Finding:
         )
     sentence = f"Against {baseline}, {ours} is {' and '.join(parts)}."
     return Finding("comparison", f"{ours} against {baseline}", sentence, evidence)
+
+
+def as_table(found: Contest) -> list[dict]:
+    """Every controller as results.json holds it: figures of every seed, and the numbers of the one that stands for them."""
+    return [
+        {
+            "controller": n,
+            "figures": {k: list(v) for k, v in s.values.items()},
+            "numbers": s.tuned.median.numbers if s.tuned else {},
+            "seeds": [r.seed for r in s.tuned.runs] if s.tuned else [],
+            "front": [list(v) for v in s.tuned.trail.front()] if s.tuned else [],
+        }
+        for n, s in found.standings.items()
+    ]

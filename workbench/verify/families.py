@@ -60,6 +60,7 @@ def cascade_family(
     speed_limit: float,
     *,
     motor_speed: bool = False,
+    motor_position: bool = False,
     name: str = "PI cascade",
 ) -> Family:
     """Position P over velocity PI with a velocity limit: kv, kvp, ki."""
@@ -67,7 +68,8 @@ def cascade_family(
     dt = linear.loop.sample_time
 
     def controller(points, lanes):
-        return pi_cascade(*(repeated(points[:, k], lanes) for k in range(3)), speed_limit, motor_speed=motor_speed)
+        values = (repeated(points[:, k], lanes) for k in range(3))
+        return pi_cascade(*values, speed_limit, motor_speed=motor_speed, motor_position=motor_position)
 
     def sensitivity(points):
         kv, kvp, ki = (points[:, k : k + 1] for k in range(3))

@@ -16,8 +16,8 @@ from workbench.tune.sampled import Clock
 
 LOWEST = 1e-3  # rad a sample: sensitivities are looked for from here to the Nyquist frequency
 GRID = 160
-FINE = 640  # where a resonance has to be seen
-CHECKED = 10  # knots of a schedule at which a search asks for the sensitivity; all of them are checked at the end
+BELOW, FINE = 0.05, 170  # from here up, so many frequencies, where a resonance has to be seen
+CHECKED = 8  # knots of a schedule at which a search asks for the sensitivity; all of them are checked at the end
 
 
 def peak_of(loop: np.ndarray, integrators: int) -> np.ndarray:
@@ -119,7 +119,7 @@ class TwoMasses(Judge):
     """Linearisations of two masses on a joint, without ground: every load with every stiffness of the joint.
 
     motor: kg*m^2 or kg. loads, stiffnesses: of each linearisation, (n,). damping: of the joint, N*m*s/rad or N*s/m.
-    motor_speed: the law's speed is the motor's. loop.feedback says whose position the law reads.
+    motor_position, motor_speed: whether the law reads those of the motor, else of the load.
     """
 
     loop: Loop
@@ -127,6 +127,7 @@ class TwoMasses(Judge):
     loads: np.ndarray
     stiffnesses: np.ndarray
     damping: float
+    motor_position: bool = False
     motor_speed: bool = True
 
     @property
@@ -135,7 +136,7 @@ class TwoMasses(Judge):
 
     @cached_property
     def theta(self) -> np.ndarray:
-        return np.geomspace(LOWEST, np.pi, FINE)
+        return np.concatenate([np.geomspace(LOWEST, BELOW, 40, endpoint=False), np.geomspace(BELOW, np.pi, FINE)])
 
     @cached_property
     def rate(self) -> np.ndarray:
@@ -168,11 +169,11 @@ class TwoMasses(Judge):
 
     @property
     def position(self) -> np.ndarray:
-        return self.responses[0 if self.loop.feedback == "position" else 1]
+        return self.responses[0 if self.motor_position else 1]
 
     @property
     def speed(self) -> np.ndarray:
-        return self.responses[0] if self.motor_speed else self.position
+        return self.responses[0 if self.motor_speed else 1]
 
     @property
     def own(self) -> np.ndarray:

@@ -63,7 +63,7 @@ class Task:
         golden = 0.6180339887498949
         return ScenarioArrays(
             lanes,
-            target=self.start + (self.step + self.loop.resolution * ((k * golden) % 1.0)),
+            target=self.start + (self.step + self.loop.count * ((k * golden) % 1.0)),
             start=self.start,
             load_inertia=load,
             friction=friction,
@@ -76,7 +76,7 @@ class Task:
     def bound(self, load_inertia: float = 0.0) -> float:
         """Time-optimal 1 % time, s."""
         return time_optimal(
-            self.plant, self.step, load_inertia=load_inertia, counts=self.loop.resolution, band=self.criteria.band
+            self.plant, self.step, load_inertia=load_inertia, counts=self.loop.count, band=self.criteria.band
         )
 
     def run(
@@ -101,7 +101,7 @@ def cost(task: Task, metrics: Metrics, bound: float, lanes: int) -> np.ndarray:
     with np.errstate(all="ignore"):
         error = np.nan_to_num(np.maximum(metrics.final_error, 1e-12), nan=1e6, posinf=1e6)
         never = 10.0 + np.minimum(np.log10(error / w.reference), 20.0)
-        settled = metrics.time_1pct / bound + w.error * np.log10(np.maximum(error, task.loop.resolution) / w.reference)
+        settled = metrics.time_1pct / bound + w.error * np.log10(np.maximum(error, task.loop.count) / w.reference)
         value = np.where(np.isfinite(metrics.time_1pct), settled, never)
         value = value + w.steepness * np.nan_to_num(
             np.maximum(metrics.overshoot - w.overshoot, 0.0), nan=1.0, posinf=10.0

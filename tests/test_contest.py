@@ -1,0 +1,153 @@
+"""A contest of controllers: linearisations of two masses, standings, verdicts, reproduction, and what is exported."""
+
+import json
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from workbench.control import FeedForward, fixed_pd, grid
+from workbench.effect import find
+from workbench.errors import WorkbenchError
+from workbench.export.feed_forward import export_feed_forward
+from workbench.plant import ONE_MASS, TWO_MASS, Limits, Plant
+from workbench.report.reproduction import Printed, counted, reproduction_table
+from workbench.simulate import Loop
+from workbench.verify.bound import time_optimal
+from workbench.verify.contest import Contest, Standing, contest, verdict
+from workbench.verify.families import cascade_family, joint_family, joint_gains, pd_family
+from workbench.verify.line_up import feed_forward_of
+from workbench.verify.linear import Linear, TwoMasses
+from workbench.verify.task import Task, Weights
+
+LOOP = Loop(2.5e-4, 4, 2.5e-4, 2.5e-4, 4.848e-6)
+LIMITS = Limits(3.3, 12.57)
+STEP = 2.513
+
+
+def rigid() -> Plant:
+    return Plant(
+        ONE_MASS, (find("inertia")(inertia=0.0074), find("presliding_hysteresis")(h0=0.15, x0=1 / 636)), limits=LIMITS
+    )
+
+
+def parted() -> Plant:
+    effects = (
+        find("inertia")(inertia=0.0064, at="motor"),
+        find("inertia")(inertia=0.001, at="load"),
+        find("linear_stiffness")(stiffness=440.0),
+        find("presliding_hysteresis")(h0=0.1, x0=1 / 636, at="motor"),
+        find("presliding_hysteresis")(h0=0.05, x0=1 / 636, at="load"),
+    )
+    return Plant(TWO_MASS, effects, limits=LIMITS)
+
+
+def masses(stiffness: float, *, motor_speed=True, motor_position=False) -> TwoMasses:
+    return TwoMasses(LOOP, 0.0064, np.array([0.001]), np.array([stiffness]), 0.02, motor_position, motor_speed)
+
+
+def test_two_masses_on_a_very_stiff_joint_have_the_sensitivity_of_one():
+    one = Linear(LOOP, 0.0074, 0.0, np.array([0.0]))
+    points = np.array([[400.0, 8.0], [1500.0, 6.0], [100.0, 1.0]])
+    expected = pd_family(one, (400.0, 8.0)).sensitivity(points)
+    for motor_speed in (True, False):
+        joined = pd_family(masses(1e8, motor_speed=motor_speed), (400.0, 8.0), motor_speed=motor_speed)
+        assert joined.sensitivity(points) == pytest.approx(expected, rel=0.02)
+
+
+def test_two_masses_in_the_sampled_loop_are_those_of_python_control():
+    import control
+
+    m, j, k, c = 0.0064, 0.001, 440.0, 0.02
+    a = [[0, 1, 0, 0], [-k / m, -c / m, k / m, c / m], [0, 0, 0, 1], [k / j, c / j, -k / j, -c / j]]
+    plant = control.c2d(
+        control.ss(a, [[0], [1 / m], [0], [0]], [[1, 0, 0, 0], [0, 0, 1, 0]], 0), LOOP.sample_time, "zoh"
+    )
+    two = masses(k)
+    found = control.frequency_response(plant, two.theta / LOOP.sample_time)
+    late = np.exp(-1j * two.theta)
+    for mine, theirs in zip(two.responses, np.squeeze(found.complex), strict=True):
+        np.testing.assert_allclose(mine[0], theirs * late, rtol=1e-6)
+
+
+def test_speed_from_the_motor_keeps_a_margin_that_speed_from_beyond_the_joint_does_not():
+    point = np.array([[250.0, 4.0]])
+    motor = pd_family(masses(440.0), (250.0, 4.0), motor_speed=True).sensitivity(point)[0]
+    load = pd_family(masses(440.0, motor_speed=False), (250.0, 4.0)).sensitivity(point)[0]
+    assert motor < 2.0 and load == np.inf
+
+
+def test_the_bound_of_two_masses_is_that_of_the_rigid_axis():
+    assert time_optimal(parted(), STEP) == pytest.approx(time_optimal(rigid(), STEP), rel=1e-3)
+
+
+def test_gains_over_the_joint_go_through_their_free_values():
+    at, knots = np.array([2e-5, 2e-4, 2e-3]), grid(1e-5, 4e-3, 2)
+    kp, kd = joint_gains(knots, at, np.array([[400.0, 100.0, 25.0, 8.0, 4.0, 1.0]]))
+    assert kp[0, 0] == pytest.approx(400.0) and kp[0, -1] == pytest.approx(25.0) and kd[0, -1] == pytest.approx(1.0)
+    middle = np.exp(np.interp(np.log(2e-4), np.log(knots), np.log(kp[0])))
+    assert middle == pytest.approx(100.0, rel=0.05)
+    family = joint_family(masses(440.0), knots, at, (250.0, 4.0), 1e-4)
+    assert family.controller(family.start[None, :], 2).law.follows == "joint"
+
+
+def standing(name, time, error, costs=(1.0, 3.0, 2.0)) -> Standing:
+    values = {f"{n}{w}": np.array(v) for n, v in (("time", time), ("error", error)) for w in ("", "_loaded", "_grid")}
+    return Standing(name, values, (1, 2, 3), None)
+
+
+def test_a_verdict_says_who_is_beaten_on_what_nominally_and_over_the_grid():
+    ours = standing("ours", [0.2, 0.24, 0.22], [1e-5, 3e-5, 2e-5])
+    other = standing("other", [0.25] * 3, [1e-6] * 3)
+    held = Contest(None, {"ours": ours, "other": other}, 0.2, 0.2)
+    said = verdict(held, "ours", "other", "rad").sentence
+    assert said.count("faster but less accurate") == 2 and "220.0 ms against 250.0 ms" in said
+    assert ours.span("time") == (0.2, 0.24) and held.over_bound("ours") == pytest.approx(1.1)
+
+
+def test_a_contest_tunes_without_load_and_judges_with_it_and_over_the_grid(monkeypatch):
+    from workbench.verify import optimise as module
+
+    for name, value in (("GENERATIONS", 2), ("LOCAL", 4), ("POPULATION", 3)):
+        monkeypatch.setattr(module, name, value)
+    task = Task(rigid(), LOOP, STEP, 0.4, (0.0, 5.3e-4), (0.5, 1.5), (1.0,), 0.0, 1, Weights())
+    linear = Linear(LOOP, 0.0074, 0.0, np.array([0.0]))
+    found = contest(
+        task, [cascade_family(linear, (45.0, 2.0, 20.0), 12.0)], {"stated": lambda lanes: fixed_pd(60.0, 1.3)},
+        tuning_time=0.3, seeds=(1, 2, 3),
+    )  # fmt: skip
+    tuned = found["PI cascade"]
+    assert tuned.values["time"].shape == (3,) and found["stated"].values["time"].shape == (1,)
+    assert found.bound < found.bound_loaded
+    order = np.argsort(tuned.values["cost"])
+    assert tuned.tuned.median is tuned.tuned.runs[order[1]]
+    assert tuned.median("error_grid") >= tuned.median("error_spread")
+
+
+def test_a_reproduction_row_meets_its_tolerance_or_says_why_not():
+    met, told, missed = (
+        Printed("a", 2.0, 2.02, 0.02), Printed("b", 2.0, 3.0, 0.02, reason="no gains are stated"), Printed("c", 2.0, 1.0, 0.02)
+    )  # fmt: skip
+    assert met.met and not told.met and told.explained and not missed.explained
+    assert counted([met, told, missed]) == {
+        "reproduction_rows": 3.0, "reproduction_met": 1.0, "reproduction_unexplained": 1.0
+    }  # fmt: skip
+    rows = reproduction_table([met, told, missed], "caption").rows
+    assert [r[-1].text for r in rows] == ["within 2.0\u00a0%", "not reproducible: no gains are stated", "missed"]
+
+
+def test_feed_forward_is_the_models_mass_and_friction_and_is_exported_as_it_is(tmp_path):
+    plant = rigid() + find("viscous_friction")(viscous=0.01)
+    known = feed_forward_of(plant, 4.848e-6)
+    assert known.mass == 0.0074
+    np.testing.assert_allclose(known.friction, 0.15 + 0.01 * known.speeds, rtol=1e-3)
+    paths = export_feed_forward(known, plant, tmp_path)
+    assert [p.name for p in paths] == ["feed_forward.h", "feed_forward.json"]
+    held = json.loads(paths[1].read_text())
+    assert held["friction"] == known.friction.tolist() and held["plant"]["digest"] == plant.digest
+    header = paths[0].read_text()
+    assert f"#define WB_FEED_FORWARD_COUNT {known.speeds.size}" in header and plant.digest in header
+    with pytest.raises(WorkbenchError, match="too large for float32"):
+        export_feed_forward(FeedForward(1e40, known.speeds, known.friction), plant, tmp_path / "other")
+    assert not (tmp_path / "other").exists()
+    assert SimpleNamespace(**held).format == "servo-workbench feed-forward"
