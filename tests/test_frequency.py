@@ -18,7 +18,7 @@ from workbench.errors import WorkbenchError
 from workbench.finding import Finding
 from workbench.frequency import fit_modes, gain_limit, notch_for, response_of
 from workbench.frequency.output import findings
-from workbench.frequency.response import densities, period_of
+from workbench.frequency.response import period_of
 from workbench.plant import ONE_MASS, Plant
 from workbench.record import IDENTIFICATION, Record, Source
 
@@ -163,17 +163,6 @@ def test_the_objects_of_python_control_are_the_same_response():
     seen = modes.system(1j * omega) * -(omega**2) * np.exp(-1j * omega * modes.delay)
     np.testing.assert_allclose(seen, modes.at(at), rtol=1e-6)
     np.testing.assert_allclose(np.ravel(response.frd.frdata), response.receptance)
-
-
-@pytest.mark.parametrize("size", [200, 255])
-def test_densities_are_those_of_scipy(size):
-    rng = np.random.default_rng(2)
-    u = rng.standard_normal(3000)
-    a = np.convolve(u, [1.0, 0.5, -0.2])[:3000] + np.linspace(0, 4, 3000)
-    cross, power, motion = densities(u, a, size, 500.0)
-    np.testing.assert_allclose(cross, signal.csd(u, a, 500.0, "hann", size, detrend="linear")[1], atol=1e-12)
-    np.testing.assert_allclose(power, signal.welch(u, 500.0, "hann", size, detrend="linear")[1], atol=1e-12)
-    np.testing.assert_allclose(motion, signal.welch(a, 500.0, "hann", size, detrend="linear")[1], atol=1e-12)
 
 
 @pytest.mark.parametrize(("periodic", "period"), [(True, 400), (False, 0)])

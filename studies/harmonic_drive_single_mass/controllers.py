@@ -10,7 +10,9 @@ from workbench.study.controlling import numbers as numbers_of
 from workbench.verify.checks import Checks, checked
 from workbench.verify.contest import Contest, contest
 from workbench.verify.design import Designed, steps_of, two_modes
+from workbench.verify.families import Family
 from workbench.verify.line_up import REACHED, LineUp, line_up
+from workbench.verify.task import Task
 
 FROZEN, PAPER = "scheduled PD (frozen)", "scheduled PD (following)"
 ERROR, PROFILE = "scheduled PD (error)", "scheduled PD (error, profile)"
@@ -44,6 +46,14 @@ def held(
         tuning_time=asked.quantity("tuning_time", "s", above=0.0), seeds=seeds, say=say,
     )  # fmt: skip
     return made, found
+
+
+def for_margin(control: Control, model: Plant, task: Task, limit: float, names: tuple[str, ...]) -> dict[str, Family]:
+    """Return families with gains per amplitude tuned anew for a limit on Ms."""
+    limits = model.limits
+    goal = replace(control.goal, drive=limits.drive, speed=limits.speed, sensitivity=limit)
+    made = line_up(model, control.amplitudes, goal, task, per_octave=control.per_octave, tolerance=control.tolerance)
+    return {n: made.family(n) for n in names}
 
 
 def designed(made: LineUp, found: Contest, control: Control, plant: Plant) -> tuple[Designed, Checks]:
@@ -88,17 +98,3 @@ def figures_of(found: Contest) -> tuple[dict[str, float], dict[str, str]]:
         "sensitivity": max(of(n, "sensitivity") for n, s in found.standings.items() if s.tuned),
     }
     return {**errors, **ratios}, dict.fromkeys(errors, "rad")
-
-
-def as_table(found: Contest) -> list[dict]:
-    """Every controller as results.json holds it: figures of every seed, and the numbers of the one that stands for them."""
-    return [
-        {
-            "controller": n,
-            "figures": {k: list(v) for k, v in s.values.items()},
-            "numbers": s.tuned.median.numbers if s.tuned else {},
-            "seeds": [r.seed for r in s.tuned.runs] if s.tuned else [],
-            "front": [list(v) for v in s.tuned.trail.front()] if s.tuned else [],
-        }
-        for n, s in found.standings.items()
-    ]

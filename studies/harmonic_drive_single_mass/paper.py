@@ -69,7 +69,7 @@ def chapter(printed: list[Printed]) -> Chapter:
     """The table, and the errata."""
     wrong = (
         "Equation (2): the sign is wrong, and the upper limit is A, not π; as printed it is negative and mixes angles with lengths.",
-        "Equation (1): A is not defined; it is zero to peak. Read as peak to peak, kₑ is 14 % too large at 1 mrad.",
+        "Equation (1): A is not defined; it is zero to peak. Read as peak to peak, kₑ is 16 % too large at 1 mrad.",
         "cₑ follows from cₑω only with a frequency; that of the closed loop, √((Kp + kₑ)/J), makes it implicit in Kp.",
         "The text gives both controllers an error of about 8.8e-4 rad; Table I has that for the loaded cascade alone.",
         "The disc's inertia is 5.5e-4, not 5.3e-4 kg·m², and adds 7 % to the assumed actuator's: a weak test of robustness.",

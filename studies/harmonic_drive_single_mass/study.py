@@ -20,9 +20,11 @@ from workbench.study import standard
 from workbench.study.configuration import Study
 from workbench.study.control import write_gains
 from workbench.study.controlling import Control, control_of, numbers
+from workbench.study.hunting import limit_cycles
 from workbench.study.outcome import Outcome, Part, with_part
 from workbench.study.series import robustness
 from workbench.trace.tracing import trace
+from workbench.verify.contest import as_table as contest_table
 from workbench.verify.margin import against_margin
 
 from . import controllers, description, paper, records
@@ -71,9 +73,12 @@ def contested(study: Study, control: Control, model: Plant, known: Plant, fitted
     say("error against margin")
     asked = study.table.table("contest", ("seeds", "tuning_time"), ("margins", "soft_cascade"))
     margins = against_margin(
-        model, control.amplitudes, control.goal, held.task, (PAPER, ERROR), numbers(asked, "margins", (2.0,)),
-        tuning_time=asked.quantity("tuning_time", "s", above=0.0), say=say,
-    )  # fmt: skip
+        held.task,
+        numbers(asked, "margins", (2.0,)),
+        lambda limit: controllers.for_margin(control, model, held.task, limit, (PAPER, ERROR)),
+        tuning_time=asked.quantity("tuning_time", "s", above=0.0),
+        say=say,
+    )
     disc = held.task.load_inertias[-1]
     printed = paper.rows(held, fitted, disc)
     figures, units = controllers.figures_of(held)
@@ -105,7 +110,7 @@ def contested(study: Study, control: Control, model: Plant, known: Plant, fitted
             paper.chapter(printed),
         ),
         tables={
-            "contest": controllers.as_table(held),
+            "contest": contest_table(held),
             "reproduction": as_table(printed),
             "error_against_margin": {"limits": margins.limits, **margins.values},
         },
@@ -116,6 +121,8 @@ def contested(study: Study, control: Control, model: Plant, known: Plant, fitted
     )
     if "robustness" in study.table:
         part = with_part(part, robustness(study, held.task, held.makers, say))
+    if "limit_cycle" in study.table:
+        part = with_part(part, limit_cycles(study, held.task, held.makers, say))
     return part
 
 
@@ -135,5 +142,5 @@ def second(study: Study, control: Control, say) -> Part:
     return Part(
         figures=figures,
         chapters=(Chapter("The second actuator", (Paragraph(text), standings_table(held))),),
-        tables={"contest_second": controllers.as_table(held)},
+        tables={"contest_second": contest_table(held)},
     )

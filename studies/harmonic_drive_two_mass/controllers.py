@@ -1,0 +1,96 @@
+"""The controllers of two masses, tuned alike: schedules over the output and over the joint, and cascades on either encoder."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from workbench.control import grid
+from workbench.simulate import Loop
+from workbench.study.configuration import Study
+from workbench.study.controlling import Control
+from workbench.study.controlling import numbers as numbers_of
+from workbench.verify.contest import Contest, contest
+from workbench.verify.families import Family, cascade_family, joint_family, pd_family, profile_family, scheduled_family
+from workbench.verify.line_up import BRAKING, REACHED, line_up
+from workbench.verify.linear import TwoMasses
+from workbench.verify.margin import AgainstMargin, against_margin
+
+from .plant import Assumed
+
+OUTPUT, JOINT = "scheduled PD (following)", "scheduled PD (relative displacement)"
+FIXED, BEST = "fixed PD", "profile with PI"
+BOTH, ON_MOTOR, ON_LOAD = "PI cascade, both encoders", "PI cascade, motor encoder", "PI cascade, output encoder"
+PER_OCTAVE = 2
+KEYS = ("seeds", "tuning_time", "amplitudes", "reversal", "margins")  # of [contest]
+
+
+def families(study: Study, control: Control, known: Assumed, loop: Loop) -> tuple[Family, ...]:
+    """Every controller: speeds are the motor's, positions the output's, except in the two cascades of one encoder."""
+    rigid = known.rigid
+    goal = replace(control.goal, drive=rigid.limits.drive, speed=rigid.limits.speed)
+    one = replace(loop, resolution=loop.load_resolution, load_resolution=0.0, feedback="position")
+    first = line_up(
+        rigid, control.amplitudes, goal, replace(control.task.on(rigid), loop=one), per_octave=control.per_octave,
+        tolerance=control.tolerance,
+    )  # fmt: skip
+    loads = np.repeat([known.load + m for m in (control.task.load_inertias[0], control.task.load_inertias[-1])], 2)
+    stiff = np.tile(known.stiffnesses, 2)
+    motor = known.plant["inertia@motor"].parameters["inertia"].value
+
+    def linear(motor_position: bool, motor_speed: bool) -> TwoMasses:
+        return TwoMasses(loop, motor, loads, stiff, known.damping, motor_position, motor_speed)
+
+    asked = study.table.table("contest", KEYS)
+    at = np.array(numbers_of(asked, "amplitudes", (), "rad"))
+    back = asked.number("reversal", above=0.0) * loop.resolution
+    knots = grid(0.5 * at[0], 2.0 * at[-1], PER_OCTAVE)
+    pd, kv = (250.0, 5.0), 50.0
+    cascade, speed = (kv, pd[1], 0.1 * kv * pd[1]), REACHED * rigid.limits.speed
+    braking = BRAKING * rigid.limits.drive / (motor + known.load)
+    both = linear(False, True)
+    return (
+        scheduled_family(both, first.schedule, "following", pd, motor_speed=True),
+        joint_family(both, knots, at, pd, back),
+        pd_family(both, pd, motor_speed=True),
+        cascade_family(both, cascade, speed, motor_speed=True, name=BOTH),
+        cascade_family(linear(True, True), cascade, speed, motor_position=True, name=ON_MOTOR),
+        cascade_family(linear(False, False), cascade, speed, name=ON_LOAD),
+        profile_family(both, (*cascade, braking), speed, control.task.step, motor_speed=True),
+    )
+
+
+def held(study: Study, control: Control, known: Assumed, loop: Loop, say) -> tuple[Contest, AgainstMargin]:
+    """Tune every controller with and without the load, and judge it; then the scheduled ones for other margins."""
+    asked = study.table.table("contest", KEYS)
+    task = replace(control.task.on(known.plant), loop=loop)
+    every = families(study, control, known, loop)
+    time, seeds = asked.quantity("tuning_time", "s", above=0.0), [int(s) for s in numbers_of(asked, "seeds", (1.0,))]
+    found = contest(task, every, tuning_time=time, seeds=seeds, loaded=True, say=say)
+    scheduled = {f.name: f for f in every if f.name in (OUTPUT, JOINT)}
+    limits = numbers_of(asked, "margins", (2.0,))
+    return found, against_margin(task, limits, lambda _: scheduled, tuning_time=time, loaded=True, say=say)
+
+
+def figures_of(found: Contest) -> tuple[dict[str, float], dict[str, str]]:
+    """Return (figures, units) by which the study is judged; medians over the seeds."""
+
+    def of(name, figure):
+        return found[name].median(figure)
+
+    errors = {
+        "joint_error": of(JOINT, "error"),
+        "joint_error_loaded": of(JOINT, "error_loaded"),
+        "output_error": of(OUTPUT, "error"),
+        "both_encoders_error_grid": of(BOTH, "error_grid"),
+        "motor_encoder_error_grid": of(ON_MOTOR, "error_grid"),
+        "profile_pi_error_grid": of(BEST, "error_grid"),
+    }
+    ratios = {
+        "joint_time_over_output": of(JOINT, "time") / of(OUTPUT, "time"),
+        "joint_time_over_output_loaded": of(JOINT, "time_loaded") / of(OUTPUT, "time_loaded"),
+        "joint_time_over_bound": found.over_bound(JOINT),
+        "profile_pi_time_over_bound": found.over_bound(BEST),
+        "both_encoders_time_over_bound": found.over_bound(BOTH),
+        "sensitivity": max(of(n, "sensitivity") for n in found.standings),
+    }
+    return {**errors, **ratios}, dict.fromkeys(errors, "rad")

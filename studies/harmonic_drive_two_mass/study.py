@@ -1,0 +1,101 @@
+"""The paper's second approach: locked output, torsion loop, equivalents, gains over the relative displacement, steps, Table II.
+
+Everything is derived from the plant that study.toml assumes. What a second encoder is worth is shown by cascades on either
+encoder and on both.
+"""
+
+from dataclasses import replace
+
+from workbench.effect import find
+from workbench.identify.fit import identify, passes_of
+from workbench.report import control as control_chapters
+from workbench.report.contents import Chapter, Items, Paragraph
+from workbench.report.contest import contest_chapter, margin_figure
+from workbench.report.reproduction import as_table, counted
+from workbench.study import standard
+from workbench.study.configuration import Study
+from workbench.study.controlling import control_of
+from workbench.study.outcome import Outcome, Part, with_part
+from workbench.trace.tracing import trace
+from workbench.verify.contest import Contest, verdict
+from workbench.verify.contest import as_table as contest_table
+from workbench.verify.margin import AgainstMargin
+
+from . import controllers, description, paper
+from .controllers import BEST, BOTH, FIXED, JOINT, ON_LOAD, ON_MOTOR, OUTPUT
+from .plant import assumed, declared, locked
+
+FURTHER = ("plant", "records", "encoders", "contest")
+SUSPECTS = ("viscous_friction", "linear_damping", "cubic_stiffness")  # the trace is asked about these
+SHOWN = (OUTPUT, JOINT, BOTH, ON_MOTOR, BEST)
+
+
+def run(study: Study, say) -> Outcome:
+    """Log with the output locked, identify, describe; tune every controller alike; compare and reproduce."""
+    known = assumed(study)
+    control = control_of(study.table, known.plant)
+    encoders = study.table.table("encoders", ("load",))
+    loop = replace(control.loop, load_resolution=encoders.quantity("load", "rad", above=0.0), feedback="load_position")
+    say("logging with the output locked")
+    records, bandwidth = locked(study, loop, known.plant)
+    lacking = declared(known.plant)
+    passes = passes_of(records, bandwidth)
+    found = trace(lacking, passes, say, most=1, only=SUSPECTS)
+    fit = found.after
+    apart = identify(fit.plant + find("presliding_hysteresis")(h0=0.1, x0=2e-3, at="motor"), passes)
+    amplitudes = standard.amplitudes(study)
+    outcome = Outcome(
+        plant=lacking,
+        campaign="FHA-8C-50 as two masses, as assumed, records simulated by this study",
+        bandwidth=bandwidth,
+        trace=found,
+        records=records,
+        figures={**standard.trace_figures(found), "identification_error_of_two_hystereses": apart.identification},
+        chapters=(
+            description.torsion_chapter(fit, apart, records),
+            description.equivalents_chapter(description.hysteretic(fit.plant, amplitudes)),
+        ),
+        findings=(*found.findings, *fit.findings),
+    )
+    held, margins = controllers.held(study, control, known, loop, say)
+    return with_part(outcome, contested(study, held, margins))
+
+
+def contested(study: Study, held: Contest, margins: AgainstMargin) -> Part:
+    """Everything about controllers."""
+    reversal = study.table.table("contest", controllers.KEYS).number("reversal")
+    variable, counts = description.variable_figure(held, reversal * held.task.loop.resolution)
+    printed = paper.rows(held)
+    figures, units = controllers.figures_of(held)
+    task = held.task
+    loaded = replace(task, load_inertias=task.load_inertias[-1:])
+    against = contest_chapter(held, (JOINT,), (OUTPUT, FIXED, BOTH, BEST), tuple(held.standings))
+    return Part(
+        figures={**figures, **counts, **counted(printed)},
+        units=units,
+        chapters=(
+            Chapter("Gains over the relative displacement", (description.schedule_figure(held), variable)),
+            control_chapters.step_chapter(task, {n: held[n].maker for n in SHOWN}),
+            control_chapters.step_chapter(loaded, {n: held[n].maker for n in SHOWN}, "loaded"),
+            replace(against, blocks=(*against.blocks, margin_figure(margins, "rad", task.weights.sensitivity))),
+            encoders_chapter(held),
+            paper.chapter(printed, held),
+        ),
+        tables={
+            "contest": contest_table(held),
+            "reproduction": as_table(printed),
+            "error_against_margin": {"limits": margins.limits, **margins.values},
+        },
+    )
+
+
+def encoders_chapter(held: Contest) -> Chapter:
+    """What the second encoder is worth."""
+    text = (
+        "The same cascade, tuned alike, on the motor's encoder, on the output's, and with the position of the output and the speed "
+        "of the motor. Between torque and the output's encoder lies the joint, whose resonance turns the phase: within the "
+        "limit on Ms, speed from there damps little. The motor's encoder damps well, but does not see what gear and joint do."
+    )
+    said = tuple(verdict(held, BOTH, n, "rad").sentence for n in (ON_MOTOR, ON_LOAD))
+    said += (verdict(held, JOINT, OUTPUT, "rad").sentence,)
+    return Chapter("What the second encoder is worth", (Paragraph(text), Items(said)))
