@@ -42,7 +42,7 @@ def few(monkeypatch):
     """A handful of candidates, where it is not the choice among all that is tested."""
     names = ("constant_offset", "coulomb_asymmetry", "gravity", "inertia", "stribeck_friction", "transport_delay")
     chosen = lambda plant: [s for s in suspects(plant) if s.effect in names]  # noqa: E731
-    monkeypatch.setattr("workbench.trace.tracing.suspects", chosen)
+    monkeypatch.setattr("workbench.trace.judge.suspects", chosen)
 
 
 def made(folder, seed: int, *missing: str, size: float = 2.0, **options) -> tuple[Campaign, dict]:
@@ -133,7 +133,16 @@ def test_a_cause_outside_the_catalogue_is_unknown(tmp_path, name, seed):
     found = traced(campaign)
     assert found.verdict == UNKNOWN and found.added == ()
     assert "no effect of the catalogue explains" in found.sentence
-    assert set(found.unknown) == {"coordinate", "low", "high", "share"} and found.unknown["share"] > 0.15
+    coordinate, spans = truth["where"]
+    assert found.unknown["coordinate"] == coordinate and found.unknown["share"] > 0.8
+    if coordinate == "position":
+        tenth = 0.1 * max(np.ptp(r.channels["position"]) for r in campaign.records if r.role == "identification")
+        assert (found.unknown["low"], found.unknown["high"]) == pytest.approx(spans[0], abs=tenth)
+        assert found.unknown["direction"] == "forward"
+    else:
+        said = found.unknown["spans"]
+        hit = [any(a < low + 0.02 and high - 0.02 < b for a, b in said) for low, high in spans]
+        assert np.mean(hit) > 0.9 and np.sum(np.diff(said)) < 2.0 * np.sum(np.diff(spans))
 
 
 # --- the same answer, however it is asked ---------------------------------------------------------------------------------
@@ -209,7 +218,7 @@ def test_a_suspect_without_a_value_on_the_records_is_ranked_and_harms_nothing(tm
     """A law outside its domain gives NaN; the trace says so and goes on."""
     import casadi as ca
 
-    from workbench.trace import candidates, tracing
+    from workbench.trace import candidates, judge
 
     rig.campaign(tmp_path, 5, missing=("stribeck_friction",), short=True)
     campaign = load(tmp_path)
@@ -220,8 +229,8 @@ def test_a_suspect_without_a_value_on_the_records_is_ranked_and_harms_nothing(tm
 
     broken = replace(real, name="broken_friction", step=step)
     monkeypatch.setattr(candidates, "catalogue", lambda: {"broken_friction": broken, "stribeck_friction": real})
-    judgements = tracing.step(
-        tracing.State(campaign.plant, passes_of(campaign.records[:1], campaign.bandwidth)), lambda _: None
+    judgements = judge.step(
+        judge.State(campaign.plant, passes_of(campaign.records[:1], campaign.bandwidth)), lambda _: None
     )
     found = {j.candidate.effect: j.candidate for j in judgements}
     assert found["broken_friction"].gain == 0.0 and "no value" in found["broken_friction"].sentence

@@ -40,7 +40,7 @@ def cause(result: StudyResult) -> Chapter:
 
 def how(result: StudyResult) -> str:
     """Say what a candidate must do."""
-    from workbench.trace.tracing import CERTAIN, SHARE
+    from workbench.trace.judge import CERTAIN, SHARE
 
     return (
         f"{capital(numbers.count(len(result.trace.ranked)))} candidates were fitted together with the declared model: each "
@@ -53,7 +53,7 @@ def how(result: StudyResult) -> str:
 
 def ranked(result: StudyResult) -> Figure:
     """The bar chart of the first step."""
-    from workbench.trace.tracing import SHARE
+    from workbench.trace.judge import SHARE
 
     best = result.trace.ranked[:BEST]
     added = [(c.effect, c.at) for c in result.trace.causes]

@@ -1,10 +1,10 @@
 """How small the residual could be: torque noise in the band, and encoder counts seen through the derivative filter.
 
-Torque noise is read off the drive above the evaluation bandwidth and taken as white below it. The encoders' part is the
+Torque noise is read off the drive above the evaluation bandwidth and taken as white below it, where it is white there. The encoders' part is the
 change of the required drive when a motion that runs between their counts is read in counts.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -15,21 +15,33 @@ from workbench.plant import Plant
 from workbench.record import ROLES
 
 ENCODERS = ("position", "load_position")
+COLOURED = 2.0  # fall of the noise's power over the quiet band, first third over last, from which it is not white
+SEGMENT = 0.25  # s, in which the residual's steady part is looked for
+BANDS = 12  # of frequency, for it
 QUIET = (1.6, 0.42)  # band read for noise: from this times the evaluation bandwidth to this times the sampling rate
+
+
+def quiet_spectrum(passes: Passes) -> tuple[np.ndarray, np.ndarray] | None:
+    """Return (frequencies, power of the drive) above the evaluation band, or None where no quiet band is left."""
+    m = passes.motion
+    spectrum = np.abs(np.fft.rfft(m.u - m.filter(m.u))) ** 2
+    f = np.fft.rfftfreq(m.u.size, m.dt)
+    band = (f > QUIET[0] * m.filter.bandwidth) & (f < QUIET[1] / m.dt)
+    if np.count_nonzero(band) < 50:
+        return None
+    unseen = (1 - 1 / (1 + (f[band] / m.filter.bandwidth) ** 8)) ** 2
+    return f, spectrum[band] / np.maximum(unseen, 1e-3)
 
 
 def drive_noise(passes: Passes) -> float:
     """Return the rms of the drive's noise behind the evaluation filter, or 0 where no quiet band is left to read it."""
-    m = passes.motion
-    rate = 1 / m.dt
-    spectrum = np.abs(np.fft.rfft(m.u - m.filter(m.u))) ** 2
-    f = np.fft.rfftfreq(m.u.size, m.dt)
-    band = (f > QUIET[0] * m.filter.bandwidth) & (f < QUIET[1] * rate)
-    if np.count_nonzero(band) < 50:
+    found = quiet_spectrum(passes)
+    if found is None:
         return 0.0
+    m = passes.motion
+    f, power = found
     response = 1 / (1 + (f / m.filter.bandwidth) ** 8)
-    unseen = (1 - response[band]) ** 2
-    density = np.median(spectrum[band] / np.maximum(unseen, 1e-3)) / np.log(2)  # median of a chi-square of two degrees
+    density = np.median(power) / np.log(2)  # median of a chi-square of two degrees of freedom
     return float(np.sqrt(2 * density * np.sum(response**2))) / m.u.size
 
 
@@ -45,6 +57,18 @@ def between_counts(x: np.ndarray, t: np.ndarray) -> np.ndarray:
     return np.interp(t, times, np.concatenate([x[:1], 0.5 * (x[steps] + x[steps + 1]), x[-1:]]))
 
 
+def in_counts(x: np.ndarray, count: float) -> np.ndarray:
+    """Return a position (n,) as an encoder reads it.
+
+    Where it moves by a count a sample or more, the error of each sample is its own, evenly spread over a count: the jitter of
+    a real axis sees to that, while a smooth motion would be rounded in a pattern.
+    """
+    read = np.round(x / count) * count
+    fast = np.abs(np.diff(x, append=x[-1])) >= count
+    spread = np.random.default_rng(0).uniform(-0.5, 0.5, x.size)
+    return np.where(fast, x + count * spread, read)
+
+
 def encoder_noise(passes: Passes, plant: Plant) -> float:
     """Return the rms change of the filtered required drive when motion between counts is read in counts.
 
@@ -58,7 +82,7 @@ def encoder_noise(passes: Passes, plant: Plant) -> float:
         return 0.0
     smooth = LowPass(MOTION_BAND * m.filter.bandwidth, 1 / m.dt, m.u.size)
     true = {n: smooth(between_counts(record.channels[n], m.t)) for n in counts}
-    read = {n: np.round(x / counts[n]) * counts[n] for n, x in true.items()}
+    read = {n: in_counts(x, counts[n]) for n, x in true.items()}
 
     def drive(positions, resolution):
         seen = replace(record, channels={**record.channels, **positions}, resolution=resolution)
@@ -69,21 +93,65 @@ def encoder_noise(passes: Passes, plant: Plant) -> float:
     return float(np.sqrt(np.mean(difference**2)))
 
 
-def floor(passes: Sequence[Passes], plant: Plant) -> dict[str, float]:
-    """Return role -> the nrmse that drive noise and encoder counts alone would leave.
+def coloured(passes: Sequence[Passes]) -> bool:
+    """Whether the drive's noise falls with frequency above the band, so that it says nothing of the noise inside."""
+    slopes = []
+    for p in passes:
+        found = quiet_spectrum(p)
+        if found is not None:
+            low, _, high = np.array_split(found[1], 3)
+            slopes.append(float(np.median(low) / max(np.median(high), 1e-300)))
+    return not slopes or min(slopes) > COLOURED
 
-    The noise belongs to the drive, not to the motion: the quietest record tells it, because steps of the command look
-    like noise above the band.
+
+def calm(residuals: Sequence[np.ndarray], dt: float, bandwidth: float) -> float:
+    """Return the rms of a residual's steady part: in each band of frequency, what its calmest quarter of time holds.
+
+    residuals: (n,) each, behind the evaluation filter. Power in segments of SEGMENT s; of the segments the lower quartile,
+    over that of as many degrees of freedom of white noise (Wilson and Hilferty 1931). What comes and goes with place, speed
+    or moment stands out of it; what is there all the time does not, and counts as noise.
     """
-    result = {}
+    n = round(SEGMENT / dt)
+    starts = [r[i : i + n] for r in residuals for i in range(0, r.size - n + 1, n // 2)]
+    if len(starts) < 8:
+        return 0.0
+    parts = np.array(starts)
+    taper = np.hanning(n)
+    power = np.abs(np.fft.rfft((parts - parts.mean(axis=1, keepdims=True)) * taper, axis=1)) ** 2
+    f = np.fft.rfftfreq(n, dt)
+    inside = np.flatnonzero((f > 0) & (f < 1.5 * bandwidth))
+    total = 0.0
+    for group in np.array_split(inside, min(BANDS, inside.size)):
+        freedom = 2.0 * group.size / 1.5  # neighbouring lines of a Hann taper share a third
+        quartile = (1 - 2 / (9 * freedom) - 0.6745 * np.sqrt(2 / (9 * freedom))) ** 3
+        lines = group.size + (1 if group[0] == 1 else 0)  # the mean was taken off: as much as beside it
+        total += lines * float(np.quantile(power[:, group].mean(axis=1), 0.25)) / quartile
+    return float(np.sqrt(2 * total / (n * np.sum(taper**2))))
+
+
+def levels(passes: Sequence[Passes], plant: Plant, steady: float = 0.0) -> dict[str, float]:
+    """Return record -> the rms of the filtered residual, in N*m or N, that drive noise and encoder counts alone would leave.
+
+    steady: `calm` of the residual of the model with what was added. The noise belongs to the drive, not to the motion: the quietest record tells it, because steps of the command look like noise above the band. Where it is coloured
+    (or was filtered before it was logged), the steady part of the residual itself is the floor, where that is higher.
+    """
     heard = [n for n in (drive_noise(p) for p in passes) if n > 0]
     quietest = min(heard, default=0.0)
+    found = {p.motion.record.name: float(np.hypot(quietest, encoder_noise(p, plant))) for p in passes}
+    if steady > 0.0 and coloured(passes):
+        found = {name: max(level, steady) for name, level in found.items()}
+    return found
+
+
+def floor(passes: Sequence[Passes], level: Mapping[str, float]) -> dict[str, float]:
+    """Return role -> the nrmse that residuals of these levels make."""
+    result = {}
     for role in ROLES:
         noise = power = 0.0
         for p in sorted(passes, key=lambda p: p.motion.record.name):
             if p.motion.record.role == role:
                 n = p.motion.keep.stop - p.motion.keep.start
-                noise += n * (quietest**2 + encoder_noise(p, plant) ** 2)
+                noise += n * level[p.motion.record.name] ** 2
                 power += float(np.sum(p.motion.filter(p.motion.u)[p.motion.keep] ** 2))
         result[role] = float(np.sqrt(noise / power)) if power > 0 else float("nan")
     return result

@@ -28,24 +28,43 @@ class HeldOut:
         return float(self.errors.sum())
 
 
+class Deviations:
+    """How a solved model may give way, to first order: c deviates by d, the residual by -columns d, lower <= d <= upper.
+
+    columns: (N, m + k), of unit length: those of the linear parameters, then the tangents of the shape parameters.
+    """
+
+    def __init__(self, problem: Problem, solution: Solution):
+        columns = np.hstack([solution.phi, solution.tangents])
+        norms = scales(columns)
+        self.columns = columns / norms
+        lower, upper = problem.bounds
+        least, most = shape_room(problem, solution.theta)
+        self.lower = np.concatenate([np.minimum(lower - solution.c, 0.0), least]) * norms
+        self.upper = np.concatenate([np.maximum(upper - solution.c, 0.0), most]) * norms
+
+    def best(self, gram: np.ndarray, moment: np.ndarray) -> np.ndarray:
+        """Return d of the least squares with these normal equations; what they do not determine stays."""
+        return from_normal(gram, moment, self.lower, self.upper)
+
+    def without(self, residual: np.ndarray, out: np.ndarray) -> np.ndarray:
+        """Return the residual (N,) of a fit to the rows that are not `out` (N,) of bool."""
+        kept = self.columns[~out]
+        return residual - self.columns @ self.best(kept.T @ kept, kept.T @ residual[~out])
+
+
 def held_out(problem: Problem, solution: Solution) -> HeldOut:
     """Return the held-out squared error of every block.
 
     Each fold estimates its deviation from the common solution, so that a direction which the rest of the data does not
     determine keeps the common value.
     """
-    columns = np.hstack([solution.phi, solution.tangents])
-    norms = scales(columns)
-    columns = columns / norms
-    target = solution.residual
+    model = Deviations(problem, solution)
+    columns, target = model.columns, solution.residual
     blocks = problem.blocks(block_seconds(problem))
     grams = np.array([columns[b].T @ columns[b] for b in blocks])
     moments = np.array([columns[b].T @ target[b] for b in blocks])
     powers = np.array([target[b] @ target[b] for b in blocks])
-    lower, upper = problem.bounds
-    least, most = shape_room(problem, solution.theta)
-    lower = np.concatenate([np.minimum(lower - solution.c, 0.0), least]) * norms
-    upper = np.concatenate([np.maximum(upper - solution.c, 0.0), most]) * norms
     errors = np.empty(len(blocks))
     folds = np.arange(len(blocks)) % FOLDS
     for fold in range(FOLDS):
@@ -53,8 +72,7 @@ def held_out(problem: Problem, solution: Solution) -> HeldOut:
         if out.size == 0:
             continue
         rest = np.flatnonzero(folds != fold)
-        gram, moment = grams[rest].sum(axis=0), moments[rest].sum(axis=0)
-        c = from_normal(gram, moment, lower, upper)
+        c = model.best(grams[rest].sum(axis=0), moments[rest].sum(axis=0))
         for i in out:
             errors[i] = powers[i] - 2 * c @ moments[i] + c @ grams[i] @ c
     return HeldOut(np.maximum(errors, 0.0))

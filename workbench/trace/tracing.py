@@ -1,173 +1,85 @@
-"""The trace, first version: one effect after another, each fitted jointly and judged on data that its fold did not see."""
+"""The trace: one effect after another, then what a later one made needless, then what no effect explains."""
 
-from collections.abc import Callable, Collection, Sequence
-from dataclasses import dataclass, replace
-from functools import cached_property
-
-import numpy as np
+from collections.abc import Collection, Sequence
+from dataclasses import replace
 
 from workbench.errors import WorkbenchError
-from workbench.finding import capital, title
 from workbench.identify.fit import fitted_on, identify
 from workbench.identify.passes import Passes
-from workbench.identify.problem import Problem
-from workbench.identify.solve import NoValue, Solution, solve
+from workbench.identify.solve import NoValue
 from workbench.plant import Plant
 from workbench.threads import one_thread
-from workbench.trace.candidates import ADDITION, Suspect, suspects
+from workbench.trace.candidates import ADDITION, Suspect
 from workbench.trace.floor import floor as noise_floor
-from workbench.trace.linearised import Linearised
-from workbench.trace.result import CAUSE, NOTHING, UNKNOWN, Candidate, Trace
-from workbench.trace.score import HeldOut, gain, held_out
-from workbench.trace.search import fitted
+from workbench.trace.floor import levels
+from workbench.trace.judge import Judgement, Progress, State, alike, step
+from workbench.trace.result import CAUSE, NOTHING, UNKNOWN, Trace
 from workbench.trace.thin import thin
-from workbench.trace.verdict import cause, not_carried, plainly_left, verdict_sentence, where
+from workbench.trace.unexplained import described, unknown
+from workbench.trace.verdict import cause, left_over, not_carried, verdict_sentence
 
 STEPS = 4  # effects added at most
-SHARE = 0.05  # of the residual's power that an effect must explain on held-out blocks
-CERTAIN = 3.0  # standard errors by which its gain must differ from zero
-LEADING = 6  # candidates that are fitted again with everything free
-ALIKE = 2.0  # standard errors of a gain over another candidate within which the two are told apart by their simplicity
-
-Progress = Callable[[str], None]
+RIVALS = 4  # named with a cause at most
 
 
-class State:
-    """A plant with its solution on the thinned identification records, and its held-out errors."""
+def extended(state: State, progress: Progress, most: int, only: Collection[str] | None) -> list[tuple[State, list]]:
+    """Add effects one after another while one earns its place: [(state with it, judgements of that step), ...].
 
-    def __init__(self, plant: Plant, passes: Sequence[Passes], theta: np.ndarray | None = None):
-        self.passes = passes
-        self.problem = Problem(plant, passes)
-        self.solution = solve(self.problem, theta)
-        self.plant = self.problem.with_linear(self.problem.with_shape(self.solution.theta), self.solution.c)
-        self.errors: HeldOut = held_out(self.problem, self.solution)
-
-    @cached_property
-    def power(self) -> float:
-        """Sum of squares of the measured drive behind the filter, where errors count."""
-        return sum(float(np.sum(p.motion.filter(p.motion.u)[p.motion.keep] ** 2)) for p in self.passes)
-
-    @property
-    def freedom(self) -> int:
-        """Free parameters."""
-        return len(self.problem.free_linear) + len(self.problem.free_shape)
-
-    @cached_property
-    def residuals(self) -> list[np.ndarray]:
-        """Residual of each identification record (n,), zero in the trimmed ends."""
-        found = []
-        for p, part in zip(self.passes, self.problem.drive_part(self.solution.residual), strict=True):
-            full = np.zeros(p.motion.u.size)
-            full[p.motion.keep] = part
-            found.append(full)
-        return found
+    The last entry may have no state: the step in which nothing earned its place.
+    """
+    found = []
+    for _ in range(most):
+        judgements = step(state, progress, only)
+        best = leading(judgements)
+        found.append((best.state if best else None, judgements))
+        if best is None:
+            break
+        state = best.state
+    return found
 
 
-@dataclass(frozen=True, eq=False)
-class Judgement:
-    """A suspect, what it came to beside the present model, and the state with it: whole() solves it with all free."""
+def leading(judgements: Sequence[Judgement]) -> Judgement | None:
+    """Return the judgement whose effect is to be added, or None."""
+    best = judgements[0] if judgements else None
+    return best if best is not None and best.state is not None and best.candidate.earns else None
 
-    suspect: Suspect
-    candidate: Candidate
-    errors: HeldOut
-    freedom: int
-    problem: Linearised | None = None
-    solution: Solution | None = None
-    state: State | None = None
 
-    def whole(self, before: State) -> "Judgement":
-        """Return the judgement after a fit with everything free; itself where that has no value."""
-        if self.problem is None:
-            return self
-        problem, theta = self.problem.whole(self.solution)
+def revised(
+    found: list[Judgement], last: State, declared: Plant, progress: Progress, only: Collection[str] | None
+) -> tuple[list[Judgement], State]:
+    """Ask of each effect but the last whether the later ones made it needless, or made another one the better answer.
+
+    Greedy selection cannot take back a choice made while something else was missing. Each effect is taken out in turn and
+    the search repeated with the others in place; what leads then stands in its stead.
+    """
+    for i in range(len(found) - 1):
+        present = found[i]
+        progress(f"asking again for {present.suspect.key}")
+        rest = [j for k, j in enumerate(found) if k != i]
         try:
-            after = State(problem.plant, before.passes, theta)
+            reduced = State(without(last.plant, present.suspect, declared), last.passes)
         except NoValue:
-            return self
-        return replace(
-            self,
-            candidate=scored(before, self.suspect, after.errors, after.solution.cost),
-            errors=after.errors,
-            state=after,
-        )
-
-
-def judged(state: State, suspect: Suspect) -> Judgement:
-    """Fit one suspect beside the present model and score it against the present state."""
-    try:
-        problem, solution = fitted(suspect, state.problem, state.solution, state.residuals)
-    except NoValue:
-        sentence = f"{capital(title(suspect.effect))} has no value on these records."
-        whole = float(np.sqrt(state.errors.total / state.power))
-        hopeless = Candidate(suspect.effect, suspect.at, suspect.kind, 0.0, 0.0, whole, whole, False, sentence)
-        return Judgement(suspect, hopeless, state.errors, state.freedom)
-    errors = held_out(problem, solution)
-    freedom = len(problem.free_linear) + len(problem.free_shape) + len(state.problem.free_shape)
-    return Judgement(suspect, scored(state, suspect, errors, solution.cost), errors, freedom, problem, solution)
-
-
-def scored(state: State, suspect: Suspect, errors: HeldOut, cost: float) -> Candidate:
-    """Return the candidate that a suspect is, by its held-out errors against those of the present state."""
-    g, scatter = gain(state.errors, errors)
-    name = title(suspect.effect)
-    verb = "Correcting the declared" if suspect.kind != ADDITION else "Adding"
-    sentence = (
-        f"{verb} {name} takes away {100 * g:.1f} % of the held-out residual power (standard error {100 * scatter:.1f} %)."
-        if g > 0
-        else f"{verb} {name} explains nothing on held-out blocks."
-    )
-    return Candidate(
-        suspect.effect, suspect.at, suspect.kind, g, scatter,
-        float(np.sqrt(errors.total / state.power)), float(np.sqrt(cost / state.power)),
-        g > SHARE and g > CERTAIN * scatter, sentence,
-    )  # fmt: skip
-
-
-def step(state: State, progress: Progress, only: Collection[str] | None = None) -> list[Judgement]:
-    """Judge every suspect; return them best first, those that lead fitted with everything free.
-
-    only: names of effects, where not every suspect is to be judged.
-    """
-    judgements = []
-    for suspect in suspects(state.plant):
-        if only is not None and suspect.effect not in only:
             continue
-        progress(f"trying {suspect.key}")
-        judgements.append(judged(state, suspect))
-    judgements = by_gain(judgements)
-    for i, j in enumerate(judgements[:LEADING]):
-        if j.candidate.gain > SHARE / 2:
-            progress(f"fitting {j.suspect.key} with everything free")
-            judgements[i] = j.whole(state)
-    return simplest_first(judgements)
+        judgements = step(reduced, progress, only)
+        best = leading(judgements)
+        if best is not None and best.suspect.key == present.suspect.key:
+            continue
+        if best is None:
+            return revised(rest, reduced, declared, progress, only) if len(rest) > 1 else (rest, reduced)
+        found = [*rest[:i], best, *rest[i:]]
+        last = best.state
+    return found, last
 
 
-def by_gain(judgements: Sequence[Judgement]) -> list[Judgement]:
-    """Order by gain, those that earn their place ahead of those that do not."""
-    return sorted(
-        judgements,
-        key=lambda j: (not j.candidate.earns, -j.candidate.gain, j.candidate.effect, j.candidate.at),
-    )
+def without(plant: Plant, suspect: Suspect, declared: Plant) -> Plant:
+    """Return `plant` without what a suspect brought to the declared one."""
+    return plant.without(suspect.key) if suspect.kind == ADDITION else plant.swap(declared[suspect.key])
 
 
-def simplest_first(judgements: Sequence[Judgement]) -> list[Judgement]:
-    """Order by gain; of those that the data cannot tell from the best, the one with the fewest free parameters leads."""
-    judgements = by_gain(judgements)
-    if not judgements:
-        return judgements
-    leader = judgements[0]
-    level = [j for j in judgements if j is leader or (j.state and alike(leader, j))]
-    simplest = min(level, key=lambda j: (j.freedom, -j.candidate.gain, j.candidate.effect, j.candidate.at))
-    return [simplest, *(j for j in judgements if j is not simplest)]
-
-
-def alike(best: Judgement, other: Judgement) -> bool:
-    """Whether `best` takes away no more of what `other` leaves on held-out blocks than its scatter, or than SHARE.
-
-    A ratio over blocks, as every gain: a few blocks in which much is left would drown a plain difference in scatter.
-    """
-    further, scatter = gain(other.errors, best.errors)
-    return further <= max(ALIKE * scatter, SHARE) and best.candidate.gain > SHARE
+def brought(plant: Plant, suspect: Suspect, last: Plant) -> Plant:
+    """Return `plant` with what a suspect brings, as it came out in `last`."""
+    effect = last[suspect.key]
+    return plant + effect if suspect.kind == ADDITION else plant.swap(effect)
 
 
 @one_thread
@@ -180,33 +92,56 @@ def trace(
 ) -> Trace:
     """Trace the residual of `plant` on the identification records among `passes`.
 
-    most: effects added at most. only: names of the effects that are judged, all where absent. Returns the verdict with its evidence. Validation records are evaluated, never used for a choice.
+    most: effects added at most. only: names of the effects that are judged, all where absent. Returns the verdict with its
+    evidence. Validation records are evaluated, never used for a choice.
     """
     identification = thin(fitted_on(passes))
     progress("fitting the declared model")
     try:
-        declared = state = State(plant, identification)
+        declared = State(plant, identification)
     except NoValue:
         raise WorkbenchError(
             "the declared model has no value on these records: a shape parameter lies far from them; check it and its unit."
         ) from None
-    steps, added = [], []
-    fits = [identify(state.plant, passes)]
-    for _ in range(most):
-        judgements = step(state, progress, only)
-        steps.append(tuple(j.candidate for j in judgements))
-        best = judgements[0] if judgements else None
-        if best is None or best.state is None or not best.candidate.earns:
-            break
-        added.append(best.candidate)
-        state = best.state
-        fits.append(identify(state.plant, passes))
-    floor = noise_floor(passes, state.plant)
-    before, after = fits[0], fits[-1]
-    causes = tuple(cause(c, fits[i], fits[i + 1], after) for i, c in enumerate(added))
-    verdict = CAUSE if causes else (UNKNOWN if plainly_left(after, floor) else NOTHING)
-    findings = list(not_carried(causes))
+    steps = extended(declared, progress, most, only)
+    added = [leading(judgements) for state, judgements in steps if state is not None]
+    last = added[-1].state if added else declared
+    progress("looking for where the residual lives")
+    level = levels(passes, last.plant, last.steady)
+    unexplained = unknown(declared, last, level)
+    if len(added) > 1 and not (unexplained and unexplained.instead):
+        added, last = revised(added, last, plant, progress, only)
+        unexplained = unknown(declared, last, level)
+    if unexplained is not None and unexplained.instead:
+        added, last = [], declared
+    progress("fitting the extended model")
+    fits = [identify(declared.plant, passes)]
+    for j in added:
+        fits.append(identify(brought(fits[-1].plant, j.suspect, last.plant), passes))
+    after = fits[-1]
+    floor = noise_floor(passes, level)
+    causes = tuple(
+        replace(cause(j.candidate, fits[i], fits[i + 1], after), rivals=rivals(j, steps)) for i, j in enumerate(added)
+    )
+    verdict = CAUSE if causes else UNKNOWN if unexplained else NOTHING
+    findings = [*not_carried(causes), *(left_over(unexplained) if causes else ())]
     return Trace(
-        verdict, verdict_sentence(verdict, causes, before, after, floor), steps[0], tuple(steps), causes,
-        before, after, floor, tuple(findings), where(declared.passes, declared.residuals) if verdict == UNKNOWN else {},
+        verdict, verdict_sentence(verdict, causes, fits[0], after, floor, unexplained),
+        tuple(j.candidate for j in steps[0][1]), tuple(tuple(j.candidate for j in judgements) for _, judgements in steps),
+        causes, fits[0], after, floor, tuple(findings), described(unexplained),
     )  # fmt: skip
+
+
+def rivals(found: Judgement, steps) -> tuple[str, ...]:
+    """Return the names of the candidates that these records could not tell from an added one when it was chosen."""
+    for _, judgements in steps:
+        if found in judgements:
+            others = [j for j in judgements if j is not found and j.candidate.earns and j.state]
+            return tuple(
+                dict.fromkeys(
+                    j.candidate.effect
+                    for j in others
+                    if alike(found, j) and j.candidate.effect != found.candidate.effect
+                )
+            )[:RIVALS]
+    return ()

@@ -2,23 +2,13 @@
 
 from collections.abc import Sequence
 
-import numpy as np
-
 from workbench.effect import find
 from workbench.finding import Finding, capital, title
-from workbench.identify.passes import Passes
 from workbench.identify.result import Fit
 from workbench.record import IDENTIFICATION, VALIDATION
 from workbench.trace.candidates import ADDITION
 from workbench.trace.result import CAUSE, UNKNOWN, Candidate, Cause
-
-ABOVE_FLOOR = 2.0  # residual over floor at which something is plainly left that no candidate explains
-
-
-def plainly_left(fit: Fit, floor) -> bool:
-    """Whether something is left far above the noise floor that no candidate explains."""
-    least = floor[IDENTIFICATION]
-    return bool(least > 0 and fit.identification > ABOVE_FLOOR * least)
+from workbench.trace.unexplained import Unexplained
 
 
 def _share(before: float, after: float) -> float:
@@ -52,7 +42,21 @@ def not_carried(causes: Sequence[Cause]):
             )  # fmt: skip
 
 
-def verdict_sentence(verdict: str, causes: Sequence[Cause], before: Fit, after: Fit, floor) -> str:
+def left_over(unexplained: Unexplained | None):
+    """Yield a finding where something stays beside the causes, in a place of its own."""
+    if unexplained is not None:
+        yield Finding(
+            "unexplained", unexplained.place.coordinate,
+            f"Beside this, something lives {unexplained.place.sentence} that no effect of the catalogue explains: there the "
+            f"residual is {unexplained.place.inside:.1f} times the noise floor, elsewhere {unexplained.place.outside:.1f} times.",
+            {"inside": unexplained.place.inside, "outside": unexplained.place.outside},
+            "look at the axis there",
+        )  # fmt: skip
+
+
+def verdict_sentence(
+    verdict: str, causes: Sequence[Cause], before: Fit, after: Fit, floor, unexplained: Unexplained | None = None
+) -> str:
     """Return the verdict as a person reads it, with the errors before and after."""
     if verdict == CAUSE:
         names = " and ".join(title(c.effect) for c in causes)
@@ -65,9 +69,13 @@ def verdict_sentence(verdict: str, causes: Sequence[Cause], before: Fit, after: 
             f"(noise floor {100 * floor[IDENTIFICATION]:.2g} %)."
         )
     if verdict == UNKNOWN:
+        said = f"Something is missing that no effect of the catalogue explains: the residual is {unexplained.times:.1f} times the noise floor"
+        place = unexplained.place
+        if place is None:
+            return f"{said}, and it lives nowhere in particular: not in a place, not at a speed, not at moments."
         return (
-            f"Something is missing that no effect of the catalogue explains: the residual is "
-            f"{before.identification / floor[IDENTIFICATION]:.1f} times the noise floor, and no candidate earns its place."
+            f"{said}. It lives {place.sentence}: {100 * place.share:.0f} % of its power in {100 * place.covered:.0f} % of the "
+            f"samples. Outside, the declared model leaves {place.outside:.1f} times the floor."
         )
     return (
         f"Nothing is missing: the residual, {100 * before.identification:.2f} % on identification, is "
@@ -76,25 +84,3 @@ def verdict_sentence(verdict: str, causes: Sequence[Cause], before: Fit, after: 
         if floor[IDENTIFICATION] > 0
         else "Nothing is missing: no effect of the catalogue explains a share of the residual that holds on held-out blocks."
     )
-
-
-def where(passes: Sequence[Passes], residuals: Sequence[np.ndarray]) -> dict[str, object]:
-    """The coordinate in which the residual's power is most concentrated, in ten bins of equal population each."""
-    signals = {"position": [], "velocity": [], "time": []}
-    power = []
-    for p, r in zip(passes, residuals, strict=True):
-        m, keep = p.motion, p.motion.keep
-        for name, values in (("position", m.q), ("velocity", m.v), ("time", m.t)):
-            signals[name].append(values[keep])
-        power.append(r[keep] ** 2)
-    power = np.concatenate(power)
-    best = {}
-    for name, parts in signals.items():
-        values = np.concatenate(parts)
-        edges = np.quantile(values, np.linspace(0, 1, 11))
-        index = np.clip(np.searchsorted(edges, values, side="right") - 1, 0, 9)
-        shares = np.bincount(index, weights=power, minlength=10) / power.sum()
-        k = int(np.argmax(shares))
-        if shares[k] > best.get("share", 0.0):
-            best = {"coordinate": name, "low": float(edges[k]), "high": float(edges[k + 1]), "share": float(shares[k])}
-    return best

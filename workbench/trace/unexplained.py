@@ -1,0 +1,94 @@
+"""What no effect of the catalogue explains: whether something is left, where it lives, and whether an effect only dresses it."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from workbench.trace.judge import State
+from workbench.trace.place import WAYS, Place, Samples, lives, samples, score, weighed
+from workbench.trace.score import Deviations
+
+PLAIN = 2.0  # residual over floor from which something is plainly left
+LEFT = 1.4  # residual over floor up to which effects that were added have explained what there was
+EXPLAINED = 0.9  # share of the excess power from which added effects are the answer
+DRESSED = 0.5  # share below which they are not
+LOCAL = 0.5  # share of the excess in a place, less the share of samples, from which it lives there
+CONTRAST = 2.0  # rms inside over rms outside
+
+
+@dataclass(frozen=True)
+class Unexplained:
+    """place: where it lives, None where nowhere in particular. times: residual over floor. instead: what was added dresses it."""
+
+    place: Place | None
+    times: float
+    instead: bool
+
+
+def unknown(declared: State, last: State, level: Mapping[str, float]) -> Unexplained | None:
+    """Return what stays unexplained, or None. last: the state with the effects that were added; level: record -> floor (rms).
+
+    An effect that was added explains what the declared model lacks; where most of the excess lives in one place and the
+    effects leave it there, they only spread over the record what belongs to that place.
+    """
+    known = samples_of(declared, level)
+    before, after = times(declared, known), times(last, known)
+    if last is declared:
+        place = living(declared, known)
+        return (
+            Unexplained(place if local(place) else None, before, True)
+            if before > PLAIN or (before > LEFT and local(place))
+            else None
+        )
+    if after <= LEFT:
+        return None
+    explained = (before**2 - after**2) / max(before**2 - 1.0, 1e-12)
+    place = living(declared, known)
+    if explained < DRESSED:
+        return Unexplained(place if local(place) else None, before, True)
+    if explained < EXPLAINED and local(place) and weighed(place, last.solution.residual, known).inside > LEFT:
+        return Unexplained(place, before, True)
+    rest = living(last, known)
+    return Unexplained(rest, after, False) if local(rest) else None
+
+
+def samples_of(state: State, level: Mapping[str, float]) -> Samples:
+    return samples(state.passes, [p.rows(state.plant) for p in state.passes], level)
+
+
+def times(state: State, known: Samples) -> float:
+    """Return the rms of the drive's residual over that of the floor."""
+    power = float(np.sum(state.solution.residual[known.drive] ** 2))
+    floor = float(np.sum(known.floor[known.drive] ** 2))
+    return (power / floor) ** 0.5 if floor > 0 else 0.0
+
+
+def living(state: State, known: Samples) -> Place | None:
+    model = Deviations(state.problem, state.solution)
+    residual = state.solution.residual
+    return lives(residual, known, lambda out: model.without(residual, out))
+
+
+def local(place: Place | None) -> bool:
+    """Whether a place is one: most of the excess, few of the samples, and calm outside."""
+    return place is not None and score(place) > LOCAL and place.inside > CONTRAST * place.outside
+
+
+def described(found: Unexplained | None) -> dict[str, object]:
+    """Return what trace.json says of it; empty where nothing is unexplained."""
+    if found is None:
+        return {}
+    if found.place is None:
+        return {"coordinate": "none", "times_floor": found.times}
+    p = found.place
+    return {
+        "coordinate": p.coordinate,
+        "low": min(low for low, _ in p.spans),
+        "high": max(high for _, high in p.spans),
+        "spans": [list(s) for s in p.spans],
+        "direction": WAYS[p.direction],
+        "share": p.share,
+        "times_floor": found.times,
+        "times_floor_outside": p.outside,
+    }
