@@ -11,6 +11,11 @@ def title(effect: str) -> str:
     return " ".join(PROPER.get(word, word) for word in effect.split("_"))
 
 
+def located(effect: str, at: str) -> str:
+    """Return an effect with its place where that says anything: "gravity", "Coulomb friction at the load"."""
+    return title(effect) if at in ("axis", "command") else f"{title(effect)} at the {at.removeprefix('sensor.')}"
+
+
 def capital(text: str) -> str:
     """Return text with a capital first letter; the rest stays."""
     return text[:1].upper() + text[1:]

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from workbench.finding import capital, title
+from workbench.finding import capital, located
 from workbench.identify import intervals
 from workbench.identify.fit import fitted_on
 from workbench.identify.passes import Passes
@@ -157,8 +157,7 @@ def _change(a: Estimate, b: Estimate, chance: float, first: Side, second: Side, 
     half = float(t * np.hypot(deviation(a), deviation(b)))
     apart, size = b.value - a.value, max(abs(a.value), abs(b.value))
     moved = chance < CHANCE and abs(apart) > MATTERS * size
-    where = "" if a.at in ("axis", "command") else f" at the {a.at}"
-    what = f"{capital(title(a.effect))}{where}, {a.meaning}"
+    what = f"{capital(located(a.effect, a.at))}, {a.meaning}"
     unit = "" if a.unit in ("1", "") else f" {a.unit}"
     if moved:
         share = f" ({100 * abs(apart) / abs(a.value):.2g} %)" if a.value else ""

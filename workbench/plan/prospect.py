@@ -6,7 +6,7 @@ from math import inf
 
 import numpy as np
 
-from workbench.finding import capital, title
+from workbench.finding import capital, located
 from workbench.identify.intervals import known_together
 from workbench.identify.result import Estimate
 from workbench.plan.design import Plan
@@ -71,8 +71,7 @@ def per_cent(part: float) -> str:
 
 def sentence(e: Estimate, now: float, then: float, why: str) -> str:
     value = f"{e.value:.3g}" + ("" if e.unit in ("1", "") else f" {e.unit}")
-    where = "" if e.at in ("axis", "command") else f" at the {e.at}"
-    text = f"{capital(title(e.effect))}{where}, {e.meaning}: {value}, now known to {per_cent(now)}, with this motion to {per_cent(then)}"
+    text = f"{capital(located(e.effect, e.at))}, {e.meaning}: {value}, now known to {per_cent(now)}, with this motion to {per_cent(then)}"
     return f"{text}; {why}." if why else f"{text}."
 
 

@@ -13,7 +13,7 @@ from math import asin, degrees, inf
 import numpy as np
 
 from workbench.effect import Effect
-from workbench.finding import title
+from workbench.finding import located
 from workbench.identify.passes import Passes
 from workbench.identify.problem import Problem
 from workbench.identify.solve import NoValue, bounded, scales, slopes, solve
@@ -71,12 +71,11 @@ def separate(
     """Return the motion that parts two effects best.
 
     plant: the model without either, its values fitted. a, b: at their places, with the values that explain the records;
-    an effect that the plant has is set free there. seconds: length of the motion, the load's where there are two masses.
+    one that the plant has already takes the place of that. seconds: length of the motion, the load's where there are two masses.
     """
-    both = tuple(x.free(*x.parameters) if x.key in {e.key for e in plant.effects} else x for x in (a, b))
-    models = tuple(with_effect(plant, x) for x in both)
+    models = tuple(with_effect(plant, x) for x in (a, b))
     found = []
-    for reference in pool((*plant.effects, *both), envelope, sensing, seconds, plant.displacement):
+    for reference in pool((*plant.effects, a, b), envelope, sensing, seconds, plant.displacement):
         passes = followed(reference, models[0], sensing)
         if np.abs(passes.motion.u).max() <= envelope.drive:
             found.append((_linearised(passes, plant, models[1], sensing), reference))
@@ -87,7 +86,7 @@ def separate(
 
 
 def _said(a: Effect, b: Effect, parting: Parting, reference: Reference | None) -> Separation:
-    names = title(a.name), title(b.name)
+    names = located(a.named, a.at), located(b.named, b.at)
     said = f"{degrees(parting.angle):.2g} degrees and {parting.deviations:.2g} standard deviations"
     if reference is None or parting.deviations < APART:
         sentence = (
