@@ -100,6 +100,17 @@ def test_what_a_model_lacks_is_no_fault_of_the_records(tmp_path, seed, missing, 
     assert check(tmp_path / "c") == ()
 
 
+@pytest.mark.parametrize(
+    ("fault", "name"),
+    [(times("position", 1 / 30), "encoder scale"), (times("position", 2), "encoder scale"), (faster(0.8), "time scale"),
+     (times("drive", 0.5), "drive scale"), (times("drive", -1), "drive sign")],
+)  # fmt: skip
+def test_a_wrong_scale_is_found_and_told_without_a_reference(tmp_path, fault, name):
+    rig.campaign(tmp_path / "c", 32, ("cogging",), 2.0, short=True)
+    Folder(tmp_path / "c", tmp_path / "d").change(fault)
+    assert {f.kind for f in check(tmp_path / "d")} == {name}
+
+
 def test_measured_data_of_other_rigs_has_only_the_findings_that_are_true(data, tmp_path):
     new(tmp_path / "emps", [data / "emps" / "DATA_EMPS.mat", data / "emps" / "DATA_EMPS_PULSES.mat"])
     assert [f.kind for f in check(tmp_path / "emps" / "campaign")] == ["assumed scale"]
@@ -138,7 +149,9 @@ def test_an_encoder_that_never_moves_is_said_without_a_claim_on_the_axis(tmp_pat
 def test_an_encoder_too_coarse_for_the_stroke_of_friction_is_said(tmp_path):
     rig.campaign(tmp_path / "c", 1, (), short=True)
     Folder(tmp_path / "c", tmp_path / "d").declare("resolution = 4.848e-06", "resolution = 1e-3")
-    assert "encoder resolution" in {f.kind for f in check(tmp_path / "d")}
+    found = {f.kind: f for f in check(tmp_path / "d")}
+    assert "counts of position" in found["encoder resolution"].sentence
+    assert "steps of 4.85e-06 rad" in found["encoder scale"].sentence  # the data show a finer one than is declared
 
 
 def test_a_log_too_slow_for_the_bandwidth_is_said(tmp_path):

@@ -35,5 +35,6 @@ def missing(seen: Seen) -> Iterator[Finding]:
 
 def noise(problem: Problem, solution: Solution) -> float:
     """Return rms of the residual where it is quietest: elsewhere it is what the model lacks, and no want of excitation."""
-    blocks = [float(np.sqrt(np.mean(solution.residual[b] ** 2))) for b in problem.blocks(BLOCK)]
+    squares = solution.residual**2
+    blocks = [float(np.sqrt(np.mean(squares[b]))) for b in problem.blocks(BLOCK)]
     return float(np.quantile(blocks, QUIET))

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from workbench.check.balance import Balance
-from workbench.check.seen import Seen
+from workbench.check.seen import ENCODERS, Seen
 from workbench.check.sign import slopes
 from workbench.finding import Finding
 from workbench.intake.signals import quantum
@@ -146,8 +146,29 @@ def encoders(seen: Seen) -> Iterator[Finding]:
         )  # fmt: skip
 
 
+def steps(seen: Seen) -> Iterator[Finding]:
+    """Say which encoder moves in other steps than its declared resolution: one of the two has another scale."""
+    for r in seen.measured:
+        for name, declared in r.resolution.items():
+            shown = quantum(r.channels[name]) if name in ENCODERS else 0.0
+            if shown > 0 and beyond([float(np.log(shown / declared))], FACTOR):
+                yield Finding(
+                    "encoder scale", f"{r.name}.{name}",
+                    f"In record '{r.name}' {name} moves in steps of {shown:.3g} {r.units[name]}, {shown / declared:.3g} times "
+                    f"the declared resolution of {declared:.3g} {r.units[name]}.",
+                    {"step": shown, "declared": declared},
+                    f"{REMEDY['encoder scale']} Or else mend its resolution.",
+                )  # fmt: skip
+
+
 def drives(seen: Seen) -> Iterator[Finding]:
-    """Say which record's drive has a scale of its own, and whether all have another than the declared inertia asks for."""
+    """Say which record's drive has a scale of its own, and whether all have another than the declared inertia asks for.
+
+    Where an encoder shows by its steps that the scale is its own, that is said in their place.
+    """
+    if coarse := list(steps(seen)):  # inertia would only say the same once more
+        yield from coarse
+        return
     balances = [b for b in seen.aligned if b.names]
     free = [b for b in balances if not b.record.locked]  # of the joint alone the others say little
     odd = own_scales(free, seen.inertia)
@@ -201,7 +222,7 @@ def _friction(seen: Seen, values: dict[str, float]) -> Iterator[Ratio]:
 def _encoder_step(seen: Seen) -> float:
     """Return the step that the position shows over the declared resolution, 1 where one of them is not there."""
     declared = [r.resolution.get("position", 0.0) for r in seen.campaign.records]
-    shown = [q for r in seen.campaign.records if (q := quantum(r.channels["position"])) > 0]
+    shown = [q for r in seen.measured if (q := quantum(r.channels["position"])) > 0]
     return float(np.median(shown)) / max(declared) if shown and max(declared) > 0 else 1.0
 
 

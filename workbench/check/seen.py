@@ -10,6 +10,7 @@ from workbench.check.shift import delay, realigned
 from workbench.identify.fit import passes_of
 from workbench.identify.passes import Passes
 from workbench.intake.signals import quantum
+from workbench.record import Record
 
 ENCODERS = ("position", "load_position")
 
@@ -48,6 +49,12 @@ class Seen:
                     step = max(r.resolution.get(name, 0.0), quantum(r.channels[name]))
                     found[name] = max(found.get(name, 0.0), step)
         return found
+
+    @property
+    def measured(self) -> tuple[Record, ...]:
+        """Records whose samples are those that were logged: none were made between them."""
+        made = {f.subject for f in self.campaign.findings if f.kind == "resampled"}
+        return tuple(r for r in self.campaign.records if r.name not in made)
 
     def only(self, names: Collection[str]) -> "Seen":
         """Return this with the records of these names; what was computed of them is kept."""

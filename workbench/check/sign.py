@@ -1,14 +1,14 @@
 """Signs: of the drive against the motion it causes, of the encoders against the reference and against each other."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from workbench.check.balance import Balance
 from workbench.check.seen import Seen
 from workbench.finding import Finding
-from workbench.identify.solve import bounded_small
+from workbench.identify.solve import bounded
 from workbench.record import Record
 
 EXPLAINED = 0.5  # of the drive's power: what a turned drive must be explained by, and twice what it is as it stands
@@ -40,34 +40,41 @@ def slopes(records: Sequence[Record]) -> list[Slope]:
     return found
 
 
-def explained(balances: Sequence[Balance], turned: float) -> float:
+def share(b: Balance, parameters: np.ndarray, moment: np.ndarray) -> float:
+    """Return the share of the drive's power that these parameters explain."""
+    left = b.power - 2 * parameters @ moment + parameters @ b.gram @ parameters
+    return 1.0 - float(left) / max(b.power, 1e-300)
+
+
+def quickly(b: Balance) -> float:
+    """Return what the plant explains of the drive at least: parameters that come out below their bounds are left out."""
+    moment = b.columns.T @ (b.drive - np.mean(b.drive))
+    used = np.ones(moment.size, dtype=bool)
+    c = b.solved(moment)
+    while np.any(c < b.lower):
+        used &= c >= b.lower
+        c = np.zeros(moment.size)
+        c[used] = replace(b, columns=b.columns[:, used]).solved(moment[used])
+    return share(b, c, moment)
+
+
+def explained(b: Balance, turned: float) -> float:
     """Return the share of the drive's power that the plant explains with parameters within their bounds.
 
     Inertia and friction are not negative: a drive that counts against the position leaves them nothing to explain.
-    turned: -1 for the drive turned round. Records of one set of columns are taken together.
+    turned: -1 for the drive turned round.
     """
-    gram = sum(b.gram for b in balances)
-    moment = turned * sum(b.columns.T @ (b.drive - np.mean(b.drive)) for b in balances)
-    norms = np.sqrt(np.maximum(np.diag(gram), 1e-300))
-    values, vectors = np.linalg.eigh(gram / np.outer(norms, norms))
-    good = values > 1e-12 * values[-1]
-    root = np.sqrt(values[good])
-    r = root[:, None] * vectors[:, good].T
-    b = (vectors[:, good].T @ (moment / norms)) / root
-    lower = balances[0].lower * norms
-    c = bounded_small(np.vstack([r, np.zeros((norms.size - root.size, norms.size))]),
-                      np.append(b, np.zeros(norms.size - root.size)), lower, np.full(norms.size, np.inf)) / norms  # fmt: skip
-    left = sum(x.power for x in balances) - 2 * c @ moment + c @ gram @ c
-    return 1.0 - float(left) / max(sum(x.power for x in balances), 1e-300)
+    drive = turned * (b.drive - np.mean(b.drive))
+    c = bounded(b.columns, drive, b.lower, np.full(b.lower.size, np.inf))
+    return share(b, c, b.columns.T @ drive)
 
 
 def reversed_drives(seen: Seen) -> list[tuple[Balance, float, float]]:
     """Return (balance, share explained as it stands, share explained when turned) of records whose drive is reversed."""
     found = []
     for b in seen.aligned:
-        as_it_is = explained([b], 1.0)
-        if as_it_is < EXPLAINED:
-            turned = explained([b], -1.0)
+        if quickly(b) < EXPLAINED:
+            as_it_is, turned = explained(b, 1.0), explained(b, -1.0)
             if turned > EXPLAINED and as_it_is < 0.5 * turned:
                 found.append((b, as_it_is, turned))
     return found
@@ -94,12 +101,12 @@ def signs(seen: Seen) -> Iterator[Finding]:
                 f"Turn the sign of {channel}: channels.{channel}.scale = {{ value = -1, unit = \"1\" }}.",
             )  # fmt: skip
     wrong = {s.record for s in negative if s.channel == "position" or s.other == "position"}
-    for b, as_it_is, share in reversed_:
+    for b, as_it_is, when_turned in reversed_:
         if b.record.name not in wrong:
             yield Finding(
                 "drive sign", f"{b.record.name}.{seen.drive}",
                 f"In record '{b.record.name}' inertia and friction explain {100 * max(as_it_is, 0):.0f} % of the drive as it "
-                f"stands and {100 * share:.0f} % when its sign is turned: it counts against the position.",
-                {"as_it_stands": as_it_is, "turned": share},
+                f"stands and {100 * when_turned:.0f} % when its sign is turned: it counts against the position.",
+                {"as_it_stands": as_it_is, "turned": when_turned},
                 f"Turn the sign of the drive, channels.{seen.drive}.scale = {{ value = -1, unit = \"1\" }}, or of the encoder.",
             )  # fmt: skip
