@@ -11,7 +11,7 @@ from workbench.plan.design import Plan
 from workbench.plan.prospect import Prospect
 from workbench.plan.separate import Separation
 
-TRAJECTORY = "trajectory.csv"
+TRAJECTORY, FIGURE = "trajectory.csv", "trajectory.svg"
 JSON = "plan.json"
 
 

@@ -70,8 +70,8 @@ def separate(
 ) -> Separation:
     """Return the motion that parts two effects best.
 
-    plant: the model without either, its values fitted. a, b: at their places, with the values that explain the records;
-    one that the plant has already takes the place of that. seconds: length of the motion, the load's where there are two masses.
+    plant: the model without either, its values fitted; where one of them is a declared effect with another value, with the
+    declared value, held. a, b: at their places, with the values that explain the records. seconds: length of the motion, the load's where there are two masses.
     """
     models = tuple(with_effect(plant, x) for x in (a, b))
     found = []

@@ -11,7 +11,7 @@ def declare(verbs) -> None:
         "plan",
         help="find the motion to record next",
         description="Find reference trajectories within the axis' limits that determine every declared parameter, or, "
-        "with --separate, tell two effects apart; write trajectory.csv and plan.json.",
+        "with --separate, tell two effects apart; write trajectory.csv, trajectory.svg and plan.json.",
     )
     plan.add_argument("study", help="a study's folder, or its name under studies/")
     plan.add_argument("--out", type=Path, required=True, help="folder to write into")
@@ -34,13 +34,18 @@ def do(given: argparse.Namespace) -> int:
 def _determine(given: argparse.Namespace, basis, say) -> int:
     from workbench.outputs import whole
     from workbench.plan import design, prospects
-    from workbench.plan.output import JSON, TRAJECTORY, write_plan
+    from workbench.plan.output import FIGURE, JSON, TRAJECTORY, write_plan
+    from workbench.report.trajectory import figure
 
     accuracy = given.accuracy / 100.0 if given.accuracy else basis.accuracy
     plan = design(basis.fit.plant, basis.envelope, basis.sensing, accuracy, progress=say)
     found = prospects(plan, basis.fit.estimates, accuracy)
+    reached = sum(p.reached for p in found)
+    heading = f"{plan.trajectory.time[-1]:.0f} s of motion tell {reached} of {len(found)} parameters to {100 * accuracy:.3g} % or better"
     with whole(given.out, JSON) as beside:
         write_plan(beside, plan, found, accuracy, basis.sample_time)
+        drawn = figure(heading, plan.trajectory.time, plan.position, plan.drive, basis.envelope, plan.plant.rotary)
+        (beside / FIGURE).write_bytes(drawn)
     start = plan.trajectory.position[0]
     print(
         f"Record {plan.trajectory.phrase}: {plan.trajectory.time[-1]:.0f} s, from rest at {start:.4g} {plan.plant.displacement}."
@@ -60,7 +65,8 @@ def _separate(given: argparse.Namespace, basis) -> int:
     from workbench.outputs import whole
     from workbench.plan import sensing_of, separate
     from workbench.plan.following import followed, with_effect
-    from workbench.plan.output import JSON, TRAJECTORY, write_separation
+    from workbench.plan.output import FIGURE, JSON, TRAJECTORY, write_separation
+    from workbench.report.trajectory import figure
     from workbench.study.planning import suspect
 
     (plant, a, left), (_, b, also) = (suspect(basis, text) for text in given.separate)
@@ -73,6 +79,10 @@ def _separate(given: argparse.Namespace, basis) -> int:
     passes = followed(found.reference, with_effect(plant, a), sensing) if found.apart else None
     with whole(given.out, JSON) as beside:
         write_separation(beside, found, passes, plant.rotary, basis.sample_time)
+        if found.apart:
+            m = passes.motion
+            drawn = figure(found.sentence, m.t, m.record.channels["position"], m.u, basis.envelope, plant.rotary)
+            (beside / FIGURE).write_bytes(drawn)
     print(found.sentence)
     print(f"\n{given.out / (TRAJECTORY if found.apart else JSON)}")
     return 0
