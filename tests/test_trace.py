@@ -41,8 +41,8 @@ def traced(campaign: Campaign, **options) -> Trace:
 def few(monkeypatch):
     """A handful of candidates, where it is not the choice among all that is tested."""
     names = ("constant_offset", "coulomb_asymmetry", "gravity", "inertia", "stribeck_friction", "transport_delay")
-    chosen = lambda plant: [s for s in suspects(plant) if s.effect in names]  # noqa: E731
-    monkeypatch.setattr("workbench.trace.judge.suspects", chosen)
+    chosen = lambda plant, own=(): [s for s in suspects(plant, own) if s.effect in names]  # noqa: E731
+    monkeypatch.setattr("workbench.trace.candidates.suspects", chosen)
 
 
 def made(folder, seed: int, *missing: str, size: float = 2.0, **options) -> tuple[Campaign, dict]:

@@ -72,6 +72,35 @@ def linear_damping() -> Effect:
 
 
 @effect
+def viscous_asymmetry() -> Effect:
+    """T = db |v|: the viscous part of coulomb_asymmetry alone, where no difference of Coulomb friction is needed.
+
+    Beside a constant offset a difference of Coulomb friction shows in no motion but within the reversals.
+    """
+
+    def step(s, z, p):
+        return {}, p.viscous_difference * absolute(s.v)
+
+    return Effect(
+        name="viscous_asymmetry",
+        cause="a lubricant film, seals or a preloaded nut that drag more in one direction than in the other",
+        formula="T = db |v|",
+        source="Janot, Gautier, Brunot 2019 (asymmetric friction)",
+        port=FORCE,
+        parameters={
+            "viscous_difference": Parameter(
+                0.0, "F*s/x", "half the difference of viscous friction, forward less backward"
+            )
+        },
+        linear=("viscous_difference",),
+        reads=("v",),
+        step=step,
+        holds=("even",),
+        traced=False,
+    )
+
+
+@effect
 def directional_viscous_friction() -> Effect:
     """T = b+ v forward, b- v backward. Another spelling of viscous friction with the viscous part of coulomb_asymmetry."""
 

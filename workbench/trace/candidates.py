@@ -1,5 +1,6 @@
 """What a declared model may lack: undeclared effects of the catalogue where they can act, and fixed values that are wrong."""
 
+from collections.abc import Collection
 from dataclasses import dataclass
 
 from workbench.effect import Effect, catalogue
@@ -22,12 +23,30 @@ class Suspect:
         return f"{self.effect}@{self.at}"
 
 
-def suspects(plant: Plant) -> list[Suspect]:
-    """Return every candidate, in the order of their names (the result does not depend on the order of declaration)."""
+@dataclass(frozen=True)
+class Offer:
+    """only: names of the effects that are judged, all where None. own: effects offered beside those of the catalogue."""
+
+    only: Collection[str] | None = None
+    own: Collection[Effect] = ()
+
+    def suspects(self, plant: Plant) -> list[Suspect]:
+        """Return the candidates of a plant that are judged."""
+        return [s for s in suspects(plant, self.own) if self.only is None or s.effect in self.only]
+
+
+def suspects(plant: Plant, own: Collection[Effect] = ()) -> list[Suspect]:
+    """Return every candidate, in the order of their names (the result does not depend on the order of declaration).
+
+    own: effects that are offered beside those of the catalogue, and judged as they are: one that the catalogue has and does
+    not trace, or one with a parameter that the rig makes known (a ripple once a motor revolution).
+    """
     found = []
     motion = "rotary" if plant.rotary else "linear"
-    for name, effect in catalogue().items():
-        if motion not in effect.motions or not effect.traced:
+    traced = [e for e in catalogue().values() if e.traced]
+    for effect in (*traced, *own):
+        name = effect.named
+        if motion not in effect.motions:
             continue
         for place in places(plant.kind, effect):
             if not offered(effect, place, plant):

@@ -1,6 +1,6 @@
 """Candidates judged: each fitted beside the present model, scored on data that its fold did not see, and ordered."""
 
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -11,7 +11,7 @@ from workbench.identify.passes import Passes
 from workbench.identify.problem import Problem
 from workbench.identify.solve import NoValue, Solution, solve
 from workbench.plant import Plant
-from workbench.trace.candidates import ADDITION, Suspect, suspects
+from workbench.trace.candidates import ADDITION, Offer, Suspect
 from workbench.trace.floor import calm
 from workbench.trace.linearised import Linearised
 from workbench.trace.result import Candidate
@@ -124,15 +124,10 @@ def scored(state: State, suspect: Suspect, errors: HeldOut, cost: float) -> Cand
     )  # fmt: skip
 
 
-def step(state: State, progress: Progress, only: Collection[str] | None = None) -> list[Judgement]:
-    """Judge every suspect; return them best first, those that lead fitted with everything free.
-
-    only: names of effects, where not every suspect is to be judged.
-    """
+def step(state: State, progress: Progress, offer: Offer = Offer()) -> list[Judgement]:
+    """Judge every suspect that is offered; return them best first, those that lead fitted with everything free."""
     judgements = []
-    for suspect in suspects(state.plant):
-        if only is not None and suspect.effect not in only:
-            continue
+    for suspect in offer.suspects(state.plant):
         progress(f"trying {suspect.key}")
         judgements.append(judged(state, suspect))
     judgements = by_gain(judgements)

@@ -8,10 +8,11 @@ import numpy as np
 from workbench.identify.passes import Passes
 from workbench.identify.problem import Problem, to_search
 from workbench.identify.solve import Solution, cost_at, solve
+from workbench.parameter import Parameter
 from workbench.plant import Plant
 from workbench.trace.candidates import ADDITION, Suspect
 from workbench.trace.linearised import Linearised
-from workbench.trace.starts import starts
+from workbench.trace.starts import resolved, starts
 
 ROUGH = 1e-4  # relative decrease of the cost at which a start has shown what it is worth
 LEVEL = 1.002  # cost within which two starts have come to the same fit
@@ -19,17 +20,22 @@ REFINED = 2  # starts that are refined: the cheapest by their linear fit alone
 
 
 def within_reach(plant: Plant, passes: Sequence[Passes]) -> Plant:
-    """Return the plant with orders bounded to one period in the travel: a longer wave is a polynomial in disguise."""
+    """Return the plant with orders bounded: a wave longer than the travel is a polynomial in disguise, and one that the
+    encoder or the band does not resolve is a longer wave."""
     travel = max(float(np.ptp(p.motion.q)) for p in passes)
     least = 2 * np.pi / max(travel, 1e-300)
+    most = resolved(passes)
     for e in plant.effects:
         if any(p.scale == "order" and not p.fixed for p in e.parameters.values()):
-            bounded = {
-                n: replace(p, lower=max(p.lower, least), value=max(p.value, least)) if p.scale == "order" else p
-                for n, p in e.parameters.items()
-            }
+            bounded = {n: within(p, least, most) if p.scale == "order" else p for n, p in e.parameters.items()}
             plant = plant.swap(replace(e, parameters=bounded))
     return plant
+
+
+def within(p: Parameter, least: float, most: float) -> Parameter:
+    """Return the parameter with narrower bounds, and its value inside them."""
+    lower, upper = max(p.lower, least), max(min(p.upper, most), least)
+    return replace(p, lower=lower, upper=upper, value=min(max(p.value, lower), upper))
 
 
 def fitted(

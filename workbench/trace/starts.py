@@ -17,6 +17,7 @@ from workbench.plant import Plant
 BINS = 1 << 14  # of position, for the spectrum over angle
 PEAKS = 4  # orders tried, the largest first, beside the known ones
 MOST = 64  # starts a candidate
+SLOW = 0.05  # share of the distance travelled at a speed at which a wave must pass the evaluation filter
 
 
 def order_spectrum(passes: Sequence[Passes], residuals: Sequence[np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
@@ -39,10 +40,30 @@ def order_spectrum(passes: Sequence[Passes], residuals: Sequence[np.ndarray]) ->
     return orders, 2 * spectrum / max(np.count_nonzero(total), 1)
 
 
-def peaks(orders: np.ndarray, amplitude: np.ndarray, travel: float) -> list[float]:
-    """Return the orders of the largest local maxima with at least one period in the travel."""
+def resolved(passes: Sequence[Passes]) -> float:
+    """Return the highest order, in 1/x, that the records can show: min(pi/count, 2 pi f_c/v).
+
+    A wave shorter than two encoder counts is a slow one in disguise (Nyquist). One that passes faster than the evaluation
+    filter f_c is seen where the axis stands, and nowhere else: v is the speed below which SLOW of the distance is travelled.
+    """
+    counts = max(p.motion.counts for p in passes)
+    least = np.inf
+    for p in passes:
+        speed = np.sort(np.abs(p.motion.v))
+        distance = np.cumsum(speed)
+        slow = float(speed[np.searchsorted(distance, SLOW * distance[-1])])
+        least = min(least, slow / (2 * np.pi * p.motion.filter.bandwidth))
+    return min(1.0 / max(least, 1e-300), np.pi / max(counts, 1e-300))
+
+
+def peaks(orders: np.ndarray, amplitude: np.ndarray, travel: float, most: float = np.inf) -> list[float]:
+    """Return the orders of the largest local maxima with at least one period in the travel, and no higher than `most`."""
+    middle = orders[1:-1]
     inside = np.flatnonzero(
-        (amplitude[1:-1] > amplitude[:-2]) & (amplitude[1:-1] >= amplitude[2:]) & (orders[1:-1] * travel > 2 * np.pi)
+        (amplitude[1:-1] > amplitude[:-2])
+        & (amplitude[1:-1] >= amplitude[2:])
+        & (middle * travel > 2 * np.pi)
+        & (middle <= most)
     )
     best = sorted(inside + 1, key=lambda i: -amplitude[i])[: 4 * PEAKS]
     chosen: list[float] = []
@@ -69,11 +90,12 @@ def grid(scale: str, passes: Sequence[Passes], residuals: Sequence[np.ndarray], 
         return list(np.geomspace(3.0 / longest, 0.1 / min(m.dt for m in motions), 6))
     if scale == "order":
         travel = max(float(np.ptp(m.q)) for m in motions)
-        found = peaks(*order_spectrum(passes, residuals), travel)
+        most = resolved(passes)
+        found = peaks(*order_spectrum(passes, residuals), travel, most)
         if plant.rotary:  # orders that a motor behind a gear makes; the spectrum decides among them
             ratio, pairs = plant.geometry.gear_ratio, plant.geometry.pole_pairs
             known = {1.0, 2.0, ratio, 2 * ratio, pairs * ratio, 2 * pairs * ratio, 6 * pairs * ratio}
-            found += sorted(k for k in known if k * travel > 2 * np.pi)
+            found += sorted(k for k in known if 2 * np.pi < k * travel and k <= most)
         return found + [f / 2 for f in found[:PEAKS]]  # a peak may be the second harmonic
     return []
 

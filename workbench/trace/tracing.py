@@ -3,13 +3,14 @@
 from collections.abc import Collection, Sequence
 from dataclasses import replace
 
+from workbench.effect import Effect
 from workbench.errors import WorkbenchError
 from workbench.identify.fit import fitted_on, identify
 from workbench.identify.passes import Passes
 from workbench.identify.solve import NoValue
 from workbench.plant import Plant
 from workbench.threads import one_thread
-from workbench.trace.candidates import ADDITION, Suspect
+from workbench.trace.candidates import ADDITION, Offer, Suspect
 from workbench.trace.floor import floor as noise_floor
 from workbench.trace.floor import levels
 from workbench.trace.judge import Judgement, Progress, State, alike, step
@@ -22,14 +23,14 @@ STEPS = 4  # effects added at most
 RIVALS = 4  # named with a cause at most
 
 
-def extended(state: State, progress: Progress, most: int, only: Collection[str] | None) -> list[tuple[State, list]]:
+def extended(state: State, progress: Progress, most: int, offer: Offer) -> list[tuple[State, list]]:
     """Add effects one after another while one earns its place: [(state with it, judgements of that step), ...].
 
     The last entry may have no state: the step in which nothing earned its place.
     """
     found = []
     for _ in range(most):
-        judgements = step(state, progress, only)
+        judgements = step(state, progress, offer)
         best = leading(judgements)
         found.append((best.state if best else None, judgements))
         if best is None:
@@ -45,7 +46,7 @@ def leading(judgements: Sequence[Judgement]) -> Judgement | None:
 
 
 def revised(
-    found: list[Judgement], last: State, declared: Plant, progress: Progress, only: Collection[str] | None
+    found: list[Judgement], last: State, declared: Plant, progress: Progress, offer: Offer
 ) -> tuple[list[Judgement], State]:
     """Ask of each effect but the last whether the later ones made it needless, or made another one the better answer.
 
@@ -60,12 +61,12 @@ def revised(
             reduced = State(without(last.plant, present.suspect, declared), last.passes)
         except NoValue:
             continue
-        judgements = step(reduced, progress, only)
+        judgements = step(reduced, progress, offer)
         best = leading(judgements)
         if best is not None and best.suspect.key == present.suspect.key:
             continue
         if best is None:
-            return revised(rest, reduced, declared, progress, only) if len(rest) > 1 else (rest, reduced)
+            return revised(rest, reduced, declared, progress, offer) if len(rest) > 1 else (rest, reduced)
         found = [*rest[:i], best, *rest[i:]]
         last = best.state
     return found, last
@@ -89,11 +90,12 @@ def trace(
     progress: Progress = lambda _: None,
     most: int = STEPS,
     only: Collection[str] | None = None,
+    own: Collection[Effect] = (),
 ) -> Trace:
     """Trace the residual of `plant` on the identification records among `passes`.
 
-    most: effects added at most. only: names of the effects that are judged, all where absent. Returns the verdict with its
-    evidence. Validation records are evaluated, never used for a choice.
+    most: effects added at most. only: names of the effects that are judged, all where absent. own: effects that are judged
+    beside those of the catalogue. Returns the verdict with its evidence. Validation records are evaluated, never used for a choice.
     """
     identification = thin(fitted_on(passes))
     progress("fitting the declared model")
@@ -103,14 +105,15 @@ def trace(
         raise WorkbenchError(
             "the declared model has no value on these records: a shape parameter lies far from them; check it and its unit."
         ) from None
-    steps = extended(declared, progress, most, only)
+    offer = Offer(only, own)
+    steps = extended(declared, progress, most, offer)
     added = [leading(judgements) for state, judgements in steps if state is not None]
     last = added[-1].state if added else declared
     progress("looking for where the residual lives")
     level = levels(passes, last.plant, last.steady)
     unexplained = unknown(declared, last, level)
     if len(added) > 1 and not (unexplained and unexplained.instead):
-        added, last = revised(added, last, plant, progress, only)
+        added, last = revised(added, last, plant, progress, offer)
         unexplained = unknown(declared, last, level)
     if unexplained is not None and unexplained.instead:
         added, last = [], declared
