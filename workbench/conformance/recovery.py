@@ -70,6 +70,8 @@ def on_axis(effect: Effect) -> Effect:
     else:
         size = 1.0 / float(np.sqrt(np.mean(here.motion.a**2)))
         plant = Plant(ONE_MASS, (find("inertia")(inertia=size, fixed=True), effect))
+        if "dir" in effect.provides and not effect.linear:  # a direction without a force shows in what reads it
+            plant += find("coulomb_friction")(coulomb=1.0, fixed=True)
     drive = predicted(here, plant)
     if {"tau", "u"} & set(effect.reads) and effect.port != COMMAND:
         for _ in range(40):  # a force that reads the torque: what it asks for must be what it has read
