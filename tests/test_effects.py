@@ -375,6 +375,32 @@ def test_the_loop_of_a_stop_is_a_parallelogram():
     assert np.abs(force).max() == pytest.approx(50.0 * 1e-3)
 
 
+def test_coulomb_friction_with_a_presliding_length_is_one_element_of_maxwell_slip():
+    """To the last bit but rounding: a spring Fc/r that slips at Fc."""
+    plant = Plant(ONE_MASS) + find("inertia")(inertia=0.0) + find("coulomb_friction")(coulomb=0.15)
+    passes = Passes(motion(record(3), 100.0))
+    built = required(passes, plant + find("presliding_length")(length=1e-4))
+    one = required(passes, Plant(ONE_MASS) + maxwell_slip((1e-4,))(k1=1500.0))
+    np.testing.assert_allclose(built, one, rtol=1e-12, atol=1e-15)
+    assert np.abs(one).max() == pytest.approx(0.15) and np.abs(np.abs(one) - 0.15).max() > 0.05
+
+
+def test_friction_of_a_film_rises_from_viscous_to_its_limit():
+    film = build(find("film_friction"))
+    v = np.array([-1.0, -1e-6, 0.0, 1e-6, 1e-2, 1.0])
+    force = 3.0 * film.run({"v": v}, {"limit": 3.0, "speed": 1e-2})[0]
+    np.testing.assert_allclose(force, 3.0 * np.tanh(v / 1e-2), rtol=1e-12)
+    assert force[-1] == pytest.approx(3.0) and force[3] == pytest.approx(3e-4, rel=1e-6)
+
+
+def test_the_asymmetry_of_viscous_friction_is_that_part_of_coulomb_asymmetry():
+    v = np.linspace(-2.0, 2.0, 41)
+    whole = build(find("coulomb_asymmetry"))
+    both = whole.run({"dir": np.sign(v), "v": v}, {"coulomb_difference": 0.0, "viscous_difference": 0.7})
+    part = build(find("viscous_asymmetry")).run({"v": v}, {"viscous_difference": 0.7})
+    np.testing.assert_array_equal(part[0], both[1])
+
+
 def test_the_direction_without_hysteresis_turns_within_two_counts():
     direction = build(stop_direction(2e-6)).run(
         {"dq": np.array([1e-6, 1e-6, 1e-6, -1e-6, -1e-6, -1e-6, -1e-6])}, {"width": 2e-6}

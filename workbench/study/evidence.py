@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from types import SimpleNamespace
 
 import numpy as np
 
@@ -36,10 +37,15 @@ class Step:
 
 
 def steps(found: Trace) -> tuple[Step, ...]:
-    """Return the steps of a trace. Errors follow from the shares of the residual's power, which telescope."""
+    """Return the steps of a trace. Errors follow from the shares of the residual's power, which telescope.
+
+    A gain is that of the step in which the effect was added; NaN where it came in when others were asked again.
+    """
     result, left = [], dict.fromkeys(ROLES, 1.0)
-    for cause, ranked in zip(found.causes, found.steps, strict=False):
-        one = next(c for c in ranked if (c.effect, c.at) == (cause.effect, cause.at))
+    nothing = SimpleNamespace(gain=float("nan"), scatter=float("nan"))
+    for cause in found.causes:
+        leaders = (ranked[0] for ranked in found.steps if ranked)
+        one = next((c for c in leaders if (c.effect, c.at) == (cause.effect, cause.at)), nothing)
         left[IDENTIFICATION] *= 1.0 - cause.share_identification
         left[VALIDATION] *= 1.0 - cause.share_validation
         errors = [getattr(found.before, role) * float(np.sqrt(left[role])) for role in ROLES]

@@ -35,6 +35,9 @@ class Offer:
         return [s for s in suspects(plant, self.own) if self.only is None or s.effect in self.only]
 
 
+WHOLE = Offer()  # all of the catalogue, and nothing else
+
+
 def suspects(plant: Plant, own: Collection[Effect] = ()) -> list[Suspect]:
     """Return every candidate, in the order of their names (the result does not depend on the order of declaration).
 

@@ -11,7 +11,7 @@ from workbench.identify.passes import Passes
 from workbench.identify.problem import Problem
 from workbench.identify.solve import NoValue, Solution, solve
 from workbench.plant import Plant
-from workbench.trace.candidates import ADDITION, Offer, Suspect
+from workbench.trace.candidates import ADDITION, WHOLE, Offer, Suspect
 from workbench.trace.floor import calm
 from workbench.trace.linearised import Linearised
 from workbench.trace.result import Candidate
@@ -124,7 +124,7 @@ def scored(state: State, suspect: Suspect, errors: HeldOut, cost: float) -> Cand
     )  # fmt: skip
 
 
-def step(state: State, progress: Progress, offer: Offer = Offer()) -> list[Judgement]:
+def step(state: State, progress: Progress, offer: Offer = WHOLE) -> list[Judgement]:
     """Judge every suspect that is offered; return them best first, those that lead fitted with everything free."""
     judgements = []
     for suspect in offer.suspects(state.plant):

@@ -1,0 +1,101 @@
+"""Which orders records can show, and effects that a study offers the trace beside those of the catalogue."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from workbench.effect import find
+from workbench.identify.fit import passes_of
+from workbench.identify.passes import Passes
+from workbench.plant import ONE_MASS, Plant
+from workbench.record import IDENTIFICATION, Record, Source
+from workbench.trace.candidates import suspects
+from workbench.trace.search import within_reach
+from workbench.trace.starts import resolved, starts
+from workbench.trace.tracing import trace
+
+COUNT, DT, BAND = 1e-4, 2e-3, 50.0
+T = DT * np.arange(20000)
+SOURCE = Source(Path("made"), "", "made", {})
+
+
+def passes(position: np.ndarray, force: np.ndarray, count: float = COUNT) -> tuple[Passes, ...]:
+    channels = {"position": position.copy(), "force": force.copy()}
+    record = Record("made", IDENTIFICATION, T.copy(), channels, {}, SOURCE, {"position": count} if count else {})
+    return passes_of([record], BAND)
+
+
+def test_no_order_is_finer_than_half_of_what_the_counts_sample():
+    """At 5 mm/s and below a wave of two counts passes in the band, so the encoder is what limits."""
+    slow = passes(0.05 * np.sin(0.1 * T), 0 * T)
+    assert resolved(slow) == pytest.approx(np.pi / COUNT)
+
+
+def test_no_order_passes_faster_than_the_evaluation_filter():
+    """A ramp at 2 m/s: f_c = 50 Hz is an order of 2 pi 50/2 per metre."""
+    fast = passes(2.0 * T, 0 * T, count=0.0)
+    assert resolved(fast) == pytest.approx(2 * np.pi * BAND / 2.0, rel=0.01)
+
+
+def test_a_residual_that_follows_the_counts_starts_no_wave_of_their_pitch():
+    """Rounded to counts, a position seen through a wave of the encoder's own pitch is constant or slow: an alias."""
+    q = np.round(0.05 * np.sin(0.1 * T) / COUNT) * COUNT
+    given = passes(q, np.cos(2 * np.pi / (1.01 * COUNT) * q))
+    plant = Plant(ONE_MASS, rotary=False) + find("coulomb_friction")
+    found = starts(find("cogging"), given, [given[0].motion.u], plant)
+    assert found and max(s["order"] for s in found) <= np.pi / COUNT
+
+
+def test_the_search_keeps_orders_between_one_period_of_travel_and_what_is_resolved():
+    given = passes(0.05 * np.sin(0.1 * T), 0 * T)
+    plant = Plant(ONE_MASS, rotary=False) + find("cogging")(order=1e6)
+    p = within_reach(plant, given)["cogging"].parameters["order"]
+    assert p.lower == pytest.approx(2 * np.pi / np.ptp(given[0].motion.q))
+    assert p.upper == p.value == pytest.approx(np.pi / COUNT)
+
+
+# --- a study's own effects ------------------------------------------------------------------------------------------------
+
+
+def test_what_a_study_offers_is_a_candidate_like_any_other():
+    plant = Plant(ONE_MASS, rotary=False) + find("coulomb_friction")
+    known = {s.effect for s in suspects(plant)}
+    offered = (find("presliding_length"), find("cogging")(order=7.0, label="pitch"))
+    assert {s.effect for s in suspects(plant, offered)} - known == {"presliding_length", "cogging pitch"}
+    # a second source of the direction of motion at one place is not offered, whoever offers it
+    held = plant + find("presliding_hysteresis")
+    assert "presliding_length" not in {s.effect for s in suspects(held, offered)}
+
+
+def test_an_offered_presliding_length_is_found_and_comes_out_right():
+    q = 1e-3 * np.sin(0.8 * T) + 0.4e-3 * np.sin(2.3 * T)
+    w, force = 0.0, np.zeros(T.size)
+    for i, step in enumerate(np.diff(q, prepend=q[0])):
+        w = min(max(w + step, -2e-4), 2e-4)
+        force[i] = 3.0 * w / 2e-4
+    force += 0.02 * np.random.default_rng(1).normal(size=T.size)
+    given = passes(q, force, count=1e-7)
+    plant = Plant(ONE_MASS, rotary=False) + find("constant_offset") + find("coulomb_friction")
+    names = ("presliding_length", "fading_memory", "stribeck_friction", "coulomb_asymmetry")
+    found = trace(plant, given, most=2, only=names, own=(find("presliding_length"),))
+    assert found.added == ("presliding_length",)
+    values = {e.parameter: e.value for e in found.after.estimates}
+    assert values["length"] == pytest.approx(2e-4, rel=0.01) and values["coulomb"] == pytest.approx(3.0, rel=0.01)
+
+
+def test_an_order_that_the_rig_makes_known_is_held():
+    turn = find("cogging")(label="turn")
+    turn = replace(
+        turn, parameters={**turn.parameters, "order": replace(turn.parameters["order"], value=900.0, fixed=True)}
+    )
+    q = 0.02 * np.sin(0.8 * T) + 0.011 * np.sin(2.3 * T)
+    force = 5.0 * np.tanh(1e3 * np.gradient(q, DT)) + np.sin(900.0 * q + 0.4)
+    given = passes(q, force + 0.05 * np.random.default_rng(2).normal(size=T.size), count=1e-7)
+    plant = Plant(ONE_MASS, rotary=False) + find("coulomb_friction")
+    found = trace(plant, given, most=1, only=("cogging turn", "cable_spring"), own=(turn,))
+    assert found.added == ("cogging turn",)
+    values = {e.parameter: e.value for e in found.causes[0].parameters}
+    assert values["amplitude"] == pytest.approx(1.0, rel=0.02) and values["phase"] == pytest.approx(0.4, abs=0.02)
+    assert values["order"] == pytest.approx(900.0)
