@@ -187,6 +187,20 @@ def test_files_that_make_no_campaign_are_refused_and_nothing_is_left(axis, tmp_p
     assert [p.name for p in tmp_path.iterdir()] == ["log.csv"]
 
 
+def test_the_controllers_half_is_read_once_it_is_uncommented_and_a_limit_is_declared(axis, tmp_path):
+    from workbench.study import configuration
+    from workbench.study.controlling import control_of
+
+    new(tmp_path / "axis", [csv(tmp_path / "log.csv", foreign(axis[0]["val_moves"]))])
+    edit(tmp_path / "axis", *CONSTANTS, ("# actuator_limit", "actuator_limit"))
+    study = tmp_path / "axis" / "study.toml"
+    head, mark, commented = study.read_text(encoding="utf-8").partition("# [axis]")
+    assert "task" not in configuration.load(study.parent).table
+    study.write_text(head + "\n".join(line[2:] for line in (mark + commented).splitlines()), encoding="utf-8")
+    control = control_of(configuration.load(study.parent).table, load(tmp_path / "axis" / "campaign").plant)
+    assert control.loop.sample_time == 1e-3 and control.goal.drive == 1.0 and control.task.step == 1.0
+
+
 def test_two_encoders_make_two_masses_and_a_load_that_stands_is_locked(tmp_path):
     carried = Path(__file__).resolve().parent.parent / "studies" / "harmonic_drive_models" / "campaign"
     new(tmp_path / "axis", sorted(carried.glob("*.csv.gz")))
