@@ -9,11 +9,12 @@ import pytest
 from test_report_example import trace as example
 
 from workbench.effect import find
+from workbench.errors import WorkbenchError
 from workbench.plant import ONE_MASS, TWO_MASS, Limits, Plant
 from workbench.record import VALIDATION, Record, Source
 from workbench.report.closing import absent, closing
 from workbench.report.contents import Callout, Figure, Table
-from workbench.verify.closing import DECLARED, EXTENDED, as_dict, close, lacking, loop_of, rise_of
+from workbench.verify.closing import DECLARED, EXTENDED, as_dict, close, judge, lacking, loop_of, rise_of
 
 FRICTION = (find("viscous_friction")(viscous=0.01), find("coulomb_friction")(coulomb=0.1))
 
@@ -70,8 +71,29 @@ def test_what_a_campaign_lacks_is_said():
     assert lacking(plant(), record()) == ""
     assert "state actuator_limit" in lacking(replace(plant(), limits=Limits()), record())
     assert "no record" in lacking(plant(), None)
-    assert "two masses" in lacking(Plant(TWO_MASS, limits=Limits(drive=1.0)), record())
     assert "actuator_limit" in absent(lacking(replace(plant(), limits=Limits()), record())).blocks[0].text
+
+
+def elastic(load: float = 2e-3) -> Plant:
+    """Two masses on a spring with a little damping, friction on the motor's."""
+    masses = (find("inertia")(at="motor", inertia=1e-3), find("inertia")(at="load", inertia=load))
+    joint = (find("linear_stiffness")(at="joint", stiffness=600.0), find("linear_damping")(at="joint", damping=0.1))
+    return Plant(TWO_MASS, (*masses, *joint, *(e(at="motor") for e in FRICTION)), limits=Limits(drive=3.0))
+
+
+def test_of_two_masses_the_load_goes_the_step():
+    one = record()
+    channels = {**one.channels, "load_position": one.channels["position"]}
+    found = close(elastic(1e-3), elastic(), replace(one, channels=channels))
+    assert found.promised.overshoot < 0.0025 and found.knowing.overshoot < 0.0025 < found.blind.overshoot
+    q = found.signals[EXTENDED, EXTENDED][0]
+    assert q[-1] == pytest.approx(found.start + found.step, abs=1e-3)
+
+
+def test_a_plant_that_cannot_be_tuned_for_is_refused_with_a_sentence():
+    loose = elastic().without("linear_stiffness@joint")
+    with pytest.raises(WorkbenchError, match="joint with a stiffness"):
+        judge(loose, loop_of(record()), 1.0)
 
 
 def test_rise_is_from_a_tenth_to_nine_tenths():

@@ -69,19 +69,21 @@ def half(at: np.ndarray, power: np.ndarray) -> tuple[float, float]:
 def over_order(passes: Sequence[Passes], residual: np.ndarray, unit: str) -> Spectrum:
     """Return the amplitude of a residual (n,) over order, thinned to its largest values. unit: of position.
 
-    Orders reach to the one that passes the evaluation filter at the median speed of what moves.
+    Orders reach to the one that passes the evaluation filter at the median speed of what moves. Where an axis moves so fast
+    that two samples lie farther apart than half of its wave, a sample says nothing of it and is left out: else a stretch of
+    constant speed would show its own sampling as a line.
     """
+    speed = np.abs(np.concatenate([p.motion.v[p.motion.keep] for p in passes]))
+    typical = float(np.median(speed[speed >= MOVING * np.sqrt(np.mean(speed**2))]))
+    highest = 2 * np.pi * max(p.motion.filter.bandwidth for p in passes) / max(typical, 1e-300)
     whole = []
     for p, r in zip(passes, split(passes, residual), strict=True):
         full = np.zeros(p.motion.u.size)
-        full[p.motion.keep] = r
+        full[p.motion.keep] = np.where(np.abs(p.motion.v[p.motion.keep]) * p.motion.dt * highest <= np.pi, r, 0.0)
         whole.append(full)
     travel = max(float(np.ptp(p.motion.q)) for p in passes)
     orders, amplitude = order_spectrum(passes, whole)
-    speed = np.abs(np.concatenate([p.motion.v[p.motion.keep] for p in passes]))
-    typical = float(np.median(speed[speed >= MOVING * np.sqrt(np.mean(speed**2))]))
-    band = max(p.motion.filter.bandwidth for p in passes)
-    shown = (orders * travel > 2 * np.pi) & (orders <= 2 * np.pi * band / max(typical, 1e-300))
+    shown = (orders * travel > 2 * np.pi) & (orders <= highest)
     orders, amplitude = orders[shown], amplitude[shown]
     if orders.size < 3:
         return Spectrum("order", f"1/{unit}", orders, amplitude)

@@ -1,24 +1,26 @@
 """The loop closed with what was found: the same cascade tuned on the declared and on the extended plant, and what differs.
 
 Nothing is known of the bench's controller, so a loop is assumed: position P over velocity PI at the rate of the record, one
-sample of delay, one of velocity filter, the record's encoder. The extended plant stands for the axis. What the declared
+sample of delay, one of velocity filter, the record's encoder (of two masses the motor's, and the load is asked for the
+step). The extended plant stands for the axis. What the declared
 model promises of it, and what gains tuned on it come to there, is the price of what it lacks.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import ceil, isfinite
 
 import numpy as np
 
 from workbench.control import Controller
+from workbench.effect import FORCE
 from workbench.errors import WorkbenchError
-from workbench.plant import ONE_MASS, Plant
+from workbench.plant import ONE_MASS, SENSORS, TWO_MASS, Plant
 from workbench.record import Record
 from workbench.simulate import Loop, Metrics, ScenarioArrays, simulate
 from workbench.verify.equivalent import equivalent_of, friction_of
 from workbench.verify.families import cascade_family
-from workbench.verify.linear import Linear
+from workbench.verify.linear import Judge, Linear, TwoMasses
 from workbench.verify.optimise import Tuned, optimise
 from workbench.verify.task import Task
 
@@ -30,6 +32,7 @@ LASTS, REST = 5.0, 0.3  # of the time-optimal bound, and s beside, that a step i
 TURNOVER = 0.2  # of the velocity loop, over its delays: where the search begins
 COUNTS = 10.0  # of the amplitude at which presliding is described
 RISE = (0.1, 0.9)  # shares of the step
+OUTPUT = {ONE_MASS: "q", TWO_MASS: "load.q"}
 PHASES = 8  # of the encoder, that a row is the worst of
 
 
@@ -99,8 +102,6 @@ class Closed:
 
 def lacking(plant: Plant, record: Record | None) -> str:
     """Return what a campaign lacks for its loop to be closed, as a sentence; "" where it lacks nothing."""
-    if plant.kind != ONE_MASS:
-        return "The loop is not closed here: of two masses, gains are tuned by a study, which says which encoder closes the loop."
     if record is None:
         return "The loop is not closed: the campaign has no record to take a motion from."
     if not isfinite(plant.limits.drive):
@@ -113,13 +114,13 @@ def lacking(plant: Plant, record: Record | None) -> str:
 
 def loop_of(record: Record) -> Loop:
     """Return the loop that is assumed at the rate of a record."""
-    dt = record.dt
-    return Loop(dt, max(2, ceil(dt / SUBSTEP - 1e-9)), delay=dt, velocity_filter=dt, resolution=record.resolution.get("position", 0.0))  # fmt: skip
+    dt, counts = record.dt, (record.resolution.get(s, 0.0) for s in SENSORS)
+    return Loop(dt, max(2, ceil(dt / SUBSTEP - 1e-9)), dt, dt, *counts)
 
 
 def task_of(plant: Plant, record: Record, loop: Loop) -> Task:
     """Return the step that gains are tuned for: half of the record's travel, in the middle of it."""
-    q = record.channels["position"]
+    q = record.channels[SENSORS[plant.kind == TWO_MASS]]
     travel = float(np.ptp(q))
     task = Task(plant, loop, STROKE * travel, 1.0, start=float(q.min()) + (1.0 - STROKE) / 2 * travel)
     duration = LASTS * task.bound() + REST
@@ -132,16 +133,39 @@ def late(plant: Plant) -> float:
     return float(sum(p.value for n, p in parameters if n in ("delay", "time_constant")))
 
 
+def judge(plant: Plant, loop: Loop, step: float) -> Judge:
+    """Return the linearisations that the gains must be robust on: sliding, and presliding at its stiffest.
+
+    With two masses, the joint without and with what its friction adds near rest.
+    """
+    least = COUNTS * loop.resolution or 1e-5 * step
+    omega = 1.0 / loop.sample_time / COUNTS
+    if plant.kind == ONE_MASS:
+        friction, inertia, viscous = friction_of(plant)
+        spring = float(equivalent_of(friction, [least], [omega], loop.resolution).stiffness.max())
+        return Linear(loop, inertia, max(viscous, 0.0), np.array([0.0, spring]))
+    joint = equivalent_of(joint_alone(plant), [least, 1e3 * least], [omega, omega], loop.resolution)
+    masses = {e.at: e.parameters["inertia"].value for e in plant.effects if e.name == "inertia"}
+    if not ({"motor", "load"} <= set(masses) and joint.stiffness.min() > 0.0):
+        raise WorkbenchError("a plant of two masses needs both inertias and a joint with a stiffness to be tuned for.")
+    damping = sum(e.parameters["damping"].value for e in plant.effects if e.key == "linear_damping@joint")
+    return TwoMasses(loop, masses["motor"], np.full(2, masses["load"]), joint.stiffness, float(damping))
+
+
+def joint_alone(plant: Plant) -> Plant:
+    """Return the forces of the joint on an axis of their own."""
+    forces = [e for e in plant.effects if e.at == "joint" and e.port == FORCE]
+    return Plant(ONE_MASS, tuple(replace(e, at="axis", places=("axis",)) for e in forces), plant.rotary, plant.geometry)
+
+
 def tuned(task: Task) -> Tuned:
     """Return the cascade tuned on the plant of a task."""
     plant, loop = task.plant, task.loop
-    friction, inertia, viscous = friction_of(plant)
+    _, inertia, _ = friction_of(plant)
     if not inertia > 0.0:
         raise WorkbenchError("the plant has no inertia, so no gains can be tuned for it.")
-    least = COUNTS * loop.resolution or 1e-5 * task.step
-    springs = equivalent_of(friction, [least], [1.0 / loop.sample_time / COUNTS], loop.resolution).stiffness
     known = Loop(**{**vars(loop), "delay": loop.delay + late(plant)})
-    linear = Linear(known, inertia, max(viscous, 0.0), np.array([0.0, float(springs.max())]))
+    linear = judge(plant, known, task.step)
     turnover = TURNOVER / (loop.sample_time + known.delay + loop.velocity_filter)
     start = (turnover / 4, inertia * turnover, inertia * turnover**2 / 20)
     fastest = min(plant.limits.speed, float(np.sqrt(2 * plant.limits.drive * task.step / inertia)))
@@ -167,23 +191,25 @@ def crossing(time: np.ndarray, share: np.ndarray, level: float) -> np.ndarray:
 def responded(task: Task, one: Tuned, names: tuple[str, str]) -> tuple[Response, Metrics]:
     """Return the step of a task under tuned gains. names: tuned on, run on."""
     scenarios = task.scenarios(phases=PHASES)
-    m = task.run(one.controller(scenarios.lanes), scenarios, ("q", "u"))
-    rise = rise_of(m.trajectories.time, m.trajectories["q"], task.start, np.asarray(scenarios.target))
+    m = task.run(one.controller(scenarios.lanes), scenarios, (OUTPUT[task.plant.kind], "u"))
+    rise = rise_of(
+        m.trajectories.time, m.trajectories[OUTPUT[task.plant.kind]], task.start, np.asarray(scenarios.target)
+    )
     worst = (float(np.max(x)) for x in (rise, m.time_1pct, m.overshoot, m.final_error))
     return Response(*names, *worst), m
 
 
 def following(plants: Sequence[Plant], record: Record, loop: Loop, controllers: Sequence[Controller]) -> Followed:
     """Return what both plants make of a record's reference. plants, controllers: declared and extended."""
-    reference = record.channels["reference"]
+    reference, output = record.channels["reference"], OUTPUT[plants[0].kind]
     one = ScenarioArrays(1, start=float(reference[0]))
 
     def run(plant: Plant, controller: Controller) -> Metrics:
         duration = reference.size * loop.sample_time
-        return simulate(plant, loop, controller, one, duration, ("q", "u"), reference=reference)
+        return simulate(plant, loop, controller, one, duration, (output, "u"), reference=reference)
 
     declared, extended, knowing = (run(plants[p], controllers[c]) for p, c in ((0, 0), (1, 0), (1, 1)))
-    (q, u), (q1, u1) = ((m.trajectories["q"], m.trajectories["u"]) for m in (declared, extended))
+    (q, u), (q1, u1) = ((m.trajectories[output], m.trajectories["u"]) for m in (declared, extended))
     largest = {DECLARED: float(extended.following_error[0]), EXTENDED: float(knowing.following_error[0])}
     with np.errstate(all="ignore"):
         position = float(np.sqrt(np.mean((q - q1) ** 2)))
@@ -205,7 +231,7 @@ def close(declared: Plant, extended: Plant, record: Record) -> Closed:
     for names in pairs:
         response, m = responded(tasks[names[1]], made[names[0]], names)
         responses.append(response)
-        signals[names] = (m.trajectories["q"][:, 0], m.trajectories["u"][:, 0])
+        signals[names] = tuple(m.trajectories[n][:, 0] for n in (OUTPUT[extended.kind], "u"))
         time = m.trajectories.time
     followed = None
     if "reference" in record.channels:
