@@ -286,6 +286,7 @@ def test_a_study_is_planned_into_a_trajectory_at_the_drives_rate(tmp_path, capsy
     assert main(["plan", STUDY, "--out", str(tmp_path / "plan")]) == 0
     said = capsys.readouterr().out
     assert "now known to" in said and "trajectory.csv" in said
+    assert "the model lacks something" in said  # the carried records hold an effect that is not declared
     assert "4 of 4 parameters" in (tmp_path / "plan" / "trajectory.svg").read_text()
     told = json.loads((tmp_path / "plan" / "plan.json").read_text())
     assert {p["parameter"] for p in told["parameters"]} == {"inertia", "viscous", "h0", "a"}

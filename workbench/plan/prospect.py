@@ -71,7 +71,8 @@ def per_cent(part: float) -> str:
 
 def sentence(e: Estimate, now: float, then: float, why: str) -> str:
     value = f"{e.value:.3g}" + ("" if e.unit in ("1", "") else f" {e.unit}")
-    text = f"{capital(located(e.effect, e.at))}, {e.meaning}: {value}, now known to {per_cent(now)}, with this motion to {per_cent(then)}"
+    best = per_cent(then) + (" or better" if then <= LEAST else "")
+    text = f"{capital(located(e.effect, e.at))}, {e.meaning}: {value}, now known to {per_cent(now)}, with this motion to {best}"
     return f"{text}; {why}." if why else f"{text}."
 
 

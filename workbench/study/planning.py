@@ -30,7 +30,8 @@ ACCURACY = 0.02
 
 @dataclass(frozen=True, eq=False)
 class Basis:
-    """fit: of the plant with every value free. load: rms that it leaves of the load's balance, 0 of one mass. sample_time: s, at which the drive reads a reference. accuracy: a share."""
+    """fit: of the plant with every value free. load: rms that it leaves of the load's balance, 0 of one mass. excess: what it leaves of the
+    drive over what noise and encoder counts alone would. sample_time: s, at which the drive reads a reference. accuracy: a share."""
 
     campaign: Campaign
     passes: tuple[Passes, ...]
@@ -40,6 +41,7 @@ class Basis:
     sample_time: float
     accuracy: float
     load: float
+    excess: float
 
 
 def basis_of(name: str, say: Callable[[str], None] = lambda _: None) -> Basis:
@@ -63,8 +65,17 @@ def basis_of(name: str, say: Callable[[str], None] = lambda _: None) -> Basis:
     sensing = sensing_of(passes, fit.rms[IDENTIFICATION], load)
     return Basis(
         campaign, passes, fit, limited(envelope_of(fit.plant, passes), given, fit.plant.rotary), sensing,
-        sample_time(study.table, sensing.dt), given.number("accuracy", ACCURACY, above=0.0), load,
+        sample_time(study.table, sensing.dt), given.number("accuracy", ACCURACY, above=0.0), load, excess_of(fit, passes),
     )  # fmt: skip
+
+
+def excess_of(fit: Fit, passes: tuple[Passes, ...]) -> float:
+    """Return the rms that a fit leaves of the drive over what noise and encoder counts alone would leave."""
+    from workbench.trace.floor import levels
+
+    alone = levels(fitted_on(passes), fit.plant)
+    least = float(np.sqrt(np.mean(np.array(list(alone.values())) ** 2)))
+    return fit.rms[IDENTIFICATION] / least if least > 0.0 else 1.0
 
 
 def limited(envelope: Envelope, given: Table, rotary: bool) -> Envelope:

@@ -5,6 +5,8 @@ from pathlib import Path
 
 from workbench.verbs.progress import Progress
 
+LACKS = 2.0  # what the records leave over what noise would, from which on promises come with a word
+
 
 def declare(verbs) -> None:
     plan = verbs.add_parser(
@@ -56,6 +58,11 @@ def _determine(given: argparse.Namespace, basis, say) -> int:
         f"What the records leave of the drive, {basis.fit.rms['identification']:.2g} {plan.plant.effort} rms, is counted as "
         "noise. All promises hold at once in 95 of 100 such records."
     )
+    if basis.excess > LACKS:
+        print(
+            f"The records leave {basis.excess:.1f} times what noise and encoder counts alone would: the model lacks something "
+            "(workbench trace), and until that is declared a value may be further off than is promised."
+        )
     print(f"\n{given.out / TRAJECTORY}")
     return 0
 
