@@ -50,6 +50,7 @@ def test_the_slope_from_dwell_to_dwell_is_found():
     channels = {"position": q, "force": f}
     source = Source(Path("synthetic"), "", "synthetic", {})
     record = Record("made", IDENTIFICATION, dt * np.arange(q.size), channels, {}, source)
-    found = steps_of(FOLDER).dwells(motion(record, 80.0), 0.0)
-    for slope, correlation, count in found.values():
-        assert slope == pytest.approx(-2e5, rel=1e-3) and correlation < -0.999 and count >= 9
+    study = steps_of(FOLDER)
+    for means in study.dwells(motion(record, 80.0), 0.0).values():
+        slope, correlation = study.slope(means)
+        assert slope == pytest.approx(-2e5, rel=1e-3) and correlation < -0.999 and len(means) >= 9

@@ -227,6 +227,7 @@ def run(study: Study, say) -> Outcome:
         "workbench, asymmetric without offset": asymmetric,
         "the same, with an actuator lag": lagging,
         "the same, with a ripple once a motor revolution": rippled,
+        "as traced": found.after,
     }
     say("simulating the loops of the records")
     motions = {p.motion.record.role: p.motion for p in passes}
@@ -361,6 +362,15 @@ def explanations_chapter(tried, traced) -> Chapter:
     return Chapter("Explanations that the data do not bear out", (Paragraph(text), evidence.tried_table(tried, traced)))
 
 
+def sliding(plant: Plant, speed: float) -> float:
+    """Return the friction in N at a constant speed in m/s, mean of both directions, far from any reversal."""
+    at = {e.name: {n: p.value for n, p in e.parameters.items()} for e in plant.effects}
+    force = at["viscous_friction"]["viscous"] * speed + at["coulomb_friction"]["coulomb"]
+    if "film_friction" in at:
+        force += at["film_friction"]["limit"] * np.tanh(speed / at["film_friction"]["speed"])
+    return force + at.get("fading_memory", {}).get("h", 0.0)
+
+
 def attainable_chapter(floors, days: dict[str, Fit], traced: Fit) -> Chapter:
     """What part of the validation error no model of the identification record can take away."""
     values = {r: {(e.effect, e.parameter): e for e in fit.estimates} for r, fit in days.items()}
@@ -370,15 +380,19 @@ def attainable_chapter(floors, days: dict[str, Fit], traced: Fit) -> Chapter:
         shown = [f"{x.value:.4g} ± {(x.high - x.low) / 2:.2g}".replace("-", "−") for x in (e, o)]
         rows.append((capital(title(effect)), parameter.replace("_", " "), *shown, e.unit.replace("*", "·")))
     own = days[VALIDATION].identification
+    top = float(np.abs(traced.series[next(iter(traced.series))].velocity).max())
+    friction = {role: sliding(fit.plant, top) for role, fit in days.items()}
+    mass = {role: fit.plant["inertia"].parameters["inertia"].value for role, fit in days.items()}
     text = (
         f"Where DATA_EMPS meets a state of motion again (position, speed and acceleration), its force differs by "
         f"{100 * floors.within[IDENTIFICATION]:.2f} % of its rms; in the record with pulses by {100 * floors.within[VALIDATION]:.2f} %. "
         "So much is noise. But the two records differ from each other by more: taken as measured, what the traced model "
         f"leaves on DATA_EMPS would leave {100 * floors.across:.2f} % on the pulses in the same states. The traced model leaves "
         f"{100 * traced.validation:.2f} % there, and {100 * own:.2f} % if it is fitted to the record with the pulses itself. "
-        "What lies between is another state of the axis, not another law: with the pulses friction is higher and falls "
-        "from pass to pass, the mass that the force shows is 1 % lower, and the ripple has another phase."
-    )
+        "What lies between is another state of the axis, not another law: with the pulses friction at "
+        f"{1e3 * top:.0f} mm/s is {100 * (friction[VALIDATION] / friction[IDENTIFICATION] - 1):+.1f} %, the mass that the force "
+        f"shows {100 * (mass[VALIDATION] / mass[IDENTIFICATION] - 1):+.1f} %, and the ripple has another phase."
+    ).replace("-", "−")
     table = Table(
         ("Effect", "Parameter", "DATA_EMPS alone", "PULSES alone", "Unit"),
         tuple(rows),

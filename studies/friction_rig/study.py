@@ -18,7 +18,8 @@ from workbench.identify.result import Fit
 from workbench.motion import Motion
 from workbench.plant import ONE_MASS, Plant
 from workbench.record import IDENTIFICATION, ROLES, VALIDATION, Record
-from workbench.report.contents import Chapter, Items, Paragraph, Table
+from workbench.report import drawing
+from workbench.report.contents import Chapter, Figure, Items, Paragraph, Table
 from workbench.study import evidence, standard
 from workbench.study.configuration import Study
 from workbench.study.outcome import Outcome
@@ -35,6 +36,7 @@ CONTACT = (
 ).split()  # what a contact and its two sensors can have; the rest of the catalogue belongs to a drive or a mass
 SLIPS = tuple(np.linspace(5e-6, 120e-6, 24))  # m, to the half of the largest stroke; stiffnesses come from the data
 STILL, DWELL = 0.05, 0.5  # of the largest speed; s: what a dwell is
+LOOP = 1600  # samples of two cycles of 4 s: the figure shows the first of the last two
 
 
 def rig(study: Study):
@@ -91,8 +93,8 @@ def above(record: Record, frequency: float) -> float:
     return float(np.sqrt(spectrum[np.fft.rfftfreq(force.size, record.dt) > frequency].sum() / spectrum[1:].sum()))
 
 
-def dwells(motion: Motion, loaded_from: float) -> dict[str, tuple[float, float, int]]:
-    """Return, for the two ends of the stroke, (slope in N/m, correlation, dwells) of force over position from dwell to dwell."""
+def dwells(motion: Motion, loaded_from: float) -> dict[str, np.ndarray]:
+    """Return, for the two ends of the stroke, mean position in m and force in N of every dwell, (dwells, 2)."""
     still = np.abs(motion.v) < STILL * np.abs(motion.v).max()
     edges = np.flatnonzero(np.diff(np.concatenate([[0], still.view(np.int8), [0]])))
     spans = [(a, b) for a, b in zip(edges[::2], edges[1::2], strict=True) if (b - a) * motion.dt > DWELL]
@@ -101,11 +103,13 @@ def dwells(motion: Motion, loaded_from: float) -> dict[str, tuple[float, float, 
         for a, b in spans if motion.t[a] > loaded_from
     ])  # fmt: skip
     middle = 0.5 * (means[:, 0].min() + means[:, 0].max())
-    result = {}
-    for name, kept in (("near", means[:, 0] < middle), ("far", means[:, 0] > middle)):
-        q, force = means[kept].T
-        result[name] = float(np.polyfit(q - q.mean(), force, 1)[0]), float(np.corrcoef(q, force)[0, 1]), int(kept.sum())
-    return result
+    return {"near": means[means[:, 0] < middle], "far": means[means[:, 0] > middle]}
+
+
+def slope(means: np.ndarray) -> tuple[float, float]:
+    """Return (slope in N/m, correlation) of force over position from dwell to dwell."""
+    q, force = means.T
+    return float(np.polyfit(q - q.mean(), force, 1)[0]), float(np.corrcoef(q, force)[0, 1])
 
 
 def run(study: Study, say) -> Outcome:
@@ -142,7 +146,7 @@ def run(study: Study, say) -> Outcome:
         "validation_error_uneven": uneven.validation,
         "validation_error_whole_band": traced.validation,
         "force_above_logged": above(pair[1], logged),
-        "dwell_correlation": max(ends.values(), key=lambda e: e[1])[1],
+        "dwell_correlation": max(slope(e)[1] for e in ends.values()),
         "record_floor": floors.across,
     }
     figures |= {f"repeat_floor_{role}": floor for role, floor in floors.within.items()}
@@ -199,7 +203,7 @@ def evidence_chapter(found: Trace, share: float, logged: float, bandwidth: float
 
 def hysteresis_chapter(models: dict[str, Fit]) -> Chapter:
     """The Maxwell-slip models beside the traced one, in the whole band."""
-    _, exponential, one, bank, uneven, _ = models.values()
+    _, exponential, one, bank, uneven, traced = models.values()
     active = sum(e.parameter.startswith("k") and e.value > 0 for e in bank.estimates)
     slip = next(e for e in one.estimates if e.parameter == "slip1")
     spring = next(e for e in one.estimates if e.parameter == "k1")
@@ -217,14 +221,20 @@ def hysteresis_chapter(models: dict[str, Fit]) -> Chapter:
         "A constant offset is free in every model; error: rms residual over rms friction force, in the whole band.",
         "prr",
     )
-    return Chapter("Hysteresis from the data", (Paragraph(text), table))
+    figure = Figure(
+        "loops",
+        lambda: loops_figure(one, traced),
+        "A loop from the validation half. The branch upwards begins stiff and becomes soft, the branch downwards the other way.",
+        "Friction force over position, a parallelogram with bent sides; the traced model follows the bends.",
+    )
+    return Chapter("Hysteresis from the data", (Paragraph(text), figure, table))
 
 
 def attainable_chapter(floors, ends, days: dict[str, Fit], traced: Fit) -> Chapter:
     """How far the cycles repeat, and what the dwells say that no friction of the motion can."""
     first, second = (days[role].plant["coulomb_friction"].parameters["coulomb"].value for role in ROLES)
     slopes = " and ".join(
-        f"{1e-6 * slope:.2f} N/µm (correlation {r:.3f})".replace("-", "−") for slope, r, _ in ends.values()
+        f"{1e-6 * k:.2f} N/µm (correlation {r:.3f})".replace("-", "−") for k, r in map(slope, ends.values())
     )
     repeated = (
         f"Beside the traced model the force in the same state of motion differs by {100 * floors.within[IDENTIFICATION]:.2f} % of "
@@ -235,9 +245,53 @@ def attainable_chapter(floors, ends, days: dict[str, Fit], traced: Fit) -> Chapt
     )
     dwelling = (
         "From one dwell to the next, at the two ends of the stroke, force follows position by "
-        f"{slopes}: where friction happens to be higher, the stage stops shorter. Its drive goes to the same place and gives way by "
-        "so much; the force moves the position there, and not the position the force. A wave over position of a few "
+        f"{slopes}: where friction happens to be higher, the stage stops shorter. That is what a drive does "
+        "that goes to the same place each time and gives way by so much: the force moves the position, and not the position "
+        "the force; a spring of the contact would have the other sign. A wave over position of a few "
         "micrometres can be laid through these points, and lowers the error on both halves; it is not offered, because it "
         "would take an effect for its cause."
     )
-    return Chapter("What can be attained", (Paragraph(repeated), Paragraph(dwelling)))
+    figure = Figure(
+        "dwells",
+        lambda: dwells_figure(ends),
+        "Mean force and position of every dwell, both halves of the record, the far end of the stroke above, the near end below.",
+        "Two graphs of force over position; in both the points lie along a falling line.",
+    )
+    return Chapter("What can be attained", (Paragraph(repeated), Paragraph(dwelling), figure))
+
+
+def dwells_figure(ends) -> bytes:
+    """Force over position from dwell to dwell."""
+
+    def draw(axes):
+        for a, name in zip(axes, ("far", "near"), strict=True):
+            q, force = ends[name].T
+            a.plot(1e6 * q, force, "o", markersize=3, color=drawing.AFTER)
+            a.set_ylabel(f"force, {name} end (N)")
+        axes[-1].set_xlabel("position in the dwell (µm)")
+
+    return drawing.svg(
+        "Where the stage stops, force and position fall on a line: it gives way", draw, rows=2, height=3.4
+    )
+
+
+def loops_figure(one: Fit, traced: Fit) -> bytes:
+    """One measured loop late in the validation half, and what two models make of it."""
+    measured = one.series[VALIDATION]
+    part = slice(measured.keep.stop - LOOP, measured.keep.stop - LOOP // 2)
+    q = 1e6 * measured.position[part]
+
+    def draw(axes):
+        (a,) = axes
+        a.plot(q, measured.measured[part], color=drawing.MEASURED, linewidth=3.2, label="measured")
+        a.plot(
+            q, measured.predicted[part], color=drawing.BEFORE, linestyle=(0, (4, 1.5)), label="one Maxwell-slip element"
+        )
+        a.plot(q, traced.series[VALIDATION].predicted[part], color=drawing.AFTER, label="as traced")
+        a.set_xlabel("position (µm)")
+        a.set_ylabel("friction force (N)")
+        a.legend(loc="lower left", bbox_to_anchor=(0, 1), ncols=3)
+
+    return drawing.svg(
+        "The spring is stiffer under backward force, so the two branches are not alike", draw, height=3.0
+    )
