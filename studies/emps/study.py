@@ -21,6 +21,7 @@ from workbench.simulate import Loop
 from workbench.study import evidence, standard
 from workbench.study.configuration import Study
 from workbench.study.outcome import Outcome
+from workbench.trace.calibration import calibrate
 from workbench.trace.result import Trace
 from workbench.trace.tracing import trace
 
@@ -132,13 +133,6 @@ def explanations(turn: float) -> dict[str, Effect]:
     }
 
 
-def ripple_of(one: Record, model: Plant, bandwidth: float) -> tuple[str, float, float, float]:
-    """Return (record, amplitude in N, phase in rad, half its interval) of the ripple, fitted to this record alone."""
-    fit = identify(model, passes_of([replace(one, role=IDENTIFICATION)], bandwidth))
-    amplitude, phase = (next(e for e in fit.estimates if e.parameter == n) for n in ("amplitude", "phase"))
-    return one.name, amplitude.value, phase.value, (phase.high - phase.low) / 2
-
-
 # --- the loop of the records -----------------------------------------------------------------------------------------
 
 
@@ -221,7 +215,8 @@ def run(study: Study, say) -> Outcome:
     asymmetric = identify(moving + find("coulomb_asymmetry"), passes)
     lagging = identify(asymmetric.plant + find("actuator_lag"), passes)
     rippled = identify(lagging.plant + ripple(turn), passes)
-    ripples = [ripple_of(one, rippled.plant, bandwidth) for one in records.values()]
+    alone = calibrate(rippled.plant, "cogging@axis", passes, rippled.validation)
+    ripples = [(p.record, p.amplitude.value, p.phase.value, p.half) for p in alone.phases]
     own = {
         "workbench, symmetric as declared": found.before,
         "workbench, asymmetric without offset": asymmetric,
