@@ -5,6 +5,7 @@ import shutil
 import subprocess
 import sys
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
@@ -88,6 +89,15 @@ def test_trace_writes_what_the_format_asks_for(tmp_path, capsys):
     assert (out / "trace.pdf").read_bytes().startswith(b"%PDF")
     for path in trace["predictions"].values():
         assert (out / path).read_text().startswith("time_s,prediction\n")
+
+
+@pytest.mark.parametrize(("options", "closing"), [((), True), (("--no-close",), False)])
+def test_the_loop_is_closed_unless_it_is_left_out(options, closing, tmp_path, monkeypatch):
+    seen = []
+    nothing = SimpleNamespace(sentence="", findings=())
+    monkeypatch.setattr("workbench.study.traced.run", lambda *_, closing: seen.append(closing) or nothing)
+    assert main(["trace", str(CAMPAIGN), "--out", str(tmp_path / "out"), *options]) == 0
+    assert seen == [closing]
 
 
 def test_a_record_cut_short_is_refused_with_its_row_and_the_earlier_output_stays(tmp_path, capsys):

@@ -60,6 +60,14 @@ def test_of_a_model_with_nothing_missing_there_is_one_curve(passes):
     assert len(table.columns) == 4
 
 
+def test_the_title_over_time_is_a_finding(found, passes):
+    said = figures(found)["where_torque_time"].alt
+    assert re.search(r"is [\d.]+ to [\d.]+ times smaller with the extended model|times larger between", said)
+    assert re.search(
+        r"is [\d.]+ to [\d.]+ mN·m rms|times larger", figures(where(passes, trace(NOTHING)))["where_torque_time"].alt
+    )
+
+
 def test_places_of_both_models_are_plain_numbers(found):
     rows = as_list(found)
     assert {r["model"] for r in rows} == {"declared", "extended"}

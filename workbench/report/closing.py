@@ -3,6 +3,7 @@
 import numpy as np
 
 from workbench.finding import capital, title
+from workbench.plant import TWO_MASS
 from workbench.report import numbers
 from workbench.report.contents import Callout, Chapter, Figure, Items, Paragraph, Table
 from workbench.report.drawing import AFTER, BEFORE, MUTED, STYLES, decades, envelope, svg
@@ -69,7 +70,11 @@ def changed(was: float, now: float) -> bool:
 
 def assumed(found: Trace, closed: Closed) -> str:
     """Return what loop and what step this is."""
-    loop, x = closed.loop, found.after.plant.displacement
+    plant = found.after.plant
+    loop, x = closed.loop, plant.displacement
+    two = ""
+    if plant.kind == TWO_MASS:
+        two = " Of the two masses the motor's encoder closes the loop, and the step and its figures are the load's."
     return (
         f"The bench's own controller is not known, so one is assumed: position P over velocity PI every "
         f"{seconds(loop.sample_time)}, with one sample of delay, one of velocity filter and the record's encoder. Its three "
@@ -77,6 +82,7 @@ def assumed(found: Trace, closed: Closed) -> str:
         "overshoot of 0.2 % at most and a sensitivity of the sampled loop of 2 at most, within the limit of the drive. The "
         f"step goes {numbers.scaled(closed.step, x)} from {numbers.scaled(closed.start, x)}, the middle half of the "
         "validation record's travel. The extended model stands for the axis: these are predictions, to be checked on the bench."
+        + two
     )
 
 

@@ -7,7 +7,7 @@ import numpy as np
 from workbench.finding import capital
 from workbench.report import numbers
 from workbench.report import where_figures as figures
-from workbench.report.contents import Chapter, Figure, Items, Paragraph, Table
+from workbench.report.contents import Chapter, Figure, Heading, Items, Paragraph, Table
 from workbench.report.where_figures import SPREAD
 from workbench.report.wording import listed
 from workbench.trace.maps import BINS, MOTOR_TURN, POSITION_NAME, TIME, TURN, WAY
@@ -15,6 +15,10 @@ from workbench.trace.places import Place, sentence
 from workbench.trace.spectra import STANDS_OUT
 from workbench.trace.where import Where
 
+ANGLE = (
+    "With an encoder on both sides the load's motion asks for a deflection of the joint, and there is a measured one; the angle "
+    "residual is the first less the second: what the load's balance leaves, over the joint's mean stiffness."
+)
 FOLLOWS = 0.05  # share of the residual's power from which it is said to follow a coordinate
 CLOSELY = 0.3  # share from which that is the finding, rather than a window in which the residual is larger
 PLACES = (POSITION_NAME, TURN, MOTOR_TURN)
@@ -31,6 +35,8 @@ def where(found: Sequence[Where]) -> Chapter:
     )
     blocks = [Paragraph(text)]
     for w in found:
+        if w.of == "angle":
+            blocks += [Heading("In the angle of the joint"), Paragraph(ANGLE)]
         blocks += [Items(tuple(told(w))), *drawn(w), ways(w)]
     return Chapter("Where the residual lives", tuple(blocks))
 
@@ -42,7 +48,7 @@ def span(low: float, high: float, unit: str) -> str:
 
 
 def name(w: Where) -> str:
-    return "residual" if w.of in ("torque", "force") else f"residual of the joint's {w.of}"
+    return "residual" if w.of in ("torque", "force") else f"{w.of} residual"
 
 
 def standing(w: Where) -> list[Place]:
@@ -152,13 +158,27 @@ def over_time(w: Where) -> Figure:
     """Return the residual on each record over time."""
     records = [m.record for m in w.before.over(TIME)]
     place = w.before.place(TIME)
-    title = capital(sentence(place, name(w), span)) if place else f"The {name(w)} on each record over time"
+    title = capital(sentence(place, name(w), span)) if place and place.stands_out else falling(w)
     return Figure(
         f"where_{w.of}_time",
         lambda: figures.over_time(title, w),
         f"Rms residual of the {w.of} in {BINS} stretches of each record, {both(w)}.",
         f"{len(records)} graphs over time, one a record: {listed(records)}. {title}.",
     )
+
+
+def falling(w: Where) -> str:
+    """Return by how much the residual falls on the records, or how large it is on them."""
+    now = w.after or w.before
+    rms = [[float(np.sqrt(np.sum(m.rms**2 * m.count) / m.count.sum())) for m in r.over(TIME)] for r in (w.before, now)]
+    if w.after is None:
+        factor, unit = numbers.prefixed(max(rms[0]), w.unit)
+        low, high = (numbers.number(f(rms[0]) * factor) for f in (min, max))
+        return f"On no record a time stands out: the {name(w)} is {low} to {high} {unit} rms"
+    ratios = [a / b for a, b in zip(*rms, strict=True) if b > 0.0]
+    low, high = (numbers.number(f(ratios, default=1.0), 2) for f in (min, max))
+    by = low if low == high else f"{low} to {high}"
+    return f"On no record a time stands out; the {name(w)} is {by} times smaller with the extended model"
 
 
 def spectra(w: Where) -> Figure:

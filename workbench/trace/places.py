@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from workbench.trace.maps import BOTH, WAY, Map
+from workbench.trace.maps import BOTH, TIME, WAY, Map
 
 STANDS_OUT = 1.5  # times the rms elsewhere from which a place is named
 LEAST = 0.05  # of the residual's power that a place must hold to be named
@@ -109,7 +109,8 @@ def plain(low: float, high: float, unit: str) -> str:
 def sentence(p: Place, of: str = "residual", shown: Shown = plain) -> str:
     """Return "the residual is 4 times larger between 1.2 and 1.5 rad when moving forward", or that no place stands out."""
     if not p.stands_out:
-        return f"the {of} is about the same over all {'ways of motion' if p.coordinate == WAY else f'of the {p.coordinate}'}"
+        over = {WAY: "ways of motion", TIME: "times and records"}.get(p.coordinate, f"of the {p.coordinate}")
+        return f"the {of} is about the same over all {over}"
     if p.coordinate == WAY:
         where = next(
             w for k, w in enumerate(("moving backward", "at rest", "moving forward")) if p.low < k - 1 < p.high
