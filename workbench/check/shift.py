@@ -10,6 +10,7 @@ from workbench.check.balance import Balance
 LATE = 1.5e-3  # s, and as many samples
 FARTHEST = 50e-3  # s
 BETTER = 0.7  # of the residual that is left at the best shift: a smaller gain is any model's lack
+LEAST = 0.05  # share of the drive's power that may be left at the best shift: else it is something else that is wrong
 INERTIAL = 0.3  # share of the drive that inertia must have: only there is a moment sharp
 
 
@@ -37,7 +38,7 @@ def delay(b: Balance, inertia: str) -> float:
         return 0.0
     late = abs(shifts[best]) * b.dt
     sharp = b.share(inertia, parameters[:, best]) > INERTIAL
-    if late > max(LATE, 1.5 * b.dt) and left[best] < BETTER * left[zero] and sharp:
+    if late > max(LATE, 1.5 * b.dt) and left[best] < min(BETTER * left[zero], LEAST * b.power) and sharp:
         return float(shifts[best] * b.dt)
     return 0.0
 
