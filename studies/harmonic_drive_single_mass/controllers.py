@@ -2,13 +2,16 @@
 
 from dataclasses import replace
 
+import numpy as np
+
 from workbench.control import pi_cascade
 from workbench.plant import Plant
+from workbench.schedule import Schedule
 from workbench.study.configuration import Study
 from workbench.study.controlling import Control
 from workbench.study.controlling import numbers as numbers_of
 from workbench.verify.checks import Checks, checked
-from workbench.verify.contest import Contest, contest
+from workbench.verify.contest import Contest, contest, entered
 from workbench.verify.design import Designed, steps_of, two_modes
 from workbench.verify.families import Family
 from workbench.verify.line_up import REACHED, LineUp, line_up
@@ -18,6 +21,7 @@ FROZEN, PAPER = "scheduled PD (frozen)", "scheduled PD (following)"
 ERROR, PROFILE = "scheduled PD (error)", "scheduled PD (error, profile)"
 FIXED, CASCADE, SOFT = "fixed PD", "PI cascade", "soft cascade"
 BEST, FED = "profile with PI", "profile with PI, fed forward"
+NOMINAL = "scheduled PD (following), no spread"  # for no load and the disc alone
 SHORT = (PAPER, ERROR, CASCADE, BEST)  # of the second actuator
 
 
@@ -41,11 +45,17 @@ def held(
     made = line_up(model, control.amplitudes, goal, task, per_octave=control.per_octave, tolerance=control.tolerance)
     families = tuple(f for f in made.families if names is None or f.name in names)
     seeds = [int(s) for s in numbers_of(asked, "seeds", (1.0,))]
+    time = asked.quantity("tuning_time", "s", above=0.0)
     found = contest(
         task, families, {SOFT: soft(study, known, REACHED * known.limits.speed)},
-        tuning_time=asked.quantity("tuning_time", "s", above=0.0), seeds=seeds, say=say,
+        tuning_time=time, seeds=seeds, say=say,
     )  # fmt: skip
-    return made, found
+    if names is not None:
+        return made, found
+    say(f"tuning {NOMINAL}")
+    narrow = replace(task, frictions=(1.0,), inertias=(1.0,), phases=4, duration=time)
+    alone = entered(task, narrow, made.family(PAPER), seeds, NOMINAL)
+    return made, replace(found, standings={**found.standings, NOMINAL: alone})
 
 
 def for_margin(control: Control, model: Plant, task: Task, limit: float, names: tuple[str, ...]) -> dict[str, Family]:
@@ -56,18 +66,36 @@ def for_margin(control: Control, model: Plant, task: Task, limit: float, names: 
     return {n: made.family(n) for n in names}
 
 
-def designed(made: LineUp, found: Contest, control: Control, plant: Plant) -> tuple[Designed, Checks]:
-    """Return the scheduled PD of the paper's rule as the chapter on gains and the export take it, and its checks."""
-    final = {
-        r: two_modes(made.schedule, found[n].tuned.median, r) for r, n in (("following", PAPER), ("frozen", FROZEN))
+def designed(made: LineUp, found: Contest, control: Control, plant: Plant) -> tuple[Designed, dict[str, Checks]]:
+    """Return the scheduled PD of the paper's rule as the chapter on gains and the export take it, and rule -> checks of the
+    schedule with which the simulated loop ended under it."""
+
+    def final(name: str, rule: str) -> Schedule:
+        return two_modes(made.schedule, found[name].tuned.median, rule)
+
+    kept = {"following": final(PAPER, "following"), "frozen": final(FROZEN, "frozen")}
+    ended = {"following": kept["following"], "error": final(ERROR, "following")}
+    checks = {
+        rule: checked(plant, made.equivalent, made.gains, schedule, control.goal, control.loop)
+        for rule, schedule in ended.items()
     }
-    aware = two_modes(made.schedule, found[ERROR].tuned.median, "following")
-    checks = checked(plant, made.equivalent, made.gains, aware, control.goal, control.loop)
     tuned = {n: s.tuned.median for n, s in found.standings.items() if s.tuned}
     simulated = steps_of(plant, made.gains, found.task)
+    between = checks["following"].between
     return Designed(
-        plant, made.equivalent, made.gains, made.schedule, simulated, checks.between, tuned, final, ()
+        plant, made.equivalent, made.gains, made.schedule, simulated, between, tuned, kept, ()
     ), checks  # fmt: skip
+
+
+def figures_of_checks(checks: dict[str, Checks]) -> dict[str, float]:
+    """Return the worst of all schedules that were checked; what moving gains feed in, of each rule."""
+    every = checks.values()
+    return {
+        "sensitivity_between_knots": max(c.between.worst_sensitivity[0] for c in every),
+        "gain_margin": float(min(np.min(c.gain_margin) for c in every)),
+        "phase_margin": float(min(np.min(c.phase_margin) for c in every)),
+        **{f"pumping_over_damping_{r}": float(np.max(c.moving.pumping / c.moving.damping)) for r, c in checks.items()},
+    }
 
 
 def figures_of(found: Contest) -> tuple[dict[str, float], dict[str, str]]:
@@ -79,6 +107,9 @@ def figures_of(found: Contest) -> tuple[dict[str, float], dict[str, str]]:
     errors = {
         "paper_error": of(PAPER, "error"),
         "paper_error_loaded": of(PAPER, "error_loaded"),
+        "paper_error_tuned_without_spread": of(NOMINAL, "error"),
+        "paper_error_tuned_without_spread_loaded": of(NOMINAL, "error_loaded"),
+        "paper_error_tuned_without_spread_grid": of(NOMINAL, "error_grid"),
         "error_rule_error": of(ERROR, "error"),
         "error_rule_error_loaded": of(ERROR, "error_loaded"),
         "error_rule_error_grid": of(ERROR, "error_grid"),
@@ -88,6 +119,7 @@ def figures_of(found: Contest) -> tuple[dict[str, float], dict[str, str]]:
     }
     ratios = {
         "paper_time_over_bound": found.over_bound(PAPER),
+        "paper_time_over_bound_tuned_without_spread": found.over_bound(NOMINAL),
         "paper_error_over_fixed": of(PAPER, "error") / of(FIXED, "error"),
         "error_rule_time_over_bound": found.over_bound(ERROR),
         "error_rule_time_over_fixed": of(ERROR, "time") / of(FIXED, "time"),

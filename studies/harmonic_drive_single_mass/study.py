@@ -6,8 +6,6 @@ identifies the model, and tunes on the identified one. The controllers are judge
 
 from dataclasses import replace
 
-import numpy as np
-
 from workbench.export.feed_forward import export_feed_forward
 from workbench.identify.fit import identify, passes_of
 from workbench.plant import Plant
@@ -29,7 +27,7 @@ from workbench.verify.margin import against_margin
 
 from . import controllers, description, paper, records
 from .controllers import BEST as PROFILE_PI
-from .controllers import CASCADE, ERROR, FIXED, PAPER, SHORT, SOFT
+from .controllers import CASCADE, ERROR, FIXED, NOMINAL, PAPER, SHORT, SOFT
 from .records import FIRST, SECOND
 
 FURTHER = ("actuators", "friction", "records", "contest")
@@ -88,7 +86,7 @@ def contested(study: Study, control: Control, model: Plant, known: Plant, fitted
         control_chapters.step_chapter(loaded, {n: held[n].maker for n in (PAPER, SOFT, CASCADE, PROFILE_PI)}, "loaded"),
     )
     against = contest_chapter(
-        held, (PAPER, ERROR, PROFILE_PI), BASELINES, tuple(n for n in held.standings if n != SOFT)
+        held, (PAPER, ERROR, PROFILE_PI), BASELINES, tuple(n for n in held.standings if n not in (SOFT, NOMINAL))
     )
     against = replace(against, blocks=(*against.blocks, margin_figure(margins, "rad", control.goal.sensitivity)))
     part = Part(
@@ -96,15 +94,12 @@ def contested(study: Study, control: Control, model: Plant, known: Plant, fitted
             **figures,
             **counted(printed),
             "knots": float(made.schedule.knots.size),
-            "sensitivity_between_knots": checks.between.worst_sensitivity[0],
-            "pumping_over_damping": float(np.max(checks.moving.pumping / checks.moving.damping)),
-            "gain_margin": float(np.min(checks.gain_margin)),
-            "phase_margin": float(np.min(checks.phase_margin)),
+            **controllers.figures_of_checks(checks),
         },
         units=units | {"phase_margin": "rad"},
         chapters=(
             control_chapters.schedule_chapter(designed, control.rule),
-            checks_chapter(checks, control.goal.sensitivity, model),
+            *(checks_chapter(c, control.goal.sensitivity, model, rule) for rule, c in checks.items()),
             *steps,
             against,
             paper.chapter(printed),

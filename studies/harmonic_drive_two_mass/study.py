@@ -29,6 +29,14 @@ FURTHER = ("plant", "records", "encoders", "contest")
 SUSPECTS = ("viscous_friction", "linear_damping", "cubic_stiffness")  # the trace is asked about these
 SHOWN = (OUTPUT, JOINT, BOTH, ON_MOTOR, BEST)
 
+GAINS_SAID = (
+    "The gains are those of the stroke of the relative displacement since its own reversal, the difference of two encoders. "
+    "They are free at three amplitudes and searched on the simulated loop, with position from the output and speed from the "
+    "motor. Where the searches of different seeds end far apart, the displacement seldom is there and the gains matter little. "
+    "The variable is small: a few counts of the motor's encoder without load, of which the gear's error, which moves the "
+    "reading and not the torque, is a large part."
+)
+
 
 def run(study: Study, say) -> Outcome:
     """Log with the output locked, identify, describe; tune every controller alike; compare and reproduce."""
@@ -74,7 +82,10 @@ def contested(study: Study, held: Contest, margins: AgainstMargin) -> Part:
         figures={**figures, **counts, **counted(printed)},
         units=units,
         chapters=(
-            Chapter("Gains over the relative displacement", (description.schedule_figure(held), variable)),
+            Chapter(
+                "Gains over the relative displacement",
+                (Paragraph(GAINS_SAID), description.schedule_figure(held), variable),
+            ),
             control_chapters.step_chapter(task, {n: held[n].maker for n in SHOWN}),
             control_chapters.step_chapter(loaded, {n: held[n].maker for n in SHOWN}, "loaded"),
             replace(against, blocks=(*against.blocks, margin_figure(margins, "rad", task.weights.sensitivity))),

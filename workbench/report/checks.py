@@ -8,7 +8,7 @@ from workbench.report.drawing import AFTER, BEFORE, MUTED, decades, svg
 from workbench.verify.checks import Checks
 
 
-def margins_figure(checks: Checks, limit: float, unit: str) -> Figure:
+def margins_figure(checks: Checks, limit: float, unit: str, name: str) -> Figure:
     """Margins by python-control at every knot, and the sensitivity between knots."""
     least = 20 * np.log10(np.min(checks.gain_margin))
     phase = np.degrees(np.min(checks.phase_margin))
@@ -28,7 +28,7 @@ def margins_figure(checks: Checks, limit: float, unit: str) -> Figure:
             decades(axis.xaxis)
 
     return Figure(
-        "margins",
+        f"margins_{name}",
         lambda: svg(heading, draw, rows=3, height=4.6, share=True),
         "Gain and phase margin by python-control at the knots, and the sensitivity peak at three amplitudes a segment, on the "
         "equivalent axis of each amplitude with sampling, delay and velocity filter. Dotted: the limit.",
@@ -36,7 +36,7 @@ def margins_figure(checks: Checks, limit: float, unit: str) -> Figure:
     )
 
 
-def passivity_figure(checks: Checks, unit: str, per: str) -> Figure:
+def passivity_figure(checks: Checks, unit: str, per: str, name: str) -> Figure:
     """What moving gains feed in beside what takes energy out."""
     p = checks.moving
     share = p.pumping / p.damping
@@ -54,20 +54,20 @@ def passivity_figure(checks: Checks, unit: str, per: str) -> Figure:
         axes[0].legend(loc="best")
 
     return Figure(
-        "passivity",
+        f"passivity_{name}",
         lambda: svg(heading, draw, height=2.6),
         "Loss of friction and derivative action against the quadrature part of a proportional gain that moves with the stroke.",
         f"Two curves over amplitude. {heading}.",
     )
 
 
-def checks_chapter(checks: Checks, limit: float, plant) -> Chapter:
-    """Margins, what lies between the knots, passivity, and how short a schedule may be."""
+def checks_chapter(checks: Checks, limit: float, plant, rule: str) -> Chapter:
+    """Margins, what lies between the knots, passivity, and how short a schedule may be. rule: under which it was tuned."""
     x = plant.displacement
     per = numbers.unit(f"{plant.effort}/{x}")
     worst, at = checks.between.worst_sensitivity
     text = (
-        f"Checked is the schedule that the simulated loop ended with, {checks.schedule.knots.size} knots. Between its knots the "
+        f"Checked is the schedule with which the simulated loop ended under the rule “{rule}”, {checks.schedule.knots.size} knots. Between its knots the "
         f"sensitivity is at most {numbers.number(worst)} (at {numbers.scaled(at, x)}), and the largest eigenvalue has a modulus of "
         f"{checks.between.worst_radius[0]:.4f}. Frozen gains feed in no energy; gains that follow the stroke do, and the "
         "second figure says how much of the damping that takes."
@@ -87,5 +87,8 @@ def checks_chapter(checks: Checks, limit: float, plant) -> Chapter:
         "rrr",
     )
     said = tuple(f.sentence for f in (*checks.between.findings, *checks.moving.findings))
-    figures = (margins_figure(checks, limit, numbers.unit(x)), passivity_figure(checks, numbers.unit(x), per))
-    return Chapter("Checks of the schedule", (Paragraph(text), *figures, Items(said), table))
+    figures = (
+        margins_figure(checks, limit, numbers.unit(x), rule),
+        passivity_figure(checks, numbers.unit(x), per, rule),
+    )
+    return Chapter(f"Checks of the schedule, rule “{rule}”", (Paragraph(text), *figures, Items(said), table))

@@ -45,7 +45,7 @@ def reproduction_table(rows: Sequence[Printed], caption: str) -> Table:
     cells = tuple(
         (
             r.what,
-            f"{numbers.exact(r.printed)}\u00a0{numbers.unit(r.unit)}".strip(),
+            f"{numbers.exact(r.printed, 4)}\u00a0{numbers.unit(r.unit)}".strip(),
             numbers.quantity(r.obtained, r.unit),
             ("+" if r.deviation > 0 else "") + numbers.percent(r.deviation),
             r.verdict,

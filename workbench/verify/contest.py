@@ -90,17 +90,22 @@ def contest(
     standings = {}
     for family in families:
         say(f"tuning {family.name} from {len(seeds)} seeds")
-        tuned = optimise_seeds(training, family, seeds)
-        makers = tuple(run.controller for run in tuned.runs)
-        values = judged(task, makers) | {
-            "sensitivity": np.array([float(family.sensitivity(run.point[None, :])[0]) for run in tuned.runs]),
-            "cost": np.array([run.value for run in tuned.runs]),
-        }
-        standings[family.name] = Standing(family.name, values, makers, tuned)
+        standings[family.name] = entered(task, training, family, seeds)
     for name, maker in (stated or {}).items():
         standings[name] = Standing(name, judged(task, (maker,)), (maker,))
     loads = task.load_inertias
     return Contest(task, standings, task.bound(loads[0]), task.bound(loads[-1]))
+
+
+def entered(task: Task, training: Task, family: Family, seeds: Sequence[int] = SEEDS, name: str = "") -> Standing:
+    """Tune a family from every seed on the scenarios of `training`, and judge it on `task`. name: the family's where empty."""
+    tuned = optimise_seeds(training, family, seeds)
+    makers = tuple(run.controller for run in tuned.runs)
+    values = judged(task, makers) | {
+        "sensitivity": np.array([float(family.sensitivity(run.point[None, :])[0]) for run in tuned.runs]),
+        "cost": np.array([run.value for run in tuned.runs]),
+    }
+    return Standing(name or family.name, values, makers, tuned)
 
 
 def judged(task: Task, makers: Sequence[Maker]) -> dict[str, np.ndarray]:
