@@ -21,6 +21,7 @@ ANGLE = (
 )
 FOLLOWS = 0.05  # share of the residual's power from which it is said to follow a coordinate
 CLOSELY = 0.3  # share from which that is the finding, rather than a window in which the residual is larger
+NAMED = 3  # places said, those where the residual stands out most: one window shows in several coordinates
 PLACES = (POSITION_NAME, TURN, MOTOR_TURN)
 
 
@@ -44,7 +45,11 @@ def where(found: Sequence[Where]) -> Chapter:
 def span(low: float, high: float, unit: str) -> str:
     """Return "between 1.20 and 1.50 rad", with a prefix."""
     factor, shown = numbers.prefixed(max(abs(low), abs(high)), unit)
-    return f"between {numbers.number(low * factor)} and {numbers.number(high * factor)}\u00a0{shown}"
+    for digits in (3, 4, 5, 6):  # as many as tell the two apart
+        texts = [numbers.number(x * factor, digits) for x in (low, high)]
+        if texts[0] != texts[1]:
+            break
+    return f"between {texts[0]} and {texts[1]}\u00a0{shown}"
 
 
 def name(w: Where) -> str:
@@ -65,7 +70,7 @@ def told(w: Where) -> list[str]:
         ]
     else:
         texts = [f"No coordinate explains more than {numbers.percent(max(share, 1e-3))} of the {name(w)}'s power."]
-    texts += [f"{capital(sentence(p, name(w), span))}{later(w, p)}." for p in standing(w)]
+    texts += [f"{capital(sentence(p, name(w), span))}{later(w, p)}." for p in standing(w)[:NAMED]]
     return texts
 
 

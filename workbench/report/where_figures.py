@@ -56,7 +56,10 @@ def curve(axis, m: Map, small: float, label: str, style: dict) -> None:
     axis.plot(x, m.rms[seen] * small, ":", **style, linewidth=1.0, label=f"rms, {label}")
     axis.margins(x=0.01)
     if m.coordinate == STROKE:
+        from matplotlib.ticker import NullLocator
+
         axis.set_xscale("log")
+        axis.xaxis.set_minor_locator(NullLocator())
         decades(axis.xaxis)
     elif m.coordinate != "velocity":  # whose two ways lie on two sides of zero
         axis.set_xlim(*(factor * m.edges[[0, -1]]))

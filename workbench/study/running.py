@@ -75,10 +75,11 @@ def run(name: str, out: Path | None = None, say: Callable[[str], None] = lambda 
     judged = results.checks(study, outcome)
     from workbench.report import write as write_report
     from workbench.trace.output import write as write_trace
+    from workbench.trace.where import as_list
 
     say("writing the report")
     with whole(place, stamp.FILE) as beside:
-        write_trace(outcome.trace, beside)
+        write_trace(outcome.trace, beside, {"where": as_list(outcome.where)} if outcome.where else {})
         results.write(study, outcome, judged, beside)
         for writer in outcome.files:
             writer(beside)
@@ -104,6 +105,7 @@ def report_of(study: Study, outcome, judged):
         checks=judged,
         findings=outcome.findings,
         chapters=outcome.chapters,
+        where=outcome.where,
     )
 
 

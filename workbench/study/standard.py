@@ -15,6 +15,7 @@ from workbench.study.configuration import Study
 from workbench.study.outcome import Outcome
 from workbench.trace.result import Trace
 from workbench.trace.tracing import trace
+from workbench.trace.where import where
 
 Say = Callable[[str], None]
 
@@ -60,7 +61,8 @@ def run(study: Study, say: Say) -> Outcome:
         )
     say("reading the campaign")
     campaign = load(study.campaign)
-    found = trace_campaign(campaign, say)
+    passes = passes_of(campaign.records, campaign.bandwidth)
+    found = trace(campaign.plant, passes, say)
     say("describing the plant over amplitude")
     equivalents = described(found.after.plant, amplitudes(study)) if study.describe else ()
     outcome = Outcome(
@@ -70,6 +72,7 @@ def run(study: Study, say: Say) -> Outcome:
         trace=found,
         records=campaign.records,
         equivalents=equivalents,
+        where=where(passes, found),
         figures=trace_figures(found),
         findings=(*campaign.findings, *found.findings, *found.after.findings),
     )
