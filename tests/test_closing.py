@@ -8,12 +8,14 @@ import numpy as np
 import pytest
 from test_report_example import trace as example
 
+from workbench.campaign import Campaign
 from workbench.effect import find
 from workbench.errors import WorkbenchError
 from workbench.plant import ONE_MASS, TWO_MASS, Limits, Plant
 from workbench.record import VALIDATION, Record, Source
 from workbench.report.closing import absent, closing
 from workbench.report.contents import Callout, Figure, Table
+from workbench.study.traced import closed_loop
 from workbench.verify.closing import DECLARED, EXTENDED, as_dict, close, judge, lacking, loop_of, rise_of
 
 FRICTION = (find("viscous_friction")(viscous=0.01), find("coulomb_friction")(coulomb=0.1))
@@ -72,6 +74,14 @@ def test_what_a_campaign_lacks_is_said():
     assert "state actuator_limit" in lacking(replace(plant(), limits=Limits()), record())
     assert "no record" in lacking(plant(), None)
     assert "actuator_limit" in absent(lacking(replace(plant(), limits=Limits()), record())).blocks[0].text
+
+
+def test_a_trace_says_why_its_loop_is_not_closed():
+    nothing = Plant(ONE_MASS, FRICTION, limits=Limits(drive=3.0))
+    for declared, why in ((replace(plant(), limits=Limits()), "actuator_limit"), (nothing, "no inertia")):
+        campaign = Campaign(Path("x"), "t", declared, (record(),), 60.0)
+        sentence = closed_loop(campaign, example(), lambda _: None)
+        assert sentence.startswith("The loop is not closed") and why in sentence
 
 
 def elastic(load: float = 2e-3) -> Plant:

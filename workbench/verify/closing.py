@@ -104,6 +104,8 @@ def lacking(plant: Plant, record: Record | None) -> str:
     """Return what a campaign lacks for its loop to be closed, as a sentence; "" where it lacks nothing."""
     if record is None:
         return "The loop is not closed: the campaign has no record to take a motion from."
+    if not friction_of(plant)[1] > 0.0:
+        return "The loop is not closed: the declared model has no inertia, so no gains can be tuned for it."
     if not isfinite(plant.limits.drive):
         return (
             "The loop is not closed: the campaign states no limit of the drive, and without one the fastest gains are "
@@ -162,8 +164,6 @@ def tuned(task: Task) -> Tuned:
     """Return the cascade tuned on the plant of a task."""
     plant, loop = task.plant, task.loop
     _, inertia, _ = friction_of(plant)
-    if not inertia > 0.0:
-        raise WorkbenchError("the plant has no inertia, so no gains can be tuned for it.")
     known = Loop(**{**vars(loop), "delay": loop.delay + late(plant)})
     linear = judge(plant, known, task.step)
     turnover = TURNOVER / (loop.sample_time + known.delay + loop.velocity_filter)
