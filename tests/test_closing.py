@@ -13,10 +13,11 @@ from workbench.effect import find
 from workbench.errors import WorkbenchError
 from workbench.plant import ONE_MASS, TWO_MASS, Limits, Plant
 from workbench.record import VALIDATION, Record, Source
-from workbench.report.closing import absent, closing
+from workbench.report.closing import absent, closing, heading
 from workbench.report.contents import Callout, Figure, Table
 from workbench.study.traced import closed_loop
-from workbench.verify.closing import DECLARED, EXTENDED, as_dict, close, judge, lacking, loop_of, rise_of
+from workbench.verify.assumed import judge, loop_of
+from workbench.verify.closing import DECLARED, EXTENDED, as_dict, close, lacking, rise_of
 
 FRICTION = (find("viscous_friction")(viscous=0.01), find("coulomb_friction")(coulomb=0.1))
 
@@ -112,6 +113,13 @@ def test_rise_is_from_a_tenth_to_nine_tenths():
     np.testing.assert_allclose(rise_of(time, q, 1.0, np.array([2.0, 2.0])), [4.0, np.inf])
 
 
+def test_where_nothing_changes_the_title_says_so(heavier):
+    level = replace(heavier, responses=(heavier.promised, heavier.blind, heavier.blind))
+    assert heading(example(), level) == "Gains tuned with Stribeck friction in the model step as those tuned without"
+    never = replace(heavier, responses=(heavier.promised, replace(heavier.blind, time_1pct=np.inf), heavier.knowing))
+    assert "1 % time" in heading(example(), never) and heading(example(), never).endswith("instead of never")
+
+
 def test_it_is_json_whatever_comes_of_it(heavier):
     never = replace(heavier.blind, time_1pct=float("inf"))
     text = json.dumps(as_dict(replace(heavier, responses=(heavier.promised, never, heavier.knowing))), allow_nan=False)
@@ -128,7 +136,9 @@ def test_the_chapter_says_what_knowing_is_worth(heavier):
     assert [r[:2] for r in table.rows] == [
         ("declared model", "declared model"), ("declared model", "extended model"), ("extended model", "extended model"),
     ]  # fmt: skip
-    svg = next(b for b in chapter.blocks if isinstance(b, Figure)).svg().decode()
+    figure = next(b for b in chapter.blocks if isinstance(b, Figure))
+    assert "With Stribeck friction in the model the" in figure.alt and "instead of" in figure.alt
+    svg = figure.svg().decode()
     for label in (
         "error, absolute (rad)",
         "command (N\u00b7m)",

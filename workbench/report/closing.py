@@ -12,6 +12,7 @@ from workbench.trace.result import Trace
 from workbench.verify.closing import DECLARED, EXTENDED, Closed, Response
 
 LEAST = 0.05  # of an encoder count, that an error is drawn down to
+NEGLIGIBLE = 0.005  # overshoot: what is less is equal
 LEVEL = 0.02  # relative change from which a figure is said to change
 COLOURS = {(DECLARED, DECLARED): MUTED, (DECLARED, EXTENDED): BEFORE, (EXTENDED, EXTENDED): AFTER}
 GAINS = {"kv": "1/s", "kvp": "{f}*s/{x}", "ki": "{f}/{x}"}
@@ -45,21 +46,48 @@ def hundredths(ratio: float) -> str:
     return f"{numbers.placed(100 * ratio, 2)}\u00a0%" if np.isfinite(ratio) else numbers.named(ratio)
 
 
-def worth(found: Trace, closed: Closed) -> str:
-    """Return what tuning with the found effect changes, on the plant that has it."""
+def figures(found: Trace, closed: Closed) -> list[tuple]:
+    """Return (figure, without, with what was found, how it is shown), of the step on the extended plant."""
     x = found.after.plant.displacement
     a, b = closed.blind, closed.knowing
-    figures = (
-        ("a rise time", a.rise, b.rise, seconds),
-        ("a 1 % time", a.time_1pct, b.time_1pct, seconds),
-        ("an overshoot", a.overshoot, b.overshoot, hundredths),
-        ("a final error", a.final_error, b.final_error, lambda v: numbers.scaled(v, x)),
-    )
+    return [
+        ("rise time", a.rise, b.rise, seconds),
+        ("1 % time", a.time_1pct, b.time_1pct, seconds),
+        ("overshoot", a.overshoot, b.overshoot, hundredths),
+        ("final error", a.final_error, b.final_error, lambda v: numbers.scaled(v, x)),
+    ]
+
+
+def worth(found: Trace, closed: Closed) -> str:
+    """Return what tuning with the found effect changes, on the plant that has it."""
     texts = [
-        f"{name} of {shown(now)} instead of {shown(was)}" if changed(was, now) else f"{name} of {shown(now)} as before"
-        for name, was, now, shown in figures
+        f"{article} {name} of {shown(now)} instead of {shown(was)}"
+        if changed(was, now)
+        else f"{article} {name} of {shown(now)} as before"
+        for article, (name, was, now, shown) in zip(("a", "a", "an", "a"), figures(found, closed), strict=True)
     ]
     return f"On the plant with {causes(found)}, gains tuned with it in the model give {listed(texts)}."
+
+
+def heading(found: Trace, closed: Closed) -> str:
+    """Return the figure in which tuning with the found effect changes most."""
+
+    def size(figure: tuple) -> float:
+        _, was, now, _ = figure
+        least = NEGLIGIBLE if figure[0] == "overshoot" else 0.0
+        was, now = max(was, least), max(now, least)
+        return (
+            abs(float(np.log(now / was)))
+            if 0 < was < np.inf and 0 < now < np.inf
+            else float("inf")
+            if was != now
+            else 0.0
+        )
+
+    name, was, now, shown = max(figures(found, closed), key=size)
+    if not changed(was, now):
+        return f"Gains tuned with {causes(found)} in the model step as those tuned without"
+    return f"With {causes(found)} in the model the {name} is {shown(now)} instead of {shown(was)}"
 
 
 def changed(was: float, now: float) -> bool:
@@ -112,11 +140,7 @@ def responses(closed: Closed, x: str) -> Table:
 def step(found: Trace, closed: Closed) -> Figure:
     """The error that is left, and the command."""
     plant = found.after.plant
-    a, b = closed.blind, closed.knowing
-    heading = (
-        f"With {causes(found)} in the model the step is within 1 % after {seconds(b.time_1pct)}, without it after "
-        f"{seconds(a.time_1pct)}"
-    )
+    title = heading(found, closed)
     least = LEAST * (closed.loop.count or 1e-5 * closed.step)
     target = closed.start + closed.step
 
@@ -136,8 +160,8 @@ def step(found: Trace, closed: Closed) -> Figure:
         axes[0].legend(loc="lower left", bbox_to_anchor=(0, 1), ncols=1)
 
     caption = "What is left of the step (top; dotted: 1 % of it) and the command (bottom)."
-    draws = lambda: svg(heading, draw, rows=2, height=4.6, share=True)  # noqa: E731
-    return Figure("closed_step", draws, caption, f"Two graphs over time for three loops. {heading}.")
+    draws = lambda: svg(title, draw, rows=2, height=4.6, share=True)  # noqa: E731
+    return Figure("closed_step", draws, caption, f"Two graphs over time for three loops. {title}.")
 
 
 def gains(closed: Closed, f: str, x: str) -> Table:

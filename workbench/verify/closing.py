@@ -2,35 +2,29 @@
 
 Nothing is known of the bench's controller, so a loop is assumed: position P over velocity PI at the rate of the record, one
 sample of delay, one of velocity filter, the record's encoder (of two masses the motor's, and the load is asked for the
-step). The extended plant stands for the axis. What the declared
-model promises of it, and what gains tuned on it come to there, is the price of what it lacks.
+step). The extended plant stands for the axis. What the declared model promises, and what gains tuned on it come to there,
+is the price of what it lacks.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
-from math import ceil, isfinite
+from dataclasses import dataclass
+from math import isfinite
 
 import numpy as np
 
 from workbench.control import Controller
-from workbench.effect import FORCE
-from workbench.errors import WorkbenchError
-from workbench.plant import ONE_MASS, SENSORS, TWO_MASS, Plant
+from workbench.plant import ONE_MASS, TWO_MASS, Plant
 from workbench.record import Record
 from workbench.simulate import Loop, Metrics, ScenarioArrays, simulate
-from workbench.verify.equivalent import equivalent_of, friction_of
+from workbench.verify.assumed import judge, late, loop_of, task_of
+from workbench.verify.equivalent import friction_of
 from workbench.verify.families import cascade_family
-from workbench.verify.linear import Judge, Linear, TwoMasses
 from workbench.verify.optimise import Tuned, optimise
 from workbench.verify.task import Task
 
 DECLARED, EXTENDED = "declared", "extended"
 FIGURES = ("rise", "time_1pct", "overshoot", "final_error")
-SUBSTEP = 2.5e-4  # s, at most
-STROKE = 0.5  # of the record's travel, that the step goes, from a quarter of it on
-LASTS, REST = 5.0, 0.3  # of the time-optimal bound, and s beside, that a step is simulated for
 TURNOVER = 0.2  # of the velocity loop, over its delays: where the search begins
-COUNTS = 10.0  # of the amplitude at which presliding is described
 RISE = (0.1, 0.9)  # shares of the step
 OUTPUT = {ONE_MASS: "q", TWO_MASS: "load.q"}
 PHASES = 8  # of the encoder, that a row is the worst of
@@ -112,52 +106,6 @@ def lacking(plant: Plant, record: Record | None) -> str:
             "infinite; state actuator_limit (and speed_limit) in campaign.toml."
         )
     return ""
-
-
-def loop_of(record: Record) -> Loop:
-    """Return the loop that is assumed at the rate of a record."""
-    dt, counts = record.dt, (record.resolution.get(s, 0.0) for s in SENSORS)
-    return Loop(dt, max(2, ceil(dt / SUBSTEP - 1e-9)), dt, dt, *counts)
-
-
-def task_of(plant: Plant, record: Record, loop: Loop) -> Task:
-    """Return the step that gains are tuned for: half of the record's travel, in the middle of it."""
-    q = record.channels[SENSORS[plant.kind == TWO_MASS]]
-    travel = float(np.ptp(q))
-    task = Task(plant, loop, STROKE * travel, 1.0, start=float(q.min()) + (1.0 - STROKE) / 2 * travel)
-    duration = LASTS * task.bound() + REST
-    return Task(plant, loop, task.step, duration, start=task.start)
-
-
-def late(plant: Plant) -> float:
-    """Return by how much the plant's own command is late, s: its delay and its lag."""
-    parameters = [p for e in plant.effects if e.at == "command" for p in e.parameters.items()]
-    return float(sum(p.value for n, p in parameters if n in ("delay", "time_constant")))
-
-
-def judge(plant: Plant, loop: Loop, step: float) -> Judge:
-    """Return the linearisations that the gains must be robust on: sliding, and presliding at its stiffest.
-
-    With two masses, the joint without and with what its friction adds near rest.
-    """
-    least = COUNTS * loop.resolution or 1e-5 * step
-    omega = 1.0 / loop.sample_time / COUNTS
-    if plant.kind == ONE_MASS:
-        friction, inertia, viscous = friction_of(plant)
-        spring = float(equivalent_of(friction, [least], [omega], loop.resolution).stiffness.max())
-        return Linear(loop, inertia, max(viscous, 0.0), np.array([0.0, spring]))
-    joint = equivalent_of(joint_alone(plant), [least, 1e3 * least], [omega, omega], loop.resolution)
-    masses = {e.at: e.parameters["inertia"].value for e in plant.effects if e.name == "inertia"}
-    if not ({"motor", "load"} <= set(masses) and joint.stiffness.min() > 0.0):
-        raise WorkbenchError("a plant of two masses needs both inertias and a joint with a stiffness to be tuned for.")
-    damping = sum(e.parameters["damping"].value for e in plant.effects if e.key == "linear_damping@joint")
-    return TwoMasses(loop, masses["motor"], np.full(2, masses["load"]), joint.stiffness, float(damping))
-
-
-def joint_alone(plant: Plant) -> Plant:
-    """Return the forces of the joint on an axis of their own."""
-    forces = [e for e in plant.effects if e.at == "joint" and e.port == FORCE]
-    return Plant(ONE_MASS, tuple(replace(e, at="axis", places=("axis",)) for e in forces), plant.rotary, plant.geometry)
 
 
 def tuned(task: Task) -> Tuned:
