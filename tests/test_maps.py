@@ -4,9 +4,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import rig
 
+from workbench.campaign import load
 from workbench.effect import find
-from workbench.identify.fit import passes_of
+from workbench.identify.fit import identify, passes_of
 from workbench.plant import ONE_MASS, TWO_MASS, Geometry, Plant
 from workbench.record import IDENTIFICATION, Record, Source
 from workbench.trace.maps import (
@@ -25,7 +27,7 @@ from workbench.trace.maps import (
 )
 from workbench.trace.places import explained, place, places, sentence
 from workbench.trace.spectra import half, over_frequency, over_order
-from workbench.trace.where import angle_residual, joint_stiffness
+from workbench.trace.where import angle_residual, drives, identifying, joint_stiffness
 
 RATE, BAND = 1000.0, 100.0
 MASS = find("inertia")(inertia=1e-3)
@@ -152,6 +154,17 @@ def test_noise_has_no_place_and_follows_nothing(pool):
     for name in ("position", "velocity", STROKE):
         assert explained([m for m in found if m.coordinate == name]) < 0.01
     assert "about the same" in sentence(places(found)[0])
+
+
+def test_friction_in_one_window_and_one_direction_of_the_rig_is_found_there(tmp_path):
+    truth = rig.campaign(tmp_path, 7, ("window_friction",), 2.0, short=True)
+    campaign = load(tmp_path)
+    passes = identifying(passes_of(campaign.records, campaign.bandwidth))
+    found = drives(passes, identify(campaign.plant, passes), None).before.places[0]
+    (low, high), (coordinate, _) = truth["where"][1][0], truth["where"]
+    reach = 0.1 * max(np.ptp(p.motion.q) for p in passes)
+    assert found.coordinate == coordinate and found.way == FORWARD and found.stands_out
+    assert abs(found.low - low) < reach and abs(found.high - high) < reach
 
 
 def test_larger_in_one_direction_is_said_so(pool):
