@@ -151,3 +151,18 @@ def test_feed_forward_is_the_models_mass_and_friction_and_is_exported_as_it_is(t
         export_feed_forward(FeedForward(1e40, known.speeds, known.friction), plant, tmp_path / "other")
     assert not (tmp_path / "other").exists()
     assert SimpleNamespace(**held).format == "servo-workbench feed-forward"
+
+
+def test_a_record_that_a_study_makes_says_so():
+    from workbench.study.simulated import record_of
+
+    t = 1e-3 * np.arange(100)
+    made = [
+        record_of(
+            "slow", "identification", rigid(), t, {"torque": np.sin(t), "position": s * t}, {"position": 1e-6}, "a ramp"
+        )
+        for s in (1.0, 1.0, 2.0)
+    ]
+    assert "simulated" in made[0].motion and made[0].source.reader == "simulated by this study"
+    assert made[0].source.sha256 == made[1].source.sha256 != made[2].source.sha256
+    assert made[0].units == {"torque": "N*m", "position": "rad"} and not made[0].locked
