@@ -127,7 +127,7 @@ def step_chapter(task: Task, controllers: dict, load: str = "") -> Chapter:
     )
     text = (
         "The simulated loop has all that the drive has: sampling, a quantised encoder, delay, the velocity filter, torque and "
-        "speed limits, torque noise, and the identified friction. Every controller was tuned by the same search on the same "
+        "speed limits, torque noise, and the identified friction. Controllers that are tuned were tuned by the same search on the same "
         "scenarios, with the same limits, also on its sensitivity."
     )
     return Chapter("The step, loaded" if load else "The step", (Paragraph(text), figure))
