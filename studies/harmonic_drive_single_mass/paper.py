@@ -22,7 +22,7 @@ NOT_WHOLE = "it is no whole count, so it is no single reading at rest"
 NO_GAINS = (
     "the paper states neither the cascade's gains nor which encoder closes it; the cascade stated here has another tail"
 )
-SMALL_LOAD = (
+SMALL_LOAD = "the disc adds 7 % to the inertia, and the stated cascade's error grows about as much; eightfold is not in this model"
     "the disc adds 7 % to the inertia; no controller tuned here changes by ten per cent for that, let alone eightfold"
 )
 
