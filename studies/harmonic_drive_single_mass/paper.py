@@ -23,8 +23,6 @@ NO_GAINS = (
     "the paper states neither the cascade's gains nor which encoder closes it; the cascade stated here has another tail"
 )
 SMALL_LOAD = "the disc adds 7 % to the inertia, and the stated cascade's error grows about as much; eightfold is not in this model"
-    "the disc adds 7 % to the inertia; no controller tuned here changes by ten per cent for that, let alone eightfold"
-)
 
 
 def rows(found: Contest, fit: dict[str, float], disc: float) -> list[Printed]:
