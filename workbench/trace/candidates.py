@@ -32,7 +32,7 @@ class Offer:
 
     def suspects(self, plant: Plant) -> list[Suspect]:
         """Return the candidates of a plant that are judged."""
-        return [s for s in suspects(plant, self.own) if self.only is None or s.effect in self.only]
+        return [s for s in suspects(plant, self.own) if self.only is None or s.effect.partition(" ")[0] in self.only]
 
 
 WHOLE = Offer()  # all of the catalogue, and nothing else
@@ -48,16 +48,19 @@ def suspects(plant: Plant, own: Collection[Effect] = ()) -> list[Suspect]:
     motion = "rotary" if plant.rotary else "linear"
     traced = [e for e in catalogue().values() if e.traced]
     for effect in (*traced, *own):
-        name = effect.named
         if motion not in effect.motions:
             continue
         for place in places(plant.kind, effect):
             if not offered(effect, place, plant):
                 continue
-            if f"{name}@{place}" in (e.key for e in plant.effects):
+            if not all(s in plant_signals(plant) for s in effect.reads):
                 continue
-            if all(s in plant_signals(plant) for s in effect.reads):
-                found.append(Suspect(name, place, ADDITION, plant + effect(at=place)))
+            another = effect(at=place)
+            if another.key in (e.key for e in plant.effects):
+                if not periodic(effect):
+                    continue
+                another = another(label=free_label(another, plant))
+            found.append(Suspect(another.named, place, ADDITION, plant + another))
     for e in plant.effects:
         # a parameter held by definition (the exponent of a virgin curve) is no value from a data sheet
         default = catalogue().get(e.name)
@@ -65,6 +68,17 @@ def suspects(plant: Plant, own: Collection[Effect] = ()) -> list[Suspect]:
         if held:
             found.append(Suspect(e.named, e.at, CORRECTION, plant.swap(e.free(*held))))
     return sorted(found, key=lambda s: (s.effect, s.at, s.kind))
+
+
+def periodic(effect: Effect) -> bool:
+    """Whether an effect has an order, so that an axis may have it once more at another one."""
+    return any(p.scale == "order" and not p.fixed for p in effect.parameters.values())
+
+
+def free_label(effect: Effect, plant: Plant) -> str:
+    """Return the first of "2", "3", ... that no effect of this name has at its place."""
+    taken = {e.label for e in plant.effects if (e.name, e.at) == (effect.name, effect.at)}
+    return next(str(n) for n in range(2, 100) if str(n) not in taken)
 
 
 def offered(effect: Effect, place: str, plant: Plant) -> bool:

@@ -9,7 +9,7 @@ import numpy as np
 from workbench.finding import capital, title
 from workbench.identify.passes import Passes
 from workbench.identify.problem import Problem
-from workbench.identify.solve import NoValue, Solution, solve
+from workbench.identify.solve import NoValue, Solution, scales, solve
 from workbench.plant import Plant
 from workbench.trace.candidates import ADDITION, WHOLE, Offer, Suspect
 from workbench.trace.floor import calm
@@ -17,6 +17,7 @@ from workbench.trace.linearised import Linearised
 from workbench.trace.result import Candidate
 from workbench.trace.score import HeldOut, gain, held_out
 from workbench.trace.search import fitted
+from workbench.trace.smallest import Smallest, smallest
 
 SHARE = 0.05  # of the residual's power that an effect must explain on held-out blocks
 CERTAIN = 3.0  # standard errors by which its gain must differ from zero
@@ -45,6 +46,14 @@ class State:
     def freedom(self) -> int:
         """Free parameters."""
         return len(self.problem.free_linear) + len(self.problem.free_shape)
+
+    @cached_property
+    def absorbed(self) -> np.ndarray:
+        """Orthonormal columns (N, r): what this model can absorb, to first order in its shape parameters."""
+        columns = np.hstack([self.solution.phi, self.solution.tangents])
+        columns = columns / scales(columns)
+        left, singular, _ = np.linalg.svd(columns, full_matrices=False)
+        return left[:, singular > 1e-7 * max(singular[:1], default=0.0)]
 
     @property
     def steady(self) -> float:
@@ -75,6 +84,7 @@ class Judgement:
     problem: Linearised | None = None
     solution: Solution | None = None
     state: State | None = None
+    shows: Smallest | None = None
 
     def whole(self, before: State) -> "Judgement":
         """Return the judgement after a fit with everything free; itself where that has no value."""
@@ -104,7 +114,10 @@ def judged(state: State, suspect: Suspect) -> Judgement:
         return Judgement(suspect, hopeless, state.errors, state.freedom)
     errors = held_out(problem, solution)
     freedom = len(problem.free_linear) + len(problem.free_shape) + len(state.problem.free_shape)
-    return Judgement(suspect, scored(state, suspect, errors, solution.cost), errors, freedom, problem, solution)
+    shows = smallest(suspect.key, suspect.kind != ADDITION, problem, solution, state.absorbed, SHARE)
+    return Judgement(
+        suspect, scored(state, suspect, errors, solution.cost), errors, freedom, problem, solution, shows=shows
+    )
 
 
 def scored(state: State, suspect: Suspect, errors: HeldOut, cost: float) -> Candidate:
@@ -131,6 +144,8 @@ def step(state: State, progress: Progress, offer: Offer = WHOLE) -> list[Judgeme
         progress(f"trying {suspect.key}")
         judgements.append(judged(state, suspect))
     judgements = by_gain(judgements)
+    # columns of the others are many megabytes, and nobody asks for them again
+    judgements[LEADING:] = [replace(j, problem=None, solution=None) for j in judgements[LEADING:]]
     for i, j in enumerate(judgements[:LEADING]):
         if j.candidate.gain > SHARE / 2:
             progress(f"fitting {j.suspect.key} with everything free")
@@ -164,3 +179,9 @@ def alike(best: Judgement, other: Judgement) -> bool:
     """
     further, scatter = gain(other.errors, best.errors)
     return further <= max(ALIKE * scatter, SHARE) and best.candidate.gain > SHARE
+
+
+def shown(judgements: Sequence[Judgement]) -> tuple[Smallest, ...]:
+    """Return the smallest effect of each kind that a step could have shown, by name and place."""
+    found = [j.shows for j in judgements if j.shows is not None]
+    return tuple(sorted(found, key=lambda s: (s.effect, s.at, s.change)))

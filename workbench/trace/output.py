@@ -49,7 +49,7 @@ def as_dict(trace: Trace, predictions: dict[str, str]) -> dict:
         "format": FORMAT,
         "verdict": trace.verdict,
         "sentence": trace.sentence,
-        "ranked": [c.effect for c in trace.ranked],
+        "ranked": list(dict.fromkeys(c.effect.partition(" ")[0] for c in trace.ranked)),
         "added": list(trace.added),
         "causes": [cause(c) for c in trace.causes],
         "nrmse": {
@@ -86,6 +86,11 @@ def as_dict(trace: Trace, predictions: dict[str, str]) -> dict:
             for f in (*trace.findings, *after.findings)
         ],
         "unknown": dict(trace.unknown),
+        "smallest_shown": [
+            {"effect": s.effect, "at": s.at, "parameter": s.parameter, "value": number(s.value), "unit": s.unit}
+            | {"of": "a change of the declared value" if s.change else "the effect"}
+            for s in trace.smallest
+        ],
         "predictions": predictions,
     }
 

@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 
 from workbench.finding import Finding
 from workbench.identify.result import Estimate, Fit
+from workbench.trace.smallest import Smallest
 
 CAUSE, NOTHING, UNKNOWN = "cause", "nothing_missing", "unknown"
 
@@ -49,7 +50,8 @@ class Trace:
     """verdict: "cause", "nothing_missing" or "unknown". ranked: candidates, best first, of the first step.
 
     steps: the ranked candidates of every step (one list an addition tried). before, after: fits of the declared and of
-    the extended plant. floor: role -> nrmse that encoder resolution and torque noise alone would leave.
+    the extended plant. floor: role -> nrmse that encoder resolution and torque noise alone would leave. unknown: where what
+    no effect explains lives. smallest: of each kind, the smallest effect that the records could have shown.
     """
 
     verdict: str
@@ -62,8 +64,9 @@ class Trace:
     floor: Mapping[str, float]
     findings: tuple[Finding, ...] = ()
     unknown: Mapping[str, object] = field(default_factory=dict)
+    smallest: tuple[Smallest, ...] = ()
 
     @property
     def added(self) -> tuple[str, ...]:
-        """Names of the effects in the extended model that the declared one lacks."""
-        return tuple(c.effect for c in self.causes)
+        """Names of the effects in the extended model that the declared one lacks, as the catalogue has them."""
+        return tuple(c.effect.partition(" ")[0] for c in self.causes)

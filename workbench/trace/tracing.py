@@ -13,14 +13,14 @@ from workbench.threads import one_thread
 from workbench.trace.candidates import ADDITION, Offer, Suspect
 from workbench.trace.floor import floor as noise_floor
 from workbench.trace.floor import levels
-from workbench.trace.judge import Judgement, Progress, State, alike, step
+from workbench.trace.judge import Judgement, Progress, State, shown, step
 from workbench.trace.result import CAUSE, NOTHING, UNKNOWN, Trace
+from workbench.trace.rivals import experiment, rivals
 from workbench.trace.thin import thin
 from workbench.trace.unexplained import described, unknown
 from workbench.trace.verdict import cause, left_over, not_carried, verdict_sentence
 
 STEPS = 4  # effects added at most
-RIVALS = 4  # named with a cause at most
 
 
 def extended(state: State, progress: Progress, most: int, offer: Offer) -> list[tuple[State, list]]:
@@ -46,12 +46,18 @@ def leading(judgements: Sequence[Judgement]) -> Judgement | None:
 
 
 def revised(
-    found: list[Judgement], last: State, declared: Plant, progress: Progress, offer: Offer
+    found: list[Judgement],
+    last: State,
+    declared: Plant,
+    looked: list[list[Judgement]],
+    progress: Progress,
+    offer: Offer,
 ) -> tuple[list[Judgement], State]:
     """Ask of each effect but the last whether the later ones made it needless, or made another one the better answer.
 
     Greedy selection cannot take back a choice made while something else was missing. Each effect is taken out in turn and
-    the search repeated with the others in place; what leads then stands in its stead.
+    the search repeated with the others in place; what leads then stands in its stead. looked: every step's judgements, to
+    which these are added.
     """
     for i in range(len(found) - 1):
         present = found[i]
@@ -61,12 +67,12 @@ def revised(
             reduced = State(without(last.plant, present.suspect, declared), last.passes)
         except NoValue:
             continue
-        judgements = step(reduced, progress, offer)
+        looked.append(judgements := step(reduced, progress, offer))
         best = leading(judgements)
         if best is not None and best.suspect.key == present.suspect.key:
             continue
         if best is None:
-            return revised(rest, reduced, declared, progress, offer) if len(rest) > 1 else (rest, reduced)
+            return revised(rest, reduced, declared, looked, progress, offer) if len(rest) > 1 else (rest, reduced)
         found = [*rest[:i], best, *rest[i:]]
         last = best.state
     return found, last
@@ -112,8 +118,9 @@ def trace(
     progress("looking for where the residual lives")
     level = levels(passes, last.plant, last.steady)
     unexplained = unknown(declared, last, level)
+    looked = [judgements for _, judgements in steps]
     if len(added) > 1 and not (unexplained and unexplained.instead):
-        added, last = revised(added, last, plant, progress, offer)
+        added, last = revised(added, last, plant, looked, progress, offer)
         unexplained = unknown(declared, last, level)
     if unexplained is not None and unexplained.instead:
         added, last = [], declared
@@ -123,28 +130,17 @@ def trace(
         fits.append(identify(brought(fits[-1].plant, j.suspect, last.plant), passes))
     after = fits[-1]
     floor = noise_floor(passes, level)
-    causes = tuple(
-        replace(cause(j.candidate, fits[i], fits[i + 1], after), rivals=rivals(j, steps)) for i, j in enumerate(added)
-    )
+    causes = []
+    for i, j in enumerate(added):
+        others = rivals(j, added, looked)
+        progress("looking for the motion that would tell rivals apart")
+        apart = experiment(last.plant, plant, j, others[0], identification, min(level.values())) if others else ""
+        made = cause(j.candidate, fits[i], fits[i + 1], after)
+        causes.append(replace(made, rivals=tuple(o.candidate.effect for o in others), experiment=apart))
     verdict = CAUSE if causes else UNKNOWN if unexplained else NOTHING
     findings = [*not_carried(causes), *(left_over(unexplained) if causes else ())]
     return Trace(
         verdict, verdict_sentence(verdict, causes, fits[0], after, floor, unexplained),
         tuple(j.candidate for j in steps[0][1]), tuple(tuple(j.candidate for j in judgements) for _, judgements in steps),
-        causes, fits[0], after, floor, tuple(findings), described(unexplained),
+        tuple(causes), fits[0], after, floor, tuple(findings), described(unexplained), shown(steps[0][1]),
     )  # fmt: skip
-
-
-def rivals(found: Judgement, steps) -> tuple[str, ...]:
-    """Return the names of the candidates that these records could not tell from an added one when it was chosen."""
-    for _, judgements in steps:
-        if found in judgements:
-            others = [j for j in judgements if j is not found and j.candidate.earns and j.state]
-            return tuple(
-                dict.fromkeys(
-                    j.candidate.effect
-                    for j in others
-                    if alike(found, j) and j.candidate.effect != found.candidate.effect
-                )
-            )[:RIVALS]
-    return ()

@@ -1,0 +1,44 @@
+"""Rivals of a cause: candidates that these records cannot tell from it, and the motion that would."""
+
+from collections.abc import Sequence
+
+from workbench.errors import WorkbenchError
+from workbench.identify.passes import Passes
+from workbench.plant import Plant
+from workbench.trace.candidates import ADDITION
+from workbench.trace.judge import Judgement, alike
+
+MOST = 4  # named with a cause
+
+
+def rivals(found: Judgement, added: Sequence[Judgement], steps: Sequence[Sequence[Judgement]]) -> list[Judgement]:
+    """Return the candidates that could not be told from an added one in the step in which it was chosen, best first.
+
+    What was added beside it is no rival: it explains something else.
+    """
+    level: dict[str, Judgement] = {}
+    for judgements in steps:
+        if any(j is found for j in judgements):
+            for j in judgements:
+                if j is not found and j.state and j.candidate.earns and alike(found, j):
+                    level.setdefault(j.candidate.effect, j)
+    taken = {j.candidate.effect for j in added}
+    return [j for name, j in level.items() if name not in taken][:MOST]
+
+
+def experiment(
+    plant: Plant, declared: Plant, found: Judgement, rival: Judgement, passes: Sequence[Passes], rms: float
+) -> str:
+    """Return, in a sentence, the motion that tells a cause from its first rival, or "" where none can be planned.
+
+    plant, declared: the extended one and the one without. passes: of the identification records. rms: of the noise behind the evaluation filter.
+    """
+    from workbench.plan import envelope_of, sensing_of, separate
+
+    a, b = plant[found.suspect.key], rival.state.plant[rival.suspect.key]
+    bare = plant.without(a.key) if found.suspect.kind == ADDITION else plant.swap(declared[a.key])
+    bare = bare.without(b.key) if b.key in {e.key for e in bare.effects} and rival.suspect.kind == ADDITION else bare
+    try:
+        return separate(bare, a, b, envelope_of(bare, passes), sensing_of(passes, rms)).sentence
+    except WorkbenchError:
+        return ""
