@@ -1,10 +1,10 @@
 """Which motion to record next: trajectories that determine the declared parameters, or part two effects."""
 
 from workbench.plan.design import Plan, design
-from workbench.plan.envelope import Envelope, Sensing, envelope_of, sensing_of
+from workbench.plan.envelope import Envelope, Sensing, envelope_of, load_rest, sensing_of
 from workbench.plan.prospect import Prospect, prospects
 from workbench.plan.separate import Separation, separate
 
 __all__ = [
-    "Envelope", "Plan", "Prospect", "Sensing", "Separation", "design", "envelope_of", "prospects", "sensing_of", "separate",
+    "Envelope", "Plan", "Prospect", "Sensing", "Separation", "design", "envelope_of", "load_rest", "prospects", "sensing_of", "separate",
 ]  # fmt: skip

@@ -11,12 +11,16 @@ ADDITION, CORRECTION = "addition", "correction"
 
 @dataclass(frozen=True)
 class Suspect:
-    """effect, at: what would be added, or whose fixed parameters would be set free. plant: the plant with it."""
+    """effect, at: what would be added, or whose fixed parameters would be set free. plant: the plant with it.
+
+    instead: keys of declared effects that an addition takes the place of.
+    """
 
     effect: str
     at: str
     kind: str
     plant: Plant
+    instead: tuple[str, ...] = ()
 
     @property
     def key(self) -> str:
@@ -60,7 +64,11 @@ def suspects(plant: Plant, own: Collection[Effect] = ()) -> list[Suspect]:
                 if not periodic(effect):
                     continue
                 another = another(label=free_label(another, plant))
-            found.append(Suspect(another.named, place, ADDITION, plant + another))
+            same = needless(another, plant)
+            rest = plant
+            for key in same:
+                rest = rest.without(key)
+            found.append(Suspect(another.named, place, ADDITION, rest + another, same))
     for e in plant.effects:
         # a parameter held by definition (the exponent of a virgin curve) is no value from a data sheet
         default = catalogue().get(e.name)
@@ -68,6 +76,17 @@ def suspects(plant: Plant, own: Collection[Effect] = ()) -> list[Suspect]:
         if held:
             found.append(Suspect(e.named, e.at, CORRECTION, plant.swap(e.free(*held))))
     return sorted(found, key=lambda s: (s.effect, s.at, s.kind))
+
+
+def needless(effect: Effect, plant: Plant) -> tuple[str, ...]:
+    """Return the keys of declared effects that an effect takes the place of.
+
+    An effect that provides the direction of motion is a friction with memory, and its force goes with that direction; what
+    reads nothing but the direction at its place (Coulomb friction) would be the same force once more.
+    """
+    if "dir" not in effect.provides:
+        return ()
+    return tuple(e.key for e in plant.effects if e.at == effect.at and tuple(e.reads) == ("dir",))
 
 
 def periodic(effect: Effect) -> bool:
@@ -93,3 +112,23 @@ def offered(effect: Effect, place: str, plant: Plant) -> bool:
 def plant_signals(plant: Plant) -> set[str]:
     """Signals that every record of such a plant has."""
     return set("q dq v a dt t u tau dir motor_q load_q ratio pole_pairs locked".split())
+
+
+def without(plant: Plant, suspect: Suspect, declared: Plant) -> Plant:
+    """Return `plant` without what a suspect brought to the declared one."""
+    if suspect.kind != ADDITION:
+        return plant.swap(declared[suspect.key])
+    plant = plant.without(suspect.key)
+    for key in suspect.instead:
+        plant = plant + declared[key]
+    return plant
+
+
+def brought(plant: Plant, suspect: Suspect, last: Plant) -> Plant:
+    """Return `plant` with what a suspect brings, as it came out in `last`."""
+    effect = last[suspect.key]
+    if suspect.kind != ADDITION:
+        return plant.swap(effect)
+    for key in suspect.instead:
+        plant = plant.without(key)
+    return plant + effect

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from workbench.errors import WorkbenchError
 from workbench.identify.passes import Passes
 from workbench.plant import Plant
-from workbench.trace.candidates import ADDITION
+from workbench.trace.candidates import ADDITION, without
 from workbench.trace.judge import Judgement, alike
 
 MOST = 4  # named with a cause
@@ -33,12 +33,14 @@ def experiment(
 
     plant, declared: the extended one and the one without. passes: of the identification records. rms: of the noise behind the evaluation filter.
     """
-    from workbench.plan import envelope_of, sensing_of, separate
+    from workbench.plan import envelope_of, load_rest, sensing_of, separate
 
     a, b = plant[found.suspect.key], rival.state.plant[rival.suspect.key]
-    bare = plant.without(a.key) if found.suspect.kind == ADDITION else plant.swap(declared[a.key])
+    bare = without(plant, found.suspect, declared)
     bare = bare.without(b.key) if b.key in {e.key for e in bare.effects} and rival.suspect.kind == ADDITION else bare
     try:
-        return separate(bare, a, b, envelope_of(bare, passes), sensing_of(passes, rms)).sentence
+        return separate(
+            bare, a, b, envelope_of(bare, passes), sensing_of(passes, rms, load_rest(plant, passes))
+        ).sentence
     except WorkbenchError:
         return ""

@@ -10,7 +10,7 @@ from workbench.identify.passes import Passes
 from workbench.identify.solve import NoValue
 from workbench.plant import Plant
 from workbench.threads import one_thread
-from workbench.trace.candidates import ADDITION, Offer, Suspect
+from workbench.trace.candidates import Offer, brought, without
 from workbench.trace.floor import floor as noise_floor
 from workbench.trace.floor import levels
 from workbench.trace.judge import Judgement, Progress, State, shown, step
@@ -76,17 +76,6 @@ def revised(
         found = [*rest[:i], best, *rest[i:]]
         last = best.state
     return found, last
-
-
-def without(plant: Plant, suspect: Suspect, declared: Plant) -> Plant:
-    """Return `plant` without what a suspect brought to the declared one."""
-    return plant.without(suspect.key) if suspect.kind == ADDITION else plant.swap(declared[suspect.key])
-
-
-def brought(plant: Plant, suspect: Suspect, last: Plant) -> Plant:
-    """Return `plant` with what a suspect brings, as it came out in `last`."""
-    effect = last[suspect.key]
-    return plant + effect if suspect.kind == ADDITION else plant.swap(effect)
 
 
 @one_thread
