@@ -7,6 +7,7 @@ from workbench.effect import Effect, catalogue
 from workbench.plant import Plant, places
 
 ADDITION, CORRECTION = "addition", "correction"
+AGAIN = "2"  # label of a periodic effect beside the declared one
 
 
 @dataclass(frozen=True)
@@ -29,20 +30,25 @@ class Suspect:
 
 @dataclass(frozen=True)
 class Offer:
-    """only: names of the effects that are judged, all where None. own: effects offered beside those of the catalogue."""
+    """only: names of the effects that are judged, all where None. own: effects offered beside those of the catalogue.
+
+    declared: keys of the declared effects; a periodic one of them is offered once more, at another order.
+    """
 
     only: Collection[str] | None = None
     own: Collection[Effect] = ()
+    declared: Collection[str] = ()
 
     def suspects(self, plant: Plant) -> list[Suspect]:
         """Return the candidates of a plant that are judged."""
-        return [s for s in suspects(plant, self.own) if self.only is None or s.effect.partition(" ")[0] in self.only]
+        found = suspects(plant, self.own, self.declared)
+        return [s for s in found if self.only is None or {s.effect, s.effect.partition(" ")[0]} & set(self.only)]
 
 
 WHOLE = Offer()  # all of the catalogue, and nothing else
 
 
-def suspects(plant: Plant, own: Collection[Effect] = ()) -> list[Suspect]:
+def suspects(plant: Plant, own: Collection[Effect] = (), declared: Collection[str] = ()) -> list[Suspect]:
     """Return every candidate, in the order of their names (the result does not depend on the order of declaration).
 
     own: effects that are offered beside those of the catalogue, and judged as they are: one that the catalogue has and does
@@ -60,10 +66,10 @@ def suspects(plant: Plant, own: Collection[Effect] = ()) -> list[Suspect]:
             if not all(s in plant_signals(plant) for s in effect.reads):
                 continue
             another = effect(at=place)
+            if another.key in declared and periodic(effect):
+                another = another(label=AGAIN)
             if another.key in (e.key for e in plant.effects):
-                if not periodic(effect):
-                    continue
-                another = another(label=free_label(another, plant))
+                continue
             same = needless(another, plant)
             rest = plant
             for key in same:
@@ -81,10 +87,10 @@ def suspects(plant: Plant, own: Collection[Effect] = ()) -> list[Suspect]:
 def needless(effect: Effect, plant: Plant) -> tuple[str, ...]:
     """Return the keys of declared effects that an effect takes the place of.
 
-    An effect that provides the direction of motion is a friction with memory, and its force goes with that direction; what
+    A force that provides the direction of motion is a friction with memory, and goes with that direction; what
     reads nothing but the direction at its place (Coulomb friction) would be the same force once more.
     """
-    if "dir" not in effect.provides:
+    if "dir" not in effect.provides or not effect.linear:
         return ()
     return tuple(e.key for e in plant.effects if e.at == effect.at and tuple(e.reads) == ("dir",))
 
@@ -92,12 +98,6 @@ def needless(effect: Effect, plant: Plant) -> tuple[str, ...]:
 def periodic(effect: Effect) -> bool:
     """Whether an effect has an order, so that an axis may have it once more at another one."""
     return any(p.scale == "order" and not p.fixed for p in effect.parameters.values())
-
-
-def free_label(effect: Effect, plant: Plant) -> str:
-    """Return the first of "2", "3", ... that no effect of this name has at its place."""
-    taken = {e.label for e in plant.effects if (e.name, e.at) == (effect.name, effect.at)}
-    return next(str(n) for n in range(2, 100) if str(n) not in taken)
 
 
 def offered(effect: Effect, place: str, plant: Plant) -> bool:

@@ -100,7 +100,7 @@ def trace(
         raise WorkbenchError(
             "the declared model has no value on these records: a shape parameter lies far from them; check it and its unit."
         ) from None
-    offer = Offer(only, own)
+    offer = Offer(only, own, [e.key for e in plant.effects])
     steps = extended(declared, progress, most, offer)
     added = [leading(judgements) for state, judgements in steps if state is not None]
     last = added[-1].state if added else declared
