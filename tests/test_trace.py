@@ -41,7 +41,7 @@ def traced(campaign: Campaign, **options) -> Trace:
 def few(monkeypatch):
     """A handful of candidates, where it is not the choice among all that is tested."""
     names = ("constant_offset", "coulomb_asymmetry", "gravity", "inertia", "stribeck_friction", "transport_delay")
-    chosen = lambda plant, own=(): [s for s in suspects(plant, own) if s.effect in names]  # noqa: E731
+    chosen = lambda plant, *more: [s for s in suspects(plant, *more) if s.effect in names]  # noqa: E731
     monkeypatch.setattr("workbench.trace.candidates.suspects", chosen)
 
 
