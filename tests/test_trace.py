@@ -242,3 +242,13 @@ def test_a_suspect_without_a_value_on_the_records_is_ranked_and_harms_nothing(tm
     assert found["broken_friction"].gain == 0.0 and "no value" in found["broken_friction"].sentence
     best = judgements[0]
     assert best.candidate.effect == "stribeck_friction" and best.candidate.earns and best.state is not None
+
+
+def test_the_package_is_called_with_a_fit(tmp_path, few):
+    import workbench
+    from workbench.identify.fit import identify
+
+    campaign, _ = made(tmp_path, 111, "transport_delay")
+    passes = passes_of(campaign.records, campaign.bandwidth)
+    found = workbench.trace(identify(campaign.plant, passes), passes, most=1)
+    assert found.verdict == CAUSE and found.added == ("transport_delay",)

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from workbench.trace.judge import State
-from workbench.trace.place import WAYS, Place, Samples, lives, samples, score, weighed
+from workbench.trace.localise import WAYS, Place, Samples, lives, samples, score, weighed
 from workbench.trace.score import Deviations
 
 PLAIN = 2.0  # residual over floor from which something is plainly left
