@@ -98,3 +98,22 @@ def test_the_law_is_that_of_the_sampled_loop():
     exact = (kp + kd / TS * sampled.difference(theta, clock)) * plant
     low = seen.frequency < 400.0
     np.testing.assert_allclose((law_of(kp, kd, seen, clock) * seen.receptance)[low], exact[low], rtol=0.02)
+
+
+def test_a_study_tunes_within_the_response_of_its_records():
+    """The gains at each amplitude that a controller is designed from are those that the measured mode allows."""
+    from workbench.effect import find
+    from workbench.plant import Limits, Plant
+    from workbench.simulate import Loop
+    from workbench.verify.design import gains_of
+
+    plant = Plant(
+        "one mass",
+        (find("inertia")(inertia=TOTAL), find("presliding_hysteresis")(h0=0.1, x0=1e-3)),
+        limits=Limits(drive=GOAL.drive, speed=GOAL.speed),
+    )
+    loop = Loop(TS, delay=TS, velocity_filter=TS, resolution=1e-6)
+    amplitudes = np.geomspace(1e-3, 0.1, 4)
+    free, held = (gains_of(plant, amplitudes, GOAL, loop, response=r)[1] for r in (None, response(150.0)))
+    assert (held.kp[-2:] < 0.9 * free.kp[-2:]).all()
+    assert any(f.kind == "response limits" for f in held.findings)

@@ -1,10 +1,13 @@
 """The controller's half of a study: design on the extended plant, baselines, comparison, what the effect is worth, export."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
 from workbench.finding import title
+from workbench.frequency import Response
+from workbench.plant import Plant
+from workbench.record import Record
 from workbench.report import control as chapters
 from workbench.study.configuration import Study
 from workbench.study.controlling import Control, control_of
@@ -18,8 +21,13 @@ from workbench.verify.design import RULES, Designed, design
 BASELINES = ("fixed PD", "PI cascade")
 
 
-def run(study: Study, found: Trace, say: Callable[[str], None]) -> Part:
-    """Design, compare and export for the plant that the trace ended with."""
+def run(
+    study: Study, found: Trace, say: Callable[[str], None], records: Sequence[Record] = (), bandwidth: float = 0.0
+) -> Part:
+    """Design, compare and export for the plant that the trace ended with.
+
+    records, bandwidth: measured ones, whose resonances limit the gains where the plant does not have them.
+    """
     control = control_of(study.table, found.after.plant)
     plant = control.limited(found.after.plant)
     declared = control.limited(found.before.plant)
@@ -27,6 +35,7 @@ def run(study: Study, found: Trace, say: Callable[[str], None]) -> Part:
     made = design(
         plant, control.amplitudes, control.goal, task,
         per_octave=control.per_octave, tolerance=control.tolerance, seed=control.seed, say=say,
+        response=resonant(records, plant, bandwidth),
     )  # fmt: skip
     say("comparing the controllers")
     ours = f"scheduled PD ({control.rule})"
@@ -49,12 +58,23 @@ def run(study: Study, found: Trace, say: Callable[[str], None]) -> Part:
         parts.append(chapters.worth_chapter(without, known, cause, task))
         tables["comparison_tuned_on_declared"] = [vars(r) for r in without.rows]
     files = (lambda folder: write_gains(made, control, folder),)
-    part = Part(figures, units, tuple(parts), comparison.findings, tables, files)
+    limits = tuple(f for f in made.findings if f.kind == "response limits")
+    part = Part(figures, units, tuple(parts), (*limits, *comparison.findings), tables, files)
     if "robustness" in study.table:
         part = with_part(part, robustness(study, task, makers, say))
     if "limit_cycle" in study.table:
         part = with_part(part, limit_cycles(study, task, makers, say))
     return part
+
+
+def resonant(records: Sequence[Record], plant: Plant, bandwidth: float) -> Response | None:
+    """Return the frequency response of the records where it shows a mode that the plant does not have."""
+    if not records:
+        return None
+    from workbench.check.modes import resonances
+
+    response, modes = resonances(records, plant, bandwidth)
+    return response if modes else None
 
 
 def write_gains(made: Designed, control: Control, folder) -> None:
@@ -95,4 +115,4 @@ def figures_of(made: Designed, comparison: Comparison, ours: str, x: str) -> tup
 
 def with_control(outcome, study: Study, say: Callable[[str], None]):
     """Return the outcome of a study with the controller's half added."""
-    return with_part(outcome, run(study, outcome.trace, say))
+    return with_part(outcome, run(study, outcome.trace, say, outcome.records, outcome.bandwidth))

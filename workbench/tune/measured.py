@@ -38,9 +38,12 @@ class Place:
     loss: float
     inertia: float
 
-    def beside(self, s: float, omega: np.ndarray) -> np.ndarray:
-        """Return what acts beside the response, drive over position: k_e + i w loss/w_n, w_n that of gains slower by s."""
-        natural = np.sqrt((s**2 * self.kp + self.stiffness) / self.inertia)
+    def beside(self, omega: np.ndarray) -> np.ndarray:
+        """Return what acts beside the response, drive over position: k_e + i w loss/w_n, w_n that of these gains.
+
+        One and the same for all slower gains: only of one plant does a path of gains that never meets -1 tell stability.
+        """
+        natural = np.sqrt((self.kp + self.stiffness) / self.inertia)
         return self.stiffness + 1j * omega * self.loss / natural
 
 
@@ -50,9 +53,11 @@ def slower(place: Place, response: Response, clock: sampled.Clock, sensitivity: 
     The loop of a small s is stable, and no s' up to it meets -1 at a line: so that of s is stable too.
     """
 
+    beside = place.beside(response.omega)
+
     def kept(s: float) -> bool:
         law = law_of(s**2 * place.kp, s * place.kd, response, clock)
-        return sensitivity_peak(response, law, place.beside(s, response.omega)) <= sensitivity * (1.0 + APPROXIMATE)
+        return sensitivity_peak(response, law, beside) <= sensitivity * (1.0 + APPROXIMATE)
 
     steps = np.geomspace(SLOWEST, 1.0, STEPS)
     first = next((k for k, s in enumerate(steps) if not kept(s)), None)

@@ -8,10 +8,11 @@ import numpy as np
 from workbench.control import fixed_pd
 from workbench.describe import Equivalent
 from workbench.finding import Finding
+from workbench.frequency import Response
 from workbench.plant import Plant
 from workbench.schedule import BetweenKnots, Schedule, between_knots, fit_schedule, passivity
 from workbench.simulate import Loop, Metrics, ScenarioArrays, simulate
-from workbench.tune import Gains, TuningGoal, tune
+from workbench.tune import Gains, TuningGoal, tune, tune_within
 from workbench.verify.equivalent import equivalent_of, friction_of
 from workbench.verify.families import blended, cascade_family, pd_family, scheduled_family
 from workbench.verify.linear import Linear
@@ -46,14 +47,25 @@ class Designed:
 
 
 def gains_of(
-    plant: Plant, amplitudes: np.ndarray, goal: TuningGoal, loop: Loop, margins: bool = True
+    plant: Plant,
+    amplitudes: np.ndarray,
+    goal: TuningGoal,
+    loop: Loop,
+    margins: bool = True,
+    response: Response | None = None,
 ) -> tuple[Equivalent, Gains]:
-    """Return the equivalent friction of a plant and the gains tuned to it, at amplitudes (n,), rad or m."""
+    """Return the equivalent friction of a plant and the gains tuned to it, at amplitudes (n,), rad or m.
+
+    response: a measured frequency response whose modes limit the gains too.
+    """
     friction, inertia, viscous = friction_of(plant)
     omega = np.minimum(np.sqrt(goal.drive / (amplitudes * inertia)), FASTEST / loop.sample_time)
     for _ in range(ROUNDS):
         equivalent = equivalent_of(friction, amplitudes, omega, loop.resolution)
-        gains = tune(equivalent, inertia, viscous, goal, loop)
+        if response is None:
+            gains = tune(equivalent, inertia, viscous, goal, loop)
+        else:
+            gains = tune_within(response, equivalent, inertia, viscous, goal, loop)
         omega = np.sqrt((gains.kp + equivalent.stiffness) / inertia)
     return equivalent, gains
 
@@ -93,11 +105,16 @@ def design(
     seed: int = 1,
     say: Callable[[str], None] = lambda _: None,
     baselines: bool = True,
+    response: Response | None = None,
 ) -> Designed:
-    """Tune gains and schedule on the equivalents, then every family on the simulated loop of `task`, on this plant."""
+    """Tune gains and schedule on the equivalents, then every family on the simulated loop of `task`, on this plant.
+
+    response: a measured one, with modes that the plant does not have; it limits the gains at each amplitude, and the finding
+    says by how much. The families' own search knows the plant alone.
+    """
     loop = task.loop
     say("tuning gains at each amplitude")
-    equivalent, gains = gains_of(plant, amplitudes, goal, loop)
+    equivalent, gains = gains_of(plant, amplitudes, goal, loop, response=response)
     say("fitting the schedule")
     schedule = fit_schedule(
         gains,
@@ -132,7 +149,7 @@ def design(
         tuned[family.name] = optimise(own, family, seed)
     final = {rule: two_modes(schedule, tuned[f"scheduled PD ({rule})"], rule) for rule in RULES}
     pumping = passivity(final["following"], equivalent_at, inertia, viscous=viscous)
-    findings = (*between.findings, *pumping.findings)
+    findings = (*(f for f in gains.findings if f.kind == "response limits"), *between.findings, *pumping.findings)
     return Designed(plant, equivalent, gains, schedule, simulated, between, tuned, final, findings)
 
 
