@@ -1,6 +1,6 @@
 """The cause, and the evidence for it: every candidate that was tried, ranked on data that its fit did not see."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 from workbench.finding import capital, title
 from workbench.plant import Plant
@@ -19,8 +19,10 @@ from workbench.report.contents import (
 )
 from workbench.report.wording import listed, parameters, said
 from workbench.trace.result import CAUSE, UNKNOWN, Candidate, Cause
+from workbench.trace.smallest import Smallest
 
 BEST = 10
+SPANS = 12  # named in words
 
 
 def cause(result: StudyResult) -> Chapter:
@@ -30,10 +32,9 @@ def cause(result: StudyResult) -> Chapter:
     for c in trace.causes:
         blocks += described(c, trace.after.plant)
     if trace.verdict == UNKNOWN and trace.unknown:
-        blocks += [
-            Heading("Where it shows"),
-            Items(tuple(f"{capital(k)}: {_shown(v)}." for k, v in trace.unknown.items())),
-        ]
+        blocks += [Heading("Where it lives"), lives(trace.unknown)]
+    if trace.verdict != CAUSE and trace.smallest:
+        blocks += [Heading("What these records could have shown"), smallest(trace.smallest)]
     heading = "The cause and its evidence" if trace.verdict == CAUSE else "The candidates that were tried"
     return Chapter(heading, (*blocks, *said(trace.findings)))
 
@@ -154,5 +155,33 @@ def described(c: Cause, plant: Plant) -> list:
     ]
 
 
-def _shown(value: object) -> str:
-    return numbers.number(value) if isinstance(value, int | float) else str(value)
+def lives(unknown: Mapping[str, object]) -> Items:
+    """Where an unexplained residual lives."""
+    spans = unknown.get("spans", ())
+    told = [f"{numbers.number(low)} to {numbers.number(high)}" for low, high in spans]
+    more = f" and {len(told) - SPANS} more" if len(told) > SPANS else ""
+    facts = [f"Coordinate: {unknown['coordinate']}."]
+    if told:
+        facts.append(f"From {listed(told[:SPANS])}{more}, SI; {unknown['direction']}.")
+        facts.append(f"It holds {numbers.percent(unknown['share'])} of the residual's power above the noise floor.")
+    facts.append(f"Residual over noise floor: {numbers.number(unknown['times_floor'])}.")
+    if "times_floor_outside" in unknown:
+        facts.append(f"Outside, fitted without it: {numbers.number(unknown['times_floor_outside'])}.")
+    return Items(tuple(facts))
+
+
+def smallest(found: Sequence[Smallest]) -> Table:
+    """The smallest effect of each kind that would have counted."""
+    rows = tuple(
+        (
+            title(s.effect),
+            s.at,
+            "change of" if s.change else "",
+            s.parameter,
+            numbers.number(s.value),
+            numbers.unit(s.unit),
+        )
+        for s in found
+    )
+    caption = "The smallest effect of each kind that these records could have shown beside the declared model."
+    return Table(("effect", "at", "", "parameter", "value", "unit"), rows, caption, "lllprl")

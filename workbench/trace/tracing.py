@@ -16,6 +16,7 @@ from workbench.trace.floor import levels
 from workbench.trace.judge import Judgement, Progress, State, shown, step
 from workbench.trace.result import CAUSE, NOTHING, UNKNOWN, Trace
 from workbench.trace.rivals import experiment, rivals
+from workbench.trace.smallest import named
 from workbench.trace.thin import thin
 from workbench.trace.unexplained import described, unknown
 from workbench.trace.verdict import cause, left_over, not_carried, verdict_sentence
@@ -128,8 +129,10 @@ def trace(
         causes.append(replace(made, rivals=tuple(o.candidate.effect for o in others), experiment=apart))
     verdict = CAUSE if causes else UNKNOWN if unexplained else NOTHING
     findings = [*not_carried(causes), *(left_over(unexplained) if causes else ())]
+    sentence = verdict_sentence(verdict, causes, fits[0], after, floor, unexplained)
+    least = shown(steps[0][1])
     return Trace(
-        verdict, verdict_sentence(verdict, causes, fits[0], after, floor, unexplained),
+        verdict, sentence + (named(least) if verdict == NOTHING else ""),
         tuple(j.candidate for j in steps[0][1]), tuple(tuple(j.candidate for j in judgements) for _, judgements in steps),
-        tuple(causes), fits[0], after, floor, tuple(findings), described(unexplained), shown(steps[0][1]),
+        tuple(causes), fits[0], after, floor, tuple(findings), described(unexplained), least,
     )  # fmt: skip
