@@ -15,7 +15,7 @@ from workbench.plant import Plant
 from workbench.record import ROLES
 
 ENCODERS = ("position", "load_position")
-COLOURED = 2.0  # fall of the noise's power over the quiet band, first third over last, from which it is not white
+COLOURED = 0.7  # n of a noise whose power goes with f^-n above the band, from which it is not white
 SEGMENT = 0.25  # s, in which the residual's steady part is looked for
 BANDS = 12  # of frequency, for it
 QUIET = (1.6, 0.42)  # band read for noise: from this times the evaluation bandwidth to this times the sampling rate
@@ -30,7 +30,7 @@ def quiet_spectrum(passes: Passes) -> tuple[np.ndarray, np.ndarray] | None:
     if np.count_nonzero(band) < 50:
         return None
     unseen = (1 - 1 / (1 + (f[band] / m.filter.bandwidth) ** 8)) ** 2
-    return f, spectrum[band] / np.maximum(unseen, 1e-3)
+    return f[band], spectrum[band] / np.maximum(unseen, 1e-3)
 
 
 def drive_noise(passes: Passes) -> float:
@@ -39,8 +39,8 @@ def drive_noise(passes: Passes) -> float:
     if found is None:
         return 0.0
     m = passes.motion
-    f, power = found
-    response = 1 / (1 + (f / m.filter.bandwidth) ** 8)
+    _, power = found
+    response = 1 / (1 + (np.fft.rfftfreq(m.u.size, m.dt) / m.filter.bandwidth) ** 8)
     density = np.median(power) / np.log(2)  # median of a chi-square of two degrees of freedom
     return float(np.sqrt(2 * density * np.sum(response**2))) / m.u.size
 
@@ -84,24 +84,28 @@ def encoder_noise(passes: Passes, plant: Plant) -> float:
     true = {n: smooth(between_counts(record.channels[n], m.t)) for n in counts}
     read = {n: in_counts(x, counts[n]) for n, x in true.items()}
 
-    def drive(positions, resolution):
-        seen = replace(record, channels={**record.channels, **positions}, resolution=resolution)
+    def drive(positions):
+        seen = replace(record, channels={**record.channels, **positions})
         return m.filter(required(Passes(motion(seen, m.filter.bandwidth)), plant))
 
-    exact = {**record.resolution, **dict.fromkeys(counts, 0.0)}
-    difference = (drive(read, record.resolution) - drive(true, exact))[m.keep]
+    difference = (drive(read) - drive(true))[m.keep]
     return float(np.sqrt(np.mean(difference**2)))
 
 
 def coloured(passes: Sequence[Passes]) -> bool:
-    """Whether the drive's noise falls with frequency above the band, so that it says nothing of the noise inside."""
-    slopes = []
+    """Whether the drive's noise falls with frequency above the band, so that it says nothing of the noise inside.
+
+    Its power goes with f^-n; n from the medians of the quiet band's first and last third, of the record where it is least:
+    steps of the command fall with frequency too.
+    """
+    falls = []
     for p in passes:
         found = quiet_spectrum(p)
         if found is not None:
-            low, _, high = np.array_split(found[1], 3)
-            slopes.append(float(np.median(low) / max(np.median(high), 1e-300)))
-    return not slopes or min(slopes) > COLOURED
+            (low, _, high), (below, _, above) = (np.array_split(x, 3) for x in found)
+            ratio = np.median(below) / max(np.median(above), 1e-300)
+            falls.append(float(np.log(max(ratio, 1e-300)) / np.log(np.mean(high) / np.mean(low))))
+    return not falls or min(falls) > COLOURED
 
 
 def calm(residuals: Sequence[np.ndarray], dt: float, bandwidth: float) -> float:

@@ -17,7 +17,7 @@ from workbench.identify.passes import Passes
 COUNT = 80  # steps of position and of speed over their range
 MOMENT = 0.02  # s, step of the clock
 APART = 0.1  # s, gap up to which two moments are one
-MOST = 0.9  # share of the excess that moments are to hold
+MOST = 0.98  # share of the excess that moments are to hold
 ROUNDS = 4  # fits without the window
 TIME_LAST = 0.15  # by which moments must do better than a place or a speed: whatever is somewhere is also sometime
 WIDE = 0.8  # share of the range above which an interval is no place

@@ -14,7 +14,7 @@ from workbench.trace.candidates import Offer, brought, without
 from workbench.trace.floor import floor as noise_floor
 from workbench.trace.floor import levels
 from workbench.trace.judge import Judgement, Progress, State, shown, step
-from workbench.trace.result import CAUSE, NOTHING, UNKNOWN, Trace
+from workbench.trace.result import CAUSE, NOTHING, UNKNOWN, Candidate, Trace
 from workbench.trace.rivals import experiment, rivals
 from workbench.trace.smallest import named
 from workbench.trace.thin import thin
@@ -133,6 +133,13 @@ def trace(
     least = shown(steps[0][1])
     return Trace(
         verdict, sentence + (named(least) if verdict == NOTHING else ""),
-        tuple(j.candidate for j in steps[0][1]), tuple(tuple(j.candidate for j in judgements) for _, judgements in steps),
+        ranked([j.candidate for j in added], [j.candidate for j in steps[0][1]]), tuple(tuple(j.candidate for j in judgements) for _, judgements in steps),
         tuple(causes), fits[0], after, floor, tuple(findings), described(unexplained), least,
     )  # fmt: skip
+
+
+def ranked(added: Sequence[Candidate], first: Sequence[Candidate]) -> tuple[Candidate, ...]:
+    """Return the candidates of the first step as they were judged there, those that were added in the end ahead of the others."""
+    judged = {(c.effect, c.at): c for c in first}
+    ahead = {(c.effect, c.at): judged.get((c.effect, c.at), c) for c in added}
+    return (*ahead.values(), *(c for key, c in judged.items() if key not in ahead))
