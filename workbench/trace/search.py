@@ -16,18 +16,24 @@ from workbench.trace.starts import resolved, starts
 
 ROUGH = 1e-4  # relative decrease of the cost at which a start has shown what it is worth
 LEVEL = 1.002  # cost within which two starts have come to the same fit
+SLOWEST = 10.0  # delay or lag over 1/(2 pi) of the evaluation band's shortest period, at most
 REFINED = 2  # starts that are refined: the cheapest by their linear fit alone
 
 
 def within_reach(plant: Plant, passes: Sequence[Passes]) -> Plant:
-    """Return the plant with orders bounded: a wave longer than the travel is a polynomial in disguise, and one that the
-    encoder or the band does not resolve is a longer wave."""
+    """Return the plant with orders bounded by the travel and by what is resolved, and times to SLOWEST.
+
+    A wave longer than the travel is a polynomial in disguise, and one that the encoder or the band does not resolve is a
+    longer wave; a map of the command that lets almost nothing of the band pass leaves nothing to be explained.
+    """
     travel = max(float(np.ptp(p.motion.q)) for p in passes)
-    least = 2 * np.pi / max(travel, 1e-300)
-    most = resolved(passes)
+    bounds = {
+        "order": (2 * np.pi / max(travel, 1e-300), resolved(passes)),
+        "time": (-np.inf, SLOWEST / (2 * np.pi * passes[0].motion.filter.bandwidth)),
+    }
     for e in plant.effects:
-        if any(p.scale == "order" and not p.fixed for p in e.parameters.values()):
-            bounded = {n: within(p, least, most) if p.scale == "order" else p for n, p in e.parameters.items()}
+        if any(p.scale in bounds and not p.fixed for p in e.parameters.values()):
+            bounded = {n: within(p, *bounds[p.scale]) if p.scale in bounds else p for n, p in e.parameters.items()}
             plant = plant.swap(replace(e, parameters=bounded))
     return plant
 

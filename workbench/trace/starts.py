@@ -92,11 +92,14 @@ def grid(scale: str, passes: Sequence[Passes], residuals: Sequence[np.ndarray], 
         travel = max(float(np.ptp(m.q)) for m in motions)
         most = resolved(passes)
         found = peaks(*order_spectrum(passes, residuals), travel, most)
+        # a ripple of friction changes sign with the way, and to and fro cancel in the spectrum of the residual itself
+        turned = [np.sign(p.motion.v) * r for p, r in zip(passes, residuals, strict=True)]
+        found += [k for k in peaks(*order_spectrum(passes, turned), travel, most) if k not in found]
         if plant.rotary:  # orders that a motor behind a gear makes; the spectrum decides among them
             ratio, pairs = plant.geometry.gear_ratio, plant.geometry.pole_pairs
             known = {1.0, 2.0, ratio, 2 * ratio, pairs * ratio, 2 * pairs * ratio, 6 * pairs * ratio}
             found += sorted(k for k in known if 2 * np.pi < k * travel and k <= most)
-        return found + [f / 2 for f in found[:PEAKS]]  # a peak may be the second harmonic
+        return found + [f / 2 for f in found[: 2 * PEAKS]]  # a peak may be the second harmonic
     return []
 
 

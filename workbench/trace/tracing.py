@@ -7,6 +7,7 @@ from workbench.effect import Effect
 from workbench.errors import WorkbenchError
 from workbench.identify.fit import fitted_on, identify
 from workbench.identify.passes import Passes
+from workbench.identify.result import Fit
 from workbench.identify.solve import NoValue
 from workbench.plant import Plant
 from workbench.threads import one_thread
@@ -18,16 +19,20 @@ from workbench.trace.result import CAUSE, NOTHING, UNKNOWN, Candidate, Trace
 from workbench.trace.rivals import experiment, rivals
 from workbench.trace.smallest import named
 from workbench.trace.thin import thin
-from workbench.trace.unexplained import described, unknown
+from workbench.trace.unexplained import described, noise_alone, unknown
 from workbench.trace.verdict import cause, left_over, not_carried, verdict_sentence
 
 STEPS = 4  # effects added at most
 
 
-def extended(state: State, progress: Progress, most: int, offer: Offer) -> list[tuple[State, list]]:
+def extended(
+    state: State, whole: Sequence[Passes], progress: Progress, most: int, offer: Offer
+) -> list[tuple[State, list]]:
     """Add effects one after another while one earns its place: [(state with it, judgements of that step), ...].
 
-    The last entry may have no state: the step in which nothing earned its place.
+    whole: passes of the identification records as they are. The last entry may have no state: the step in which nothing
+    earned its place. The search ends, too, where what is left is the noise of drive and encoders: a further effect could only
+    be fitted to that.
     """
     found = []
     for _ in range(most):
@@ -37,6 +42,8 @@ def extended(state: State, progress: Progress, most: int, offer: Offer) -> list[
         if best is None:
             break
         state = best.state
+        if noise_alone(state, levels(whole, state.plant)):
+            break
     return found
 
 
@@ -93,7 +100,8 @@ def trace(
     most: effects added at most. only: names of the effects that are judged, all where absent. own: effects that are judged
     beside those of the catalogue. Returns the verdict with its evidence. Validation records are evaluated, never used for a choice.
     """
-    identification = thin(fitted_on(passes))
+    whole = fitted_on(passes)
+    identification = thin(whole)
     progress("fitting the declared model")
     try:
         declared = State(plant, identification)
@@ -102,22 +110,26 @@ def trace(
             "the declared model has no value on these records: a shape parameter lies far from them; check it and its unit."
         ) from None
     offer = Offer(only, own, [e.key for e in plant.effects])
-    steps = extended(declared, progress, most, offer)
+    steps = extended(declared, whole, progress, most, offer)
     added = [leading(judgements) for state, judgements in steps if state is not None]
     last = added[-1].state if added else declared
     progress("looking for where the residual lives")
     level = levels(passes, last.plant, last.steady)
     unexplained = unknown(declared, last, level)
     looked = [judgements for _, judgements in steps]
+    greedy = added, last
     if len(added) > 1 and not (unexplained and unexplained.instead):
         added, last = revised(added, last, plant, looked, progress, offer)
         unexplained = unknown(declared, last, level)
     if unexplained is not None and unexplained.instead:
-        added, last = [], declared
+        added, last = greedy = [], declared
     progress("fitting the extended model")
-    fits = [identify(declared.plant, passes)]
-    for j in added:
-        fits.append(identify(brought(fits[-1].plant, j.suspect, last.plant), passes))
+    start = identify(declared.plant, passes)
+    fits = in_turn(start, added, last, passes)
+    if len(fits) <= len(added) and added is not greedy[0]:
+        added, last = greedy
+        fits = in_turn(start, added, last, passes)
+    added = added[: len(fits) - 1]
     after = fits[-1]
     floor = noise_floor(passes, level)
     causes = []
@@ -136,6 +148,20 @@ def trace(
         ranked([j.candidate for j in added], [j.candidate for j in steps[0][1]]), tuple(tuple(j.candidate for j in judgements) for _, judgements in steps),
         tuple(causes), fits[0], after, floor, tuple(findings), described(unexplained), least,
     )  # fmt: skip
+
+
+def in_turn(start: Fit, added: Sequence[Judgement], last: State, passes: Sequence[Passes]) -> list[Fit]:
+    """Return `start` and the fits with one more effect each, up to the first that explains nothing on whole records.
+
+    The search looks at thinned records and compares commands; a fit of the drive itself has the last word.
+    """
+    fits = [start]
+    for j in added:
+        fit = identify(brought(fits[-1].plant, j.suspect, last.plant), passes)
+        if not fit.identification < fits[-1].identification:
+            break
+        fits.append(fit)
+    return fits
 
 
 def ranked(added: Sequence[Candidate], first: Sequence[Candidate]) -> tuple[Candidate, ...]:

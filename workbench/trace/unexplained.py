@@ -10,11 +10,13 @@ from workbench.trace.localise import WAYS, Place, Samples, lives, samples, score
 from workbench.trace.score import Deviations
 
 PLAIN = 2.0  # residual over floor from which something is plainly left
+NOISE = 1.1  # residual over floor up to which only noise is left
 LEFT = 1.4  # residual over floor up to which effects that were added have explained what there was
 EXPLAINED = 0.9  # share of the excess power from which added effects are the answer
 DRESSED = 0.5  # share below which they are not
 LOCAL = 0.5  # share of the excess in a place, less the share of samples, from which it lives there
 CONTRAST = 2.0  # rms inside over rms outside
+ALONE = 4.0  # the same, from which there is little but what lives in the place
 
 
 @dataclass(frozen=True)
@@ -47,10 +49,16 @@ def unknown(declared: State, last: State, level: Mapping[str, float]) -> Unexpla
     place = living(declared, known)
     if explained < DRESSED:
         return Unexplained(place if local(place) else None, before, True)
-    if explained < EXPLAINED and local(place) and weighed(place, last.solution.residual, known).inside > LEFT:
+    alone = local(place) and place.inside > ALONE * place.outside
+    if explained < EXPLAINED and alone and weighed(place, last.solution.residual, known).inside > LEFT:
         return Unexplained(place, before, True)
     rest = living(last, known)
     return Unexplained(rest, after, False) if local(rest) else None
+
+
+def noise_alone(state: State, level: Mapping[str, float]) -> bool:
+    """Whether a state leaves no more than the floor."""
+    return times(state, samples_of(state, level)) < NOISE
 
 
 def samples_of(state: State, level: Mapping[str, float]) -> Samples:
