@@ -10,6 +10,7 @@ from workbench.identify.passes import Passes
 from workbench.identify.result import Fit
 from workbench.identify.solve import NoValue
 from workbench.plant import Plant
+from workbench.record import IDENTIFICATION
 from workbench.threads import one_thread
 from workbench.trace.candidates import Offer, brought, without
 from workbench.trace.floor import floor as noise_floor
@@ -19,7 +20,7 @@ from workbench.trace.result import CAUSE, NOTHING, UNKNOWN, Candidate, Trace
 from workbench.trace.rivals import experiment, rivals
 from workbench.trace.smallest import named
 from workbench.trace.thin import thin
-from workbench.trace.unexplained import described, noise_alone, unknown
+from workbench.trace.unexplained import LEFT, described, noise_alone, unknown
 from workbench.trace.verdict import cause, left_over, not_carried, verdict_sentence
 
 STEPS = 4  # effects added at most
@@ -132,6 +133,8 @@ def trace(
     added = added[: len(fits) - 1]
     after = fits[-1]
     floor = noise_floor(passes, level)
+    if start.identification < LEFT * floor[IDENTIFICATION]:
+        unexplained = None  # on whole records nothing is left; thinned ones see friction at high rates coarsely
     causes = []
     for i, j in enumerate(added):
         others = rivals(j, added, looked)
