@@ -74,20 +74,22 @@ $(WHOLE):
 
 # uv is pinned in the lock as everything else is, so pip fetches it with its hashes; where there is no uv for this
 # machine (or with INSTALLER=pip), pip installs the rest of the lock by itself, which takes longer and gives the same.
-# awk parts the lock: an entry begins at the margin, and its hashes follow indented.
+# awk parts the lock: an entry begins at the margin, and its hashes follow indented. Everything is compiled here, so that
+# the first command does not pay for it, even where nothing may be written later (PYTHONDONTWRITEBYTECODE).
 $(READY): | $(WHOLE)
 	@echo "Installing what requirements.lock pins."
 	@rm -f $(VENV)/whole-* $(VENV)/installed-*
 	@awk '/^[^ ]/ { ours = /^uv==/ }  ours' requirements.lock > $(VENV)/uv.txt
 	@awk '/^[^ ]/ { ours = /^uv==/ } !ours' requirements.lock > $(VENV)/rest.txt
 	@if test $(INSTALLER) = uv && $(PIP) install --require-hashes -r $(VENV)/uv.txt && $(UV) --version > /dev/null; then \
-	    $(UV) pip install --python $(BIN)/python --require-hashes -r requirements.lock && \
+	    $(UV) pip install --compile-bytecode --python $(BIN)/python --require-hashes -r requirements.lock && \
 	    $(UV) pip install --python $(BIN)/python --no-build-isolation --no-deps --editable . ; \
 	else \
 	    echo "Without uv: pip installs, which takes a little longer." && \
 	    $(PIP) install --require-hashes -r $(VENV)/rest.txt && \
 	    $(PIP) install --no-build-isolation --no-deps --no-index --editable . ; \
 	fi || { echo "The set-up did not finish, for the reason above. It needs the network once; run make again." >&2; exit 1; }
+	@$(BIN)/python -m compileall -q workbench
 	@touch $(WHOLE)
 	@touch $@
 
