@@ -136,9 +136,12 @@ class Bodies:
         def make():
             q_motor, q_load = self.reading("position", motor), self.reading("load_position", load)
             raw = self.mapped(plant, q_motor - q_load, q_motor, q_load)[0]
-            # the finer encoder's count: the coarser one's steps are motion of the difference, and mean out in its filter
+            # a difference of two encoders jumps by the counts of both, several within one presliding stroke: what drives
+            # memory here is the filtered deflection, in which they mean out, behind a dead band of the finer count
             counts = [c for c in map(self.counts, ("position", "load_position")) if c > 0]
-            return self.kinematics(raw, min(counts, default=0.0))
+            body = self.kinematics(raw, 0.0)
+            body[INCREMENT] = increments(body[POSITION], min(counts, default=0.0))
+            return body
 
         return path, self.keep(("body", path), make)
 
