@@ -174,7 +174,7 @@ def test_the_command_says_each_finding_with_its_remedy_and_exits_with_1(tmp_path
 def test_a_study_without_a_campaign_cannot_be_checked_and_says_so(monkeypatch, capsys):
     monkeypatch.chdir(ROOT)
     assert main(["check", "emps"]) == 2
-    assert "only a campaign can be checked" in capsys.readouterr().err
+    assert "it has no campaign" in capsys.readouterr().err
 
 
 def test_a_check_takes_less_than_two_seconds():

@@ -54,6 +54,27 @@ def test_a_folder_without_a_campaign_is_refused_and_nothing_is_written(tmp_path,
     assert "campaign.toml" in capsys.readouterr().err and not (tmp_path / "out").exists()
 
 
+@pytest.mark.parametrize(
+    "words",
+    [
+        ("trace", "harmonic_drive_axes", "--out", "out"),
+        ("response", "harmonic_drive_axes", "--out", "out"),
+        ("diff", "harmonic_drive_axes", "harmonic_drive_axis", "--out", "out"),
+        ("diff", "harmonic_drive_axis", "harmonic_drive_axes", "--out", "out"),
+        ("check", "harmonic_drive_axes"),
+    ],
+)
+def test_a_campaign_that_is_not_there_is_answered_with_the_nearest_study_and_nothing_is_written(
+    words, tmp_path, capsys, monkeypatch
+):
+    (tmp_path / "studies").symlink_to(ROOT / "studies")
+    monkeypatch.chdir(tmp_path)
+    assert main([*words]) == 2
+    said = capsys.readouterr().err
+    assert "campaign.toml" in said and "'harmonic_drive_axis'" in said and said.count("\n") == 1
+    assert not (tmp_path / "out").exists()
+
+
 def test_an_internal_error_has_an_exit_code_of_its_own(monkeypatch, capsys):
     from workbench.verbs import effects
 

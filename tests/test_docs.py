@@ -55,8 +55,15 @@ def run(command: str, place: Path) -> str:
 
 
 def edit(campaign: Path, text: str) -> None:
-    """Put the keys of a TOML block in the place of the same keys of the same tables in campaign.toml."""
+    """Put the keys of a TOML block in the place of the same keys of the same tables in campaign.toml.
+
+    A key of no table was commented.
+    """
     content = campaign.read_text(encoding="utf-8")
+    for line in filter(str.strip, text[: text.index("[")].splitlines()):
+        key = line.split("=")[0].strip()
+        content, count = re.subn(rf"^# {key} = .*$", lambda m, line=line: line, content, flags=re.MULTILINE)
+        assert count == 1, key
     for table, lines in re.findall(r"^\[(.+?)\]\n((?:\w.*\n)+)", text, re.MULTILINE):
         for line in lines.splitlines():
             key = line.split("=")[0].strip()
@@ -81,6 +88,9 @@ def test_every_command_runs_and_says_what_is_quoted(page, place):
             for line in filter(str.strip, text.splitlines()):
                 assert line in said, f"'{line}' is not what the commands say:\n{said}"
     assert ran >= 3
+    if page == "tutorial":
+        for named in re.findall(r"`(reports/[^`]+)`", PAGES[page].read_text(encoding="utf-8")):
+            assert (place / named).exists(), named
 
 
 def test_the_first_result_takes_no_more_than_five_lines_and_ones_own_data_three_commands():

@@ -70,6 +70,7 @@ def test_three_columns_of_unknown_origin_end_in_a_report_with_three_commands_and
     assert "channels.torque.scale, channels.position.scale" in said
     edit(Path("studies/axis"), *CONSTANTS)
     assert main(["run", "axis"]) == 0
+    assert "No gains are tuned" in capsys.readouterr().out  # the file that was edited states no limit of the drive
     assert Path("reports/axis/report.html").stat().st_size > 0
     results = json.loads(Path("reports/axis/results.json").read_text(encoding="utf-8"))
     (inertia,) = [p for p in results["model_after"]["parameters"] if p["parameter"] == "inertia"]
@@ -187,18 +188,55 @@ def test_files_that_make_no_campaign_are_refused_and_nothing_is_left(axis, tmp_p
     assert [p.name for p in tmp_path.iterdir()] == ["log.csv"]
 
 
-def test_the_controllers_half_is_read_once_it_is_uncommented_and_a_limit_is_declared(axis, tmp_path):
+def control(folder: Path, said: str = ""):
+    """What a study's controller is tuned for, with these lines put into its study.toml."""
+    from workbench.identify.fit import passes_of
     from workbench.study import configuration
+    from workbench.study.control import shown_by
     from workbench.study.controlling import control_of
 
+    file = folder / "study.toml"
+    text = file.read_text(encoding="utf-8")
+    table, _, line = said.partition(" ")
+    file.write_text(text.replace(f"[{table}]", f"[{table}]\n{line} #", 1) if said else text, encoding="utf-8")
+    campaign = load(folder / "campaign")
+    shown = shown_by(campaign.plant, passes_of(campaign.records, campaign.bandwidth))
+    return control_of(configuration.load(folder).table, campaign.plant, shown)
+
+
+@pytest.fixture
+def limited(axis, tmp_path):
+    """A new study whose campaign states the limit of its drive; and its only record, in SI."""
     new(tmp_path / "axis", [csv(tmp_path / "log.csv", foreign(axis[0]["val_moves"]))])
     edit(tmp_path / "axis", *CONSTANTS, ("# actuator_limit", "actuator_limit"))
-    study = tmp_path / "axis" / "study.toml"
-    head, mark, commented = study.read_text(encoding="utf-8").partition("# [axis]")
-    assert "task" not in configuration.load(study.parent).table
-    study.write_text(head + "\n".join(line[2:] for line in (mark + commented).splitlines()), encoding="utf-8")
-    control = control_of(configuration.load(study.parent).table, load(tmp_path / "axis" / "campaign").plant)
-    assert control.loop.sample_time == 1e-3 and control.goal.drive == 1.0 and control.task.step == 1.0
+    return tmp_path / "axis", axis[0]["val_moves"]
+
+
+def test_gains_are_asked_for_by_one_more_line_and_the_records_say_what_is_not_stated(limited):
+    folder, record = limited
+    found = control(folder)
+    assert found.goal.drive == 1.0 and found.raised
+    assert (found.loop.sample_time, found.loop.delay) == pytest.approx((1e-3, 1e-3))
+    assert found.loop.resolution == pytest.approx(2 * np.pi / COUNTS)
+    travel = np.ptp(record[:, 2])
+    assert found.task.step == pytest.approx(travel / 2, rel=0.01)
+    assert found.task.start == pytest.approx(record[:, 2].min() + travel / 4, abs=0.01 * travel)
+    assert found.speed_limit == pytest.approx(np.abs(np.gradient(record[:, 2], 1e-3)).max(), rel=0.2)
+
+
+def test_what_a_new_study_states_comes_before_what_its_records_show(limited):
+    found = control(limited[0], 'loop sample_time = { value = 0.25, unit = "ms" }')
+    assert found.loop.sample_time == 0.25e-3 and found.loop.delay == 0.0
+    assert control(limited[0], 'task step = { value = 1, unit = "rad" }').task.step == 1.0
+
+
+def test_a_misspelt_key_of_the_controller_is_said_before_anything_is_fitted(limited, monkeypatch, capsys):
+    folder, _ = limited
+    file = folder / "study.toml"
+    file.write_text(file.read_text(encoding="utf-8").replace("# sample_time", "sample_tine"), encoding="utf-8")
+    monkeypatch.setattr("workbench.study.standard.trace", lambda *_: pytest.fail("a trace was begun"))
+    assert main(["run", str(folder), "--out", str(folder.parent / "out")]) == 2
+    assert "sample_time" in capsys.readouterr().err and not (folder.parent / "out").exists()
 
 
 def test_two_encoders_make_two_masses_and_a_load_that_stands_is_locked(tmp_path):
@@ -229,6 +267,18 @@ def test_what_the_user_says_comes_before_every_guess(axis, tmp_path):
     assert load(tmp_path / "axis" / "campaign").records[0].source.columns["position"] == "i"
     with pytest.raises(WorkbenchError, match="there is no such column"):
         new(tmp_path / "other", [file], {"drive": "current"})
+
+
+@pytest.mark.parametrize(
+    ("text", "said"), [("drive", "--channel drive=COLUMN"), ("driev=i", "did you mean 'drive'"), ("drive=", "COLUMN")]
+)
+def test_a_channel_that_is_told_wrongly_is_answered_with_how_to_tell_it(
+    text, said, axis, tmp_path, monkeypatch, capsys
+):
+    monkeypatch.chdir(tmp_path)
+    csv(tmp_path / "log.csv", foreign(axis[0]["val_moves"])[:2000])
+    assert main(["new", "axis", "--records", "log.csv", "--channel", text]) == 2
+    assert said in capsys.readouterr().err and not (tmp_path / "studies").exists()
 
 
 @pytest.mark.parametrize(

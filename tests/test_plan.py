@@ -312,7 +312,9 @@ def test_two_effects_are_told_apart_by_the_command(tmp_path, capsys):
     [
         (("--accuracy", "0"), "more than 0"),
         (("--separate", "stribek_friction", "gravity"), "stribeck_friction"),
+        (("--separate", "stribek", "gravity"), "did you mean 'stribeck_friction'"),
         (("--separate", "gravity", "gravity"), "twice"),
+        (("--separate", "gravity", "cogging", "--accuracy", "3"), "leave it out"),
     ],
 )
 def test_what_cannot_be_planned_is_refused_with_a_sentence_and_nothing_is_written(tmp_path, capsys, words, said):

@@ -253,8 +253,15 @@ def test_an_infeasible_goal_names_the_limits_and_the_amplitude():
     ):
         tune(presliding([1e-5, 1e-4]), 0.0074, 0.0, TuningGoal(drive=3.3), loop(10e-3))
     inertia, goal = AXES["8C-30"]
-    with pytest.raises(WorkbenchError, match=r"sensitivity peak is 2.37, above 2; .* or tune above 0.000458 only"):
+    with pytest.raises(
+        WorkbenchError, match=r"sensitivity peak is 2.37, above 2; .* or tune from 0.00063 on only"
+    ) as refused:
         tune(presliding(AMPLITUDE), inertia, 0.0, goal, loop(1e-3))
+    assert refused.value.lowest in AMPLITUDE
+    gains = tune(
+        presliding(AMPLITUDE[refused.value.lowest <= AMPLITUDE]), inertia, 0.0, goal, loop(1e-3), margins=False
+    )
+    assert gains.sensitivity_peak.max() <= goal.sensitivity * 1.001
     with pytest.raises(WorkbenchError, match=r"sensitivity peak is .*, above 1.05"):
         tune(presliding([1e-5, 1e-4]), 0.0074, 0.0, TuningGoal(drive=3.3, sensitivity=1.05), loop(1e-3))
 

@@ -63,7 +63,7 @@ def _assumed(p: Proposal) -> list[str]:
 def _limits(p: Proposal) -> list[str]:
     effort, x = ("N*m", "rad") if p.rotary else ("N", "m")
     return [
-        f'# actuator_limit = {{ value = 1.0, unit = "{effort}" }}  # of the drive; the controller is tuned within it',
+        f'# actuator_limit = {{ value = 1.0, unit = "{effort}" }}  # of the drive; with it, gains are tuned within it',
         f'# speed_limit = {{ value = 1.0, unit = "{x}/s" }}  # of the axis',
     ]
 
@@ -84,7 +84,7 @@ def _channel(c: Channel) -> list[str]:
 
 
 def study_text(title: str, p: Proposal) -> str:
-    """Return study.toml: identify, trace and report; and, once it is uncommented, the controller."""
+    """Return study.toml: identify, trace and report; and tune, where the campaign states the limit of its drive."""
     x = "rad" if p.rotary else "m"
     step = 1.0 if p.rotary else 0.01
     return f"""\
@@ -94,23 +94,25 @@ title = {json.dumps(title, ensure_ascii=False)}
 question = "Is inertia with viscous and Coulomb friction enough for this axis, and if not, what does it lack?"
 campaign = "campaign"
 
-# With the lines below, gains are tuned, scheduled, compared and exported too. They need the axis' limits: state
-# actuator_limit in campaign.toml, and the numbers here.
-#
+# Once campaign.toml states actuator_limit, gains are tuned, scheduled, compared and exported too. What is not stated below is
+# taken from the records, and the report says so: a loop at their rate with one sample of delay, on their encoder; a move over
+# half of their travel, no faster than they are; amplitudes from the smallest on at which that loop allows any gains.
+
+[loop] # what the controller runs on
+# sample_time = {{ value = {1e3 / p.rate:.9g}, unit = "ms" }}
+# delay = {{ value = {1e3 / p.rate:.9g}, unit = "ms" }}  # of the command: one sample of computation
+# velocity_filter = {{ value = {1e3 / p.rate:.9g}, unit = "ms" }}  # time constant
+# resolution = {{ value = 1e-5, unit = "{x}" }}  # of its encoder
+
+[task] # the move by which controllers are judged
+# step = {{ value = {step:g}, unit = "{x}" }}
+# duration = {{ value = 1.0, unit = "s" }}
+
 # [axis]
 # speed_limit = {{ value = 10.0, unit = "{x}/s" }}
-#
-# [loop] # what the controller runs on
-# sample_time = {{ value = {1e3 / p.rate:.9g}, unit = "ms" }}
-# delay = {{ value = {1e3 / p.rate:.9g}, unit = "ms" }}  # one sample of computation
-# resolution = {{ value = 1e-5, unit = "{x}" }}  # of its encoder
-#
+
 # [tuning] # amplitudes at which gains are tuned
 # lowest = {{ value = {1e-4 * step:g}, unit = "{x}" }}
 # highest = {{ value = {step:g}, unit = "{x}" }}
 # count = 24
-#
-# [task] # the move by which controllers are judged
-# step = {{ value = {step:g}, unit = "{x}" }}
-# duration = {{ value = 1.0, unit = "s" }}
 """

@@ -114,4 +114,4 @@ def _beside(path: Path) -> str:
         names = [p.name for p in path.parent.iterdir() if p.name.lower().endswith(SUFFIXES)]
     except OSError:
         return "nor its folder."
-    return nearest(path.name, sorted(names)[:50])
+    return nearest(path.name, sorted(names)[:50]) if names else "nor is any other record in its folder."

@@ -1,5 +1,7 @@
 """Chapters on the controller: gains over amplitude, the step, who beats whom, and what the found effect is worth."""
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from workbench.plant import ONE_MASS
@@ -94,11 +96,13 @@ def step_chapter(task: Task, controllers: dict, load: str = "") -> Chapter:
     bound = task.bound(task.load_inertias[0])
     position = "q" if plant.kind == ONE_MASS else "load.q"
     scenarios = task.scenarios(load_inertias=task.load_inertias[:1], frictions=(1.0,), inertias=(1.0,), phases=1)
-    traces = {
-        name: task.run(make(1), scenarios, (position, "u"), every=1).trajectories for name, make in controllers.items()
-    }
+    ran = {name: task.run(make(1), scenarios, (position, "u"), every=1) for name, make in controllers.items()}
+    traces = {name: m.trajectories for name, m in ran.items()}
     target = float(np.ravel(scenarios.target)[0])
-    heading = f"Every controller comes to rest near the bound of {numbers.scaled(bound, 's')}; what is left differs by decades"
+    heading = step_heading(
+        bound, [float(m.time_1pct[0]) for m in ran.values()], [float(m.final_error[0]) for m in ran.values()],
+        plant.displacement,
+    )  # fmt: skip
 
     def draw(axes):
         for k, (name, t) in enumerate(traces.items()):
@@ -131,6 +135,21 @@ def step_chapter(task: Task, controllers: dict, load: str = "") -> Chapter:
         "scenarios, with the same limits, also on its sensitivity."
     )
     return Chapter("The step, loaded" if load else "The step", (Paragraph(text), figure))
+
+
+def step_heading(bound: float, times: Sequence[float], errors: Sequence[float], x: str) -> str:
+    """Say how soon controllers are within 1 %, against the bound (s), and what error (rad or m, `x`) they leave."""
+    within = [t for t in times if np.isfinite(t)]
+    when = f"Within 1 % after {_span(within, 's')}" if within else "None comes within 1 %"
+    never = f" ({len(times) - len(within)} of {len(times)} never)" if 0 < len(within) < len(times) else ""
+    left = f"{_span(errors, x)} is left" if np.all(np.isfinite(errors)) else "not all come to rest"
+    return f"{when}{never}, where the bound is {numbers.scaled(bound, 's')}; {left}"
+
+
+def _span(values: Sequence[float], unit: str) -> str:
+    """Return the range of values, or one of them where three figures do not part its ends."""
+    low, high = numbers.scaled(min(values), unit), numbers.scaled(max(values), unit)
+    return low if low == high else f"{low} to {high}"
 
 
 def _time(seconds: float) -> str:

@@ -1,42 +1,50 @@
 """The controller's half of a study: design on the extended plant, baselines, comparison, what the effect is worth, export."""
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
+from math import isfinite
 
 import numpy as np
 
-from workbench.finding import title
+from workbench.errors import WorkbenchError
+from workbench.finding import Finding, title
 from workbench.frequency import Response
+from workbench.identify.passes import Passes
 from workbench.plant import Plant
-from workbench.record import Record
+from workbench.readers.declaration import Table
+from workbench.record import VALIDATION, Record
 from workbench.report import control as chapters
 from workbench.study.configuration import Study
-from workbench.study.controlling import Control, control_of
+from workbench.study.controlling import Control, Shown, control_of
 from workbench.study.hunting import limit_cycles
-from workbench.study.outcome import Part, with_part
+from workbench.study.outcome import NOT_TUNED, Outcome, Part, with_part
 from workbench.study.series import robustness
 from workbench.trace.result import Trace
+from workbench.tune import OutOfReach
+from workbench.verify.assumed import loop_of, move_of
 from workbench.verify.compare import Comparison, compare, verdicts
 from workbench.verify.design import RULES, Designed, design
+from workbench.verify.task import Task
 
 BASELINES = ("fixed PD", "PI cascade")
+RAISED = 6  # attempts with the lowest amplitude raised: friction is described anew at each
+ASSUMED = "assumed loop"
 
 
 def run(
-    study: Study, found: Trace, say: Callable[[str], None], records: Sequence[Record] = (), bandwidth: float = 0.0
-) -> Part:
+    study: Study, found: Trace, say: Callable[[str], None], records: Sequence[Record] = (), bandwidth: float = 0.0,
+    shown: Shown | None = None,
+) -> Part:  # fmt: skip
     """Design, compare and export for the plant that the trace ended with.
 
-    records, bandwidth: measured ones, whose resonances limit the gains where the plant does not have them.
+    records, bandwidth: measured ones, whose resonances limit the gains where the plant does not have them. shown: what they
+    say of all that the study leaves out.
     """
-    control = control_of(study.table, found.after.plant)
+    control = control_of(study.table, found.after.plant, shown)
     plant = control.limited(found.after.plant)
     declared = control.limited(found.before.plant)
     task = control.task.on(plant)
-    made = design(
-        plant, control.amplitudes, control.goal, task,
-        per_octave=control.per_octave, tolerance=control.tolerance, seed=control.seed, say=say,
-        response=resonant(records, plant, bandwidth),
-    )  # fmt: skip
+    made = designed(plant, control, task, say, response=resonant(records, plant, bandwidth))
     say("comparing the controllers")
     ours = f"scheduled PD ({control.rule})"
     makers = {name: tuned.controller for name, tuned in made.tuned.items()}
@@ -47,10 +55,7 @@ def run(
     tables = {"controllers": controllers(made), "comparison": [vars(r) for r in comparison.rows]}
     if found.causes:
         say("tuning on the declared model, for what the effect is worth")
-        blind = design(
-            declared, control.amplitudes, control.goal, task,
-            per_octave=control.per_octave, tolerance=control.tolerance, seed=control.seed, say=say, baselines=False,
-        )  # fmt: skip
+        blind = designed(declared, control, task, say, baselines=False)
         names = [f"scheduled PD ({r})" for r in RULES]
         without = compare(task, {n: blind.tuned[n].controller for n in names})
         known = Comparison(tuple(r for r in comparison.rows if r.controller in names), ())
@@ -59,12 +64,29 @@ def run(
         tables["comparison_tuned_on_declared"] = [vars(r) for r in without.rows]
     files = (lambda folder: write_gains(made, control, folder),)
     limits = tuple(f for f in made.findings if f.kind == "response limits")
-    part = Part(figures, units, tuple(parts), (*limits, *comparison.findings), tables, files)
+    said = (*assumptions(study.table, control, shown), *raised(control, made), *limits, *comparison.findings)
+    part = Part(figures, units, tuple(parts), said, tables, files)
     if "robustness" in study.table:
         part = with_part(part, robustness(study, task, makers, say))
     if "limit_cycle" in study.table:
         part = with_part(part, limit_cycles(study, task, makers, say))
     return part
+
+
+def designed(plant: Plant, control: Control, task: Task, say: Callable[[str], None], **options) -> Designed:
+    """Return the design for a plant; where the study states no lowest amplitude, from the lowest on that allows any gains."""
+    for _ in range(RAISED):
+        try:
+            return design(
+                plant, control.amplitudes, control.goal, task, per_octave=control.per_octave,
+                tolerance=control.tolerance, seed=control.seed, say=say, **options,
+            )  # fmt: skip
+        except OutOfReach as e:
+            if not control.raised or e.lowest is None:
+                raise
+            reason, a = e, control.amplitudes
+            control = replace(control, amplitudes=np.geomspace(e.lowest, a[-1], a.size))
+    raise reason
 
 
 def resonant(records: Sequence[Record], plant: Plant, bandwidth: float) -> Response | None:
@@ -113,6 +135,54 @@ def figures_of(made: Designed, comparison: Comparison, ours: str, x: str) -> tup
     return figures, {n: x for n in figures if n.startswith("scheduled_final_error")}
 
 
-def with_control(outcome, study: Study, say: Callable[[str], None]):
-    """Return the outcome of a study with the controller's half added."""
-    return with_part(outcome, run(study, outcome.trace, say, outcome.records, outcome.bandwidth))
+def assumptions(top: Table, control: Control, shown: Shown | None) -> tuple[Finding, ...]:
+    """Return what the gains rest on that the study does not state and the records had to say, one finding or none."""
+    keys = (("loop", "sample_time"), ("loop", "resolution"), ("task", "step"))
+    left = [f"{table}.{key}" for table, key in keys if key not in top.values.get(table, {})]
+    if shown is None or not left:
+        return ()
+    loop, task, x = control.loop, control.task, control.task.plant.displacement
+    sentence = (
+        f"The gains are for a loop of {1e3 * loop.sample_time:.4g} ms with {1e3 * loop.delay:.4g} ms of delay, an encoder of "
+        f"{loop.resolution:.3g} {x}, and a step of {task.step:.3g} {x} at no more than {control.speed_limit:.3g} {x}/s; of "
+        f"these, {', '.join(left)} are assumed from record '{shown.record}'."
+    )
+    return (Finding(ASSUMED, "gains", sentence, {}, "State what is known of them in study.toml."),)
+
+
+def raised(control: Control, made: Designed) -> tuple[Finding, ...]:
+    """Return a finding where no gains keep the goal at amplitudes that would have been tuned."""
+    lowest, x = float(made.gains.amplitude[0]), made.plant.displacement
+    if lowest <= control.amplitudes[0]:
+        return ()
+    sentence = (
+        f"Below {lowest:.3g} {x} no gains keep |S| below {control.goal.sensitivity:g} and the overshoot against the axis's own "
+        f"stiffness in a loop of {1e3 * control.loop.sample_time:.4g} ms; those of {lowest:.3g} {x} are held there."
+    )
+    return (Finding("constraint dropped", "gains", sentence, {"lowest": lowest}, "Sample faster, or delay less."),)
+
+
+def shown_by(plant: Plant, passes: Sequence[Passes]) -> Shown:
+    """Return what records show of a controller's half: loop, move and speed, by the first that validates."""
+    record = next((p.motion.record for p in passes if p.motion.record.role == VALIDATION), passes[0].motion.record)
+    speed = max(float(np.abs(p.motion.v).max()) for p in passes)
+    return Shown(loop_of(record), *move_of(plant, record), speed, record.name)
+
+
+def with_control(outcome: Outcome, study: Study, shown: Shown, say: Callable[[str], None]) -> Outcome:
+    """Return the outcome of a study with the controller's half added, or with a finding that says why there is none.
+
+    WorkbenchError where the study requires a figure that there then is not.
+    """
+    try:
+        if not isfinite(outcome.plant.limits.drive):
+            raise WorkbenchError(
+                "campaign.toml states no limit of the drive, and without one the fastest gains are infinite; "
+                "state actuator_limit there."
+            )
+        part = run(study, outcome.trace, say, outcome.records, outcome.bandwidth, shown)
+    except WorkbenchError as e:
+        if {r.name for r in study.requirements} - set(outcome.figures):
+            raise
+        return replace(outcome, findings=(*outcome.findings, Finding(NOT_TUNED, "gains", f"No gains are tuned: {e}")))
+    return with_part(outcome, part)

@@ -13,6 +13,8 @@ from workbench.report.contents import Chapter
 from workbench.trace.result import Trace
 from workbench.trace.where import Where
 
+NOT_TUNED = "not tuned"  # kind of the finding that says why there are no gains
+
 
 @dataclass(frozen=True, eq=False)
 class Outcome:

@@ -1,6 +1,6 @@
 """What a plan starts from: a study's campaign with every value free and fitted, its limits, and how well its log sees."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -110,7 +110,7 @@ def suspect(basis: Basis, text: str) -> tuple[Plant, Effect, float]:
     known = suspects(plant)
     chosen = next((s for s in known if s.effect == name and place in ("", s.at)), None)
     if chosen is None:
-        raise WorkbenchError(f"there is no candidate '{text}' for this plant; {nearest(text, [s.key for s in known])}")
+        raise WorkbenchError(f"there is no candidate '{text}' for this plant; {nearest(text, names_of(known, place))}")
     records = fitted_on(basis.passes)
     declared = Problem(plant, records)
     beside, found = fitted(chosen, declared, solve(declared), residuals(basis.fit, records))
@@ -118,6 +118,11 @@ def suspect(basis: Basis, text: str) -> tuple[Plant, Effect, float]:
     solution = solve(problem, start)
     effect = problem.with_linear(problem.with_shape(solution.theta), solution.c)[chosen.key]
     return plant, effect, float(np.sqrt(solution.cost / solution.y.size))
+
+
+def names_of(known: Sequence, place: str) -> list[str]:
+    """Return what candidates are called: with their places where one was asked for, else by name alone."""
+    return [s.key if place else s.effect for s in known]
 
 
 def residuals(fit: Fit, passes: list[Passes]) -> list[np.ndarray]:

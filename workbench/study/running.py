@@ -6,6 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+from workbench.errors import WorkbenchError
 from workbench.outputs import whole
 from workbench.study import configuration, stamp
 from workbench.study.configuration import Study
@@ -47,6 +48,25 @@ def further_keys(study_folder: Path) -> tuple[str, ...]:
         if isinstance(node, ast.Assign) and any(getattr(t, "id", "") == "FURTHER" for t in node.targets):
             return tuple(ast.literal_eval(node.value))
     return ()
+
+
+def campaign_of(name: str) -> Path:
+    """Return the campaign's folder of a study given by path or name, or the folder itself where it is a campaign.
+
+    WorkbenchError where it is neither, or a study without a campaign.
+    """
+    from workbench.campaign import FILE
+
+    if (Path(name) / FILE).is_file():
+        return Path(name)
+    try:
+        folder = configuration.find(name)
+    except WorkbenchError as e:
+        raise WorkbenchError(f"'{name}' is no folder with a {FILE}, and {e}") from None
+    study = configuration.load(folder, further_keys(folder))
+    if study.campaign is None:
+        raise WorkbenchError(f"study '{study.name}' reads its data in its own steps; it has no campaign.")
+    return study.campaign
 
 
 def input_files(study: Study) -> list[Path]:
@@ -121,10 +141,13 @@ def _all_passed(place: Path) -> bool:
 
 def _lines(place: Path) -> tuple[str, ...]:
     """What the command line says: the finding first, then the checks, then where to look."""
+    from workbench.study.outcome import NOT_TUNED
+
     content = _results(place)
-    lines = [content["sentence"], ""]
+    lines = [content["sentence"], *(f["sentence"] for f in content["findings"] if f["kind"] == NOT_TUNED), ""]
     for c in content["checks"]:
         value = f"{c['value']:.4g}" if isinstance(c["value"], float) else str(c["value"])
         unit = "" if c["unit"] == "1" else f" {c['unit']}"
         lines.append(f"  {'passed' if c['passed'] else 'FAILED'}  {c['name']}: {value}{unit} (bound {c['bound']})")
-    return (*lines, "", f"{place / 'report.html'}", f"{place / 'report.pdf'}")
+    lines += [""] if content["checks"] else []
+    return (*lines, f"{place / 'report.html'}", f"{place / 'report.pdf'}")

@@ -62,6 +62,13 @@ def run(study: Study, say: Say) -> Outcome:
     say("reading the campaign")
     campaign = load(study.campaign)
     passes = passes_of(campaign.records, campaign.bandwidth)
+    shown = None
+    if "task" in study.table:
+        from workbench.study.control import shown_by, with_control
+        from workbench.study.controlling import control_of
+
+        shown = shown_by(campaign.plant, passes)
+        control_of(study.table, campaign.plant, shown)  # what is misspelt is said before anything long starts
     found = trace(campaign.plant, passes, say)
     say("describing the plant over amplitude")
     equivalents = described(found.after.plant, amplitudes(study)) if study.describe else ()
@@ -76,8 +83,4 @@ def run(study: Study, say: Say) -> Outcome:
         figures=trace_figures(found),
         findings=(*campaign.findings, *found.findings, *found.after.findings),
     )
-    if "task" not in study.table:
-        return outcome
-    from workbench.study.control import with_control
-
-    return with_control(outcome, study, say)
+    return with_control(outcome, study, shown, say) if shown else outcome

@@ -3,6 +3,6 @@
 from workbench.tune.gains import Gains
 from workbench.tune.goal import TuningGoal
 from workbench.tune.measured import tune_within
-from workbench.tune.tuning import tune
+from workbench.tune.tuning import OutOfReach, tune
 
-__all__ = ["Gains", "TuningGoal", "tune", "tune_within"]
+__all__ = ["Gains", "OutOfReach", "TuningGoal", "tune", "tune_within"]

@@ -16,6 +16,14 @@ from workbench.tune.start import damped, stable_box, start
 ACTIVE = 2e-4  # relative distance from a limit, below which it stops the gains
 
 
+class OutOfReach(WorkbenchError):
+    """No gains keep the goal. lowest: the amplitude from which on some do, rad or m; None where there is none."""
+
+    def __init__(self, sentence: str, lowest: float | None):
+        super().__init__(sentence)
+        self.lowest = lowest
+
+
 @one_thread
 def tune(
     equivalent,
@@ -38,7 +46,7 @@ def tune(
     limits meet. most_kp: the largest Kp at each amplitude, SI, (n,), where something else limits it too. The problem is
     stated in `tune.problem`; limits are those of `goal`, and the sampled loop is exact.
 
-    WorkbenchError: arrays that are no description over increasing amplitudes, or no gains keep the goal (which limit).
+    WorkbenchError: arrays that are no description over increasing amplitudes; OutOfReach: no gains keep the goal (which limit).
     """
     axis = Axis.of(equivalent, inertia, viscous, loop)
     box = stable_box(axis)
@@ -46,7 +54,7 @@ def tune(
         box = np.minimum(box[0], np.asarray(most_kp, dtype=float) / axis.unit_kp), box[1]
     kp0, kd0, possible = start(axis, goal, box)
     if not possible.all():
-        raise WorkbenchError(_impossible(axis, goal, possible))
+        raise _out_of_reach(axis, goal, possible)
     if begin is None:
         at = kp0, kd0
     else:
@@ -166,7 +174,7 @@ def _doubts(axis: Axis, goal: TuningGoal, got, peak: np.ndarray, radius: np.ndar
     return out
 
 
-def _impossible(axis: Axis, goal: TuningGoal, possible: np.ndarray) -> str:
+def _out_of_reach(axis: Axis, goal: TuningGoal, possible: np.ndarray) -> OutOfReach:
     """Say which limit no gains keep at the first impossible amplitude, although Kp is near zero, and what would mend it."""
     i = int(np.argmin(possible))
     part = axis.take([i])
@@ -176,11 +184,13 @@ def _impossible(axis: Axis, goal: TuningGoal, possible: np.ndarray) -> str:
     peak, _ = sampled.sensitivity_peak(kp, kd, motion, axis.clock)
     stable = sampled.spectral_radius(kp, kd, motion, axis.clock)[0] < 1.0
     fault = f"the sensitivity peak is {peak[0]:.3g}, above {goal.sensitivity:g}" if stable else "the loop is unstable"
-    last = int(np.flatnonzero(~possible)[-1])
-    above = f", or tune above {axis.amplitude[last]:.3g} only" if last + 1 < possible.size else ""
+    first = int(np.flatnonzero(~possible)[-1]) + 1
+    lowest = float(axis.amplitude[first]) if first < possible.size else None
+    above = f", or tune from {lowest:.3g} on only" if lowest else ""
     allow = "a higher sensitivity" if goal.overshoot >= goal.band else "a higher overshoot or sensitivity"
-    return (
+    return OutOfReach(
         f"no gains keep the goal at amplitude {axis.amplitude[i]:.3g}: an overshoot of {goal.allowed:.2%} already needs "
         f"Kd = {kd[0] * axis.unit_kd:.3g} against the axis's own stiffness {axis.stiffness[i] * axis.unit_kp:.3g}, and with "
-        f"this {fault}; sample faster, delay less, allow {allow}{above}."
+        f"this {fault}; sample faster, delay less, allow {allow}{above}.",
+        lowest,
     )

@@ -1,9 +1,7 @@
 """`workbench check`: what is wrong with the records of a study or campaign, before anything long starts."""
 
 import argparse
-from pathlib import Path
 
-from workbench.errors import WorkbenchError
 from workbench.verbs import NOT_MET
 
 
@@ -19,6 +17,7 @@ def declare(verbs) -> None:
 
 def do(given: argparse.Namespace) -> int:
     from workbench.check.checking import check
+    from workbench.study.running import campaign_of
 
     folder = campaign_of(given.study)
     found = check(folder)
@@ -27,18 +26,3 @@ def do(given: argparse.Namespace) -> int:
     things = "Nothing was found" if not found else f"{len(found)} finding{'s' if len(found) > 1 else ''}"
     print(f"{things} in the records of {folder}.")
     return NOT_MET if found else 0
-
-
-def campaign_of(name: str) -> Path:
-    """Return the campaign's folder of a study given by path or name, or the folder itself where it is a campaign."""
-    from workbench.campaign import FILE
-    from workbench.study import configuration
-    from workbench.study.running import further_keys
-
-    if (Path(name) / FILE).is_file():
-        return Path(name)
-    folder = configuration.find(name)
-    study = configuration.load(folder, further_keys(folder))
-    if study.campaign is None:
-        raise WorkbenchError(f"study '{study.name}' reads its data in its own steps; only a campaign can be checked.")
-    return study.campaign

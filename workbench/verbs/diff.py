@@ -11,8 +11,8 @@ def declare(verbs) -> None:
         description="Fit the same model to two campaigns of one axis (before and after a repair, cold and warm), and say "
         "which parameters moved beyond their intervals.",
     )
-    diff.add_argument("before", type=Path, help="a campaign: a folder with campaign.toml and its records")
-    diff.add_argument("after", type=Path, help="the campaign to compare it with")
+    diff.add_argument("before", help="a campaign (a folder with campaign.toml and its records), or a study of one")
+    diff.add_argument("after", help="the campaign to compare it with")
     diff.add_argument("--out", type=Path, help="folder to write diff.json into")
 
 
@@ -23,8 +23,9 @@ def do(given: argparse.Namespace) -> int:
     from workbench.identify.fit import passes_of
     from workbench.outputs import whole
     from workbench.plant import freed
+    from workbench.study.running import campaign_of
 
-    before, after = load(given.before), load(given.after)
+    before, after = (load(campaign_of(name)) for name in (given.before, given.after))
     check_models(before, after)
     bandwidth = min(before.bandwidth, after.bandwidth)
     passes = [passes_of(c.records, bandwidth) for c in (before, after)]

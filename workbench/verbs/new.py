@@ -1,6 +1,7 @@
 """`workbench new`: a study from somebody's log files."""
 
 import argparse
+import shlex
 from pathlib import Path
 
 from workbench.errors import WorkbenchError, nearest
@@ -32,7 +33,8 @@ def do(given: argparse.Namespace) -> int:
     print(f"\nWritten: {made.folder}/study.toml and {made.folder}/campaign/campaign.toml")
     if made.edit:
         print(f"To be edited in campaign.toml, from the data sheet: {', '.join(made.edit)}")
-    print(f"Next: workbench check {given.name}, then workbench run {given.name}")
+    name = shlex.quote(given.name)
+    print(f"Next: workbench check {name}, then workbench run {name}")
     return 0
 
 
@@ -41,7 +43,9 @@ def told(pairs: list[str]) -> dict[str, str]:
     found = {}
     for pair in pairs:
         channel, equals, column = pair.partition("=")
-        if not equals or channel not in CHANNELS:
-            raise WorkbenchError(f"--channel {pair}: CHANNEL=COLUMN is needed; {nearest(channel, CHANNELS)}")
+        if not (equals and column):
+            raise WorkbenchError(f"--channel {pair}: name the column, too: --channel {channel}=COLUMN.")
+        if channel not in CHANNELS:
+            raise WorkbenchError(f"--channel {pair}: there is no channel '{channel}'; {nearest(channel, CHANNELS)}")
         found[channel] = column
     return found

@@ -29,6 +29,11 @@ def do(given: argparse.Namespace) -> int:
 
     if given.accuracy is not None and not 0.0 < given.accuracy <= 100.0:
         raise WorkbenchError(f"--accuracy is {given.accuracy:g} %; give more than 0 and at most 100.")
+    if given.separate and given.accuracy is not None:
+        raise WorkbenchError(
+            "--accuracy is of a plan that determines parameters; with --separate leave it out: the motion is then the one along "
+            "which the two effects lie furthest apart."
+        )
     basis = basis_of(given.study, say := Progress())
     return _separate(given, basis) if given.separate else _determine(given, basis, say)
 

@@ -11,7 +11,7 @@ def declare(verbs) -> None:
         description="Estimate the frequency response, drive to acceleration, from a record of a multisine or of noise; fit "
         "its modes and propose notches; write response.csv, response.json and response.svg.",
     )
-    response.add_argument("folder", type=Path, help="the campaign: a folder with campaign.toml and its records")
+    response.add_argument("campaign", help="a folder with campaign.toml and its records, or a study of one")
     response.add_argument("--out", type=Path, required=True, help="folder to write into")
     response.add_argument(
         "--record", metavar="NAME", help="which record; the one whose drive shakes most evenly where absent"
@@ -28,8 +28,9 @@ def do(given: argparse.Namespace) -> int:
     from workbench.frequency.output import JSON, findings, write
     from workbench.outputs import whole
     from workbench.report.response import figure
+    from workbench.study.running import campaign_of
 
-    campaign = load(given.folder)
+    campaign = load(campaign_of(given.campaign))
     records = [r for r in campaign.records if given.record in (None, r.name)]
     if not records:
         raise WorkbenchError(

@@ -12,7 +12,7 @@ def declare(verbs) -> None:
         help="find what a campaign's declared model lacks",
         description="Find what the declared model of a campaign lacks, and write trace.json, predictions, trace.html and trace.pdf.",
     )
-    trace.add_argument("folder", type=Path, help="the campaign: a folder with campaign.toml and its records")
+    trace.add_argument("campaign", help="a folder with campaign.toml and its records, or a study of one")
     trace.add_argument("--out", type=Path, required=True, help="folder to write into")
     trace.add_argument(
         "--no-close", action="store_true", help="do not tune and simulate a loop without and with what was found"
@@ -22,9 +22,10 @@ def declare(verbs) -> None:
 
 def do(given: argparse.Namespace) -> int:
     from workbench.campaign import load
+    from workbench.study.running import campaign_of
     from workbench.study.traced import run
 
-    campaign = load(given.folder, resample=given.resample)
+    campaign = load(campaign_of(given.campaign), resample=given.resample)
     found = run(campaign, given.out, Progress(), closing=not given.no_close)
     print(found.sentence)
     for finding in (*campaign.findings, *found.findings):

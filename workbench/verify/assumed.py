@@ -1,7 +1,7 @@
 """The loop that is assumed where nothing is known of the bench's own: its rate, its step, and what gains must be robust on."""
 
 from dataclasses import replace
-from math import ceil
+from math import ceil, isfinite
 
 import numpy as np
 
@@ -28,11 +28,23 @@ def loop_of(record: Record) -> Loop:
 
 def task_of(plant: Plant, record: Record, loop: Loop) -> Task:
     """Return the step that gains are tuned for: half of the record's travel, in the middle of it."""
+    start, step = move_of(plant, record)
+    task = Task(plant, loop, step, REST, start=start)
+    return replace(task, duration=lasting(task))
+
+
+def move_of(plant: Plant, record: Record) -> tuple[float, float]:
+    """Return (start, step) of a move over half of a record's travel, in the middle of it, rad or m."""
     q = record.channels[SENSORS[plant.kind == TWO_MASS]]
     travel = float(np.ptp(q))
-    task = Task(plant, loop, STROKE * travel, 1.0, start=float(q.min()) + (1.0 - STROKE) / 2 * travel)
-    duration = LASTS * task.bound() + REST
-    return Task(plant, loop, task.step, duration, start=task.start)
+    return float(q.min()) + (1.0 - STROKE) / 2 * travel, STROKE * travel
+
+
+def lasting(task: Task) -> float:
+    """Return how long a step is simulated for, s: LASTS times its bound, and REST; without mass or limit REST alone."""
+    mass = sum(e.parameters["inertia"].value for e in task.plant.effects if e.name == "inertia")
+    bounded = mass > 0.0 and isfinite(task.plant.limits.drive)
+    return LASTS * task.bound() + REST if bounded else REST
 
 
 def late(plant: Plant) -> float:

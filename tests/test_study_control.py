@@ -1,0 +1,78 @@
+"""The controller's half of a study: from which amplitude on gains are tuned, and what is said where there are none."""
+
+from math import inf, nan
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from workbench.errors import WorkbenchError
+from workbench.plant import Limits, Plant
+from workbench.report.control import step_heading
+from workbench.study import control
+from workbench.study.configuration import Requirement
+from workbench.study.controlling import Control
+from workbench.study.outcome import NOT_TUNED, Outcome
+from workbench.tune import OutOfReach
+
+FEASIBLE = 1e-3  # the lowest amplitude that allows any gains
+
+
+def asked(raised: bool) -> Control:
+    amplitudes = np.geomspace(1e-5, 1.0, 20)
+    return Control(None, None, amplitudes, raised, 2, 0.02, "following", None, inf, None, 1)
+
+
+@pytest.fixture
+def designing(monkeypatch):
+    """Put a design in the place of the real one that refuses amplitudes below FEASIBLE, and returns those it takes."""
+
+    def design(plant, amplitudes, goal, task, **_):
+        if amplitudes[0] < FEASIBLE:
+            above = amplitudes[amplitudes >= FEASIBLE]
+            raise OutOfReach("no gains keep the goal", float(above[0]) if above.size else None)
+        return amplitudes
+
+    monkeypatch.setattr(control, "design", design)
+
+
+def test_gains_are_tuned_from_the_lowest_amplitude_on_that_allows_any(designing):
+    amplitudes = control.designed(None, asked(raised=True), None, print)
+    assert FEASIBLE <= amplitudes[0] < 2 * FEASIBLE and amplitudes[-1] == 1.0 and amplitudes.size == 20
+
+
+def test_a_lowest_amplitude_that_is_stated_is_not_raised(designing):
+    with pytest.raises(OutOfReach):
+        control.designed(None, asked(raised=False), None, print)
+
+
+def outcome(drive: float) -> Outcome:
+    return Outcome(Plant("one mass", (), limits=Limits(drive=drive)), "axis", 100.0, None, figures={"verdict": "cause"})
+
+
+@pytest.mark.parametrize(("drive", "said"), [(inf, "actuator_limit"), (1.0, "sample faster")])
+def test_a_study_without_gains_says_why_and_keeps_the_rest(monkeypatch, drive, said):
+    def refused(*_):
+        raise OutOfReach("no gains keep the goal; sample faster.", None)
+
+    monkeypatch.setattr(control, "run", refused)
+    study = SimpleNamespace(requirements=(Requirement("verdict", equals="cause"),))
+    (finding,) = control.with_control(outcome(drive), study, None, print).findings
+    assert finding.kind == NOT_TUNED and said in finding.sentence
+    needs = SimpleNamespace(requirements=(Requirement("sensitivity_peak", at_most=2.0),))
+    with pytest.raises(WorkbenchError, match=said):
+        control.with_control(outcome(drive), needs, None, print)
+
+
+@pytest.mark.parametrize(
+    ("times", "errors", "words"),
+    [
+        ((0.153, 0.156), (4.7e-6, 3.7e-3), ("153\u00a0ms to 156\u00a0ms", "4.70\u00a0µrad to 3.70\u00a0mrad is left")),
+        ((0.153, 0.153), (4.7e-6, 4.7e-6), ("after 153\u00a0ms,", "4.70\u00a0µrad is left")),
+        ((0.153, inf), (1e-6, nan), ("1 of 2 never", "not all come to rest")),
+        ((inf, inf), (1.0, 1.0), ("None comes within 1 %",)),
+    ],
+)
+def test_the_heading_of_the_steps_says_their_times_and_errors(times, errors, words):
+    heading = step_heading(0.152, times, errors, "rad")
+    assert all(w in heading for w in (*words, "bound is 152\u00a0ms"))
