@@ -35,9 +35,10 @@ def ranges(campaign) -> dict[str, tuple[float, float]]:
 
 
 def place_right(where, unknown: dict, span: dict[str, tuple[float, float]], length: float) -> bool | None:
-    """Whether a stated place is one of the true ones within WITHIN of the coordinate's range; None where there is none.
+    """Whether a stated place is the true one within WITHIN of the coordinate's range; None where there is none.
 
-    Each end has to be right. Moments that recur must be hit within a quarter of what is between them, else any would do.
+    Each end has to be right. Of moments that recur every one that is stated must be, within a quarter of what is between
+    them, else any would do; and half of them must be stated, because some fall where nothing shows them.
     """
     coordinate, spans = where
     if not spans:
@@ -45,11 +46,18 @@ def place_right(where, unknown: dict, span: dict[str, tuple[float, float]], leng
     if unknown.get("coordinate") != coordinate:
         return False
     reach = WITHIN * (span[coordinate][1] - span[coordinate][0])
-    if coordinate == "time" and len(spans) > 1:
+    recur = coordinate == "time" and len(spans) > 1
+    if recur:
         reach = min(reach, 0.25 * min(b[0] - a[0] for a, b in pairwise(spans)))
     scale = length if coordinate == "position" else 1.0
-    said = (unknown["low"], unknown["high"])
-    return any(all(abs(a - scale * b) <= reach for a, b in zip(said, true, strict=True)) for true in spans)
+
+    def near(said, true) -> bool:
+        return all(abs(a - scale * b) <= reach for a, b in zip(said, true, strict=True))
+
+    if not recur:
+        return any(near((unknown["low"], unknown["high"]), true) for true in spans)
+    met = sum(any(near(said, true) for said in unknown["spans"]) for true in spans)
+    return 2 * met >= len(spans) and all(any(near(said, true) for true in spans) for said in unknown["spans"])
 
 
 def judged(s: Spec, truth: dict, said: dict, right_place: bool | None) -> dict:
@@ -101,7 +109,7 @@ def traced(campaign) -> dict:
         "before": both(found.before),
         "after": both(found.after),
         "floor": dict(found.floor),
-        "unknown": {k: v for k, v in found.unknown.items() if isinstance(v, str | int | float)},
+        "unknown": found.unknown,
         "peers": peers(campaign, found.before),
         "seconds": seconds,
         "megabytes": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024,

@@ -47,8 +47,14 @@ def test_a_place_is_right_within_a_tenth_of_the_range():
     assert not place_right(where, said, span, 0.1)  # a linear axis, whose metres are fewer
     assert place_right(("command", []), said, span, 1.0) is None
     moments, clock = ("time", [(1.0, 1.1), (2.0, 2.1)]), {"time": (0.0, 100.0)}
-    assert place_right(moments, {"coordinate": "time", "low": 1.9, "high": 2.2}, clock, 1.0)
-    assert not place_right(moments, {"coordinate": "time", "low": 1.5, "high": 1.6}, clock, 1.0)
+    said = {"coordinate": "time", "low": 0.9, "high": 2.2}
+    assert place_right(moments, said | {"spans": [[1.9, 2.2]]}, clock, 1.0)
+    assert place_right(moments, said | {"spans": [[0.9, 1.0], [1.9, 2.2]]}, clock, 1.0)
+    assert not place_right(moments, said | {"spans": [[1.5, 1.6]]}, clock, 1.0)
+    assert not place_right(moments, said | {"spans": [[0.9, 1.0], [1.5, 1.6]]}, clock, 1.0)  # every one that is stated
+    assert not place_right(
+        ("time", [*moments[1], (3.0, 3.1)]), said | {"spans": [[1.9, 2.2]]}, clock, 1.0
+    )  # and half of all
 
 
 def test_what_is_judged_follows_from_what_was_said():

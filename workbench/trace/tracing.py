@@ -1,7 +1,7 @@
 """The trace: one effect after another, then what a later one made needless, then what no effect explains."""
 
-from collections.abc import Collection, Sequence
-from dataclasses import replace
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass, replace
 
 from workbench.effect import Effect
 from workbench.errors import WorkbenchError
@@ -32,13 +32,14 @@ def extended(
     """Add effects one after another while one earns its place: [(state with it, judgements of that step), ...].
 
     whole: passes of the identification records as they are. The last entry may have no state: the step in which nothing
-    earned its place. The search ends, too, where what is left is the noise of drive and encoders: a further effect could only
-    be fitted to that.
+    earned its place. Where the declared model leaves no more than the floor nothing is added, and the search ends where only
+    the noise of drive and encoders is left: an effect could only be fitted to that.
     """
     found = []
+    sound = noise_alone(state, levels(whole, state.plant), 1.0)
     for _ in range(most):
         judgements = step(state, progress, offer)
-        best = leading(judgements)
+        best = None if sound else leading(judgements)
         found.append((best.state if best else None, judgements))
         if best is None:
             break
@@ -54,26 +55,32 @@ def leading(judgements: Sequence[Judgement]) -> Judgement | None:
     return best if best is not None and best.state is not None and best.candidate.earns else None
 
 
-def revised(
-    found: list[Judgement],
-    last: State,
-    declared: Plant,
-    looked: list[list[Judgement]],
-    progress: Progress,
-    offer: Offer,
-) -> tuple[list[Judgement], State]:
+@dataclass(frozen=True)
+class Answer:
+    """What is added to the declared model, and the state with all of it: that of the last addition, unless it is given."""
+
+    added: Sequence[Judgement]
+    declared: State
+    revised: State | None = None
+
+    @property
+    def last(self) -> State:
+        return self.revised or (self.added[-1].state if self.added else self.declared)
+
+
+def revised(answer: Answer, declared: Plant, looked: list[list[Judgement]], progress: Progress, offer: Offer) -> Answer:
     """Ask of each effect but the last whether the later ones made it needless, or made another one the better answer.
 
     Greedy selection cannot take back a choice made while something else was missing. Each effect is taken out in turn and
     the search repeated with the others in place; what leads then stands in its stead. looked: every step's judgements, to
-    which these are added.
+    which these are added. Returns `answer` itself where every effect stands.
     """
-    for i in range(len(found) - 1):
-        present = found[i]
+    for i in range(len(answer.added) - 1):
+        present = answer.added[i]
         progress(f"asking again for {present.suspect.key}")
-        rest = [j for k, j in enumerate(found) if k != i]
+        rest = [j for k, j in enumerate(answer.added) if k != i]
         try:
-            reduced = State(without(last.plant, present.suspect, declared), last.passes)
+            reduced = State(without(answer.last.plant, present.suspect, declared), answer.last.passes)
         except NoValue:
             continue
         looked.append(judgements := step(reduced, progress, offer))
@@ -81,10 +88,10 @@ def revised(
         if best is not None and best.suspect.key == present.suspect.key:
             continue
         if best is None:
-            return revised(rest, reduced, declared, looked, progress, offer) if len(rest) > 1 else (rest, reduced)
-        found = [*rest[:i], best, *rest[i:]]
-        last = best.state
-    return found, last
+            fewer = Answer(rest, answer.declared, reduced)
+            return revised(fewer, declared, looked, progress, offer) if len(rest) > 1 else fewer
+        answer = Answer([*rest[:i], best, *rest[i:]], answer.declared, best.state)
+    return answer
 
 
 @one_thread
@@ -112,26 +119,20 @@ def trace(
         ) from None
     offer = Offer(only, own, [e.key for e in plant.effects])
     steps = extended(declared, whole, progress, most, offer)
-    added = [leading(judgements) for state, judgements in steps if state is not None]
-    last = added[-1].state if added else declared
-    progress("looking for where the residual lives")
-    level = levels(passes, last.plant, last.steady)
-    unexplained = unknown(declared, last, level)
     looked = [judgements for _, judgements in steps]
-    greedy = added, last
-    if len(added) > 1 and not (unexplained and unexplained.instead):
-        added, last = revised(added, last, plant, looked, progress, offer)
-        unexplained = unknown(declared, last, level)
+    progress("looking for where the residual lives")
+    greedy = Answer([leading(judgements) for state, judgements in steps if state is not None], declared)
+    least = levels(passes, plant, declared.steady)
+    unexplained = unknown(declared, greedy.last, lower(least, levels(passes, greedy.last.plant, greedy.last.steady)))
+    start = identify(plant, passes)
+    answer, fits = Answer([], declared), [start]
+    if not (unexplained and unexplained.instead):
+        answer, fits = settled(declared, greedy, start, passes, looked, progress, offer)
+    level = levels(passes, answer.last.plant, answer.last.steady)
+    unexplained = unknown(declared, answer.last, lower(least, level))
     if unexplained is not None and unexplained.instead:
-        added, last = greedy = [], declared
-    progress("fitting the extended model")
-    start = identify(declared.plant, passes)
-    fits = in_turn(start, added, last, passes)
-    if len(fits) <= len(added) and added is not greedy[0]:
-        added, last = greedy
-        fits = in_turn(start, added, last, passes)
-    added = added[: len(fits) - 1]
-    after = fits[-1]
+        answer, fits, level = Answer([], declared), [start], least
+    added, last, after = answer.added, answer.last, fits[-1]
     floor = noise_floor(passes, level)
     if start.identification < LEFT * floor[IDENTIFICATION]:
         unexplained = None  # on whole records nothing is left; thinned ones see friction at high rates coarsely
@@ -145,22 +146,50 @@ def trace(
     verdict = CAUSE if causes else UNKNOWN if unexplained else NOTHING
     findings = [*not_carried(causes), *(left_over(unexplained) if causes else ())]
     sentence = verdict_sentence(verdict, causes, fits[0], after, floor, unexplained)
-    least = shown(steps[0][1])
+    shows = shown(steps[0][1])
     return Trace(
-        verdict, sentence + (named(least) if verdict == NOTHING else ""),
+        verdict, sentence + (named(shows) if verdict == NOTHING else ""),
         ranked([j.candidate for j in added], [j.candidate for j in steps[0][1]]), tuple(tuple(j.candidate for j in judgements) for _, judgements in steps),
-        tuple(causes), fits[0], after, floor, tuple(findings), described(unexplained), least,
+        tuple(causes), fits[0], after, floor, tuple(findings), described(unexplained), shows,
     )  # fmt: skip
 
 
-def in_turn(start: Fit, added: Sequence[Judgement], last: State, passes: Sequence[Passes]) -> list[Fit]:
+def lower(level: Mapping[str, float], other: Mapping[str, float]) -> dict[str, float]:
+    """Return the lower of two floors of each record: a model that makes much of the counts does not excuse what it leaves."""
+    return {name: min(x, other[name]) for name, x in level.items()}
+
+
+def settled(
+    declared: State,
+    greedy: Answer,
+    start: Fit,
+    passes: Sequence[Passes],
+    looked: list[list[Judgement]],
+    progress: Progress,
+    offer: Offer,
+) -> tuple[Answer, list[Fit]]:
+    """Return what is added after all, and the fits with one effect more each: as revised, or as found, as far as whole
+    records bear it out."""
+    answer = greedy
+    if len(greedy.added) > 1:
+        answer = revised(greedy, declared.plant, looked, progress, offer)
+    progress("fitting the extended model")
+    fits = in_turn(start, answer, passes)
+    if len(fits) <= len(answer.added) and answer is not greedy:
+        answer, fits = greedy, in_turn(start, greedy, passes)
+    if len(fits) <= len(greedy.added) and answer is greedy:
+        answer = Answer(greedy.added[: len(fits) - 1], declared)
+    return answer, fits
+
+
+def in_turn(start: Fit, answer: Answer, passes: Sequence[Passes]) -> list[Fit]:
     """Return `start` and the fits with one more effect each, up to the first that explains nothing on whole records.
 
     The search looks at thinned records and compares commands; a fit of the drive itself has the last word.
     """
     fits = [start]
-    for j in added:
-        fit = identify(brought(fits[-1].plant, j.suspect, last.plant), passes)
+    for j in answer.added:
+        fit = identify(brought(fits[-1].plant, j.suspect, answer.last.plant), passes)
         if not fit.identification < fits[-1].identification:
             break
         fits.append(fit)

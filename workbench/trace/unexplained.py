@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from workbench.trace.judge import State
-from workbench.trace.localise import WAYS, Place, Samples, lives, samples, score, weighed
+from workbench.trace.localise import WAYS, Place, Samples, lives, local, samples, weighed
 from workbench.trace.score import Deviations
 
 PLAIN = 2.0  # residual over floor from which something is plainly left
@@ -14,9 +14,7 @@ NOISE = 1.1  # residual over floor up to which only noise is left
 LEFT = 1.4  # residual over floor up to which effects that were added have explained what there was
 EXPLAINED = 0.9  # share of the excess power from which added effects are the answer
 DRESSED = 0.5  # share below which they are not
-LOCAL = 0.5  # share of the excess in a place, less the share of samples, from which it lives there
-CONTRAST = 2.0  # rms inside over rms outside
-ALONE = 4.0  # the same, from which there is little but what lives in the place
+ALONE = 4.0  # rms inside a place over rms outside, from which there is little but what lives in the place
 
 
 @dataclass(frozen=True)
@@ -56,9 +54,9 @@ def unknown(declared: State, last: State, level: Mapping[str, float]) -> Unexpla
     return Unexplained(rest, after, False) if local(rest) else None
 
 
-def noise_alone(state: State, level: Mapping[str, float]) -> bool:
-    """Whether a state leaves no more than the floor."""
-    return times(state, samples_of(state, level)) < NOISE
+def noise_alone(state: State, level: Mapping[str, float], most: float = NOISE) -> bool:
+    """Whether a state leaves no more than the floor, times `most`."""
+    return times(state, samples_of(state, level)) < most
 
 
 def samples_of(state: State, level: Mapping[str, float]) -> Samples:
@@ -73,14 +71,7 @@ def times(state: State, known: Samples) -> float:
 
 
 def living(state: State, known: Samples) -> Place | None:
-    model = Deviations(state.problem, state.solution)
-    residual = state.solution.residual
-    return lives(residual, known, lambda out: model.without(residual, out))
-
-
-def local(place: Place | None) -> bool:
-    """Whether a place is one: most of the excess, few of the samples, and calm outside."""
-    return place is not None and score(place) > LOCAL and place.inside > CONTRAST * place.outside
+    return lives(state.solution.residual, known, Deviations(state.problem, state.solution))
 
 
 def described(found: Unexplained | None) -> dict[str, object]:
