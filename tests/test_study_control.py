@@ -46,22 +46,38 @@ def test_a_lowest_amplitude_that_is_stated_is_not_raised(designing):
         control.designed(None, asked(raised=False), None, print)
 
 
-def outcome(drive: float) -> Outcome:
-    return Outcome(Plant("one mass", (), limits=Limits(drive=drive)), "axis", 100.0, None, figures={"verdict": "cause"})
+def test_a_schedule_over_less_than_a_decade_is_none(monkeypatch):
+    def design(plant, amplitudes, *_, **__):
+        raise OutOfReach("no gains keep the goal", float(amplitudes[-1]))
+
+    monkeypatch.setattr(control, "design", design)
+    with pytest.raises(OutOfReach):
+        control.designed(None, asked(raised=True), None, print)
 
 
-@pytest.mark.parametrize(("drive", "said"), [(inf, "actuator_limit"), (1.0, "sample faster")])
-def test_a_study_without_gains_says_why_and_keeps_the_rest(monkeypatch, drive, said):
+def outcome(kind: str, drive: float) -> Outcome:
+    return Outcome(Plant(kind, (), limits=Limits(drive=drive)), "axis", 100.0, None, figures={"verdict": "cause"})
+
+
+@pytest.mark.parametrize(
+    ("kind", "drive", "said"),
+    [
+        ("one mass", inf, "actuator_limit"),
+        ("one mass", 1.0, "sample faster"),
+        ("two mass", 1.0, "two masses; `workbench trace`"),
+    ],
+)
+def test_a_study_without_gains_says_why_and_keeps_the_rest(monkeypatch, kind, drive, said):
     def refused(*_):
         raise OutOfReach("no gains keep the goal; sample faster.", None)
 
     monkeypatch.setattr(control, "run", refused)
     study = SimpleNamespace(requirements=(Requirement("verdict", equals="cause"),))
-    (finding,) = control.with_control(outcome(drive), study, None, print).findings
+    (finding,) = control.with_control(outcome(kind, drive), study, None, print).findings
     assert finding.kind == NOT_TUNED and said in finding.sentence
     needs = SimpleNamespace(requirements=(Requirement("sensitivity_peak", at_most=2.0),))
     with pytest.raises(WorkbenchError, match=said):
-        control.with_control(outcome(drive), needs, None, print)
+        control.with_control(outcome(kind, drive), needs, None, print)
 
 
 @pytest.mark.parametrize(

@@ -68,6 +68,16 @@ def test_stribeck_friction_stiffens_slow_motion_and_is_gone_in_fast_motion():
     assert slow == pytest.approx(1.5, rel=0.01) and fast == pytest.approx(1.0, rel=0.01)
 
 
+def test_a_part_that_swings_is_mass_of_the_rigid_axis_and_no_friction_over_amplitude():
+    swinging = axis() + find("flexible_mode")(mass=1e-3, frequency=30.0, damping=0.05)
+    rigid = axis()
+    friction, inertia, viscous = friction_of(swinging)
+    known, alone, same = friction_of(rigid)
+    assert (inertia, viscous) == (pytest.approx(alone + 1e-3), same)
+    assert [e.key for e in friction.effects] == [e.key for e in known.effects]
+    assert time_optimal(swinging, 1.0) == pytest.approx(time_optimal(rigid, 1.0, load_inertia=1e-3))
+
+
 def test_gains_of_a_plant_hold_their_limits_at_every_amplitude():
     from workbench.tune import TuningGoal
 

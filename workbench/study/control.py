@@ -10,7 +10,7 @@ from workbench.errors import WorkbenchError
 from workbench.finding import Finding, title
 from workbench.frequency import Response
 from workbench.identify.passes import Passes
-from workbench.plant import Plant
+from workbench.plant import TWO_MASS, Plant
 from workbench.readers.declaration import Table
 from workbench.record import VALIDATION, Record
 from workbench.report import control as chapters
@@ -37,7 +37,7 @@ def run(
 ) -> Part:  # fmt: skip
     """Design, compare and export for the plant that the trace ended with.
 
-    records, bandwidth: measured ones, whose resonances limit the gains where the plant does not have them. shown: what they
+    records, bandwidth: measured ones, whose resonances limit the gains at each amplitude. shown: what they
     say of all that the study leaves out.
     """
     control = control_of(study.table, found.after.plant, shown)
@@ -82,17 +82,20 @@ def designed(plant: Plant, control: Control, task: Task, say: Callable[[str], No
                 tolerance=control.tolerance, seed=control.seed, say=say, **options,
             )  # fmt: skip
         except OutOfReach as e:
-            if not control.raised or e.lowest is None:
-                raise
-            reason, a = e, control.amplitudes
+            a = control.amplitudes
+            if not control.raised or e.lowest is None or a[-1] < 10.0 * e.lowest:
+                raise  # a schedule over less than a decade would be none
+            reason = e
             control = replace(control, amplitudes=np.geomspace(e.lowest, a[-1], a.size))
     raise reason
 
 
 def resonant(records: Sequence[Record], plant: Plant, bandwidth: float) -> Response | None:
-    """Return the frequency response of the records where it shows a mode that the plant does not have."""
+    """Return the frequency response of the records where it shows a mode: gains per amplitude are those of a rigid axis."""
     if not records:
         return None
+    for e in plant.effects:
+        plant = plant.without(e.key) if e.name == "flexible_mode" else plant
     from workbench.check.modes import resonances
 
     response, modes = resonances(records, plant, bandwidth)
@@ -169,17 +172,27 @@ def shown_by(plant: Plant, passes: Sequence[Passes]) -> Shown:
     return Shown(loop_of(record), *move_of(plant, record), speed, record.name)
 
 
+def check_plant(plant: Plant) -> None:
+    """Raise WorkbenchError, with what would mend it, where no gains can be tuned for a plant as it is declared."""
+    if not isfinite(plant.limits.drive):
+        raise WorkbenchError(
+            "campaign.toml states no limit of the drive, and without one the fastest gains are infinite; "
+            "state actuator_limit there."
+        )
+    if plant.kind == TWO_MASS:
+        raise WorkbenchError(
+            "gains over amplitude are those of one mass with one encoder, and this plant is two masses; `workbench trace` "
+            "closes the loop of a cascade around it."
+        )
+
+
 def with_control(outcome: Outcome, study: Study, shown: Shown, say: Callable[[str], None]) -> Outcome:
     """Return the outcome of a study with the controller's half added, or with a finding that says why there is none.
 
     WorkbenchError where the study requires a figure that there then is not.
     """
     try:
-        if not isfinite(outcome.plant.limits.drive):
-            raise WorkbenchError(
-                "campaign.toml states no limit of the drive, and without one the fastest gains are infinite; "
-                "state actuator_limit there."
-            )
+        check_plant(outcome.plant)
         part = run(study, outcome.trace, say, outcome.records, outcome.bandwidth, shown)
     except WorkbenchError as e:
         if {r.name for r in study.requirements} - set(outcome.figures):

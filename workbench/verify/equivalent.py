@@ -16,15 +16,19 @@ from workbench.plant import Plant
 
 CYCLES = 3  # the last one is taken: a hysteresis is settled after the first reversal pair
 SAMPLES = 1024  # a cycle
+MASS = {"inertia": "inertia", "flexible_mode": "mass"}  # effect -> its parameter that the rigid axis carries
 
 
 def friction_of(plant: Plant) -> tuple[Plant, float, float]:
-    """Return (plant with only forces that are neither inertia nor linear viscous, inertia, viscous coefficient), SI."""
-    inertia = sum(e.parameters["inertia"].value for e in plant.effects if e.name == "inertia")
+    """Return (plant with only forces that are neither inertia nor linear viscous, inertia, viscous coefficient), SI.
+
+    The inertia is that of the rigid axis: parts that swing on it move with it far below their modes.
+    """
+    inertia = sum(e.parameters[MASS[e.name]].value for e in plant.effects if e.name in MASS)
     viscous = sum(e.parameters["viscous"].value for e in plant.effects if e.name == "viscous_friction")
     rest = plant
     for e in plant.effects:
-        if e.name in ("inertia", "viscous_friction") or e.port != fx.FORCE:
+        if e.name in (*MASS, "viscous_friction") or e.port != fx.FORCE:
             rest = rest.without(e.key)
     return rest, inertia, viscous
 
