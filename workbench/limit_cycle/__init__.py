@@ -1,8 +1,9 @@
 """Limit cycles of the sampled loop: predicted by harmonic balance, confirmed or refuted by simulation, over a region of gains."""
 
 from workbench.limit_cycle.axis import Axis, axis_of
-from workbench.limit_cycle.balance import Balance, Cycle, balance
+from workbench.limit_cycle.balance import Balance, balance
 from workbench.limit_cycle.describing import command, dials, turned
+from workbench.limit_cycle.further import Cycle
 from workbench.limit_cycle.region import Region, region
 from workbench.limit_cycle.simulated import Motion, simulated
 

@@ -10,9 +10,10 @@ from workbench.plant import ONE_MASS, Plant
 from workbench.simulate import Loop
 from workbench.tune import sampled
 from workbench.tune.sampled import Clock
-from workbench.verify.equivalent import equivalent_of, friction_of
+from workbench.verify.equivalent import cycles_of, equivalent_from, friction_of
 
 COUNTS = 10.0  # encoder counts at which amplitudes of interest begin: smaller cycles are shaped by the encoder
+HALF = 129  # phases from a turning point to the next, of a cycle's friction
 COARSE = (24, 6)  # amplitudes and frequencies at which friction that depends on speed is stepped
 SLOWEST, FASTEST = 1.0, 1e4  # rad/s, between which it is
 
@@ -21,7 +22,8 @@ SLOWEST, FASTEST = 1.0, 1e4  # rad/s, between which it is
 class Axis:
     """mass: kg*m^2 or kg. viscous: N*m*s/rad or N*s/m. limit: of the drive. speed: of the axis.
 
-    equivalents(A, w) -> (k_e, c_e w) of all other friction, broadcast.
+    equivalents(A, w) -> (k_e, c_e w) of all other friction, broadcast. force(A, w, f (..., n)) -> it (..., n), N*m or N, at phases 0
+    to pi after a turning point of A cos f: where a motion of another shape is at the same place, its friction is the same.
     """
 
     loop: Loop
@@ -30,6 +32,7 @@ class Axis:
     limit: float
     speed: float
     equivalents: Callable[[np.ndarray, np.ndarray], tuple[np.ndarray, np.ndarray]]
+    force: Callable[[np.ndarray, np.ndarray, np.ndarray], np.ndarray]
 
     @property
     def clock(self) -> Clock:
@@ -56,31 +59,66 @@ def axis_of(plant: Plant, loop: Loop, largest: float, *, inertia: float = 1.0, f
     if not np.isfinite(plant.limits.drive):
         raise WorkbenchError("limit cycles need the drive's limit; state it in the campaign (limits).")
     rest, mass, viscous = friction_of(plant)
-    read = _equivalents(rest, largest, loop.count, friction)
-    return Axis(loop, inertia * mass, friction * viscous, plant.limits.drive, plant.limits.speed, read)
+    found = Cycles.of(rest, largest, loop.count or largest / 1e6)
+    return Axis(
+        loop, inertia * mass, friction * viscous, plant.limits.drive, plant.limits.speed,
+        lambda a, w: tuple(friction * v for v in found.equivalents(a, w)), lambda a, w, f: friction * found.force(a, w, f),
+    )  # fmt: skip
 
 
-def _equivalents(rest: Plant, largest: float, counts: float, factor: float):
-    """Return (A, w) -> (k_e, c_e w), interpolated in the logarithms between cycles that are stepped."""
-    from scipy.interpolate import RegularGridInterpolator
+@dataclass(frozen=True, eq=False)
+class Cycles:
+    """Settled cycles of a plant's friction, read between those that are stepped, straight over log A and log w.
 
-    if not rest.effects:
-        return lambda a, w: tuple(np.zeros(np.broadcast_shapes(np.shape(a), np.shape(w))) for _ in range(2))
-    still = all("rate independent" in e.holds for e in rest.effects)
-    a = np.geomspace(0.5 * COUNTS * (counts or largest / 1e6), 2.0 * largest, (2 if still else 1) * COARSE[0])
-    w = np.geomspace(SLOWEST, FASTEST, 2 if still else COARSE[1])
-    each = [equivalent_of(rest, a, np.full(a.size, x), counts or 1e-12) for x in (w[:1] if still else w)]
-    each = each * 2 if still else each
-    grid = np.log(a), np.log(w)
-    readers = [
-        RegularGridInterpolator(
-            grid, np.stack([getattr(e, n) for e in each], axis=1), bounds_error=False, fill_value=None
+    parts: (stiffness, loss, forces over HALF phases from a turning point to the next), interpolators; none without friction.
+    """
+
+    parts: tuple
+
+    @classmethod
+    def of(cls, rest: Plant, largest: float, counts: float) -> "Cycles":
+        """Return the cycles of amplitudes from half of COUNTS encoder counts to twice the largest."""
+        from scipy.interpolate import RegularGridInterpolator
+
+        if not rest.effects:
+            return cls(())
+        still = all("rate independent" in e.holds for e in rest.effects)
+        a = np.geomspace(0.5 * COUNTS * counts, 2.0 * largest, (2 if still else 1) * COARSE[0])
+        w = np.geomspace(SLOWEST, FASTEST, 2 if still else COARSE[1])
+        each = [settled(rest, a, np.full(a.size, x), counts) for x in (w[:1] if still else w)]
+        each = each * 2 if still else each
+        values = [np.stack([one[k] for one in each], axis=1) for k in range(3)]
+        return cls(
+            tuple(
+                RegularGridInterpolator((np.log(a), np.log(w)), v, bounds_error=False, fill_value=None) for v in values
+            )
         )
-        for n in ("stiffness", "loss")
-    ]
 
-    def at(amplitude, omega):
+    def equivalents(self, amplitude, omega) -> tuple[np.ndarray, np.ndarray]:
+        """Return (k_e, c_e w), broadcast."""
+        if not self.parts:
+            zero = np.zeros(np.broadcast_shapes(np.shape(amplitude), np.shape(omega)))
+            return zero, zero
         points = np.stack(np.broadcast_arrays(np.log(amplitude), np.log(omega)), axis=-1)
-        return tuple(factor * np.maximum(read(points), 0.0) for read in readers)
+        stiffness, loss = (np.maximum(read(points), 0.0) for read in self.parts[:2])
+        return stiffness, loss
 
-    return at
+    def force(self, amplitude: np.ndarray, omega: np.ndarray, phase: np.ndarray) -> np.ndarray:
+        """Return the friction (..., n) of cycles (...) at phases (..., n) from 0 to pi after a turning point."""
+        if not self.parts:
+            return np.zeros(phase.shape)
+        points = np.stack(np.broadcast_arrays(np.log(amplitude), np.log(omega)), axis=-1)
+        known = self.parts[2](points).reshape(*points.shape[:-1], HALF)
+        at = np.nan_to_num(phase / np.pi * (HALF - 1))
+        before = np.minimum(at.astype(int), HALF - 2)
+        low, high = (np.take_along_axis(known, before + k, axis=-1) for k in (0, 1))
+        return low + (at - before) * (high - low)
+
+
+def settled(rest: Plant, a: np.ndarray, w: np.ndarray, counts: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return (k_e (n,), c_e w (n,), forces (n, HALF)) of settled cycles of amplitudes a (n,) at w (n,)."""
+    force = cycles_of(rest, a, w, counts)
+    known = equivalent_from(a, force)
+    half = force[:, : force.shape[1] // 2 + 1]
+    picked = np.linspace(0, half.shape[1] - 1, HALF).astype(int)
+    return known.stiffness, known.loss, half[:, picked]

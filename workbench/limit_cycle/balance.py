@@ -5,8 +5,7 @@ linear: its zero-order hold, delay and velocity filter are exact. A limit cycle 
 
     D(A, theta) = 1 + C(A, theta) P(theta; k_e, c_e) = 0,   theta = w Ts
 
-It is stable where a larger amplitude decays: with s = sigma + i w, Re ds/dA = Im(D_A / D_w) < 0 (Loeb's criterion). Each
-one found is then made better by further harmonics: see `further`.
+Each root is then followed as further harmonics join the balance, and counts where they leave it: see `further`.
 """
 
 from dataclasses import dataclass
@@ -14,27 +13,16 @@ from dataclasses import dataclass
 import numpy as np
 
 from workbench.limit_cycle.axis import COUNTS, Axis
-from workbench.limit_cycle.describing import PHASES, Command, harmonics_of
-from workbench.limit_cycle.further import refined
+from workbench.limit_cycle.describing import Command
+from workbench.limit_cycle.further import Cycle, refined
 from workbench.tune import sampled
 
 AMPLITUDES, THETAS = 36, 72
+PHASES = 64  # of a cycle, of the command
 LOWEST, HIGHEST = 2e-3, 3.0  # theta, rad a sample
 NEWTON = 20
 BESIDE = 0.3  # of a cell: a root may lie as far outside, since D bends; two cells may then find one root
-SAME = (0.12, 0.05)  # relative differences of amplitude and frequency below which two roots are one
-
-
-@dataclass(frozen=True)
-class Cycle:
-    """amplitude: zero to peak, rad or m. omega: rad/s. stable: whether motion comes to it. third: harmonic over the first;
-    NaN where one harmonic alone was balanced. speed: its largest."""
-
-    amplitude: float
-    omega: float
-    stable: bool
-    third: float
-    speed: float
+SAME = 1e-3  # relative difference of amplitude and frequency below which two roots are one
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,39 +41,25 @@ class Balance:
 
     def describing(self, law: Command) -> np.ndarray:
         """Return C (n, f) on the grid: the first harmonic of the command over that of the reading, negative."""
-        wave = np.exp(1j * 2.0 * np.pi * np.arange(PHASES) / PHASES)
-        a = self.amplitude[:, :, None]
-        y = np.broadcast_to((a * wave).real, (a.shape[0], self.theta.size, PHASES))
-        vh = (a * self.rate[None, :, None] * wave).real
-        u = law(y, vh, np.broadcast_to(self.theta[None, :, None], (*y.shape[:2], 1)))
-        return -harmonics_of(u, np.ones(1))[..., 0] / self.amplitude
+        q = self.amplitude[:, :, None].astype(complex)
+        return -law(q, q * self.rate[None, :, None], np.ones(1), self.theta[None, :], PHASES)[..., 0] / self.amplitude
 
     def cycles(self, law: Command) -> tuple[Cycle, ...]:
-        """Return the limit cycles of a law, the smallest first, each with further harmonics where these are found."""
+        """Return the limit cycles of a law, the smallest first."""
         d = 1.0 + self.describing(law) * self.response
         roots = [self._root(d, i, j) for i, j in zip(*_candidates(d), strict=True)]
-        found = [c for root in roots if root is not None and (c := self._cycle(*root, law)) is not None]
-        found.sort(key=lambda c: c.amplitude)
+        found = [refined(self.axis, law, *root) for root in roots if root is not None]
+        found = sorted((c for c in found if c is not None), key=lambda c: c.amplitude)
         return tuple(c for k, c in enumerate(found) if k == 0 or not _same(found[k - 1], c))
 
-    def _cycle(self, amplitude: float, omega: float, stable: bool, inside: bool, law: Command) -> Cycle | None:
-        """Return the cycle of a root; of a root beside its cell only where further harmonics confirm it."""
-        better = refined(self.axis, law, amplitude, omega)
-        if better is not None:
-            return Cycle(better.amplitude, better.omega, stable, better.third, better.speed)
-        return Cycle(amplitude, omega, stable, np.nan, amplitude * omega) if inside else None
-
-    def _root(self, d: np.ndarray, i: int, j: int) -> tuple[float, float, bool, bool] | None:
-        """Solve D = 0 about one cell, bilinear in log A and log theta: (A, w, stable, inside the cell), or None."""
+    def _root(self, d: np.ndarray, i: int, j: int) -> tuple[float, float] | None:
+        """Solve D = 0 about one cell, bilinear in log A and log theta: (A, w), or None."""
         root = _bilinear(d[i, j], d[i + 1, j], d[i, j + 1], d[i + 1, j + 1])
         if root is None:
             return None
-        x, y, over_x, over_y = root
         a, t = self.amplitude[:, 0], self.theta
-        amplitude = float(a[i] * (a[i + 1] / a[i]) ** x)
-        omega = float(t[j] * (t[j + 1] / t[j]) ** y) / self.axis.loop.sample_time
-        inside = 0.0 <= x <= 1.0 and 0.0 <= y <= 1.0
-        return amplitude, omega, bool((over_x / over_y).imag < 0.0), inside
+        amplitude = float(a[i] * (a[i + 1] / a[i]) ** root[0])
+        return amplitude, float(t[j] * (t[j + 1] / t[j]) ** root[1]) / self.axis.loop.sample_time
 
 
 def _candidates(d: np.ndarray):
@@ -99,7 +73,7 @@ def _candidates(d: np.ndarray):
 
 
 def _bilinear(d00, d10, d01, d11):
-    """Return (x, y, dD/dx, dD/dy) of the zero of a bilinear complex function in or beside the unit square, or None."""
+    """Return (x, y) of the zero of a bilinear complex function in or beside the unit square, or None."""
     x = y = 0.5
     for _ in range(NEWTON):
         value = d00 * (1 - x) * (1 - y) + d10 * x * (1 - y) + d01 * (1 - x) * y + d11 * x * y
@@ -113,13 +87,13 @@ def _bilinear(d00, d10, d01, d11):
         x, y = x + dx, y + dy
         if abs(dx) + abs(dy) < 1e-10:
             inside = -BESIDE <= x <= 1.0 + BESIDE and -BESIDE <= y <= 1.0 + BESIDE
-            return (x, y, over_x, over_y) if inside else None
+            return (x, y) if inside else None
     return None
 
 
 def _same(one: Cycle, other: Cycle) -> bool:
     """Whether two roots are one that two cells have found."""
-    near = abs(other.amplitude / one.amplitude - 1.0) < SAME[0] and abs(other.omega / one.omega - 1.0) < SAME[1]
+    near = abs(other.amplitude / one.amplitude - 1.0) < SAME and abs(other.omega / one.omega - 1.0) < SAME
     return near and one.stable == other.stable
 
 

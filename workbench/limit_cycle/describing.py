@@ -1,9 +1,12 @@
-"""Controllers over one cycle of a periodic reading: the command's waveform, by the law's own step.
+"""Controllers over one cycle of a periodic reading: the command's harmonics, by the law's own step.
 
-The reading is y(f) over the phase f = w t, its filtered velocity vh(f) follows from the harmonics of y; theta = w Ts. Both
-come as arrays (..., phases), one cycle along the last axis, the target at zero. What a law does at a sample is evaluated at
-every phase: a schedule looks up its gains by the stroke since the last reversal, and states are stepped along the phase
-until they repeat. The command obeys the drive's limit.
+The reading is y = sum Re q_k exp(i k f) over the phase f = w t with odd k, its filtered velocity vh likewise; theta = w Ts, and
+the target is at zero. What a law does at a sample is evaluated at every phase: a schedule looks up its gains by the stroke
+since the last reversal that the loop has found, and states are stepped along the phase until they repeat. The command obeys
+the drive's limit.
+
+A reversal is found a few encoder counts after it, and gains jump there. So the phases of such a law begin where one is found
+and end where the next one is, half a cycle later: within, its command is smooth, and beyond, it is the same with its sign turned.
 """
 
 from collections.abc import Callable
@@ -17,14 +20,17 @@ from workbench.control import Controller, Law, gains_at
 from workbench.effect import namespace
 from workbench.errors import WorkbenchError
 from workbench.kernel.arrays import evaluate
+from workbench.limit_cycle.waves import along, clipped, found_after, harmonics_of, shifted, turning
 from workbench.simulate import Loop
+from workbench.simulate.binding import BACK
 from workbench.simulate.stage import Stage, stage
 
-PHASES = 64  # of a cycle
 CYCLES = 2  # that states are stepped until they repeat
 SIGNALS = ("r", "y", "e", "vh", "dt", "limit", "count", "stroke", "share", "reversal")
+MEMORY = ("stroke", "share", "reversal")  # signals that know the last reversal
 
-Command = Callable[[np.ndarray, np.ndarray, np.ndarray], np.ndarray]  # (y, vh (..., p), theta (..., 1)) -> u (..., p)
+# (q (..., n), vh (..., n), orders (n,), theta (...), phases of a cycle, even) -> harmonics of u (..., n); complex amplitudes
+Command = Callable[[np.ndarray, np.ndarray, np.ndarray, np.ndarray, int], np.ndarray]
 
 
 @dataclass(frozen=True)
@@ -74,38 +80,64 @@ def _stage(law: Law, looks_up: bool) -> Stage:
     return stage("law", given, {"out": out, **{f"z.{n}": v for n, v in after.items()}})
 
 
+@lru_cache(maxsize=64)
+def remembers(law: Law) -> bool:
+    """Whether a law looks up by what it remembers of the last reversal."""
+    if law.amplitude is None:
+        return False
+    signals = {n: ca.SX.sym(n) for n in SIGNALS}
+    states = {n: ca.SX.sym(n) for n in law.states}
+    after, out = law.amplitude(
+        namespace(**signals), namespace(**states), namespace(**{n: ca.SX.sym(n) for n in law.parameters})
+    )
+    return bool(ca.depends_on(ca.vertcat(out, *after.values()), ca.vertcat(*(signals[n] for n in MEMORY))))
+
+
 def command(controller: Controller, limit: float, loop: Loop) -> Command:
-    """Return the command over one cycle, of a controller of one lane on a drive with this limit."""
+    """Return the command's harmonics over a cycle, of a controller of one lane on a drive with this limit."""
     dials(controller)
     law = controller.law
-    known = {"r": 0.0, "limit": limit, "count": loop.count, "share": 0.5}
+    known = {"r": 0.0, "limit": limit, "count": loop.count, "share": 0.5, "reversal": 0.0, "stroke": 0.0}
     known |= {f"p.{n}": float(np.ravel(v)[0]) for n, v in controller.parameters.items()}
+    back = comes_back(controller, loop)
 
-    def waveform(y, vh, theta):
-        width = 2.0 * np.pi / y.shape[-1]
-        now = known | {"y": y, "e": -y, "vh": vh, "dt": loop.sample_time * width / theta}
+    def harmonics(q, vh, orders, theta, phases):
+        halved = remembers(law)
+        turn, top = turning(q, orders) if halved else (np.zeros(q.shape[:-1]), None)
+        first = turn + found_after(q, orders, turn, back, theta) if halved else turn
+        n = phases // 2 if halved else phases
+        width = 2.0 * np.pi / phases
+        y, rate = (along(h, orders, first, width, n + halved) for h in (q, vh))
+        now = known | {"y": y, "e": -y, "vh": rate, "dt": loop.sample_time * width / theta[..., None]}
+        if halved:
+            now |= {"stroke": np.abs(top[..., None] - y), "reversal": np.where(np.arange(n + 1) == 0, 1.0, 0.0)}
         if law.amplitude is not None:
-            at = _stepped(_stage(law, True), now | reversals(y), y.shape)[0]
-            columns = gains_at(controller.tables[0], at.ravel())
-            now |= {n: c.reshape(y.shape) for n, c in zip(law.columns, columns, strict=True)}
+            now |= looked_up(now, y.shape)
+        u = stepped(now, np.broadcast_shapes(y.shape, rate.shape), (theta - width)[..., None])
+        u = u if halved else np.concatenate([u, u[..., :1]], axis=-1)
+        return harmonics_of(clipped(u, limit), first + width / 2.0, orders, width)
+
+    def looked_up(given, shape):
+        # where a schedule looks up hangs on the reading alone: a law that asked for the speed would get none
+        at = _stepped(_stage(law, True), given | {"vh": np.nan, "dt": np.nan}, shape)[0]
+        columns = gains_at(controller.tables[0], np.nan_to_num(at.ravel()))
+        return {n: c.reshape(shape) for n, c in zip(law.columns, columns, strict=True)}
+
+    def stepped(given, shape, later):
         step = _stage(law, False)
-        u, states = _stepped(step, now, y.shape, centred=True)
+        u, states = _stepped(step, given, shape, centred=True)
         if states:  # a state acts a sample late, not a phase
-            late = {n: shifted(v, (theta - width) / 2.0) for n, v in states.items()}
-            u = _values(step, now | late)["out"]
-        return clipped(np.broadcast_to(u, y.shape), limit)
+            u = _values(step, given | {n: shifted(v, later / 2.0) for n, v in states.items()})["out"]
+        return np.broadcast_to(u, shape)
 
-    return waveform
+    return harmonics
 
 
-def reversals(y: np.ndarray) -> dict[str, np.ndarray]:
-    """Return stroke, the distance since the last reversal, and reversal, 1 at the phases after one."""
-    top, bottom = y.max(axis=-1, keepdims=True), y.min(axis=-1, keepdims=True)
-    falling = np.roll(y, -1, axis=-1) < y
-    return {
-        "stroke": np.where(falling, top - y, y - bottom),
-        "reversal": 1.0 * (falling != np.roll(falling, 1, axis=-1)),
-    }
+def comes_back(controller: Controller, loop: Loop) -> float:
+    """Return how far a motion comes back until a reversal is found, rad or m: the mean over where encoder counts lie."""
+    count = loop.count
+    back = BACK * count if controller.reversal is None else controller.reversal
+    return (np.floor(back / count) + 0.5) * count if count else back
 
 
 def _values(made: Stage, given: dict) -> dict:
@@ -133,39 +165,3 @@ def _stepped(made: Stage, given: dict, shape: tuple[int, ...], centred: bool = F
             now = {n: values[n] for n in names}
         start = {n: v - along[n].mean(axis=-1) if centred else v for n, v in now.items()}
     return along["out"], {n: along[n] for n in names}
-
-
-def shifted(x: np.ndarray, by: np.ndarray) -> np.ndarray:
-    """Return a periodic x (..., phases) later by a phase (..., 1)."""
-    spectrum = np.fft.rfft(x, axis=-1)
-    return np.fft.irfft(spectrum * np.exp(-1j * by * np.arange(spectrum.shape[-1])), x.shape[-1], axis=-1)
-
-
-def clipped(u: np.ndarray, limit: float) -> np.ndarray:
-    """Return a periodic u (..., phases) within +-limit, its mean about each phase with u linear between phases.
-
-    A waveform that is nearly square changes its sign between two phases: so its harmonics move smoothly with where.
-    """
-    onward = np.roll(u, -1, axis=-1)
-    rise = onward - u
-    flat = np.abs(rise) < 1e-9 * limit
-    mean = np.where(
-        flat, np.clip((u + onward) / 2.0, -limit, limit), _area(onward, limit) - _area(u, limit)
-    ) / np.where(flat, 1.0, rise)
-    return (mean + np.roll(mean, 1, axis=-1)) / 2.0
-
-
-def harmonics_of(u: np.ndarray, orders: np.ndarray) -> np.ndarray:
-    """Return U_k of u = sum Re U_k exp(i k f), (..., orders), of a waveform (..., phases) as `clipped` gives it.
-
-    Its means over neighbours have made harmonic k smaller by cos^2(pi k/phases), which is undone.
-    """
-    phases = u.shape[-1]
-    wave = np.exp(-2j * np.pi / phases * np.outer(np.arange(phases), orders))
-    return 2.0 / phases * (u @ wave) / np.cos(np.pi * orders / phases) ** 2
-
-
-def _area(u: np.ndarray, limit: float) -> np.ndarray:
-    """Integral of the limited u over u."""
-    size = np.abs(u)
-    return np.where(size <= limit, u * u / 2.0, limit * size - limit * limit / 2.0)

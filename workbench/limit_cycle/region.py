@@ -6,11 +6,13 @@ import numpy as np
 
 from workbench.control import Controller
 from workbench.limit_cycle.axis import axis_of
-from workbench.limit_cycle.balance import Cycle, balance
+from workbench.limit_cycle.balance import balance
 from workbench.limit_cycle.describing import Dials, command, dials, turned
+from workbench.limit_cycle.further import Cycle
 from workbench.limit_cycle.simulated import as_simulated, simulated
 from workbench.plant import Plant
 from workbench.simulate import Loop
+from workbench.threads import one_thread
 
 THIRD = 0.05  # largest third harmonic at which one harmonic says enough
 SMALL = 50.0  # encoder counts of a start where no cycle is predicted
@@ -48,8 +50,12 @@ class Region:
 
     @property
     def judged(self) -> np.ndarray:
-        """Cases that count, (n, m): all but simulated cycles whose third harmonic is above 5 %."""
-        return ~(self.exists & ~(self.third <= THIRD))
+        """Cases that count, (n, m): the third harmonic is at most 5 %, of the simulated cycle, and where none is simulated, of
+        those that are predicted."""
+        foretold = np.zeros(self.exists.shape)
+        for at, cycles in self.cycles.items():
+            foretold[at] = min((c.third for c in cycles if c.stable), default=0.0)
+        return np.where(self.exists, self.third, foretold) <= THIRD
 
     @property
     def right(self) -> np.ndarray:
@@ -84,6 +90,7 @@ class Region:
         return out
 
 
+@one_thread
 def region(
     plant: Plant, loop: Loop, controller: Controller, first: np.ndarray, second: np.ndarray, largest: float, duration: float,
     *, inertia: float = 1.0, friction: float = 1.0,

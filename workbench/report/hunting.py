@@ -24,9 +24,12 @@ def chapter(found: Mapping[str, Region], task: Task) -> Chapter:
     )
     more = (
         "C is the first harmonic of the command over that of the reading, P the sampled axis with its hold, delay and velocity "
-        "filter. Each cycle found is then balanced again with odd harmonics up to the ninth. The simulation is released from "
-        "rest at a third of the predicted amplitude, at it and at three times it; what still moves in the last quarter hunts. "
-        f"One harmonic says enough where the third is at most {numbers.percent(THIRD)}; cases beyond are marked and do not count."
+        "filter. Each cycle found is then balanced again with odd harmonics up to the nineteenth, and counts where they leave "
+        "it. A schedule's gains jump where a reversal is found, some encoder counts after it; the balance knows where. The "
+        "simulation is released from rest at a third of the predicted amplitude, at it and at three times it; what still moves in "
+        "the last quarter hunts. "
+        f"A balance of harmonics says enough where the third is at most {numbers.percent(THIRD)}, of the simulated cycle or, where "
+        "none is simulated, of the predicted one; cases beyond do not count."
     )
     r = next(iter(found.values()))
     axis = "" if (r.inertia, r.friction) == (1.0, 1.0) else (

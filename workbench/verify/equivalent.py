@@ -45,10 +45,22 @@ def equivalent_of(plant: Plant, amplitudes: Sequence[float], omegas: Sequence[fl
 
     counts: encoder resolution, the width of the direction where no hysteresis gives it.
     """
-    stiffness, loss = [], []
+    return equivalent_from(amplitudes, cycles_of(plant, amplitudes, omegas, counts))
+
+
+def equivalent_from(amplitudes: Sequence[float], force: np.ndarray) -> Equivalent:
+    """Return the Equivalent of forces (n, SAMPLES) along settled cycles A cos f; see cycles_of."""
+    a, phase = np.asarray(amplitudes), 2 * np.pi * np.arange((CYCLES - 1) * SAMPLES, CYCLES * SAMPLES) / SAMPLES
+    stiffness = [2 * np.mean(f * np.cos(phase)) / x for f, x in zip(force, a, strict=True)]
+    loss = [-2 * np.mean(f * np.sin(phase)) / x for f, x in zip(force, a, strict=True)]
+    return Equivalent(a, np.maximum(stiffness, 0.0), np.maximum(loss, 0.0))
+
+
+def cycles_of(plant: Plant, amplitudes: Sequence[float], omegas: Sequence[float], counts: float) -> np.ndarray:
+    """Return the forces (n, SAMPLES), N*m or N, along settled cycles q = A cos(f); arguments as of equivalent_of."""
+    out = np.empty((len(amplitudes), SAMPLES))
     phase = 2 * np.pi * np.arange(CYCLES * SAMPLES + 1) / SAMPLES
-    last = slice((CYCLES - 1) * SAMPLES, CYCLES * SAMPLES)
-    for amplitude, omega in zip(amplitudes, omegas, strict=True):
+    for k, (amplitude, omega) in enumerate(zip(amplitudes, omegas, strict=True)):
         q = amplitude * np.cos(phase)
         motion = made_up(
             "a settled cycle",
@@ -59,7 +71,5 @@ def equivalent_of(plant: Plant, amplitudes: Sequence[float], omegas: Sequence[fl
             v=-amplitude * omega * np.sin(phase),
             a=-amplitude * omega**2 * np.cos(phase),
         )
-        force = required(Passes(motion), plant)[last]
-        stiffness.append(2 * np.mean(force * np.cos(phase[last])) / amplitude)
-        loss.append(-2 * np.mean(force * np.sin(phase[last])) / amplitude)
-    return Equivalent(np.asarray(amplitudes), np.maximum(stiffness, 0.0), np.maximum(loss, 0.0))
+        out[k] = required(Passes(motion), plant)[(CYCLES - 1) * SAMPLES : CYCLES * SAMPLES]
+    return out
