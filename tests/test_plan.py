@@ -135,8 +135,18 @@ def test_two_spellings_of_one_effect_are_told_apart_by_no_motion():
 
 
 def test_a_rival_that_shows_nothing_as_it_stands_does_not_hide_the_other():
-    found = separate(PLANT, STRIBECK, find("load_dependent_friction")(mu=0.0), ENVELOPE, SENSING)
+    nothing = find("load_dependent_friction")(mu=0.0)
+    found = separate(PLANT, STRIBECK, nothing, ENVELOPE, SENSING)
     assert found.deviations > 3.0
+    turned = separate(PLANT, nothing, STRIBECK, ENVELOPE, SENSING)
+    assert turned.motion == found.motion and turned.deviations == pytest.approx(found.deviations, rel=0.01)
+    assert "Load dependent friction itself shows nowhere" in turned.sentence and "shows" not in found.sentence
+
+
+def test_of_two_effects_that_show_nothing_it_is_said():
+    nothing = [find("load_dependent_friction")(mu=0.0), find("coulomb_asymmetry")(coulomb_difference=0.0)]
+    found = separate(PLANT, *nothing, ENVELOPE, SENSING)
+    assert not found.apart and found.sentence.startswith("Neither load dependent friction nor Coulomb asymmetry shows")
 
 
 def test_the_motor_of_two_masses_is_planned_where_the_joint_needs_it():

@@ -8,7 +8,7 @@ import pytest
 
 from workbench.errors import WorkbenchError
 from workbench.plant import Limits, Plant
-from workbench.report.control import step_heading
+from workbench.report.gains import course, step_heading
 from workbench.study import control
 from workbench.study.configuration import Requirement
 from workbench.study.controlling import Control
@@ -92,3 +92,16 @@ def test_a_study_without_gains_says_why_and_keeps_the_rest(monkeypatch, kind, dr
 def test_the_heading_of_the_steps_says_their_times_and_errors(times, errors, words):
     heading = step_heading(0.152, times, errors, "rad")
     assert all(w in heading for w in (*words, "bound is 152\u00a0ms"))
+
+
+@pytest.mark.parametrize(
+    ("gains", "said"),
+    [
+        ((5.0, 3.0, 1.0), "falls from 5"),
+        ((1.0, 5.0, 2.0), "rises from 1"),
+        ((1.0, 5.0, 2.0), "falls to 2"),
+        ((1.0, 2.0), "to 2"),
+    ],
+)
+def test_the_heading_of_the_gains_says_how_they_run_over_amplitude(gains, said):
+    assert said in course(np.array(gains), "N*m/rad").replace("\u00a0", " ")

@@ -6,14 +6,14 @@ deviations, S the covariance of the noise. Along every motion of a pool shape pa
 they are refitted, each effect taken as the truth in turn, and the smaller number counts.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from math import asin, degrees, inf
 
 import numpy as np
 
 from workbench.effect import Effect
-from workbench.finding import located
+from workbench.finding import capital, located
 from workbench.identify.passes import Passes
 from workbench.identify.problem import Problem
 from workbench.identify.solve import NoValue, bounded, scales, slopes, solve
@@ -73,21 +73,45 @@ def separate(
     plant: the model without either, its values fitted; where one of them is a declared effect with another value, with the
     declared value, held. a, b: at their places, with the values that explain the records. seconds: length of the motion, the load's where there are two masses.
     """
-    models = tuple(with_effect(plant, x) for x in (a, b))
-    found = []
-    for reference in pool((*plant.effects, a, b), envelope, sensing, seconds, plant.displacement):
+    models, silent = tuple(with_effect(plant, x) for x in (a, b)), []
+    motions = list(pool((*plant.effects, a, b), envelope, sensing, seconds, plant.displacement))
+    for truth, pair in ((a, models), (b, models[::-1])):
+        found = list(_tried(motions, plant, pair, envelope, sensing))
+        if not found or max(shown for _, shown, _ in found) >= APART:
+            break
+        silent.append(truth)  # nothing parts from an effect that shows nowhere: the other one is the truth then
+    if len(silent) == 2:
+        return _silent(a, b)
+    best = sorted(found, key=lambda x: x[0].better(), reverse=True)[:REFITTED]
+    refitted = [(_refitted(r, plant, pair, sensing), r) for *_, r in best]
+    parting, reference = max(refitted, key=lambda x: x[0].better(), default=(Parting(0.0, 0.0), None))
+    return _said(a, b, parting, reference, silent)
+
+
+def _tried(
+    motions: Sequence[Reference], plant: Plant, models: tuple[Plant, Plant], envelope: Envelope, sensing: Sensing
+) -> Iterator[tuple[Parting, float, Reference]]:
+    """Yield (parting, standard deviations by which the first shows at all, motion) of motions that the drive allows."""
+    for reference in motions:
         passes = followed(reference, models[0], sensing)
         if np.abs(passes.motion.u).max() <= envelope.drive:
-            found.append((_linearised(passes, plant, models[1], sensing), reference))
-    best = sorted(found, key=lambda x: x[0].better(), reverse=True)[:REFITTED]
-    refitted = [(_refitted(r, plant, models, sensing), r) for _, r in best]
-    parting, reference = max(refitted, key=lambda x: x[0].better(), default=(Parting(0.0, 0.0), None))
-    return _said(a, b, parting, reference)
+            without, left = _rest(passes, plant), _rest(passes, models[1])
+            parting = _parting(left, without, sensing, plant) if left.size and without.size else Parting(0.0, 0.0)
+            shown = _parting(without, without, sensing, plant).deviations if without.size else 0.0
+            yield parting, shown, reference
 
 
-def _said(a: Effect, b: Effect, parting: Parting, reference: Reference | None) -> Separation:
+def _silent(a: Effect, b: Effect) -> Separation:
+    sentence = (
+        f"Neither {located(a.named, a.at)} nor {located(b.named, b.at)} shows along any motion within the limits, with the "
+        "values that explain the records beside the declared model."
+    )
+    return Separation(a.key, b.key, None, 0.0, 0.0, "", sentence)
+
+
+def _said(a: Effect, b: Effect, parting: Parting, reference: Reference | None, silent: Sequence[Effect]) -> Separation:
     names = located(a.named, a.at), located(b.named, b.at)
-    said = f"{degrees(parting.angle):.2g} degrees and {parting.deviations:.2g} standard deviations"
+    said = f"{degrees(parting.angle):.2g} degrees and {parting.deviations:.{0 if parting.deviations > 10.0 else 1}f} standard deviations"
     if reference is None or parting.deviations < APART:
         sentence = (
             f"No motion of {'this length ' if reference is not None else ''}within the limits tells {names[0]} from "
@@ -96,6 +120,10 @@ def _said(a: Effect, b: Effect, parting: Parting, reference: Reference | None) -
         return Separation(a.key, b.key, reference, parting.angle, parting.deviations, "", sentence)
     motion = f"record {reference.phrase}"
     sentence = f"To tell {names[0]} from {names[1]}, {motion}: along it they lie {said} apart."
+    for e in silent:
+        sentence += (
+            f" {capital(located(e.named, e.at))} itself shows nowhere, with the values that explain the records."
+        )
     return Separation(a.key, b.key, reference, parting.angle, parting.deviations, motion, sentence)
 
 
@@ -120,11 +148,6 @@ def _rest(passes: Passes, plant: Plant) -> np.ndarray:
     columns = columns / scales(columns)
     left = y - phi @ c
     return left - columns @ np.linalg.lstsq(columns, left, rcond=1e-9)[0]
-
-
-def _linearised(passes: Passes, plant: Plant, other: Plant, sensing: Sensing) -> Parting:
-    without, left = _rest(passes, plant), _rest(passes, other)
-    return _parting(left, without, sensing, plant) if left.size and without.size else Parting(0.0, 0.0)
 
 
 def _refitted(reference: Reference, plant: Plant, models: Sequence[Plant], sensing: Sensing) -> Parting:

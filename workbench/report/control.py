@@ -1,13 +1,12 @@
 """Chapters on the controller: gains over amplitude, the step, who beats whom, and what the found effect is worth."""
 
-from collections.abc import Sequence
-
 import numpy as np
 
 from workbench.plant import ONE_MASS
 from workbench.report import numbers
 from workbench.report.contents import BAD, GOOD, Callout, Chapter, Figure, Items, Marked, Paragraph, Table
 from workbench.report.drawing import AFTER, BEFORE, MUTED, SERIES, STYLES, decades, envelope, svg
+from workbench.report.gains import course, step_heading
 from workbench.verify.compare import Comparison
 from workbench.verify.design import Designed
 from workbench.verify.task import Task
@@ -20,8 +19,7 @@ def schedule_chapter(designed: Designed, rule: str) -> Chapter:
     g, s, final = designed.gains, designed.schedule, designed.final[rule]
     plant = designed.plant
     kp_unit, kd_unit = (numbers.unit(f"{plant.effort}{t}/{plant.displacement}") for t in ("", "*s"))
-    span = f"from {numbers.quantity(float(g.kp[0]), kp_unit)} to {numbers.quantity(float(g.kp[-1]), kp_unit)}"
-    heading = f"Kp falls {span} over amplitude; |S| stays below {np.max(g.sensitivity_peak):.2f}"
+    heading = f"Kp {course(g.kp, kp_unit)} over amplitude; |S| stays below {np.max(g.sensitivity_peak):.2f}"
 
     def draw(axes):
         for axis, tuned, fitted, two, name, unit in (
@@ -135,21 +133,6 @@ def step_chapter(task: Task, controllers: dict, load: str = "") -> Chapter:
         "scenarios, with the same limits, also on its sensitivity."
     )
     return Chapter("The step, loaded" if load else "The step", (Paragraph(text), figure))
-
-
-def step_heading(bound: float, times: Sequence[float], errors: Sequence[float], x: str) -> str:
-    """Say how soon controllers are within 1 %, against the bound (s), and what error (rad or m, `x`) they leave."""
-    within = [t for t in times if np.isfinite(t)]
-    when = f"Within 1 % after {_span(within, 's')}" if within else "None comes within 1 %"
-    never = f" ({len(times) - len(within)} of {len(times)} never)" if 0 < len(within) < len(times) else ""
-    left = f"{_span(errors, x)} is left" if np.all(np.isfinite(errors)) else "not all come to rest"
-    return f"{when}{never}, where the bound is {numbers.scaled(bound, 's')}; {left}"
-
-
-def _span(values: Sequence[float], unit: str) -> str:
-    """Return the range of values, or one of them where three figures do not part its ends."""
-    low, high = numbers.scaled(min(values), unit), numbers.scaled(max(values), unit)
-    return low if low == high else f"{low} to {high}"
 
 
 def _time(seconds: float) -> str:
