@@ -283,3 +283,20 @@ def test_the_command_writes_table_modes_and_figure_of_the_record_that_is_shaken(
 def test_an_unknown_record_or_channel_is_answered_with_the_nearest(tmp_path, capsys, words, said):
     assert main(["response", CAMPAIGN, "--out", str(tmp_path / "out"), *words]) == 2
     assert said in capsys.readouterr().err and not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize(("low", "high", "least"), [(20.0, 900.0, 3), (12.0, 95.0, 2), (150.0, 400.0, 3), (0.1, 1000.0, 5)])
+def test_a_logarithmic_axis_has_labels_however_little_it_spans(low, high, least):
+    from matplotlib.figure import Figure
+
+    from workbench.report.drawing import decades
+
+    figure = Figure()
+    axes = figure.subplots()
+    axes.loglog([1.0, 2.0], [low, high])
+    axes.set_ylim(low, high)
+    decades(axes.yaxis)
+    figure.draw_without_rendering()
+    ticks = [*axes.yaxis.get_major_ticks(), *axes.yaxis.get_minor_ticks()]
+    inside = [t for t in ticks if low <= t.get_loc() <= high and t.label1.get_text()]
+    assert least <= len(inside) <= 12

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from workbench.finding import Finding
-from workbench.frequency.modes import Mode, Modes
+from workbench.frequency.modes import RISES, Mode, Modes
 from workbench.frequency.notch import Notch, notch_for
 from workbench.frequency.response import Response
 
@@ -23,7 +23,7 @@ def findings(response: Response, modes: Modes) -> tuple[Finding, ...]:
     found = [_mode(m, notch_for(m)) for m in modes.modes]
     if not found:
         low, high = response.frequency[[0, -1]]
-        text = f"Record '{response.record}' shows no mode between {low:.3g} and {high:.3g} Hz."
+        text = f"Record '{response.record}' shows no mode between {low:.3g} and {high:.3g} Hz that rises {decibels(RISES):.0f} dB."
         found.append(Finding("no mode", response.record, text))
     return tuple(found)
 

@@ -124,12 +124,18 @@ def envelope(x: np.ndarray, y: np.ndarray, bins: int = BINS) -> tuple[np.ndarray
 
 
 def decades(axis) -> None:
-    """Label the decades of a logarithmic axis "10⁻³", as text."""
-    from matplotlib.ticker import FuncFormatter, NullFormatter
+    """Label the decades of a logarithmic axis "10⁻³", as text; where fewer than two are in sight, steps between them too."""
+    from matplotlib.ticker import FuncFormatter
 
     def text(value, _):
         e = int(round(np.log10(value)))
         return {0: "1", 1: "10"}.get(e, f"10{str(e).translate(numbers.SUPERSCRIPT)}")
 
+    def between(value, _):
+        low, high = np.log10(axis.get_view_interval())
+        seen = np.floor(high) - np.ceil(low) + 1
+        digit = round(value / 10 ** np.floor(np.log10(value) + 1e-9))
+        return numbers.number(value, 1) if seen < 1 or (seen < 2 and digit in (2, 5)) else ""
+
     axis.set_major_formatter(FuncFormatter(text))
-    axis.set_minor_formatter(NullFormatter())
+    axis.set_minor_formatter(FuncFormatter(between))
