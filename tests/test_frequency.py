@@ -285,7 +285,9 @@ def test_an_unknown_record_or_channel_is_answered_with_the_nearest(tmp_path, cap
     assert said in capsys.readouterr().err and not (tmp_path / "out").exists()
 
 
-@pytest.mark.parametrize(("low", "high", "least"), [(20.0, 900.0, 3), (12.0, 95.0, 2), (150.0, 400.0, 3), (0.1, 1000.0, 5)])
+@pytest.mark.parametrize(
+    ("low", "high", "least"), [(20.0, 900.0, 3), (12.0, 95.0, 2), (150.0, 400.0, 3), (0.1, 1000.0, 5)]
+)
 def test_a_logarithmic_axis_has_labels_however_little_it_spans(low, high, least):
     from matplotlib.figure import Figure
 

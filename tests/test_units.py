@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from workbench.errors import WorkbenchError
-from workbench.units import EXAMPLES, effect_unit, to_si
+from workbench.units import EXAMPLES, effect_unit, scaled, to_si
 from workbench.units.registry import BASE, DERIVED, NAMES
 
 WHERE = "c/campaign.toml: channels.torque.unit"
@@ -206,3 +206,31 @@ def test_any_text_is_a_unit_or_is_refused_with_a_sentence(text):
             assert np.isfinite(to_si(1.0, text, expected, WHERE))
         except WorkbenchError as e:
             assert str(e).startswith(WHERE) and str(e).endswith(".")
+
+
+@pytest.mark.parametrize(
+    ("unit", "by", "expected", "said"),
+    [
+        ("A", "Nm/A", "N*m", "write 'N*m/A'"),
+        ("mA", "mNm/mA", "N*m", "write 'mN*m/mA'"),
+        ("count", "counts/rev", "rad", "did you mean 'count'"),
+        ("count", "counts", "m", "'m/count' is needed"),
+        ("A", "N*m", "N*m", "'N*m/A' would"),
+        ("N*m", "N*m/A", "N*m", "'N*m/(N*m)' would"),
+        ("counts", "count/rev", "rad", "unit 'counts' is unknown"),
+        ("A", "", "N*m", "'N*m/A' would"),
+    ],
+)
+def test_a_scale_that_does_not_fit_is_answered_with_one_that_does(unit, by, expected, said):
+    with pytest.raises(WorkbenchError) as refused:
+        scaled(unit, by, expected, "campaign.toml: channels.torque.scale.unit")
+    assert said in str(refused.value) and str(refused.value).startswith("campaign.toml")
+
+
+@settings(max_examples=50, deadline=None)
+@given(st.text(max_size=12), st.text(max_size=12))
+def test_whatever_is_written_as_a_scale_is_read_or_refused_with_a_sentence(unit, by):
+    try:
+        scaled(unit, by, "N*m", "campaign.toml")
+    except WorkbenchError as e:
+        assert str(e).startswith("campaign.toml")

@@ -80,6 +80,12 @@ def reversed_drives(seen: Seen) -> list[tuple[Balance, float, float]]:
     return found
 
 
+def minus(channel: str) -> str:
+    """Say where a channel's sign is turned."""
+    where = f"channels.{channel}.scale"
+    return f'put a minus before the value of {where}, or, where there is none, write {where} = {{ value = -1, unit = "1" }}'
+
+
 def signs(seen: Seen) -> Iterator[Finding]:
     """Say which channel counts the wrong way: an encoder where the reference tells, else the drive."""
     negative = [s for s in slopes(seen.campaign.records) if s.slope < 0]
@@ -98,7 +104,7 @@ def signs(seen: Seen) -> Iterator[Finding]:
                 f"In record '{s.record}' {channel} moves against {other}: slope {s.slope:.3g}, correlation "
                 f"{s.correlation:.4f}.",
                 {"slope": s.slope, "correlation": s.correlation},
-                f"Turn the sign of {channel}: channels.{channel}.scale = {{ value = -1, unit = \"1\" }}.",
+                f"Turn the sign of {channel}: {minus(channel)}.",
             )  # fmt: skip
     wrong = {s.record for s in negative if s.channel == "position" or s.other == "position"}
     for b, as_it_is, when_turned in reversed_:
@@ -108,5 +114,5 @@ def signs(seen: Seen) -> Iterator[Finding]:
                 f"In record '{b.record.name}' inertia and friction explain {100 * max(as_it_is, 0):.0f} % of the drive as it "
                 f"stands and {100 * when_turned:.0f} % when its sign is turned: it counts against the position.",
                 {"as_it_stands": as_it_is, "turned": when_turned},
-                f"Turn the sign of the drive, channels.{seen.drive}.scale = {{ value = -1, unit = \"1\" }}, or of the encoder.",
+                f"Turn the sign of the drive, or of the encoder: {minus(seen.drive)}.",
             )  # fmt: skip

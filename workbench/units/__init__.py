@@ -69,11 +69,14 @@ def scaled(unit: str, by: str, expected: str, where: str) -> tuple[str, bool]:
         text = f"({tidy(unit)}){joint}({tidy(by)})"
         if legible(text) and _fits(text, expected):
             return text, multiplied
-    for one in (unit, by):
-        _factor(one, tidy(one), where)  # an unknown name is answered with the nearest
+    of = tidy(unit)
+    if not legible(of):
+        _factor(unit, expected, where)  # an unknown name is answered with the nearest
+    needed = f"{expected}/{of}" if of.isalpha() else f"{expected}/({of})"
+    if not legible(tidy(by)):
+        _factor(by, needed, where)
     raise WorkbenchError(
-        f"{where}: a scale in '{by}' does not turn a column in '{unit}' into '{expected}'; "
-        f"'{expected}/({tidy(unit)})' would, or its reciprocal."
+        f"{where}: a scale in '{by}' does not turn a column in '{unit}' into '{expected}'; '{needed}' would, or its reciprocal."
     )
 
 
