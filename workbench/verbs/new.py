@@ -33,6 +33,7 @@ def do(given: argparse.Namespace) -> int:
     print(f"\nWritten: {made.folder}/study.toml and {made.folder}/campaign/campaign.toml")
     if made.edit:
         print(f"To be edited in campaign.toml, from the data sheet: {', '.join(made.edit)}")
+    print("With actuator_limit stated in campaign.toml, gains are tuned too, for a loop as the records show it.")
     name = shlex.quote(given.name)
     print(f"Next: workbench check {name}, then workbench run {name}")
     return 0
