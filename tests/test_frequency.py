@@ -19,6 +19,7 @@ from workbench.finding import Finding
 from workbench.frequency import fit_modes, gain_limit, notch_for, response_of
 from workbench.frequency.output import findings
 from workbench.frequency.response import period_of
+from workbench.frequency.spectra import densities
 from workbench.plant import ONE_MASS, Plant
 from workbench.record import IDENTIFICATION, Record, Source
 
@@ -171,6 +172,20 @@ def test_a_record_that_repeats_is_told_from_one_that_does_not(periodic, period):
     u = rng.standard_normal(400 if periodic else 4000)
     u = np.tile(u, 10) if periodic else u
     assert period_of(u + 0.05 * rng.standard_normal(4000) + np.linspace(0, 3, 4000)) == period
+
+
+@pytest.mark.parametrize(("size", "count"), [(256, 3000), (255, 3000), (64, 64), (8, 21)])
+def test_spectral_densities_are_those_of_scipy(size, count):
+    from scipy import signal
+
+    rng = np.random.default_rng(3)
+    x, y = rng.normal(size=(2, count)) + np.linspace(0.0, 5.0, count)
+    f, auto, other, cross = densities(x, y, 500.0, size)
+    known = {"fs": 500.0, "window": "hann", "nperseg": size, "detrend": "linear"}
+    np.testing.assert_allclose(f, signal.welch(x, **known)[0])
+    for found, pair in ((auto, (x, x)), (other, (y, y)), (cross, (x, y))):
+        theirs = signal.csd(*pair, **known)[1]
+        np.testing.assert_allclose(found, theirs, rtol=1e-9, atol=1e-12 * np.abs(theirs).max())
 
 
 def test_a_record_that_shakes_nothing_is_refused_with_a_sentence():

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from workbench.errors import WorkbenchError
+from workbench.frequency.spectra import densities
 from workbench.record import Record
 
 AVERAGES = (
@@ -79,10 +80,10 @@ def shaken(records: Sequence[Record], bandwidth: float) -> Record:
 
     Steps and feedback make motions coherent with the drive too, but there the drive answers to the motion.
     """
-    from scipy import signal
 
     def density(r: Record) -> float:
-        f, power = signal.welch(r.drive, 1 / r.dt, "hann", max(r.drive.size // AVERAGES, 8), detrend="linear")
+        size = min(max(r.drive.size // AVERAGES, 8), r.drive.size)
+        f, power, *_ = densities(r.drive, r.drive, 1 / r.dt, size)
         inside = (f > BAND[0] * bandwidth) & (f < BAND[1] * bandwidth)
         return float(np.mean(np.log(power[inside] + 1e-300))) if inside.any() else -np.inf
 
@@ -163,12 +164,8 @@ def over_periods(record: Record, u: np.ndarray, a: np.ndarray, period: int) -> R
 
 def by_welch(record: Record, u: np.ndarray, a: np.ndarray, size: int) -> Response:
     """Welch's averages over half overlapped segments of `size` samples, Hann's window."""
-    from scipy import signal
-
     rate = 1 / record.dt
-    f, cross = signal.csd(u, a, rate, "hann", size, detrend="linear")
-    _, power = signal.welch(u, rate, "hann", size, detrend="linear")
-    _, motion = signal.welch(a, rate, "hann", size, detrend="linear")
+    f, power, motion, cross = densities(u, a, rate, size)
     averages = EFFECTIVE * (2 * (u.size // size) - 1)
     with np.errstate(divide="ignore", invalid="ignore"):
         value = cross / power
