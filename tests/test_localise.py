@@ -5,7 +5,8 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from workbench.trace.localise import Samples, lives, local
+from workbench.trace.localise import jumped, lives
+from workbench.trace.place import Samples, local
 
 N, NOISE = 6000, 0.1
 
@@ -15,7 +16,8 @@ def samples(rng) -> Samples:
     t = 1e-3 * np.arange(N)
     speed = np.repeat([1.0, 3.0, 8.0], N // 3)
     phase = np.cumsum(speed) * 1e-3
-    return Samples(np.sin(phase), speed * np.cos(phase), t, np.ones(N, bool), np.full(N, NOISE))
+    v = speed * np.cos(phase)
+    return Samples(np.sin(phase), v, np.sign(v), t, np.ones(N, bool), np.full(N, NOISE))
 
 
 class Linear:
@@ -83,3 +85,21 @@ def test_noise_alone_has_no_place():
     residual, model = residual_of(np.zeros(N), known, rng)
     quiet = SimpleNamespace(**{**vars(known), "floor": np.full(N, 2 * NOISE)})
     assert lives(residual, quiet, model) is None
+
+
+def test_jumps_of_the_level_are_found_at_their_moments():
+    rng = np.random.default_rng(8)
+    known = samples(rng)
+    moments = [0.7, 1.9, 2.6, 4.4, 5.1]
+    level = sum(s * (known.t > m) for s, m in zip([1.0, -0.6, 0.8, 1.1, -1.4], moments, strict=True))
+    residual, model = residual_of(level, known, rng)
+    found = jumped(residual, known, model)
+    assert [0.5 * (a + b) for a, b in found.spans] == pytest.approx(moments, abs=0.01)
+    assert found.outside == pytest.approx(1.0, abs=0.05) and found.share > 0.95
+
+
+def test_what_comes_and_goes_with_the_motion_is_no_jump_of_the_level():
+    rng = np.random.default_rng(9)
+    known = samples(rng)
+    residual, model = residual_of(np.sin(3 * known.q + 1) * known.q, known, rng)
+    assert jumped(residual, known, model) is None

@@ -215,11 +215,11 @@ EFFECTS: dict[str, Kind] = {
     # outside the catalogue
     "window_friction": Kind(
         "", lambda r, b: (0.05, *(r.uniform(-0.6, -0.2) + np.array([0.0, r.uniform(0.4, 0.8)])), 0.01),
-        ("amplitude", "from", "to", "edge"), "window", where=span,
+        ("amplitude", "from", "to", "edge"), "window", where=span, bases=(*PLAIN, "two mass"),
     ),
     "slip_moments": Kind(
         "", lambda r, b: (0.1, r.uniform(0.6, 1.2), phase(r), 0.08), ("amplitude", "every", "seed", "length"), "slips",
-        where=slip_times,
+        where=slip_times, bases=(*PLAIN, "two mass"),
     ),
     "fan": Kind(
         "", lambda r, b: (0.02, r.uniform(15.0, 60.0), *(r.uniform(1.5, 3.5) + np.array([0.0, r.uniform(4.0, 8.0)])), phase(r)),
@@ -236,7 +236,11 @@ EFFECTS: dict[str, Kind] = {
     ),
     "missed_counts": Kind(
         "", lambda r, b: (2e-4, r.uniform(1.5, 3.0)), ("step", "every"), fields=("lost", "lost_every"),
-        places=("sensor.position",), where=loss_times,
+        places=("sensor.position",), where=loss_times, bases=(*PLAIN, "two mass"),
+    ),
+    "slip@joint": Kind(
+        "", lambda r, b: (2e-4, r.uniform(1.5, 3.0), phase(r)), ("step", "every", "seed"), fields=("slid", "slid_every", "slid_seed"),
+        places=("joint",), bases=("two mass",), where=lambda p, seconds: slip_times((*p, 0.0), seconds),
     ),
     "coarse_torque": Kind(
         "", lambda r, b: (0.05,), ("step",), fields=("grain",), places=("command",), where=lambda p, seconds: ("command", []),

@@ -22,7 +22,8 @@ class Axis(NamedTuple):
     """The facts of an axis, SI as seen at the output. What is zero does nothing.
 
     Friction with memory: h0 (1 - exp(-rate x)) at the mover, h1, rate1 beside it, h2, rate2 in the joint. The joint of two
-    masses: k2 and c2 act on the deflection, less lost motion of half width gap, plus a tooth error tooth sin(turns q + phase).
+    masses: k2 and c2 act on the deflection, less lost motion of half width gap, plus a tooth error tooth sin(turns q + phase);
+    at moments it slips by slid, and stays there.
     Drive: delay and lag in s, fall of the torque constant, torque in steps of grain. Encoder: reads
     q + error sin(error_turns q + error_phase) + trend t, and skips counts at moments. Clock of the (load) position: late by
     late + skew t.
@@ -55,6 +56,9 @@ class Axis(NamedTuple):
     trend: float = 0.0
     lost: float = 0.0
     lost_every: float = 1.0
+    slid: float = 0.0
+    slid_every: float = 1.0
+    slid_seed: float = 0.0
     late: float = 0.0
     skew: float = 0.0
     count: float = 4.848e-6
@@ -339,6 +343,17 @@ def applied_torque(axis, u):
 
 
 @numba.njit(cache=True)
+def slid(axis, t):
+    """By how much a coupling has slipped until t: by a step, one way or the other, at moments as those of `slips`."""
+    total = 0.0
+    if axis.slid != 0.0:
+        for k in range(int(t / axis.slid_every) + 1):
+            if t > slip_at(k, axis.slid_every, axis.slid_seed):
+                total += axis.slid if np.sin(78.233 * k + axis.slid_seed) > 0 else -axis.slid
+    return total
+
+
+@numba.njit(cache=True)
 def simulate(axis, p, places, start, reference, speed, injected, closed, locked, q_log, ql_log, u_log):
     """Integrate one record from rest, friction relaxed; fills the logs (n,), one value a step.
 
@@ -352,7 +367,7 @@ def simulate(axis, p, places, start, reference, speed, injected, closed, locked,
     at, pace, dry, force = np.zeros((4, 3))
     damping = (axis.viscous, axis.load_viscous, axis.c2)
     friction = (axis.h0, axis.load_h, axis.h2)
-    q, v, ql, vl, applied, before = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    q, v, ql, vl, applied, before = 0.0, 0.0, slid(axis, start), 0.0, 0.0, 0.0  # at rest, the joint relaxed
     ts = PER_CONTROL * H
     smooth = 1.0 - np.exp(-2.0 * np.pi * 250.0 * ts)
     gain, stiffness = (axis.inertia + axis.load_inertia) * 2.0 * np.pi * 22.0, 2.0 * np.pi * 6.0
@@ -398,7 +413,7 @@ def simulate(axis, p, places, start, reference, speed, injected, closed, locked,
         by_motor = 1.0
         if two:
             at[LOAD], pace[LOAD], dry[LOAD] = ql, vl, rub(points[3], memory[3], ql, axis.rate)
-            x = q - ql + axis.tooth * np.sin(axis.tooth_turns * q + axis.tooth_phase)
+            x = q - ql + slid(axis, t) + axis.tooth * np.sin(axis.tooth_turns * q + axis.tooth_phase)
             by_motor += axis.tooth * axis.tooth_turns * np.cos(axis.tooth_turns * q + axis.tooth_phase)
             taken = abs(x) > axis.gap
             at[JOINT] = x - axis.gap * np.sign(x) if taken else 0.0

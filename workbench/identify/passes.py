@@ -12,7 +12,7 @@ import casadi as ca
 import numpy as np
 
 from workbench import effect as fx
-from workbench.effect import Effect
+from workbench.effect import Effect, catalogue
 from workbench.effects.hysteresis import stop_direction
 from workbench.errors import WorkbenchError
 from workbench.identify.bodies import ACCELERATION, CHANNEL, INCREMENT, POSITION, VELOCITY, Bodies, rows
@@ -137,6 +137,12 @@ class Passes:
         for e, outputs, _ in self._forces(plant):
             for name, column in zip(e.linear or ("",), outputs, strict=False):
                 yield e, name, column
+
+    def direction(self, plant: Plant, place: str) -> np.ndarray:
+        """Return the direction (n,) at a place that friction there has, between -1 and 1."""
+        dry = catalogue()["coulomb_friction"](at=place)
+        forces = [e for e in plant.effects if e.port == fx.FORCE and e.at == place and e.key != dry.key]
+        return next(outputs[0, 0] for e, outputs, _ in self._at(plant, place, [*forces, dry]) if e.key == dry.key)
 
     def filtered(self, plant: Plant) -> Iterator[tuple[Effect, str, np.ndarray]]:
         """As `columns`, through the evaluation filter."""

@@ -7,12 +7,12 @@ COUNT steps of the range. Moments are the steps of the clock that hold most of t
 window is a place, because whatever is somewhere is also sometime.
 """
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
 
 import numpy as np
 
-from workbench.identify.passes import Passes
+from workbench.trace.jumps import jumps
+from workbench.trace.place import WAYS, Place, Samples, excess_of, local, over, score, weighed
 from workbench.trace.score import DETERMINED, Deviations
 
 COUNT = 80  # steps of position and of speed over their range
@@ -20,62 +20,8 @@ MOMENT = 0.02  # s, step of the clock
 APART = 0.1  # s, gap up to which two moments are one
 MOST = 0.98  # share of the excess that moments are to hold
 ROUNDS = 4  # fits without the moments
-LOCAL = 0.55  # share of the excess in a place, less the share of samples, from which it lives there
-CONTRAST = 2.0  # rms inside over rms outside
+JUMPED = 0.9  # share of the excess that jumps of the level must take away
 WIDE = 0.8  # share of the range above which an interval is no place
-WAYS = {0: "either direction", 1: "forward", -1: "backward"}
-
-
-@dataclass(frozen=True)
-class Place:
-    """coordinate: "position", "velocity" (spans of its magnitude) or "time". spans: (low, high), SI.
-
-    direction: 1 forward, -1 backward, 0 either. share: of the excess power inside. covered: share of the samples inside.
-    inside, outside: rms of the residual over the floor's. rows: (N,) of bool, the rows of the problem inside.
-    """
-
-    coordinate: str
-    spans: tuple[tuple[float, float], ...]
-    direction: int
-    share: float
-    covered: float
-    inside: float
-    outside: float
-    rows: np.ndarray
-
-    @property
-    def sentence(self) -> str:
-        """Where, in words."""
-        unit = {"position": "", "velocity": "", "time": " s"}[self.coordinate]
-        spans = ", ".join(f"{low:.4g} to {high:.4g}{unit}" for low, high in self.spans[:6])
-        more = f" and {len(self.spans) - 6} more" if len(self.spans) > 6 else ""
-        name = {"position": "at positions", "velocity": "at speeds", "time": "at the times"}[self.coordinate]
-        way = f", moving {WAYS[self.direction]}" if self.direction else ""
-        return f"{name} from {spans}{more}{way}"
-
-
-@dataclass(frozen=True, eq=False)
-class Samples:
-    """What is known of each row of a stacked problem: position, velocity, time, drive balance or not, floor (rms)."""
-
-    q: np.ndarray
-    v: np.ndarray
-    t: np.ndarray
-    drive: np.ndarray
-    floor: np.ndarray
-
-
-def samples(passes: Sequence[Passes], rows: Sequence[int], level: Mapping[str, float]) -> Samples:
-    """Return the samples of a problem over these passes. rows: balances of each; level: record -> rms of the floor."""
-    parts: list[list[np.ndarray]] = [[], [], [], [], []]
-    for p, balances in zip(passes, rows, strict=True):
-        m, keep = p.motion, p.motion.keep
-        n = keep.stop - keep.start
-        drive = np.tile(np.arange(balances) == 0, n)
-        floor = np.full(n, level[m.record.name])
-        for part, x in zip(parts, (m.q[keep], m.v[keep], m.t[keep], None, floor), strict=True):
-            part.append(drive if x is None else np.repeat(x, balances))
-    return Samples(*(np.concatenate(part) for part in parts))
 
 
 def lives(residual: np.ndarray, known: Samples, model: Deviations) -> Place | None:
@@ -93,11 +39,6 @@ def lives(residual: np.ndarray, known: Samples, model: Deviations) -> Place | No
     return weighed(times, model.without(residual, times.rows), known) if times else best
 
 
-def excess_of(residual: np.ndarray, known: Samples) -> np.ndarray:
-    """Return each row's squared residual less the floor's, zero where it is no drive's balance."""
-    return np.where(known.drive, residual**2 - known.floor**2, 0.0)
-
-
 def moments_of(residual: np.ndarray, known: Samples, model: Deviations) -> Place | None:
     """Return the moments that hold most of the excess of a fit without them, sought anew ROUNDS times at most."""
     place, r = None, residual
@@ -112,27 +53,26 @@ def moments_of(residual: np.ndarray, known: Samples, model: Deviations) -> Place
     return place
 
 
-def weighed(place: Place, residual: np.ndarray, known: Samples) -> Place:
-    """Return the place with what `residual` leaves inside and outside."""
+def jumped(residual: np.ndarray, known: Samples, model: Deviations) -> Place | None:
+    """Return the moments at which the level of a residual jumps and stays, or None where that is not nearly all of it.
 
-    def over(rows):
-        rows = rows & known.drive
-        power, floor = np.sum(residual[rows] ** 2), np.sum(known.floor[rows] ** 2)
-        return float(np.sqrt(power / floor)) if floor > 0 else float("inf") if power > 0 else 0.0
-
-    return Place(
-        place.coordinate, place.spans, place.direction, place.share, place.covered, over(place.rows), over(~place.rows),
-        place.rows,
-    )  # fmt: skip
-
-
-def score(place: Place) -> float:
-    return place.share - place.covered
-
-
-def local(place: Place | None) -> bool:
-    """Whether a place is one: most of the excess, few of the samples, and calm outside."""
-    return place is not None and score(place) > LOCAL and place.inside > CONTRAST * place.outside
+    inside, outside: rms of the whole residual over the floor's, before and after levels of its own between the moments.
+    """
+    whole = float(excess_of(residual, known).sum())
+    if not whole > 0:
+        return None
+    found = jumps(residual, known.t, known.drive, known.floor, model)
+    share = 1.0 - max(float(excess_of(found.residual, known).sum()), 0.0) / whole
+    if not found.times or share < JUMPED:
+        return None
+    near = np.zeros(known.t.size, bool)
+    for t in found.times:
+        near |= np.abs(known.t - t) <= MOMENT
+    covered = float(np.count_nonzero(near & known.drive) / np.count_nonzero(known.drive))
+    every = np.ones(known.t.size, bool)
+    before, after = (over(r, every, known) for r in (residual, found.residual))
+    spans = tuple((t - MOMENT, t + MOMENT) for t in found.times)
+    return Place("time", spans, 0, share, covered, before, after, near)
 
 
 class Scan:
@@ -170,10 +110,9 @@ class Scan:
         if not high > low:
             return None
         index = np.minimum((COUNT * (x - low) / (high - low)).astype(int), COUNT - 1)
-        v = self.known.v
-        ways = np.sign(v).astype(int) + 1
+        way = self.known.way.astype(int)
         sums = [
-            s.reshape(COUNT, len(WAYS), *s.shape[1:]) for s in self.sums(index * len(WAYS) + ways, COUNT * len(WAYS))
+            s.reshape(COUNT, len(WAYS), *s.shape[1:]) for s in self.sums(index * len(WAYS) + way + 1, COUNT * len(WAYS))
         ]
         i, j = np.triu_indices(COUNT + 1, 1)
         narrow = j - i <= WIDE * COUNT
@@ -189,7 +128,7 @@ class Scan:
             if best is None or share[k] - covered[k] > best[0] + 1e-12:
                 best = (share[k] - covered[k], int(i[k]), int(j[k]), direction, float(share[k]), float(covered[k]))
         _, first, last, direction, share, covered = best
-        rows = (index >= first) & (index < last) & ((v * direction > 0) if direction else True)
+        rows = (index >= first) & (index < last) & ((way == direction) if direction else True)
         step = (high - low) / COUNT
         span = (low + first * step, low + last * step)
         return Place(name, (span,), direction, share, covered, np.nan, np.nan, rows)

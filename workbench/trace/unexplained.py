@@ -1,12 +1,13 @@
 """What no effect of the catalogue explains: whether something is left, where it lives, and whether an effect only dresses it."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
 
 from workbench.trace.judge import State
-from workbench.trace.localise import WAYS, Place, Samples, lives, local, samples, weighed
+from workbench.trace.localise import jumped, lives
+from workbench.trace.place import WAYS, Place, Samples, local, samples, score, weighed
 from workbench.trace.score import Deviations
 
 PLAIN = 2.0  # residual over floor from which something is plainly left
@@ -35,18 +36,16 @@ def unknown(declared: State, last: State, level: Mapping[str, float]) -> Unexpla
     known = samples_of(declared, level)
     before, after = times(declared, known), times(last, known)
     if last is declared:
-        place = living(declared, known)
-        return (
-            Unexplained(place if local(place) else None, before, True)
-            if before > PLAIN or (before > LEFT and local(place))
-            else None
-        )
+        place = living(declared, known) if before > LEFT else None
+        if not (before > PLAIN or local(place)):
+            return None
+        return Unexplained(named(place, declared, known), before, True)
     if after <= LEFT:
         return None
     explained = (before**2 - after**2) / max(before**2 - 1.0, 1e-12)
     place = living(declared, known)
     if explained < DRESSED:
-        return Unexplained(place if local(place) else None, before, True)
+        return Unexplained(named(place, declared, known), before, True)
     alone = local(place) and place.inside > ALONE * place.outside
     if explained < EXPLAINED and alone and weighed(place, last.solution.residual, known).inside > LEFT:
         return Unexplained(place, before, True)
@@ -60,7 +59,7 @@ def noise_alone(state: State, level: Mapping[str, float], most: float = NOISE) -
 
 
 def samples_of(state: State, level: Mapping[str, float]) -> Samples:
-    return samples(state.passes, [p.rows(state.plant) for p in state.passes], level)
+    return samples(state.passes, state.plant, level)
 
 
 def times(state: State, known: Samples) -> float:
@@ -70,8 +69,16 @@ def times(state: State, known: Samples) -> float:
     return (power / floor) ** 0.5 if floor > 0 else 0.0
 
 
-def living(state: State, known: Samples) -> Place | None:
-    return lives(state.solution.residual, known, Deviations(state.problem, state.solution))
+def living(state: State, known: Samples, how: Callable[..., Place | None] = lives) -> Place | None:
+    return how(state.solution.residual, known, Deviations(state.problem, state.solution))
+
+
+def named(place: Place | None, state: State, known: Samples) -> Place | None:
+    """Return the place that is named: a window, else the moments, or the jumps of the level, that hold more for their size."""
+    if local(place) and place.coordinate != "time":
+        return place
+    moments = [p for p in (place if local(place) else None, living(state, known, jumped)) if p]
+    return max(moments, key=score, default=None)
 
 
 def described(found: Unexplained | None) -> dict[str, object]:

@@ -1,0 +1,79 @@
+"""Moments at which the level of a residual jumps and stays: a coupling that slipped, counts that were lost between two encoders.
+
+What is left after such a jump is everywhere, and yet it has few causes, each at its moment. Jumps are found one after another,
+each where a step of the level takes away most, with all levels and the model fitted anew in between (binary segmentation with
+refits: Vostrikova 1981).
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from workbench.trace.score import Deviations
+
+LEAST = 0.005  # of the excess that a jump must take away
+CERTAIN = 50.0  # times the floor's power of one sample that it must take away, too
+MOST = 60  # jumps
+PAUSE = 0.25  # s without samples that parts records
+
+
+@dataclass(frozen=True, eq=False)
+class Jumps:
+    """times: of each jump, s. residual (N,): what is left of a model whose level jumps there, and from record to record."""
+
+    times: tuple[float, ...]
+    residual: np.ndarray
+
+
+def jumps(residual: np.ndarray, t: np.ndarray, drive: np.ndarray, floor: np.ndarray, model: Deviations) -> Jumps:
+    """Return the jumps of the level of a residual (N,).
+
+    t, drive, floor: (N,), time, whether a row is the drive's balance, rms of the floor. What joins two bodies enters the
+    drive's balance and, the other way, the load's.
+    """
+    rows = np.flatnonzero(drive)
+    starts = [0, *(np.flatnonzero(np.diff(t[rows]) > PAUSE) + 1)]
+    edges = [*starts, rows.size]
+    enough = max(
+        LEAST * float(np.sum(residual[rows] ** 2 - floor[rows] ** 2)), CERTAIN * float(np.mean(floor[rows] ** 2))
+    )
+    sign = np.where(drive, 1.0, -1.0)
+    found: list[int] = []
+    while True:
+        left = levelled(
+            residual, np.searchsorted(rows[np.sort([*starts, *found])], np.arange(t.size), "right"), sign, model
+        )
+        if len(found) >= MOST:
+            break
+        gain, at = best_split(left[rows], edges)
+        if not gain > enough:
+            break
+        found.append(at)
+        edges = sorted([*edges, at])
+    return Jumps(tuple(sorted(float(t[rows[k]]) for k in found)), left)
+
+
+def levelled(residual: np.ndarray, segment: np.ndarray, sign: np.ndarray, model: Deviations) -> np.ndarray:
+    """Return what the model with a level of its own in each segment leaves. segment: (N,) of int."""
+    levels = np.zeros((residual.size, int(segment.max()) + 1))
+    levels[np.arange(residual.size), segment] = sign
+    columns = np.hstack([model.columns, levels])
+    gram = columns.T @ columns
+    gram[np.diag_indices_from(gram)] += 1e-9 * np.trace(gram) / len(gram)
+    return residual - columns @ np.linalg.solve(gram, columns.T @ residual)
+
+
+def best_split(x: np.ndarray, edges: list[int]) -> tuple[float, int]:
+    """Return (power that it takes away, first sample after it) of the best step of the level within a segment of x (n,)."""
+    best, at = 0.0, 0
+    for a, b in zip(edges[:-1], edges[1:], strict=True):
+        if b - a < 2:
+            continue
+        sums = np.cumsum(x[a:b])
+        n = np.arange(1, b - a)
+        before, after = sums[:-1], sums[-1] - sums[:-1]
+        gains = before**2 / n + after**2 / (b - a - n) - sums[-1] ** 2 / (b - a)
+        k = int(np.argmax(gains))
+        if gains[k] > best:
+            best, at = float(gains[k]), a + k + 1
+    return best, at
