@@ -1,6 +1,7 @@
 """A contest of controllers: linearisations of two masses, standings, verdicts, reproduction, and what is exported."""
 
 import json
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -11,6 +12,7 @@ from workbench.effect import find
 from workbench.errors import WorkbenchError
 from workbench.export.feed_forward import export_feed_forward
 from workbench.plant import ONE_MASS, TWO_MASS, Limits, Plant
+from workbench.report.contest import asked_table
 from workbench.report.reproduction import Printed, counted, reproduction_table
 from workbench.simulate import Loop
 from workbench.verify.bound import time_optimal
@@ -18,6 +20,7 @@ from workbench.verify.contest import Contest, Standing, contest, verdict
 from workbench.verify.families import cascade_family, joint_family, joint_gains, pd_family
 from workbench.verify.line_up import feed_forward_of
 from workbench.verify.linear import Linear, TwoMasses
+from workbench.verify.margin import Asked, against_margin
 from workbench.verify.task import Task, Weights
 
 LOOP = Loop(2.5e-4, 4, 2.5e-4, 2.5e-4, 4.848e-6)
@@ -122,6 +125,31 @@ def test_a_contest_tunes_without_load_and_judges_with_it_and_over_the_grid(monke
     order = np.argsort(tuned.values["cost"])
     assert tuned.tuned.median is tuned.tuned.runs[order[1]]
     assert tuned.median("error_grid") >= tuned.median("error_spread")
+
+
+def test_the_searchs_own_run_stands_for_the_tasks_own_limit_on_the_sensitivity(monkeypatch):
+    from workbench.verify import optimise as module
+
+    for name, value in (("GENERATIONS", 2), ("LOCAL", 4), ("POPULATION", 3)):
+        monkeypatch.setattr(module, name, value)
+    task = Task(rigid(), LOOP, STEP, 0.3, (0.0, 5.3e-4), (0.5, 1.5), (1.0,), 0.0, 1, Weights())
+    family = pd_family(Linear(LOOP, 0.0074, 0.0, np.array([0.0])), (400.0, 5.0))
+    found = contest(task, [family], tuning_time=0.3, seeds=(4, 5))
+    again = against_margin(task, (2.0, 3.0), lambda _: {"fixed PD": family}, tuning_time=0.3, seed=5)
+    known = against_margin(task, (2.0, 3.0), lambda _: {"fixed PD": family}, tuning_time=0.3, seed=5, found=found)
+    assert found["fixed PD"].of_seed(6) is None
+    for figure, values in again.values["fixed PD"].items():
+        assert (values == known.values["fixed PD"][figure]).all()
+
+
+def test_a_figure_that_the_margin_forbids_is_said_with_the_margin_at_which_it_is_had():
+    limits = np.array([1.6, 2.0, 3.0])
+    row = Asked("error", "the error", 2e-4, 3e-4, np.array([5e-4, 3e-4, 1e-4]), "rad", "reason")
+    never = replace(row, asked=1e-5)
+    assert row.had_at(limits) == 3.0 and never.had_at(limits) is None
+    shown = asked_table((row, never), limits, 2.0)
+    assert shown.columns[2] == "had with Ms ≤ 2"
+    assert [r[3] for r in shown.rows] == ["at Ms = 3", "at none: 100\u00a0µrad at Ms = 3"]
 
 
 def test_a_reproduction_row_meets_its_tolerance_or_says_why_not():

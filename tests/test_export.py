@@ -100,7 +100,7 @@ def test_four_files_are_written_and_hold_one_crc(tmp_path):
 
 
 @pytest.mark.parametrize("scale", [None, SCALE])
-@pytest.mark.parametrize("rule", ["frozen", "following"])
+@pytest.mark.parametrize("rule", ["frozen", "following", "error"])
 def test_every_file_says_everything(tmp_path, scale, rule):
     s, p = schedule(rule=rule), plant()
     h, j, _, b = export(s, p, tmp_path, scale=scale)
@@ -109,7 +109,7 @@ def test_every_file_says_everything(tmp_path, scale, rule):
         assert contents[key] == list(getattr(s, key))
         assert np.array_equal(binary["tables"].rows[key], getattr(s, key).astype(np.float32))
     assert contents["rule"] == binary["rule"] == rule
-    assert f"WB_GAINS_FROZEN {int(rule == 'frozen')}" in text
+    assert f"WB_GAINS_FROZEN {int(rule == 'frozen')}" in text and f"WB_GAINS_ERROR {int(rule == 'error')}" in text
     assert contents["reversal"] == s.reversal and binary["reversal"] == np.float32(s.reversal)
     assert contents["sample_time"] == s.sample_time and binary["sample_time"] == np.float32(s.sample_time)
     assert contents["plant"]["digest"] == binary["digest"] == p.digest and p.digest in text

@@ -28,7 +28,7 @@ def compiled(folder: Path, source: Path = SOURCE, options=(*C99, "-O2")) -> Path
     return out
 
 
-@pytest.fixture(scope="module", params=["frozen", "following"])
+@pytest.fixture(scope="module", params=["frozen", "following", "error"])
 def consumer(request, tmp_path_factory):
     folder = tmp_path_factory.mktemp(request.param)
     export(schedule(rule=request.param), plant(), folder, scale=SCALE)
@@ -180,9 +180,31 @@ def test_c_and_python_schedule_the_same_gains(consumer, seed):
         a, reversed_now = reference.update(position)
         if frozen:
             a = reference.amplitude(target - position) if reversed_now else wanted[-1]
+        elif rule == "error":
+            a = min(a, reference.amplitude(target - position))
         wanted.append(a)
     same(got[0], wanted)
     same(got[1:], lookup32(schedule(), wanted))
+
+
+@pytest.mark.parametrize("rule", ["following", "error"])
+def test_the_exported_rule_looks_up_where_the_simulated_law_does(rule, tmp_path):
+    """A step of the simulated loop: its readings given to the C code, and the gains from there those that it commanded with."""
+    from workbench.control import scheduled_pd
+    from workbench.effect import find
+    from workbench.plant import ONE_MASS, Limits, Plant
+    from workbench.simulate import Loop, ScenarioArrays, simulate
+
+    s = schedule(rule=rule)
+    export(s, plant(), tmp_path)
+    axis = Plant(ONE_MASS, (find("inertia")(inertia=0.0074), find("presliding_hysteresis")(h0=0.15, x0=1.6e-3)),
+                 limits=Limits(3.3, 12.6))  # fmt: skip
+    loop = Loop(2.5e-4, 4, 0.0, 2.5e-4, 4e-6)  # a reversal lies between counts
+    m = simulate(axis, loop, scheduled_pd(s, rule), ScenarioArrays(1, target=0.02, phase=0.5), 0.4, ("y", "vh", "u_c"))
+    y, vh, u = (m.trajectories[n][:, 0] for n in ("y", "vh", "u_c"))
+    _, kp, kd = run(compiled(tmp_path), "schedule", np.full(y.size, 0.02), y)
+    wanted = np.clip(kp * (0.02 - y) - kd * vh, -3.3, 3.3)
+    assert np.abs(u[1:] - wanted[1:]).max() < 2e-3 * np.abs(u).max() and np.ptp(kp[1:]) > 0.0
 
 
 def test_amplitude_is_the_stroke_from_rest_and_half_of_it_after_a_reversal(consumer):

@@ -1,5 +1,7 @@
 """What gains are worth: the bound, the equivalents of all friction together, the search, the comparison."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
@@ -99,6 +101,17 @@ def test_the_sensitivity_of_a_law_is_that_of_python_control():
     expected = np.max(1 / np.abs(1 + np.squeeze((plant * law)(np.exp(1j * w * 1e-3)))))
     family = pd_family(linear, (kp, kd))
     assert family.sensitivity(np.array([[kp, kd]]))[0] == pytest.approx(expected, rel=0.01)
+
+
+def test_a_scenario_that_overshoots_does_not_pay_with_a_small_error_there():
+    """Two scenarios, one with the larger error and one that overshoots by twice what is allowed: the excess counts in full."""
+    task = Task(axis(), LOOP, 1.0, 0.2, weights=Weights(overshoot=0.002, steepness=200.0))
+    metrics = SimpleNamespace(
+        time_1pct=np.array([0.2, 0.1]), final_error=np.array([1e-3, 1e-6]), overshoot=np.array([0.0, 0.004]),
+        ripple=np.zeros(2),
+    )  # fmt: skip
+    fine = SimpleNamespace(**vars(metrics) | {"overshoot": np.zeros(2)})
+    assert cost(task, metrics, 0.1, 2)[0] - cost(task, fine, 0.1, 2)[0] == pytest.approx(200.0 * 0.002)
 
 
 def test_a_step_that_never_settles_costs_more_than_any_that_does():

@@ -15,6 +15,7 @@ from workbench.verify.contest import Contest, contest, entered
 from workbench.verify.design import Designed, steps_of, two_modes
 from workbench.verify.families import Family
 from workbench.verify.line_up import REACHED, LineUp, line_up
+from workbench.verify.margin import AgainstMargin, Asked
 from workbench.verify.task import Task
 
 FROZEN, PAPER = "scheduled PD (frozen)", "scheduled PD (following)"
@@ -73,7 +74,7 @@ def designed(made: LineUp, found: Contest, control: Control, plant: Plant) -> tu
     def final(name: str, rule: str) -> Schedule:
         return two_modes(made.schedule, found[name].tuned.median, rule)
 
-    kept = {"following": final(PAPER, "following"), "frozen": final(FROZEN, "frozen")}
+    kept = {"following": final(PAPER, "following"), "frozen": final(FROZEN, "frozen"), "error": final(ERROR, "error")}
     ended = {"following": kept["following"], "error": final(ERROR, "following")}
     checks = {
         rule: checked(plant, made.equivalent, made.gains, schedule, control.goal, control.loop)
@@ -96,6 +97,28 @@ def figures_of_checks(checks: dict[str, Checks]) -> dict[str, float]:
         "phase_margin": float(min(np.min(c.phase_margin) for c in every)),
         **{f"pumping_over_damping_{r}": float(np.max(c.moving.pumping / c.moving.damping)) for r, c in checks.items()},
     }
+
+
+def asked_for(found: Contest, margins: AgainstMargin) -> tuple[Asked, ...]:
+    """Return what was hoped of the paper's rule and is not had within the limit on Ms."""
+    gross = (
+        "a large step without overshoot arrives in gross sliding, where friction holds it at h0/Kp: the presliding gains are not "
+        "entered, and Ms bounds Kp. With the error in the rule they are"
+    )
+    one = "both arrive with the gains of gross sliding, so a schedule over the stroke is a fixed PD there"
+    paper, fixed = margins.values[PAPER], margins.values[FIXED]
+    ratio = found[PAPER].median("error") / found[FIXED].median("error")
+    return (
+        Asked("paper_error", "paper's rule: error", 1e-4, found[PAPER].median("error"), paper["error"], "rad", gross),
+        Asked(
+            "paper_error_loaded", "paper's rule: error, loaded", 1e-4, found[PAPER].median("error_loaded"),
+            paper["error_loaded"], "rad", gross,
+        ),
+        Asked(
+            "paper_error_over_fixed", "paper's rule: error over that of the fixed PD", 0.33, ratio,
+            paper["error"] / fixed["error"], "1", one,
+        ),
+    )  # fmt: skip
 
 
 def figures_of(found: Contest) -> tuple[dict[str, float], dict[str, str]]:
@@ -127,6 +150,8 @@ def figures_of(found: Contest) -> tuple[dict[str, float], dict[str, str]]:
         "profile_pi_time_over_bound": found.over_bound(BEST),
         "paper_time_over_soft_cascade": of(PAPER, "time") / of(SOFT, "time"),
         "cascade_time_over_bound": found.over_bound(CASCADE),
+        "paper_time_over_fixed": of(PAPER, "time") / of(FIXED, "time"),
         "sensitivity": max(of(n, "sensitivity") for n, s in found.standings.items() if s.tuned),
+        "overshoot": max(of(n, "overshoot_grid") for n, s in found.standings.items() if s.tuned and n != NOMINAL),
     }
     return {**errors, **ratios}, dict.fromkeys(errors, "rad")

@@ -6,13 +6,14 @@ identifies the model, and tunes on the identified one. The controllers are judge
 
 from dataclasses import replace
 
+from workbench.export import export
 from workbench.export.feed_forward import export_feed_forward
 from workbench.identify.fit import identify, passes_of
 from workbench.plant import Plant
 from workbench.report import control as control_chapters
 from workbench.report.checks import checks_chapter
 from workbench.report.contents import Chapter, Paragraph
-from workbench.report.contest import contest_chapter, margin_figure, standings_table
+from workbench.report.contest import asked_table, contest_chapter, margin_figure, standings_table
 from workbench.report.reproduction import as_table, counted
 from workbench.study import standard
 from workbench.study.configuration import Study
@@ -73,10 +74,12 @@ def contested(study: Study, control: Control, model: Plant, known: Plant, fitted
     margins = against_margin(
         held.task,
         numbers(asked, "margins", (2.0,)),
-        lambda limit: controllers.for_margin(control, model, held.task, limit, (PAPER, ERROR)),
+        lambda limit: controllers.for_margin(control, model, held.task, limit, (PAPER, ERROR, FIXED)),
         tuning_time=asked.quantity("tuning_time", "s", above=0.0),
+        found=held,
         say=say,
     )
+    missed = controllers.asked_for(held, margins)
     disc = held.task.load_inertias[-1]
     printed = paper.rows(held, fitted, disc)
     figures, units = controllers.figures_of(held)
@@ -88,15 +91,18 @@ def contested(study: Study, control: Control, model: Plant, known: Plant, fitted
     against = contest_chapter(
         held, (PAPER, ERROR, PROFILE_PI), BASELINES, tuple(n for n in held.standings if n not in (SOFT, NOMINAL))
     )
-    against = replace(against, blocks=(*against.blocks, margin_figure(margins, "rad", control.goal.sensitivity)))
+    limit = control.goal.sensitivity
+    paid = (asked_table(missed, margins.limits, limit), margin_figure(margins, "rad", limit))
+    against = replace(against, blocks=(*against.blocks, *paid))
     part = Part(
         figures={
             **figures,
+            **{f"{m.name}_at_loosest_margin": float(m.values[-1]) for m in missed},
             **counted(printed),
             "knots": float(made.schedule.knots.size),
             **controllers.figures_of_checks(checks),
         },
-        units=units | {"phase_margin": "rad"},
+        units=units | {"phase_margin": "rad"} | {f"{m.name}_at_loosest_margin": m.unit for m in missed},
         chapters=(
             control_chapters.schedule_chapter(designed, control.rule),
             *(checks_chapter(c, control.goal.sensitivity, model, rule) for rule, c in checks.items()),
@@ -108,9 +114,13 @@ def contested(study: Study, control: Control, model: Plant, known: Plant, fitted
             "contest": contest_table(held),
             "reproduction": as_table(printed),
             "error_against_margin": {"limits": margins.limits, **margins.values},
+            "asked": [{**vars(m), "had_at": m.had_at(margins.limits)} for m in missed],
         },
         files=(
             lambda folder: write_gains(designed, control, folder),
+            lambda folder: export(
+                designed.final["error"], model, folder / "gains", name="gains_error", scale=control.scale
+            ),
             lambda folder: export_feed_forward(made.feed_forward, model, folder / "gains"),
         ),
     )

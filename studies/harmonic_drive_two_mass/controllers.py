@@ -13,7 +13,7 @@ from workbench.verify.contest import Contest, contest
 from workbench.verify.families import Family, cascade_family, joint_family, pd_family, profile_family, scheduled_family
 from workbench.verify.line_up import BRAKING, REACHED, line_up
 from workbench.verify.linear import TwoMasses
-from workbench.verify.margin import AgainstMargin, against_margin
+from workbench.verify.margin import AgainstMargin, Asked, against_margin
 
 from .plant import Assumed
 
@@ -68,7 +68,20 @@ def held(study: Study, control: Control, known: Assumed, loop: Loop, say) -> tup
     found = contest(task, every, tuning_time=time, seeds=seeds, loaded=True, say=say)
     scheduled = {f.name: f for f in every if f.name in (OUTPUT, JOINT)}
     limits = numbers_of(asked, "margins", (2.0,))
-    return found, against_margin(task, limits, lambda _: scheduled, tuning_time=time, loaded=True, say=say)
+    margins = against_margin(
+        task, limits, lambda _: scheduled, tuning_time=time, loaded=True, seed=seeds[0], found=found, say=say
+    )
+    return found, margins
+
+
+def asked_for(found: Contest, margins: AgainstMargin) -> tuple[Asked, ...]:
+    """Return what was hoped of the schedule over the relative displacement and is not had within the limit on Ms."""
+    why = "at rest friction holds the load at h0/Kp, and Ms bounds Kp by the resonance of the joint: a fixed PD is bounded alike"
+    ours = margins.values[JOINT]
+    return tuple(
+        Asked(f"joint_{n}", f"relative displacement: {said}", 3e-4, found[JOINT].median(n), ours[n], "rad", why)
+        for n, said in (("error", "error"), ("error_loaded", "error, loaded"))
+    )
 
 
 def figures_of(found: Contest) -> tuple[dict[str, float], dict[str, str]]:
@@ -92,5 +105,6 @@ def figures_of(found: Contest) -> tuple[dict[str, float], dict[str, str]]:
         "profile_pi_time_over_bound": found.over_bound(BEST),
         "both_encoders_time_over_bound": found.over_bound(BOTH),
         "sensitivity": max(of(n, "sensitivity") for n in found.standings),
+        "overshoot": max(of(n, "overshoot_grid") for n in found.standings if n != ON_LOAD),
     }
     return {**errors, **ratios}, dict.fromkeys(errors, "rad")

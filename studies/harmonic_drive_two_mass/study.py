@@ -6,16 +6,19 @@ encoder and on both.
 
 from dataclasses import replace
 
+import numpy as np
+
 from workbench.effect import find
 from workbench.identify.fit import identify, passes_of
 from workbench.report import control as control_chapters
 from workbench.report.contents import Chapter, Items, Paragraph
-from workbench.report.contest import contest_chapter, margin_figure
+from workbench.report.contest import asked_table, contest_chapter, margin_figure
 from workbench.report.reproduction import as_table, counted
 from workbench.study import standard
 from workbench.study.configuration import Study
 from workbench.study.controlling import control_of
 from workbench.study.outcome import Outcome, Part, with_part
+from workbench.study.series import robustness
 from workbench.trace.tracing import trace
 from workbench.verify.contest import Contest, verdict
 from workbench.verify.contest import as_table as contest_table
@@ -26,7 +29,12 @@ from .controllers import BEST, BOTH, FIXED, JOINT, ON_LOAD, ON_MOTOR, OUTPUT
 from .plant import assumed, declared, locked
 
 FURTHER = ("plant", "records", "encoders", "contest")
-SUSPECTS = ("viscous_friction", "linear_damping", "cubic_stiffness")  # the trace is asked about these
+SUSPECTS = (
+    "presliding_hysteresis",
+    "viscous_friction",
+    "linear_damping",
+    "cubic_stiffness",
+)  # the trace is asked about these
 SHOWN = (OUTPUT, JOINT, BOTH, ON_MOTOR, BEST)
 
 GAINS_SAID = (
@@ -49,7 +57,7 @@ def run(study: Study, say) -> Outcome:
     lacking = declared(known.plant)
     passes = passes_of(records, bandwidth)
     found = trace(lacking, passes, say, most=1, only=SUSPECTS)
-    fit = found.after
+    fit = found.before  # the paper's one spring
     apart = identify(fit.plant + find("presliding_hysteresis")(h0=0.1, x0=2e-3, at="motor"), passes)
     amplitudes = standard.amplitudes(study)
     outcome = Outcome(
@@ -66,7 +74,8 @@ def run(study: Study, say) -> Outcome:
         findings=(*found.findings, *fit.findings),
     )
     held, margins = controllers.held(study, control, known, loop, say)
-    return with_part(outcome, contested(study, held, margins))
+    outcome = with_part(outcome, contested(study, held, margins))
+    return with_part(outcome, robustness(study, held.task, held.makers, say))
 
 
 def contested(study: Study, held: Contest, margins: AgainstMargin) -> Part:
@@ -77,9 +86,17 @@ def contested(study: Study, held: Contest, margins: AgainstMargin) -> Part:
     figures, units = controllers.figures_of(held)
     task = held.task
     loaded = replace(task, load_inertias=task.load_inertias[-1:])
+    missed = controllers.asked_for(held, margins)
+    limit = task.weights.sensitivity
+    paid = (asked_table(missed, margins.limits, limit), margin_figure(margins, "rad", limit))
     against = contest_chapter(held, (JOINT,), (OUTPUT, FIXED, BOTH, BEST), tuple(held.standings))
     return Part(
-        figures={**figures, **counts, **counted(printed)},
+        figures={
+            **figures,
+            **counts,
+            **counted(printed),
+            **{f"{m.name}_had_at_sensitivity": m.had_at(margins.limits) or np.inf for m in missed},
+        },
         units=units,
         chapters=(
             Chapter(
@@ -88,7 +105,7 @@ def contested(study: Study, held: Contest, margins: AgainstMargin) -> Part:
             ),
             control_chapters.step_chapter(task, {n: held[n].maker for n in SHOWN}),
             control_chapters.step_chapter(loaded, {n: held[n].maker for n in SHOWN}, "loaded"),
-            replace(against, blocks=(*against.blocks, margin_figure(margins, "rad", task.weights.sensitivity))),
+            replace(against, blocks=(*against.blocks, *paid)),
             encoders_chapter(held),
             paper.chapter(printed, held),
         ),
@@ -96,6 +113,7 @@ def contested(study: Study, held: Contest, margins: AgainstMargin) -> Part:
             "contest": contest_table(held),
             "reproduction": as_table(printed),
             "error_against_margin": {"limits": margins.limits, **margins.values},
+            "asked": [{**vars(m), "had_at": m.had_at(margins.limits)} for m in missed],
         },
     )
 

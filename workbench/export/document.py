@@ -14,7 +14,7 @@ from workbench.export.tables import Tables, tables
 SCHEMA = Path(__file__).with_name("gains.schema.json")
 FORMAT = "servo-workbench gains"
 FORMAT_VERSION = 1
-RULES = ("following", "frozen")
+RULES = ("following", "frozen", "error")
 
 
 def document(schedule, plant, held: Tables, scale, name: str) -> dict:

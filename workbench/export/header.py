@@ -36,6 +36,7 @@ def header(contents: dict, held: Tables) -> bytes:
         "first": held.first,
         "rule": contents["rule"],
         "frozen": int(contents["rule"] == "frozen"),
+        "error": int(contents["rule"] == "error"),
         "reversal": literal(contents["reversal"]),
         "reversal_said": f"{contents['reversal']:.9g}",
         "sample_time": literal(contents["sample_time"]),

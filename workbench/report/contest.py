@@ -9,7 +9,7 @@ from workbench.report.contents import Chapter, Figure, Items, Paragraph, Table
 from workbench.report.drawing import MUTED, SERIES, STYLES, decades, svg
 from workbench.verify.compare import ms
 from workbench.verify.contest import Contest, Standing, verdict
-from workbench.verify.margin import AgainstMargin
+from workbench.verify.margin import AgainstMargin, Asked
 
 COUNTS = 2.0  # of the encoder: what counts as exact
 MARKS = ("o", "s", "^", "D", "v", "P", "X", "<", ">")
@@ -117,6 +117,27 @@ def margin_figure(found: AgainstMargin, unit: str, asked: float) -> Figure:
         "Everything is tuned anew for each limit. Dotted: the limit that this study holds.",
         f"Error over the limit on the sensitivity. {heading}.",
     )
+
+
+def asked_table(rows: Sequence[Asked], limits: np.ndarray, own: float) -> Table:
+    """Figures that were asked for and that the margin forbids: what is had with it, and at which limit on Ms they are had.
+
+    limits (n,): that were tried. own: the study's limit.
+    """
+    cells = []
+    for r in rows:
+        had, said = r.had_at(limits), numbers.quantity if r.unit == "1" else numbers.scaled
+        loosest = f"{said(float(r.values[-1]), r.unit)} at Ms = {limits[-1]:g}"
+        cells.append((
+            r.what,
+            said(r.asked, r.unit),
+            said(r.obtained, r.unit),
+            f"at Ms = {had:g}" if had is not None else f"at none: {loosest}",
+            r.why,
+        ))  # fmt: skip
+    columns = ("figure", "asked", f"had with Ms ≤ {own:g}", "asked is had", "why")
+    caption = f"Where the margin wins. Limits on Ms that were tried: {listed(limits)}."
+    return Table(columns, tuple(cells), caption, "wrrrp")
 
 
 def contest_chapter(contest: Contest, ours: Sequence[str], baselines: Sequence[str], fronts: Sequence[str]) -> Chapter:

@@ -42,6 +42,14 @@ class Standing:
         """(smallest, largest) over seeds."""
         return float(np.min(self.values[figure])), float(np.max(self.values[figure]))
 
+    def of_seed(self, seed: int) -> dict[str, np.ndarray] | None:
+        """Return the figures as judged, (1,) each, of the search from one seed; None where there was none."""
+        seeds = [r.seed for r in self.tuned.runs] if self.tuned else []
+        if seed not in seeds:
+            return None
+        own = {k: v[[seeds.index(seed)]] for k, v in self.values.items()}
+        return {k: v for k, v in own.items() if k not in ("sensitivity", "cost")}
+
     @property
     def maker(self) -> Maker:
         """The controller that stands for all: of the seed with the middling cost."""

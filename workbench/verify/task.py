@@ -95,17 +95,21 @@ class Task:
 def cost(task: Task, metrics: Metrics, bound: float, lanes: int) -> np.ndarray:
     """Return the worst case over each group of `lanes` scenarios as one number, (groups,); lower is better.
 
-    A step that never settles costs 10 and more, graded by its error, so that a search finds its way back.
+    To the worst of time and error comes what the worst of overshoot and ripple are beyond their limits, each in whichever
+    scenario that is: a scenario that overshoots may not pay with an error that is small there. A step that never settles
+    costs 10 and more, graded by its error, so that a search finds its way back.
     """
+
+    def worst(values: np.ndarray) -> np.ndarray:
+        return np.max(values.reshape(-1, lanes), axis=1)
+
     w = task.weights
     with np.errstate(all="ignore"):
         error = np.nan_to_num(np.maximum(metrics.final_error, 1e-12), nan=1e6, posinf=1e6)
         never = 10.0 + np.minimum(np.log10(error / w.reference), 20.0)
         settled = metrics.time_1pct / bound + w.error * np.log10(np.maximum(error, task.loop.count) / w.reference)
         value = np.where(np.isfinite(metrics.time_1pct), settled, never)
-        value = value + w.steepness * np.nan_to_num(
-            np.maximum(metrics.overshoot - w.overshoot, 0.0), nan=1.0, posinf=10.0
-        )
+        beyond = np.nan_to_num(np.maximum(metrics.overshoot - w.overshoot, 0.0), nan=1.0, posinf=10.0)
         limit = w.ripple * task.plant.limits.drive
-        value = value + np.nan_to_num(np.maximum(metrics.ripple / limit - 1.0, 0.0), nan=10.0, posinf=10.0)
-    return np.max(value.reshape(-1, lanes), axis=1)
+        rough = np.nan_to_num(np.maximum(metrics.ripple / limit - 1.0, 0.0), nan=10.0, posinf=10.0)
+    return worst(value) + w.steepness * worst(beyond) + worst(rough)
