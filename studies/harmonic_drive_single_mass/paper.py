@@ -3,7 +3,7 @@
 from math import pi
 
 from workbench.report.contents import Chapter, Heading, Items, Paragraph
-from workbench.report.reproduction import Printed, reproduction_table
+from workbench.report.reproduction import Printed, places_table, reproduction_table
 from workbench.verify.contest import Contest
 
 from .controllers import NOMINAL, PAPER, SOFT
@@ -23,6 +23,15 @@ NO_GAINS = (
     "the paper states neither the cascade's gains nor which encoder closes it; the cascade stated here has another tail"
 )
 SMALL_LOAD = "the disc adds 7 % to the inertia, and the stated cascade's error grows about as much; eightfold is not in this model"
+
+PLACES = (
+    ("Figs. 5 and 6, model and virgin curve", "Virgin curve from slow sines"),
+    ("Equations (1) and (2), Fig. 7, equivalent parameters", "Equivalent parameters of the friction"),
+    ("Fig. 8, gains", "Gains per amplitude, and the schedule"),
+    ("Figs. 9 and 10, steps", "The step; The step, loaded"),
+    ("Fig. 17, two perspectives on robustness", "On axes that differ"),
+    ("Table I", "this chapter; Controllers, tuned alike"),
+)
 
 
 def rows(found: Contest, fit: dict[str, float], disc: float) -> list[Printed]:
@@ -92,6 +101,7 @@ def chapter(printed: list[Printed]) -> Chapter:
         "What was printed, and what is obtained",
         (
             Paragraph(text),
+            places_table(PLACES),
             reproduction_table(printed, "Printed values beside those of the FHA-8C-50 assumptions."),
             Heading("Errata and silences"),
             Items(wrong),

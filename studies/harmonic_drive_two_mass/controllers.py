@@ -60,13 +60,13 @@ def families(study: Study, control: Control, known: Assumed, loop: Loop) -> tupl
 
 
 def held(study: Study, control: Control, known: Assumed, loop: Loop, say) -> tuple[Contest, AgainstMargin]:
-    """Tune every controller with and without the load, and judge it; then the scheduled ones for other margins."""
+    """Tune every controller with and without the load, and judge it; then the schedule over the joint for other margins."""
     asked = study.table.table("contest", KEYS)
     task = replace(control.task.on(known.plant), loop=loop)
     every = families(study, control, known, loop)
     time, seeds = asked.quantity("tuning_time", "s", above=0.0), [int(s) for s in numbers_of(asked, "seeds", (1.0,))]
     found = contest(task, every, tuning_time=time, seeds=seeds, loaded=True, say=say)
-    scheduled = {f.name: f for f in every if f.name in (OUTPUT, JOINT)}
+    scheduled = {f.name: f for f in every if f.name == JOINT}
     limits = numbers_of(asked, "margins", (2.0,))
     margins = against_margin(
         task, limits, lambda _: scheduled, tuning_time=time, loaded=True, seed=seeds[0], found=found, say=say

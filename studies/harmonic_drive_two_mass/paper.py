@@ -1,7 +1,7 @@
 """Table II as printed beside what this study obtains, and what is said of it."""
 
 from workbench.report.contents import Chapter, Items, Paragraph
-from workbench.report.reproduction import Printed, reproduction_table
+from workbench.report.reproduction import Printed, places_table, reproduction_table
 from workbench.verify.contest import Contest
 
 from .controllers import JOINT, OUTPUT
@@ -9,6 +9,16 @@ from .controllers import JOINT, OUTPUT
 MARGIN = (
     "a large step arrives with the gains of gross sliding, and Ms ≤ 2 with the joint's resonance bounds them; the paper states "
     "neither margin nor gains, stiffness, inertia or friction of its two masses"
+)
+
+PLACES = (
+    ("Figs. 2 and 12, torque over displacement, output locked", "Torsion with the output locked"),
+    ("Figs. 4 and 11, the models", "Torsion with the output locked; The declared model"),
+    ("Fig. 13, equivalent parameters", "Equivalents of the hysteretic part"),
+    ("Fig. 14, gains", "Gains over the relative displacement"),
+    ("Figs. 15 and 16, steps", "The step; The step, loaded"),
+    ("Fig. 17, two perspectives on robustness", "On axes that differ"),
+    ("Table II", "this chapter"),
 )
 
 
@@ -45,6 +55,7 @@ def chapter(printed: list[Printed], found: Contest) -> Chapter:
             Paragraph(
                 "Tolerances: 10 to 12 % for times, a factor of 1.5 for errors, 6 % for the times of both schedules."
             ),
+            places_table(PLACES),
             reproduction_table(printed, "Printed values beside those of the assumed plant."),
             Items(said),
         ),

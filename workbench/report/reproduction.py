@@ -55,6 +55,11 @@ def reproduction_table(rows: Sequence[Printed], caption: str) -> Table:
     return Table(("what", "printed", "obtained", "deviation", "verdict"), cells, caption, "wrrrp")
 
 
+def places_table(places: Sequence[tuple[str, str]]) -> Table:
+    """Where the counterpart of each figure and table of a paper is. places: (what, chapters here)."""
+    return Table(("in the paper", "here"), tuple(places), "Counterparts of what the paper shows.", "wp")
+
+
 def counted(rows: Sequence[Printed]) -> dict[str, float]:
     """Figures by which a study may be judged: rows, those that meet their tolerance, and those without either."""
     return {
