@@ -28,9 +28,13 @@ def peak_of(loop: np.ndarray, integrators: int) -> np.ndarray:
     zero; each encirclement of -1 puts it 2 pi off.
     """
     difference = 1.0 + loop
-    back = np.unwrap(np.angle(difference[..., ::-1]), axis=-1)
-    stable = (difference[..., -1].real > 0.0) & (np.abs(back[..., -1] + integrators * np.pi / 2.0) < np.pi)
-    return np.where(stable, np.max(1.0 / np.abs(difference), axis=-1), np.inf)
+    phase = np.angle(difference)
+    jumps = np.diff(phase, axis=-1)  # over half a turn where the principal value wraps: then the phase itself goes on
+    turns = np.count_nonzero(jumps < -np.pi, axis=-1) - np.count_nonzero(jumps > np.pi, axis=-1)
+    towards_zero = phase[..., 0] - 2.0 * np.pi * turns
+    stable = (difference[..., -1].real > 0.0) & (np.abs(towards_zero + integrators * np.pi / 2.0) < np.pi)
+    with np.errstate(divide="ignore"):
+        return np.where(stable, 1.0 / np.min(np.abs(difference), axis=-1), np.inf)
 
 
 class Judge:
