@@ -10,6 +10,10 @@ MARGIN = (
     "a large step arrives with the gains of gross sliding, and Ms ≤ 2 with the joint's resonance bounds them; the paper states "
     "neither margin nor gains, stiffness, inertia or friction of its two masses"
 )
+ROUNDED = (
+    "printed times are rounded to 10 ms, 4 % of them, and both are bound by the drive: which schedule is faster by some ms is a "
+    "choice of the search between time and error, and the paper states none"
+)
 
 PLACES = (
     ("Figs. 2 and 12, torque over displacement, output locked", "Torsion with the output locked"),
@@ -33,8 +37,8 @@ def rows(found: Contest) -> list[Printed]:
         Printed(
             "error, loaded over not", 2.230 / 2.404, ours.median("error_loaded") / ours.median("error"), 0.25
         ),
-        Printed("1 % time over that of Table I, no load", 0.25 / 0.24, ours.median("time") / output.median("time"), 0.06),
-        Printed("1 % time over that of Table I, loaded", 0.26 / 0.25, ours.median("time_loaded") / output.median("time_loaded"), 0.06),
+        Printed("1 % time over that of Table I, no load", 0.25 / 0.24, ours.median("time") / output.median("time"), 0.06, reason=ROUNDED),
+        Printed("1 % time over that of Table I, loaded", 0.26 / 0.25, ours.median("time_loaded") / output.median("time_loaded"), 0.06, reason=ROUNDED),
     ]  # fmt: skip
 
 
