@@ -19,6 +19,7 @@ COUNT = 80  # steps of position and of speed over their range
 MOMENT = 0.02  # s, step of the clock
 APART = 0.1  # s, gap up to which two moments are one
 MOST = 0.98  # share of the excess that moments are to hold
+FAINT = 0.05  # of what a span holds on average, below which one is none
 ROUNDS = 4  # fits without the moments
 JUMPED = 0.9  # share of the excess that jumps of the level must take away
 WIDE = 0.8  # share of the range above which an interval is no place
@@ -154,12 +155,16 @@ def moments(t: np.ndarray, excess: np.ndarray, drive: np.ndarray) -> Place | Non
     many = int(np.searchsorted(held, MOST * excess.sum())) + 1
     chosen = np.zeros(power.size, bool)
     chosen[order[:many]] = True
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], chosen, [False]]).astype(int)))
-    spans: list[tuple[float, float]] = []
-    for a, b in edges.reshape(-1, 2):
-        low, high = float((first + a) * MOMENT), float((first + b) * MOMENT)
-        if spans and low - spans[-1][1] <= APART:
-            low = spans.pop()[0]
-        spans.append((low, high))
-    share, covered = power[chosen].sum() / excess.sum(), count[chosen].sum() / np.count_nonzero(drive)
-    return Place("time", tuple(spans), 0, float(share), float(covered), np.nan, np.nan, chosen[step - first])
+    runs: list[list[int]] = []
+    for a, b in np.flatnonzero(np.diff(np.concatenate([[False], chosen, [False]]).astype(int))).reshape(-1, 2).tolist():
+        if runs and MOMENT * (a - runs[-1][1]) <= APART:
+            a = runs.pop()[0]
+        runs.append([a, b])
+    held = [float(power[a:b].sum()) for a, b in runs]
+    runs = [r for r, x in zip(runs, held, strict=True) if x > FAINT * np.mean(held)]
+    inside = np.zeros(power.size, bool)
+    for a, b in runs:
+        inside[a:b] = chosen[a:b]
+    share, covered = power[inside].sum() / excess.sum(), count[inside].sum() / np.count_nonzero(drive)
+    spans = tuple((float((first + a) * MOMENT), float((first + b) * MOMENT)) for a, b in runs)
+    return Place("time", spans, 0, float(share), float(covered), np.nan, np.nan, inside[step - first])
