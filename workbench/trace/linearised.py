@@ -5,9 +5,12 @@ linear parameters, the tangents let the present model give way to a candidate at
 candidates are fitted in earnest, and only those that lead are fitted again with everything free.
 """
 
+from dataclasses import dataclass, replace
+
 import numpy as np
 
-from workbench.identify.problem import Problem
+from workbench.effect import FORCE, Effect
+from workbench.identify.problem import Name, Problem, stacked
 from workbench.identify.solve import Solution
 from workbench.plant import Plant
 from workbench.trace.score import shape_room
@@ -25,6 +28,7 @@ class Linearised(Problem):
         self.base, self.solution = base, solution
         self.room = shape_room(base, solution.theta)
         self.base_scale = base.command_scale(base.with_shape(solution.theta))
+        self.beside = beside(self.plant, base.plant)
 
     @property
     def bounds(self) -> tuple[np.ndarray, np.ndarray]:
@@ -33,12 +37,42 @@ class Linearised(Problem):
         return np.concatenate([lower, least]), np.concatenate([upper, most])
 
     def assemble(self, theta: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        if self.beside is not None:
+            return self.with_one_more(theta)
         y, phi = super().assemble(theta)
         beside = self.solution.tangents
         if not beside.shape[1]:
             return y, phi
         scale = self.command_scale(self.with_shape(theta)) / self.base_scale
         return y, np.hstack([phi, beside if scale == 1.0 else beside * scale])
+
+    def with_one_more(self, theta: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Assemble a force beside a present model, whose own balance and columns stay what they are."""
+        effect, needed = self.with_shape(theta)[self.beside.key], self.beside.needed
+        part = replace(self.plant, effects=(*needed, effect))
+        linear, tangents = self.solution.phi, self.solution.tangents
+        y = np.array(self.solution.y)
+        phi = np.empty((y.size, len(self.free_linear) + tangents.shape[1]), order="F")
+        at = {n: i for i, n in enumerate(self.free_linear)}
+        for k, name in enumerate(self.base.free_linear):
+            phi[:, at[name]] = linear[:, k]
+        phi[:, len(at) :] = tangents
+        row = 0
+        for p, length in zip(self.passes, self.lengths, strict=True):
+            rows, keep = slice(row, row + length), p.motion.keep
+            for n in (n for n in at if n.key == effect.key):
+                phi[rows, at[n]] = 0.0
+            for e, name, column in p.filtered(part):
+                if e.key != effect.key:
+                    continue
+                index = at.get(Name(e.key, name))
+                values = stacked(column, keep) * self.base_scale
+                if index is None:
+                    y[rows] -= (e.parameters[name].value if name else 1.0) * values
+                else:
+                    phi[rows, index] = values
+            row += length
+        return y, phi
 
     def whole(self, found: Solution) -> tuple[Problem, np.ndarray]:
         """Return the problem with everything free, and where `found` says that its search should start."""
@@ -47,6 +81,26 @@ class Linearised(Problem):
         start = dict(zip(self.base.free_shape, self.solution.theta + deviation, strict=True))
         start |= dict(zip(self.free_shape, found.theta, strict=True))
         return free, np.array([start[n] for n in free.free_shape])
+
+
+@dataclass(frozen=True)
+class Beside:
+    """A force that is added, and what of the plant it needs: maps, and what gives the direction at its place."""
+
+    key: str
+    needed: tuple[Effect, ...]
+
+
+def beside(plant: Plant, base: Plant) -> Beside | None:
+    """Return the one force that `plant` has and `base` has not, or None where more than a force beside the others differs."""
+    known = {e.key for e in base.effects}
+    more = [e for e in plant.effects if e.key not in known]
+    if len(more) != 1 or len(plant.effects) != len(base.effects) + 1:
+        return None
+    (new,) = more
+    if new.port != FORCE or new.provides:
+        return None
+    return Beside(new.key, tuple(e for e in plant.effects if e.port != FORCE or (e.at == new.at and e.provides)))
 
 
 def held(plant: Plant, base: Problem, theta: np.ndarray) -> Plant:
