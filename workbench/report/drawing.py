@@ -134,8 +134,10 @@ def decades(axis) -> None:
     def between(value, _):
         low, high = np.log10(axis.get_view_interval())
         seen = np.floor(high) - np.ceil(low) + 1
-        digit = round(value / 10 ** np.floor(np.log10(value) + 1e-9))
-        return numbers.number(value, 1) if seen < 1 or (seen < 2 and digit in (2, 5)) else ""
+        e = int(np.floor(np.log10(value) + 1e-9))
+        digit = round(value / 10.0**e)
+        shown = numbers.number(value, 1) if -1 <= e <= 2 else f"{digit}·{text(10.0**e, None)}"
+        return shown if seen < 1 or (seen < 2 and digit in (2, 5)) else ""
 
     axis.set_major_formatter(FuncFormatter(text))
     axis.set_minor_formatter(FuncFormatter(between))
