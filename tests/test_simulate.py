@@ -121,24 +121,26 @@ def test_friction_takes_energy_and_never_gives_it():
     assert (work[-1] > kinetic[-1]).all()
 
 
-def test_identification_recovers_what_was_simulated():
-    dt, n = 5e-4, 8000
-    plant = hysteretic()
-    drive = excitation(n, dt)
+def logged(plant: Plant, drive: np.ndarray, dt: float) -> list[Record]:
+    """Records of the open loop of a plant under drives (n, lanes)."""
     run = open_loop(plant, drive, dt, substeps=4, resolution=COUNT)
-    time = np.arange(n) * dt
-    records = [
+    return [
         Record(
             name=f"run_{i}",
             role="identification",
-            time=time.copy(),
+            time=np.arange(len(drive)) * dt,
             channels={"torque": drive[:, i].copy(), "position": run["y"][:, i].copy()},
             units={"torque": "N*m", "position": "rad"},
             source=Source(Path("simulated"), "", "", {}),
             resolution={"position": COUNT},
         )
-        for i in range(3)
+        for i in range(drive.shape[1])
     ]
+
+
+def test_identification_recovers_what_was_simulated():
+    plant = hysteretic()
+    records = logged(plant, excitation(8000, 5e-4), 5e-4)
     guess = plant.swap(plant["presliding_hysteresis"](h0=0.3, x0=5e-3)).swap(plant["inertia"](inertia=0.02))
     fit = identify(guess, passes_of(records, 40.0))
     for key, name in (
@@ -148,6 +150,17 @@ def test_identification_recovers_what_was_simulated():
         ("presliding_hysteresis", "x0"),
     ):
         assert fit.plant[key].parameters[name].value == pytest.approx(plant[key].parameters[name].value, rel=0.03), name
+    assert fit.identification < 0.02
+
+
+def test_coulomb_friction_beside_hysteresis_is_another_contact():
+    """With the hysteresis' own direction it would be the same force twice, and neither would be determined."""
+    plant = hysteretic() + find("coulomb_friction")(coulomb=0.05)
+    records = logged(plant, excitation(8000, 5e-4), 5e-4)
+    guess = plant.swap(plant["presliding_hysteresis"](h0=0.3, x0=5e-3)).swap(plant["coulomb_friction"](coulomb=0.01))
+    fit = identify(guess, passes_of(records, 40.0))
+    assert fit.plant["coulomb_friction"].parameters["coulomb"].value == pytest.approx(0.05, rel=0.05)
+    assert fit.plant["presliding_hysteresis"].parameters["h0"].value == pytest.approx(0.15, rel=0.03)
     assert fit.identification < 0.02
 
 

@@ -7,7 +7,7 @@ from workbench.parameter import Parameter
 
 @effect
 def coulomb_friction() -> Effect:
-    """T = Fc dir. Without presliding hysteresis at the port, dir is a stop operator of two encoder counts."""
+    """T = Fc dir, dir a stop operator of two encoder counts: beside friction with memory it is another contact."""
 
     def step(s, z, p):
         return {}, p.coulomb * s.dir

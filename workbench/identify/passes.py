@@ -6,6 +6,7 @@ Results are kept per effect and shape, so that candidates share the columns of t
 
 from collections import OrderedDict
 from collections.abc import Iterator
+from dataclasses import replace
 from functools import lru_cache
 
 import casadi as ca
@@ -13,7 +14,7 @@ import numpy as np
 
 from workbench import effect as fx
 from workbench.effect import Effect, catalogue
-from workbench.effects.hysteresis import stop_direction
+from workbench.effects.hysteresis import in_parallel, stop_direction
 from workbench.errors import WorkbenchError
 from workbench.identify.bodies import ACCELERATION, CHANNEL, INCREMENT, POSITION, VELOCITY, Bodies, rows
 from workbench.identify.shift import FINER, finer, shifted
@@ -140,9 +141,9 @@ class Passes:
 
     def direction(self, plant: Plant, place: str) -> np.ndarray:
         """Return the direction (n,) at a place that friction there has, between -1 and 1."""
-        dry = catalogue()["coulomb_friction"](at=place)
-        forces = [e for e in plant.effects if e.port == fx.FORCE and e.at == place and e.key != dry.key]
-        return next(outputs[0, 0] for e, outputs, _ in self._at(plant, place, [*forces, dry]) if e.key == dry.key)
+        told = replace(catalogue()["coulomb_friction"](at=place, label="told"), reads=("dir", "v"))
+        forces = [e for e in plant.effects if e.port == fx.FORCE and e.at == place]
+        return next(outputs[0, 0] for e, outputs, _ in self._at(plant, place, [*forces, told]) if e.key == told.key)
 
     def filtered(self, plant: Plant) -> Iterator[tuple[Effect, str, np.ndarray]]:
         """As `columns`, through the evaluation filter."""
@@ -168,10 +169,12 @@ class Passes:
         signals |= {"ratio": plant.geometry.gear_ratio, "pole_pairs": plant.geometry.pole_pairs}
         signals |= {n: m.record.channels[n] for n in ("temperature", "normal") if n in m.record.channels}
         paths = dict.fromkeys(("q", "dq", "v", "a"), path)
+        width = max(2 * self.bodies.counts(CHANNEL.get(place, "position")), m.counts, 1e-12)
+        forces = in_parallel(forces, width)
         givers = [e for e in forces if e.provides]
         takers = [e for e in forces if not e.provides]
         if not givers and any("dir" in e.reads for e in takers):
-            givers = [stop_direction(max(2 * self.bodies.counts(CHANNEL.get(place, "position")), m.counts, 1e-12))]
+            givers = [stop_direction(width)]
         if any({"u", "tau"} & set(e.reads) for e in forces):
             signals["u"] = signals["tau"] = self.applied(plant)
             paths["u"] = paths["tau"] = tuple((e.step, shape_values(e)) for e in command_maps(plant))

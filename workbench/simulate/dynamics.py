@@ -8,7 +8,7 @@ import numpy as np
 
 from workbench import effect as fx
 from workbench.effect import Effect, namespace
-from workbench.effects.hysteresis import stop_direction
+from workbench.effects.hysteresis import CONTACT, in_parallel, stop_direction
 from workbench.errors import WorkbenchError
 from workbench.kernel.step import apply, view
 from workbench.plant import Plant
@@ -43,7 +43,10 @@ class Symbols:
 def is_friction(effect: Effect) -> bool:
     """Whether a scenario's friction factor scales this force: it is passive, reads or gives `dir`, or reads `v` alone."""
     return effect.port == fx.FORCE and (
-        "passive" in effect.holds or "dir" in (*effect.reads, *effect.provides) or tuple(effect.reads) == ("v",)
+        "passive" in effect.holds
+        or "dir" in (*effect.reads, *effect.provides)
+        or CONTACT in effect.states
+        or tuple(effect.reads) == ("v",)
     )
 
 
@@ -104,7 +107,11 @@ def ordered(effects: list[Effect]) -> list[Effect]:
 
 
 def directed(effects: tuple[Effect, ...]) -> tuple[Effect, ...]:
-    """Effects, with a stop operator of two counts at each place where one reads `dir` and none provides it."""
+    """Effects, with a stop operator of two counts at each place where one reads `dir` and none provides it, or within what
+    stands beside friction with memory (`in_parallel`)."""
+    places = dict.fromkeys(e.at for e in effects if e.port == fx.FORCE)
+    beside = {o.key: o for place in places for o in in_parallel([e for e in effects if e.at == place], 1.0)}
+    effects = tuple(beside.get(e.key, e) for e in effects)
     forces = [e for e in effects if e.port == fx.FORCE]
     reading = dict.fromkeys(e.at for e in forces if "dir" in e.reads)
     given = {e.at for e in forces if "dir" in e.provides}
@@ -137,7 +144,7 @@ def constants_of(plant: Plant, symbols: Symbols, widths: Mapping[str, float]) ->
     for e in directed(plant.effects):
         if e.key not in symbols.derive:
             continue
-        e = e(width=widths[e.at]) if e.name == DIRECTION else e
+        e = e(width=widths[e.at]) if e.name == DIRECTION or CONTACT in e.states else e
         inside = symbols.derive[e.key](np.array([p.value for p in e.parameters.values()], dtype=float))
         values |= dict(zip(symbols.derived[e.key], np.asarray(inside).ravel().tolist(), strict=True))
     return values

@@ -75,13 +75,15 @@ def suspects(plant: Plant, own: Collection[Effect] = (), declared: Collection[st
             for key in same:
                 rest = rest.without(key)
             found.append(Suspect(another.named, place, ADDITION, rest + another, same))
+            if same:  # the same beside what it may take the place of: two contacts
+                found.append(Suspect(another.named, place, ADDITION, plant + another))
     for e in plant.effects:
         # a parameter held by definition (the exponent of a virgin curve) is no value from a data sheet
         default = catalogue().get(e.name)
         held = [n for n, p in e.parameters.items() if p.fixed and not (default and default.parameters[n].fixed)]
         if held:
             found.append(Suspect(e.named, e.at, CORRECTION, plant.swap(e.free(*held))))
-    return sorted(found, key=lambda s: (s.effect, s.at, s.kind))
+    return sorted(found, key=lambda s: (s.effect, s.at, s.kind, not s.instead))
 
 
 def needless(effect: Effect, plant: Plant) -> tuple[str, ...]:
