@@ -14,6 +14,7 @@ from workbench.identify.fit import identify, passes_of
 from workbench.record import IDENTIFICATION, VALIDATION
 from workbench.trace.calibration import calibrate, calibrations, finding, periodic
 from workbench.trace.result import Cause
+from workbench.trace.tracing import trace
 
 OFFSET = 0.7  # rad, by which the axis stood elsewhere at power-up
 
@@ -77,3 +78,16 @@ def test_a_cause_that_does_not_carry_over_is_calibrated_and_another_is_not(rippl
 def test_only_waves_with_a_phase_are_calibrated():
     names = ("cogging", "kinematic_error", "encoder_eccentricity", "gravity", "inertia")
     assert [n for n in names if periodic(find(n))] == ["cogging", "kinematic_error", "encoder_eccentricity"]
+
+
+def test_a_ripple_of_another_power_up_is_named_and_not_used_where_its_phase_is_wrong(ripple):
+    campaign, wave = ripple
+    records = [powered_up(r, pi / wave["order"]) if r.role == VALIDATION else r for r in campaign.records]
+    passes = passes_of(records, campaign.bandwidth)
+    found = trace(campaign.plant, passes, only=("cogging",))
+    assert found.added == ("cogging",) and found.causes[0].share_validation < 0.0
+    assert "not carried over" in [f.kind for f in found.findings]
+    assert found.after.validation == pytest.approx(found.before.validation, rel=0.1)
+    assert found.after.identification < 0.5 * found.before.identification
+    (offered,) = calibrations(passes, found)
+    assert offered.differs and offered.calibrated < 0.5 * offered.identified

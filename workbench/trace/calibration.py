@@ -13,7 +13,7 @@ import numpy as np
 
 from workbench.effect import Effect
 from workbench.finding import Finding, capital, title
-from workbench.identify.fit import identify
+from workbench.identify.fit import identify, series_of
 from workbench.identify.passes import Passes
 from workbench.identify.result import Estimate, Fit
 from workbench.plant import Plant
@@ -71,7 +71,8 @@ class Calibration:
         return (
             f"The phase of {title(self.effect)} is {known}: it belongs to one power-up. With amplitude and phase found anew, "
             f"the validation error is {100 * self.calibrated:.2f} % instead of {100 * self.identified:.2f} %. Calibrate it at "
-            "each power-up, by an index pulse or a slow motion over one period, and leave it out until then."
+            "each power-up, by an index pulse or a slow motion over one period; until then it is better left out, as it is in the "
+            "predictions of validation records that it would make worse."
         )
 
 
@@ -124,10 +125,48 @@ def estimate(fit: Fit, effect: Effect, name: str) -> Estimate:
 def calibrations(passes: Sequence[Passes], found: Trace) -> tuple[Calibration, ...]:
     """Return a calibration for every periodic cause of a trace that explains little of the validation records."""
     plant = found.after.plant
+    identified = validation_error(plant, passes)
     return tuple(
-        calibrate(plant, f"{c.effect}@{c.at}", passes, found.after.validation)
+        calibrate(plant, f"{c.effect}@{c.at}", passes, identified)
         for c in lost(found.causes)
         if periodic(plant[f"{c.effect}@{c.at}"])
+    )
+
+
+def validation_error(plant: Plant, passes: Sequence[Passes]) -> float:
+    """Return the error of a plant on the validation records, nrmse."""
+    left = whole = 0.0
+    for p in passes:
+        if p.motion.record.role == VALIDATION:
+            series, _ = series_of(plant, p)
+            left += float(np.sum(series.residual[series.keep] ** 2))
+            whole += float(np.sum(series.measured[series.keep] ** 2))
+    return float(np.sqrt(left / whole)) if whole > 0.0 else float("nan")
+
+
+def withheld(fit: Fit, causes: Sequence[Cause], passes: Sequence[Passes]) -> Fit:
+    """Return a fit whose validation records are predicted without the periodic causes that make them worse.
+
+    Their phase is that of another power-up, and a ripple of a wrong phase is worse than none. The plant keeps them.
+    """
+    plant = fit.plant
+    for key in (f"{c.effect}@{c.at}" for c in lost(causes) if c.share_validation < 0.0):
+        if periodic(fit.plant[key]):
+            plant = plant.without(key)
+    if plant is fit.plant:
+        return fit
+    series, predictions, nrmse, rms = dict(fit.series), dict(fit.predictions), dict(fit.nrmse), dict(fit.rms)
+    squares = count = 0.0
+    for p in passes:
+        name = p.motion.record.name
+        if p.motion.record.role == VALIDATION:
+            series[name], predictions[name] = series_of(plant, p)
+            nrmse[name] = validation_error(plant, [p])
+            residual = series[name].residual[series[name].keep]
+            squares, count = squares + float(residual @ residual), count + residual.size
+    rms[VALIDATION] = float(np.sqrt(squares / max(count, 1.0)))
+    return replace(
+        fit, series=series, predictions=predictions, nrmse=nrmse, rms=rms, validation=validation_error(plant, passes)
     )
 
 

@@ -12,6 +12,7 @@ from workbench.identify.solve import NoValue
 from workbench.plant import Plant
 from workbench.record import IDENTIFICATION
 from workbench.threads import one_thread
+from workbench.trace.calibration import withheld
 from workbench.trace.candidates import Offer, brought, without
 from workbench.trace.floor import floor as noise_floor
 from workbench.trace.floor import levels
@@ -144,6 +145,7 @@ def trace(
         made = cause(j.candidate, fits[i], fits[i + 1], after)
         causes.append(replace(made, rivals=tuple(o.candidate.effect for o in others), experiment=apart))
     verdict = CAUSE if causes else UNKNOWN if unexplained else NOTHING
+    after = withheld(after, causes, passes)
     findings = [*not_carried(causes), *(left_over(unexplained) if causes else ())]
     sentence = verdict_sentence(verdict, causes, fits[0], after, floor, unexplained)
     shows = shown(steps[0][1])

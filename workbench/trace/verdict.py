@@ -62,8 +62,9 @@ def verdict_sentence(
         names = " and ".join(title(c.effect) for c in causes)
         is_are = "is" if len(causes) == 1 else "are"
         what = "missing" if len(causes) > 1 or "missing" in causes[0].sentence else "declared with a wrong value"
+        falls = "falls" if after.validation < 0.99 * before.validation else "goes"
         return (
-            f"{capital(names)} {is_are} {what}. With {'it' if len(causes) == 1 else 'them'}, the validation error falls from "
+            f"{capital(names)} {is_are} {what}. With {'it' if len(causes) == 1 else 'them'}, the validation error {falls} from "
             f"{100 * before.validation:.2f} % to {100 * after.validation:.2f} % and the identification error from "
             f"{100 * before.identification:.2f} % to {100 * after.identification:.2f} % "
             f"(noise floor {100 * floor[IDENTIFICATION]:.2g} %)."
