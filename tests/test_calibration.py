@@ -87,7 +87,7 @@ def test_a_ripple_of_another_power_up_is_named_and_not_used_where_its_phase_is_w
     found = trace(campaign.plant, passes, only=("cogging",))
     assert found.added == ("cogging",) and found.causes[0].share_validation < 0.0
     assert "not carried over" in [f.kind for f in found.findings]
-    assert found.after.validation == pytest.approx(found.before.validation, rel=0.1)
+    assert found.after.validation == pytest.approx(found.before.validation, rel=1e-6)
     assert found.after.identification < 0.5 * found.before.identification
     (offered,) = calibrations(passes, found)
     assert offered.differs and offered.calibrated < 0.5 * offered.identified

@@ -5,7 +5,7 @@ then has another phase in every power-up, with the same order and the same ampli
 record worse. Its phase is a number to be found at each power-up, by an index pulse or by a short motion.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from math import pi
 
@@ -145,7 +145,7 @@ def validation_error(plant: Plant, passes: Sequence[Passes]) -> float:
 
 
 def withheld(fit: Fit, causes: Sequence[Cause], passes: Sequence[Passes]) -> Fit:
-    """Return a fit whose validation records are predicted without the periodic causes that make them worse.
+    """Return a fit whose validation records are predicted by a fit without the periodic causes that make them worse.
 
     Their phase is that of another power-up, and a ripple of a wrong phase is worse than none. The plant keeps them.
     """
@@ -155,19 +155,16 @@ def withheld(fit: Fit, causes: Sequence[Cause], passes: Sequence[Passes]) -> Fit
             plant = plant.without(key)
     if plant is fit.plant:
         return fit
-    series, predictions, nrmse, rms = dict(fit.series), dict(fit.predictions), dict(fit.nrmse), dict(fit.rms)
-    squares = count = 0.0
-    for p in passes:
-        name = p.motion.record.name
-        if p.motion.record.role == VALIDATION:
-            series[name], predictions[name] = series_of(plant, p)
-            nrmse[name] = validation_error(plant, [p])
-            residual = series[name].residual[series[name].keep]
-            squares, count = squares + float(residual @ residual), count + residual.size
-    rms[VALIDATION] = float(np.sqrt(squares / max(count, 1.0)))
+    other = identify(plant, passes)
+    unseen = {p.motion.record.name for p in passes if p.motion.record.role == VALIDATION}
+
+    def mixed(ours: Mapping, theirs: Mapping) -> dict:
+        return {name: theirs[name] if name in unseen else x for name, x in ours.items()}
+
     return replace(
-        fit, series=series, predictions=predictions, nrmse=nrmse, rms=rms, validation=validation_error(plant, passes)
-    )
+        fit, series=mixed(fit.series, other.series), predictions=mixed(fit.predictions, other.predictions),
+        nrmse=mixed(fit.nrmse, other.nrmse), rms={**fit.rms, VALIDATION: other.rms[VALIDATION]}, validation=other.validation,
+    )  # fmt: skip
 
 
 def lost(causes: Sequence[Cause]) -> list[Cause]:
