@@ -335,15 +335,16 @@ def evidence_chapter(found: Trace, protocol: dict[str, float]) -> Chapter:
         "actuator_lag": "{0} of {2:.2f} ms is a half sample of the hold (0.5 ms) and what the current loop takes.",
         "film_friction": "{0} rises by {3:.1f} N over the first {4:.0f} mm/s, at the stops within a move as at the reversals: "
         "friction is lowest at rest, the opposite of Stribeck's.",
-        "fading_memory": "{0} of {5:.1f} N builds up over {6:.0f} µm after a reversal: balls that roll before they slide.",
+        "presliding_hysteresis": "{0} of {5:.1f} N builds up over {6:.0f} µm after a reversal, beside Coulomb friction that "
+        "does so at once: balls that roll before they slide.",
     }
     numbers = (
         -values.get(("viscous_asymmetry", "viscous_difference"), np.nan),
         1e3 * values.get(("actuator_lag", "time_constant"), np.nan),
         values.get(("film_friction", "limit"), np.nan),
         1e3 * values.get(("film_friction", "speed"), np.nan),
-        values.get(("fading_memory", "A"), np.nan) / values.get(("fading_memory", "alpha"), np.nan),
-        1e6 / values.get(("fading_memory", "alpha"), np.nan),
+        values.get(("presliding_hysteresis", "h0"), np.nan),
+        1e6 / values.get(("presliding_hysteresis", "a"), np.nan),
     )
     said = tuple(meanings[n].format(capital(title(n)), *numbers) for n in found.added if n in meanings)
     before, after = found.before.validation, found.after.validation
@@ -380,7 +381,7 @@ def sliding(plant: Plant, speed: float) -> float:
     force = at["viscous_friction"]["viscous"] * speed + at["coulomb_friction"]["coulomb"]
     if "film_friction" in at:
         force += at["film_friction"]["limit"] * np.tanh(speed / at["film_friction"]["speed"])
-    return force + at.get("fading_memory", {}).get("h", 0.0)
+    return force + at.get("presliding_hysteresis", {}).get("h0", 0.0)
 
 
 def attainable_chapter(floors, days: dict[str, Fit], traced: Fit) -> Chapter:

@@ -111,8 +111,8 @@ EFFECTS: dict[str, Kind] = {
     ),
     "viscous_friction": Kind("viscous_friction", lambda r, b: (0.002,), ("viscous",), fields=("viscous",), bases=("dry",)),
     "coulomb_friction": Kind("coulomb_friction", lambda r, b: (0.02,), ("coulomb",), fields=("h0",), bases=("viscous",)),
-    "coulomb_friction@load": Kind(
-        "coulomb_friction", lambda r, b: (0.02,), ("coulomb",), fields=("load_h",), places=("load",), bases=TWO
+    "presliding_hysteresis@load": Kind(  # with the presliding stroke of the motor's
+        "presliding_hysteresis", lambda r, b: (0.02,), ("h0",), fields=("load_h",), places=("load",), bases=TWO
     ),
     "presliding_hysteresis": Kind(
         "presliding_hysteresis", lambda r, b: (0.05, r.uniform(300.0, 900.0)), ("h0", "a"), fields=("h1", "rate1"),

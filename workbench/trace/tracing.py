@@ -21,10 +21,12 @@ from workbench.trace.result import CAUSE, NOTHING, UNKNOWN, Candidate, Trace
 from workbench.trace.rivals import experiment, rivals
 from workbench.trace.smallest import named
 from workbench.trace.thin import thin
-from workbench.trace.unexplained import LEFT, described, noise_alone, unknown
+from workbench.trace.unexplained import LEFT, PLAIN, described, noise_alone, unknown
 from workbench.trace.verdict import cause, left_over, not_carried, verdict_sentence
 
 STEPS = 4  # effects added at most
+PLAIN_SHARE = 0.15  # of the residual's power that a further effect must take away near the floor
+PROMISE = 0.01  # of the residual's power, from which a candidate is asked again when others are taken out
 
 
 def extended(
@@ -34,26 +36,29 @@ def extended(
 
     whole: passes of the identification records as they are. The last entry may have no state: the step in which nothing
     earned its place. Where the declared model leaves no more than the floor nothing is added, and the search ends where only
-    the noise of drive and encoders is left: an effect could only be fitted to that.
+    the noise of drive and encoders is left: an effect could only be fitted to that. Near the floor a further effect must
+    take away a plain share: the noise of a real drive is steady nowhere.
     """
     found = []
-    sound = noise_alone(state, levels(whole, state.plant), 1.0)
+    least = 1.0 if noise_alone(state, levels(whole, state.plant), 1.0) else 0.0
     for _ in range(most):
         judgements = step(state, progress, offer)
-        best = None if sound else leading(judgements)
+        best = leading(judgements, least)
         found.append((best.state if best else None, judgements))
         if best is None:
             break
         state = best.state
         if noise_alone(state, levels(whole, state.plant)):
             break
+        least = PLAIN_SHARE if noise_alone(state, levels(whole, state.plant, state.steady), PLAIN) else 0.0
     return found
 
 
-def leading(judgements: Sequence[Judgement]) -> Judgement | None:
-    """Return the judgement whose effect is to be added, or None."""
+def leading(judgements: Sequence[Judgement], least: float = 0.0) -> Judgement | None:
+    """Return the judgement whose effect is to be added, or None. least: share that it must take away."""
     best = judgements[0] if judgements else None
-    return best if best is not None and best.state is not None and best.candidate.earns else None
+    worth = best is not None and best.state is not None and best.candidate.earns and best.candidate.gain > least
+    return best if worth else None
 
 
 @dataclass(frozen=True)
@@ -73,8 +78,8 @@ def revised(answer: Answer, declared: Plant, looked: list[list[Judgement]], prog
     """Ask of each effect but the last whether the later ones made it needless, or made another one the better answer.
 
     Greedy selection cannot take back a choice made while something else was missing. Each effect is taken out in turn and
-    the search repeated with the others in place; what leads then stands in its stead. looked: every step's judgements, to
-    which these are added. Returns `answer` itself where every effect stands.
+    the search repeated with the others in place, among all that ever promised something; what leads then stands in its
+    stead. looked: every step's judgements, to which these are added. Returns `answer` itself where every effect stands.
     """
     for i in range(len(answer.added) - 1):
         present = answer.added[i]
@@ -84,7 +89,7 @@ def revised(answer: Answer, declared: Plant, looked: list[list[Judgement]], prog
             reduced = State(without(answer.last.plant, present.suspect, declared), answer.last.passes)
         except NoValue:
             continue
-        looked.append(judgements := step(reduced, progress, offer))
+        looked.append(judgements := step(reduced, progress, replace(offer, only=promising(looked))))
         best = leading(judgements)
         if best is not None and best.suspect.key == present.suspect.key:
             continue
@@ -93,6 +98,11 @@ def revised(answer: Answer, declared: Plant, looked: list[list[Judgement]], prog
             return revised(fewer, declared, looked, progress, offer) if len(rest) > 1 else fewer
         answer = Answer([*rest[:i], best, *rest[i:]], answer.declared, best.state)
     return answer
+
+
+def promising(looked: Sequence[Sequence[Judgement]]) -> set[str]:
+    """Return the names of the candidates that explained something in one of these steps."""
+    return {j.candidate.effect for judgements in looked for j in judgements if j.candidate.gain > PROMISE}
 
 
 @one_thread
