@@ -171,6 +171,17 @@ def test_a_saturated_loop_has_the_power_balance_of_a_triangular_velocity():
     assert cycles[-1].omega == pytest.approx(closed / (8 / np.pi**2 * np.sum(ORDERS**-2.0)), rel=0.01)
 
 
+def test_two_roots_in_one_cell_are_looked_for_beside_the_point_that_is_nearest():
+    """D = (x - 0.05)(x - 0.15) + i y on whole numbers: no part of it changes its sign between corners of a cell."""
+    from workbench.limit_cycle.balance import _candidates, _hollows
+
+    x, y = np.arange(-3.0, 4.0)[:, None], np.arange(-3.0, 4.0)[None, :] + 1e-6
+    d = (x - 0.05) * (x - 0.15) + 1j * y
+    assert np.array_equal(np.argwhere(np.stack(_hollows(d), axis=-1) == 3)[:, 0], [0, 0])
+    assert not len(_candidates(d)[0])
+    assert not len(_hollows((x + 0.5) * (x + 0.7) + 2.0 + 1j * y)[0])
+
+
 def test_harmonics_of_a_made_up_oscillation_are_found():
     t = 2.5e-4 * np.arange(4000)
     amplitude, omega, third = harmonics(0.3 + 2e-3 * np.cos(317.0 * t) + 6e-5 * np.cos(951.0 * t + 0.4), 2.5e-4)

@@ -22,6 +22,11 @@ PHASES = 64  # of a cycle, of the command
 LOWEST, HIGHEST = 2e-3, 3.0  # theta, rad a sample
 NEWTON = 20
 BESIDE = 0.3  # of a cell: a root may lie as far outside, since D bends; two cells may then find one root
+HOLLOW = 0.03  # |D| at a point of the grid beside which two roots may hide
+CLEARLY = (
+    2.0  # times as large as there |D| is beside: where amplitude matters not, the loop is linear and no two roots hide
+)
+PAIR = (1.0 / 1.15, 1.15)  # amplitudes over that of the point, from which they are sought
 SAME = 1e-3  # relative difference of amplitude and frequency below which two roots are one
 
 
@@ -49,6 +54,8 @@ class Balance:
         d = 1.0 + self.describing(law) * self.response
         roots = [self._root(d, i, j) for i, j in zip(*_candidates(d), strict=True)]
         found = [refined(self.axis, law, *root) for root in roots if root is not None]
+        hidden = [r for i, j in zip(*_hollows(d), strict=True) for r in self._beside(i, j)]
+        found += [refined(self.axis, law, *r, root=False) for r in hidden]
         found = sorted((c for c in found if c is not None), key=lambda c: c.amplitude)
         return tuple(c for k, c in enumerate(found) if k == 0 or not _same(found[k - 1], c))
 
@@ -60,6 +67,24 @@ class Balance:
         a, t = self.amplitude[:, 0], self.theta
         amplitude = float(a[i] * (a[i + 1] / a[i]) ** root[0])
         return amplitude, float(t[j] * (t[j + 1] / t[j]) ** root[1]) / self.axis.loop.sample_time
+
+    def _beside(self, i: int, j: int) -> list[tuple[float, float]]:
+        """Return where the pair of roots may be that two amplitudes have near a point of the grid: (A, w) each."""
+        omega = float(self.theta[j]) / self.axis.loop.sample_time
+        return [(float(self.amplitude[i, 0]) * apart, omega) for apart in PAIR]
+
+
+def _hollows(d: np.ndarray):
+    """Points of the grid at which |D| is small and clearly smaller than beside: of two roots in one cell no part of D need
+    change its sign between the corners."""
+    size = np.abs(d)
+    low = np.zeros(size.shape, dtype=bool)
+    inner = size[1:-1, 1:-1]
+    sides = (size[:-2, 1:-1], size[2:, 1:-1], size[1:-1, :-2], size[1:-1, 2:])
+    low[1:-1, 1:-1] = (inner < HOLLOW) & np.all([CLEARLY * inner < s for s in sides], axis=0)
+    for i, j in zip(*_candidates(d), strict=True):  # these roots are seen
+        low[max(i - 1, 0) : i + 3, max(j - 1, 0) : j + 3] = False
+    return np.nonzero(low)
 
 
 def _candidates(d: np.ndarray):

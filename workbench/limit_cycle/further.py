@@ -124,19 +124,22 @@ class Harmonics:
         return x if np.abs(left).max() < CLOSE and abs(x[0]) < np.log(WITHIN) else None
 
 
-def refined(axis: Axis, law: Command, amplitude: float, omega: float) -> Cycle | None:
+def refined(axis: Axis, law: Command, amplitude: float, omega: float, *, root: bool = True) -> Cycle | None:
     """Return the cycle with further harmonics that a cycle of the first alone becomes, or None where they take it away.
 
-    Where all harmonics at once lead nowhere, it is begun from beside, and then they are given weight little by little.
+    Where all harmonics at once lead nowhere, it is begun from beside, and then they are given weight little by little. root:
+    whether there is a cycle of the first alone; where there is none, one search has to do.
     """
     orders = ORDERS[ORDERS * omega * axis.loop.sample_time < NYQUIST]
-    each = [Harmonics(axis, law, amplitude, omega, orders, slight) for slight in SLIGHT]
+    each = [Harmonics(axis, law, amplitude, omega, orders, slight) for slight in (SLIGHT if root else SLIGHT[:1])]
     start = np.zeros(2 * orders.size)
     higher = (np.arange(start.size) == 0).astype(float)
     with np.errstate(all="ignore"):
-        tried = ((at, at.solved(start + beside * higher, 1.0)) for at in each for beside in BESIDE)
+        tried = (
+            (at, at.solved(start + beside * higher, 1.0)) for at in each for beside in (BESIDE if root else BESIDE[:1])
+        )
         at, x = next(((at, x) for at, x in tried if x is not None), (each[0], None))
-        x = _followed(at, start) if x is None else x
+        x = _followed(at, start) if x is None and root else x
         if x is None:
             return None
         q, w = at.motion(x)

@@ -23,7 +23,8 @@ APART = 1.0 / 3.0  # of a predicted amplitude: another start, and its inverse
 class Region:
     """first, second (n,), (m,): factors on the two gains that `dials` names. cycles: (i, j) -> the predicted ones.
 
-    exists, amplitude, omega, third (n, m): simulated; of all starts that which is steadiest. controller: what the factors are on.
+    exists, amplitude, omega, third (n, m): simulated; of all starts that on a predicted cycle where its motion lasts, since a
+    motion may lock to the sampling in several ways; else that which is steadiest. controller: what the factors are on.
     inertia, friction: of the axis, factors. speed: its limit.
     """
 
@@ -114,7 +115,8 @@ def region(
     shape = (len(first), len(second))
     out = {n: np.full(shape, np.nan) for n in ("amplitude", "omega", "third")}
     exists = np.zeros(shape, dtype=bool)
-    for k in np.argsort(-np.abs(m.drift)):  # the steadiest last, so that it stays
+    own = np.array([start in {c.amplitude for c in cycles[at]} for at, start in lanes])
+    for k in np.lexsort((-np.abs(m.drift), own)):  # what was released on a predicted cycle last, so that it stays
         at = lanes[k][0]
         if m.lasts[k]:
             exists[at] = True

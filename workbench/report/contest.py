@@ -108,8 +108,7 @@ def margin_figure(found: AgainstMargin, unit: str, asked: float) -> Figure:
         axes[0].set_xlabel("limit on Ms, at every amplitude")
         axes[0].set_ylabel(numbers.label("final error", unit))
         decades(axes[0].yaxis)
-        axes[0].set_ylim(top=8 * axes[0].get_ylim()[1])
-        axes[0].legend(loc="upper right")
+        axes[0].legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
 
     return Figure(
         "error_against_margin",
