@@ -2,7 +2,7 @@
 
 What is left after such a jump is everywhere, and yet it has few causes, each at its moment. Jumps are found one after another,
 each where a step of the level takes away most, with all levels and the model fitted anew in between (binary segmentation with
-refits: Vostrikova 1981).
+refits: Vostrikova 1981); those that the others made needless are taken out again.
 """
 
 from dataclasses import dataclass
@@ -38,29 +38,36 @@ def jumps(residual: np.ndarray, t: np.ndarray, drive: np.ndarray, floor: np.ndar
         LEAST * float(np.sum(residual[rows] ** 2 - floor[rows] ** 2)), CERTAIN * float(np.mean(floor[rows] ** 2))
     )
     sign = np.where(drive, 1.0, -1.0)
+
+    def fitted(found: list[int]) -> tuple[np.ndarray, np.ndarray]:
+        segment = np.searchsorted(rows[np.sort([*starts, *found])], np.arange(t.size), "right")
+        return levelled(residual, segment, sign, model)
+
     found: list[int] = []
-    while True:
-        left = levelled(
-            residual, np.searchsorted(rows[np.sort([*starts, *found])], np.arange(t.size), "right"), sign, model
-        )
-        if len(found) >= MOST:
-            break
-        gain, at = best_split(left[rows], edges)
+    while len(found) < MOST:
+        gain, at = best_split(fitted(found)[0][rows], sorted([*edges, *found]))
         if not gain > enough:
             break
         found.append(at)
-        edges = sorted([*edges, at])
-    return Jumps(tuple(sorted(float(t[rows[k]]) for k in found)), left)
+    while found:  # what an early step did for others is needless when they are there
+        faintest, at = least_step(fitted(found)[1], sorted([*edges, *found]), set(found))
+        if faintest > enough:
+            break
+        found.remove(at)
+    return Jumps(tuple(sorted(float(t[rows[k]]) for k in found)), fitted(found)[0])
 
 
-def levelled(residual: np.ndarray, segment: np.ndarray, sign: np.ndarray, model: Deviations) -> np.ndarray:
-    """Return what the model with a level of its own in each segment leaves. segment: (N,) of int."""
-    levels = np.zeros((residual.size, int(segment.max()) + 1))
-    levels[np.arange(residual.size), segment] = sign
+def levelled(
+    residual: np.ndarray, segment: np.ndarray, sign: np.ndarray, model: Deviations
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return what the model with a level of its own in each segment leaves, and the levels. segment: (N,) of int, from 1."""
+    levels = np.zeros((residual.size, int(segment.max())))
+    levels[np.arange(residual.size), np.maximum(segment, 1) - 1] = sign
     columns = np.hstack([model.columns, levels])
     gram = columns.T @ columns
     gram[np.diag_indices_from(gram)] += 1e-9 * np.trace(gram) / len(gram)
-    return residual - columns @ np.linalg.solve(gram, columns.T @ residual)
+    d = np.linalg.solve(gram, columns.T @ residual)
+    return residual - columns @ d, d[model.columns.shape[1] :]
 
 
 def best_split(x: np.ndarray, edges: list[int]) -> tuple[float, int]:
@@ -77,3 +84,14 @@ def best_split(x: np.ndarray, edges: list[int]) -> tuple[float, int]:
         if gains[k] > best:
             best, at = float(gains[k]), a + k + 1
     return best, at
+
+
+def least_step(levels: np.ndarray, edges: list[int], found: set[int]) -> tuple[float, int]:
+    """Return (power that it takes away, where it is) of the least step between levels (segments,) at one of `found`."""
+    counts = np.diff(edges)
+    steps = [
+        (float((levels[k] - levels[k - 1]) ** 2 * counts[k] * counts[k - 1] / (counts[k] + counts[k - 1])), edges[k])
+        for k in range(1, len(counts))
+        if edges[k] in found
+    ]
+    return min(steps)
