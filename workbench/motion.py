@@ -88,14 +88,19 @@ def _response(bandwidth: float, rate: float, size: int, derivative: int) -> np.n
 @lru_cache(maxsize=1)
 def _dead_band():
     """Program of the play operator z+ = clip(z, q - r, q + r), output z+ - z."""
-    q, z, r = ca.SX.sym("q"), ca.SX.sym("z"), ca.SX.sym("r")
+    s, z = ca.SX.sym("s", 2), ca.SX.sym("z")
+    q, r = s[0], s[1]
     after = ca.fmin(ca.fmax(z, q - r), q + r)
-    return read(ca.Function("dead_band", [q, z, r], [after, after - z]))
+    return read(ca.Function("dead_band", [s, z, ca.SX(0, 1)], [after, after - z]))
 
 
-def increments(position: np.ndarray, resolution: float) -> np.ndarray:
-    """Return increments (n,) of the position behind a dead band one count wide, starting from zero at the first sample."""
-    return scan(_dead_band(), position[None, :], position[:1], np.array([0.5 * resolution]))[0]
+def increments(position: np.ndarray, resolution: float | np.ndarray) -> np.ndarray:
+    """Return increments (n,) of the position behind a dead band one count wide, starting from zero at the first sample.
+
+    resolution: the count; (n,) where it is not the same all the time.
+    """
+    radius = 0.5 * np.broadcast_to(resolution, position.shape)
+    return scan(_dead_band(), np.stack([position, radius]), position[:1], np.zeros(0))[0]
 
 
 @dataclass(frozen=True, eq=False)

@@ -137,13 +137,30 @@ class Bodies:
             q_motor, q_load = self.reading("position", motor), self.reading("load_position", load)
             raw = self.mapped(plant, q_motor - q_load, q_motor, q_load)[0]
             # a difference of two encoders jumps by the counts of both, several within one presliding stroke: what drives
-            # memory here is the filtered deflection, in which they mean out, behind a dead band of the finer count
-            counts = [c for c in map(self.counts, ("position", "load_position")) if c > 0]
+            # memory here is the filtered deflection, in which they mean out where there are several in the filter's time
             body = self.kinematics(raw, 0.0)
-            body[INCREMENT] = increments(body[POSITION], min(counts, default=0.0))
+            bands = [self.unread("position", motor, q_motor), self.unread("load_position", load, q_load)]
+            body[INCREMENT] = increments(body[POSITION], np.maximum(*bands))
             return body
 
         return path, self.keep(("body", path), make)
+
+    def unread(self, channel: str, maps: list[Effect], raw: np.ndarray) -> np.ndarray:
+        """Return the dead band (n,) that an encoder's counts ask of the joint's deflection.
+
+        One count at rest; where counts pass within the filter's time, they mean out, and the finer encoder's count is left.
+        """
+        counts = self.counts(channel)
+        finest = min((c for c in map(self.counts, CHANNEL.values()) if c > 0), default=0.0)
+        if counts <= 0.0:
+            return np.full_like(raw, finest)
+
+        def make():
+            smooth = LowPass(MOTION_BAND * self.motion.filter.bandwidth, 1 / self.motion.dt, raw.size)
+            speed = np.abs(smooth.derivatives(raw, 2)[1])
+            return np.maximum(counts * (1.0 - speed / (2.0 * smooth.bandwidth * counts)), finest)
+
+        return self.keep(("unread", channel, path_of(maps)), make)
 
     def mapped(self, plant: Plant, deflection, motor, load) -> tuple:
         """Return (effective deflection, and by what the joint's torque enters the motor's and the load's balance), (n,) each.

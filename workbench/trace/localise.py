@@ -3,8 +3,8 @@
 The excess of a residual is its power above the floor's. A window covers a share of the samples, and holds the share of the
 excess that is gone outside when the model is fitted without the window's samples; the window in which the second exceeds
 the first most is where the residual lives. Windows are intervals of position or of speed, in one direction or in both, in
-COUNT steps of the range. Moments are the steps of the clock that hold most of the excess; they are asked only where no
-window is a place, because whatever is somewhere is also sometime.
+COUNT steps of the range. Moments are the steps of the clock that hold most of the excess; they are said where no window
+is a place, or where they hold the excess in far fewer samples.
 """
 
 from collections.abc import Sequence
@@ -19,6 +19,7 @@ COUNT = 80  # steps of position and of speed over their range
 MOMENT = 0.02  # s, step of the clock
 APART = 0.1  # s, gap up to which two moments are one
 MOST = 0.98  # share of the excess that moments are to hold
+SOMETIME = 0.3  # by which moments must do better than a window: whatever is somewhere is also sometime
 FAINT = 0.05  # of what a span holds on average, below which one is none
 ROUNDS = 4  # fits without the moments
 JUMPED = 0.9  # share of the excess that jumps of the level must take away
@@ -34,10 +35,10 @@ def lives(residual: np.ndarray, known: Samples, model: Deviations) -> Place | No
     options = [cells.window("position", known.q), cells.window("velocity", np.abs(known.v))]
     found = [weighed(o, model.without(residual, o.rows), known) for o in options if o]
     best = max(found, key=score, default=None)
-    if local(best):
-        return best
     times = moments_of(residual, known, model)
-    return weighed(times, model.without(residual, times.rows), known) if times else best
+    if times is None or (local(best) and score(best) > score(times) - SOMETIME):
+        return best
+    return weighed(times, model.without(residual, times.rows), known)
 
 
 def moments_of(residual: np.ndarray, known: Samples, model: Deviations) -> Place | None:
