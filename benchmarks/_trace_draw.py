@@ -92,15 +92,17 @@ def specs(campaigns: int, seed: int, two_mass: bool | None = None, short: bool =
 
     every = [n for n in EFFECTS if allowed(n)]
     known, own = [n for n in every if EFFECTS[n].effect], [n for n in every if not EFFECTS[n].effect]
+    partners = {n: [m for m in known if not clash(n, m) and set(allowed(n)) & set(allowed(m))] for n in known}
+    partners = {n: others for n, others in partners.items() if others}
     counts = {of: round(part * campaigns) for of, part in PARTS.items()}
+    counts[OUTSIDE] *= bool(own)
+    counts[SINGLE] = max(campaigns - sum(counts[of] for of in (PAIR, NONE, OUTSIDE)), 0)
     numbers = iter(range(1000 * seed, 1000 * seed + 10 * campaigns + 10))
     found = [spec(SINGLE, next(numbers), (n,), allowed(n)) for n in in_turn(rng, known, counts[SINGLE])]
-    for first in in_turn(rng, known, counts[PAIR]):
-        others = [n for n in known if not clash(first, n) and set(allowed(first)) & set(allowed(n))]
-        if others:
-            second = str(rng.choice(others))
-            shared = tuple(sorted(set(allowed(first)) & set(allowed(second))))
-            found.append(spec(PAIR, next(numbers), (first, second), shared))
+    for first in in_turn(rng, list(partners), counts[PAIR]):
+        second = str(rng.choice(partners[first]))
+        shared = tuple(sorted(set(allowed(first)) & set(allowed(second))))
+        found.append(spec(PAIR, next(numbers), (first, second), shared))
     sound = sorted({b for n in known for b in allowed(n)} - {"coulomb", "viscous", "dry"})
     found += [spec(NONE, next(numbers), (), (b,)) for b in in_turn(rng, sound, counts[NONE])]
     if own:

@@ -19,7 +19,8 @@ from benchmarks.trace import read
 def test_every_kind_is_drawn_as_often_as_the_others_and_no_pair_clashes():
     drawn = specs(400, 3)
     assert drawn == specs(400, 3) != specs(400, 4)
-    assert len({s.key for s in drawn}) == len(drawn)
+    assert len({s.key for s in drawn}) == len(drawn) == 400
+    assert [len(specs(n, 1)) for n in (1, 2, 6, 20, 37)] == [1, 2, 6, 20, 37]
     singles = Counter(s.missing[0] for s in drawn if s.of == SINGLE)
     assert max(singles.values()) - min(singles.values()) <= 1
     pairs = [s for s in drawn if s.of == PAIR]

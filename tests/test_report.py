@@ -167,7 +167,7 @@ def test_a_report_without_a_cause_shows_one_model(verdict, tone, tmp_path):
     page = Page((tmp_path / "report.html").read_text(encoding="utf-8"))
     assert ("div", {"class": f"callout {tone}"}) in page.seen
     assert "extended model" not in page.text
-    assert ("Coordinate: velocity." in page.text) == (verdict == UNKNOWN)
+    assert ("Between 100 and 400\u00a0mrad/s, moving forward (velocity)." in page.text) == (verdict == UNKNOWN)
 
 
 def test_what_each_record_says_stands_beside_the_intervals_and_where_they_disagree_apart(result):

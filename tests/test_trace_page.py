@@ -2,16 +2,21 @@
 
 import re
 from dataclasses import replace
+from types import SimpleNamespace
 
 import pytest
 from test_report_example import records, study, trace
 
+from workbench.errors import WorkbenchError
 from workbench.identify.fit import passes_of
-from workbench.report import write
+from workbench.report import where_figures, write
 from workbench.report.chapters import standard
-from workbench.report.contents import Figure, Items, Table
+from workbench.report.contents import Figure, Heading, Items, Table
+from workbench.report.unknown import Shade
 from workbench.report.where import where as chapter
-from workbench.trace.result import NOTHING
+from workbench.study import traced
+from workbench.trace.output import as_dict
+from workbench.trace.result import NOTHING, UNKNOWN
 from workbench.trace.where import as_list, where
 
 
@@ -82,3 +87,74 @@ def test_the_page_of_a_trace_has_its_own_name_and_its_chapters_once(found, tmp_p
     write(result, tmp_path, "trace")
     assert {"trace.html", "trace.pdf", "figures"} == {p.name for p in tmp_path.iterdir()}
     assert "Trace of campaign bench_axis" in (tmp_path / "trace.html").read_text(encoding="utf-8")
+
+
+# --- what no effect explains --------------------------------------------------------------------------------------------
+
+
+def unexplained(passes, found, **place):
+    """A page whose trace leaves something unknown at such a place."""
+    result = study(UNKNOWN)
+    known = {"share": 0.61, "times_floor": 3.1, "times_floor_outside": 1.1, "direction": "either direction"} | place
+    return replace(result, trace=replace(result.trace, unknown=known), where=where(passes, result.trace))
+
+
+@pytest.mark.parametrize(
+    ("place", "figure", "title", "shaded"),
+    [
+        (
+            {"coordinate": "position", "spans": [[0.1, 0.4]], "direction": "forward"},
+            "where_torque_place",
+            "lives between 100 and 400 mrad, moving forward",
+            1,  # of both ways of motion
+        ),
+        ({"coordinate": "velocity", "spans": [[1.0, 2.0]]}, "where_torque_motion", "between 1.00 and 2.00 rad/s", 2),
+        ({"coordinate": "time", "spans": [[1.0, 1.1], [3.0, 3.1]]}, "where_torque_time", "lives at 2 moments", 6),
+    ],
+)
+def test_where_something_unknown_lives_is_said_shaded_and_the_title_of_its_figure(
+    passes, found, monkeypatch, place, figure, title, shaded
+):
+    result = unexplained(passes, found, **place)
+    drawn = []
+    shading = where_figures.shaded
+    monkeypatch.setattr(where_figures, "shaded", lambda a, spans, *f: (drawn.extend(spans), shading(a, spans, *f)))
+    chapter = next(c for c in standard(result) if c.title == "Where the residual lives")
+    assert isinstance(chapter.blocks[0], Heading) and chapter.blocks[0].text == "Where it lives"
+    for block in (b for b in chapter.blocks if isinstance(b, Figure)):
+        svg = block.svg().decode()
+        assert (where_figures.LIVES in svg) == (block.name == figure)
+        if block.name == figure:
+            assert (
+                re.sub(r"\s+", " ", re.search("<title>(.*?)</title>", svg, re.DOTALL)[1])
+                .replace("\u00a0", " ")
+                .find(title)
+                > 0
+            )
+    assert len(drawn) == shaded
+
+
+def test_speeds_are_shaded_on_both_sides_of_zero():
+    speeds = Shade("velocity", ((1.0, 2.0),), "both ways", "")
+    assert speeds.over("velocity", "forward") == ((1.0, 2.0),) and speeds.over("velocity", "backward") == (
+        (-2.0, -1.0),
+    )
+    assert replace(speeds, way="forward").over("velocity", "backward") == () == speeds.over("position", "forward")
+
+
+def test_the_unit_of_an_unknown_place_is_told(passes, found):
+    result = unexplained(passes, found, coordinate="velocity", spans=[[1.0, 2.0]])
+    assert as_dict(result.trace, {})["unknown"]["unit"] == "rad/s"
+    assert (
+        "unit" not in as_dict(replace(result.trace, unknown={"coordinate": "none", "times_floor": 2.5}), {})["unknown"]
+    )
+
+
+def test_a_folder_that_is_not_ours_is_refused_before_anything_long_starts(tmp_path, monkeypatch):
+    (tmp_path / "notes.txt").write_text("mine", encoding="utf-8")
+    campaign = SimpleNamespace(records=(), bandwidth=60.0, plant=None)
+    monkeypatch.setattr(traced, "passes_of", lambda *_: pytest.fail("the records were looked at"))
+    for out in (tmp_path, tmp_path / "notes.txt"):
+        with pytest.raises(WorkbenchError, match="name a"):
+            traced.run(campaign, out)
+    assert [p.name for p in tmp_path.iterdir()] == ["notes.txt"]

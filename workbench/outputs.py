@@ -30,12 +30,10 @@ def sweep(place: Path) -> None:
             shutil.rmtree(left, ignore_errors=True)
 
 
-@contextmanager
-def whole(place: Path, ours: str) -> Iterator[Path]:
-    """Yield an empty folder; when the block ends well it becomes `place`, replacing an earlier output.
+def replaceable(place: Path, ours: str) -> Path:
+    """Return `place` as an absolute path; WorkbenchError where it holds what `whole` would not replace.
 
-    ours: the file by which an earlier output is known. A folder that holds files but not this one is not ours to
-    replace: WorkbenchError. When the block raises, `place` stays as it was.
+    Whatever takes long asks this first, so that a mistyped folder is said before and not after.
     """
     place = Path(os.path.abspath(place))
     if place.exists() and not place.is_dir():
@@ -44,6 +42,17 @@ def whole(place: Path, ours: str) -> Iterator[Path]:
         raise WorkbenchError(
             f"{place} holds files that this command did not write (there is no {ours}); name an empty or a new folder."
         )
+    return place
+
+
+@contextmanager
+def whole(place: Path, ours: str) -> Iterator[Path]:
+    """Yield an empty folder; when the block ends well it becomes `place`, replacing an earlier output.
+
+    ours: the file by which an earlier output is known. A folder that holds files but not this one is not ours to
+    replace: WorkbenchError. When the block raises, `place` stays as it was.
+    """
+    place = replaceable(place, ours)
     try:
         place.parent.mkdir(parents=True, exist_ok=True)
         sweep(place)

@@ -1,6 +1,6 @@
 """The cause, and the evidence for it: every candidate that was tried, ranked on data that its fit did not see."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 
 from workbench.finding import capital, title
 from workbench.plant import Plant
@@ -18,11 +18,10 @@ from workbench.report.contents import (
     Table,
 )
 from workbench.report.wording import listed, parameters, said
-from workbench.trace.result import CAUSE, UNKNOWN, Candidate, Cause
+from workbench.trace.result import CAUSE, Candidate, Cause
 from workbench.trace.smallest import Smallest
 
 BEST = 10
-SPANS = 12  # named in words
 
 
 def cause(result: StudyResult) -> Chapter:
@@ -31,8 +30,6 @@ def cause(result: StudyResult) -> Chapter:
     blocks = [Paragraph(how(result)), ranked(result), table(result), *later(result)]
     for c in trace.causes:
         blocks += described(c, trace.after.plant)
-    if trace.verdict == UNKNOWN and trace.unknown:
-        blocks += [Heading("Where it lives"), lives(trace.unknown)]
     if trace.verdict != CAUSE and trace.smallest:
         blocks += [Heading("What these records could have shown"), smallest(trace.smallest)]
     heading = "The cause and its evidence" if trace.verdict == CAUSE else "The candidates that were tried"
@@ -153,21 +150,6 @@ def described(c: Cause, plant: Plant) -> list:
         ),
         parameters(c.parameters, f"{name}: its parameters with 95 % intervals."),
     ]
-
-
-def lives(unknown: Mapping[str, object]) -> Items:
-    """Where an unexplained residual lives."""
-    spans = unknown.get("spans", ())
-    told = [f"{numbers.number(low)} to {numbers.number(high)}" for low, high in spans]
-    more = f" and {len(told) - SPANS} more" if len(told) > SPANS else ""
-    facts = [f"Coordinate: {unknown['coordinate']}."]
-    if told:
-        facts.append(f"From {listed(told[:SPANS])}{more}, SI; {unknown['direction']}.")
-        facts.append(f"It holds {numbers.percent(unknown['share'])} of the residual's power above the noise floor.")
-    facts.append(f"Residual over noise floor: {numbers.number(unknown['times_floor'])}.")
-    if "times_floor_outside" in unknown:
-        facts.append(f"Outside, fitted without it: {numbers.number(unknown['times_floor_outside'])}.")
-    return Items(tuple(facts))
 
 
 def smallest(found: Sequence[Smallest]) -> Table:

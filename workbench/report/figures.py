@@ -101,7 +101,8 @@ def ranking(title: str, candidates: Sequence[Candidate], added: Sequence[tuple[s
             error_kw={"ecolor": INK, "elinewidth": 0.9, "capsize": 2.2},
         )
         a.axvline(100 * share, color=BEFORE, linestyle=(0, (4, 1.5)), linewidth=1.0)
-        a.set_yticks(y, [_short(c) for c in best])
+        twice = {c.effect for k, c in enumerate(best) if c.effect in [o.effect for o in best[:k]]}
+        a.set_yticks(y, [_short(c, c.effect in twice) for c in best])
         a.set_xlim(0, max(400 * share, 1.05 * float(np.max(gains + scatter, initial=0.0))))
         a.set_xlabel("reduction of the held-out squared residual (%)")
         a.set_ylabel("candidate effect")
@@ -111,8 +112,9 @@ def ranking(title: str, candidates: Sequence[Candidate], added: Sequence[tuple[s
     return drawing.svg(title, draw, height=0.85 + 0.2 * max(len(best), 2))
 
 
-def _short(c: Candidate) -> str:
-    name = title_of(c.effect) + (" (freed)" if c.kind == "correction" else "")
+def _short(c: Candidate, twice: bool) -> str:
+    """Return the name of a bar; twice: whether another one has it too, at another place."""
+    name = title_of(c.effect) + (f" ({c.at})" if twice else "") + (" (freed)" if c.kind == "correction" else "")
     name = name if len(name) <= LONGEST else name[: LONGEST - 1] + "\u2026"
     return name.replace("$", r"\$")
 

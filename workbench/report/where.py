@@ -7,9 +7,10 @@ import numpy as np
 from workbench.finding import capital
 from workbench.report import numbers
 from workbench.report import where_figures as figures
-from workbench.report.contents import Chapter, Figure, Heading, Items, Paragraph, Table
+from workbench.report.contents import Block, Chapter, Figure, Heading, Items, Paragraph, Table
+from workbench.report.unknown import Shade
 from workbench.report.where_figures import SPREAD
-from workbench.report.wording import listed
+from workbench.report.wording import listed, span
 from workbench.trace.maps import BINS, MOTOR_TURN, POSITION_NAME, TIME, TURN, WAY
 from workbench.trace.places import Place, sentence
 from workbench.trace.spectra import STANDS_OUT
@@ -25,8 +26,11 @@ NAMED = 3  # places said, those where the residual stands out most: one window s
 PLACES = (POSITION_NAME, TURN, MOTOR_TURN)
 
 
-def where(found: Sequence[Where]) -> Chapter:
-    """The chapter: over place, over motion, over time, over frequency and order; in the angle too, where there is one."""
+def where(found: Sequence[Where], unknown: Sequence[Block] = (), shade: Shade | None = None) -> Chapter:
+    """The chapter: over place, over motion, over time, over frequency and order; in the angle too, where there is one.
+
+    unknown: what is said of a residual that no effect explains; shade: where it lives, shaded in the graphs of the drive.
+    """
     text = (
         "What a residual follows tells what it comes from. Below, the residual of the identification records is held "
         "against each coordinate in bins, for each way of motion: its mean, with two standard errors (over visits to a bin, "
@@ -34,22 +38,12 @@ def where(found: Sequence[Where]) -> Chapter:
         "residual's power that the means hold. Where a window of a coordinate holds plainly more of the residual than the "
         "rest, it is the one whose variance differs most likely from the rest's."
     )
-    blocks = [Paragraph(text)]
+    blocks = [*unknown, Paragraph(text)]
     for w in found:
         if w.of == "angle":
             blocks += [Heading("In the angle of the joint"), Paragraph(ANGLE)]
-        blocks += [Items(tuple(told(w))), *drawn(w), ways(w)]
+        blocks += [Items(tuple(told(w))), *drawn(w, shade if w.of != "angle" else None), ways(w)]
     return Chapter("Where the residual lives", tuple(blocks))
-
-
-def span(low: float, high: float, unit: str) -> str:
-    """Return "between 1.20 and 1.50 rad", with a prefix."""
-    factor, shown = numbers.prefixed(max(abs(low), abs(high)), unit)
-    for digits in (3, 4, 5, 6):  # as many as tell the two apart
-        texts = [numbers.number(x * factor, digits) for x in (low, high)]
-        if texts[0] != texts[1]:
-            break
-    return f"between {texts[0]} and {texts[1]}\u00a0{shown}"
 
 
 def name(w: Where) -> str:
@@ -97,13 +91,13 @@ def later(w: Where, p: Place) -> str:
     return f"; for the extended model {sentence(other, name(w), span)}"
 
 
-def drawn(w: Where) -> list[Figure]:
+def drawn(w: Where, shade: Shade | None = None) -> list[Figure]:
     """Return the figures of one residual."""
     coordinates = [c for c in dict.fromkeys(m.coordinate for m in w.before.maps) if c not in (WAY, TIME)]
     rows = {"place": [c for c in coordinates if c in PLACES], "motion": [c for c in coordinates if c not in PLACES]}
-    made = [multiples(w, kind, chosen) for kind, chosen in rows.items()]
+    made = [multiples(w, kind, chosen, shade) for kind, chosen in rows.items()]
     if w.before.over(TIME):
-        made.append(over_time(w))
+        made.append(over_time(w, shade))
     return [*made, spectra(w)]
 
 
@@ -123,9 +117,10 @@ def both(w: Where) -> str:
     return "of the declared and the extended model" if w.after else "of the declared model"
 
 
-def multiples(w: Where, kind: str, coordinates: Sequence[str]) -> Figure:
+def multiples(w: Where, kind: str, coordinates: Sequence[str], shade: Shade | None = None) -> Figure:
     """Return one figure: a row a coordinate, backward motion on the left and forward motion on the right."""
-    title = heading(w, coordinates)
+    shade = shade if shade and shade.coordinate in coordinates else None
+    title = shade.title if shade else heading(w, coordinates)
     others = "; ".join(f"{c} explains {numbers.percent(w.before.explained(c))}" for c in coordinates)
     caption = (
         f"Residual of the {w.of} over {listed(coordinates)}: mean with two standard errors (line and area) and rms (dotted), "
@@ -133,7 +128,7 @@ def multiples(w: Where, kind: str, coordinates: Sequence[str]) -> Figure:
     )
     return Figure(
         f"where_{w.of}_{kind}",
-        lambda: figures.multiples(title, w, coordinates),
+        lambda: figures.multiples(title, w, coordinates, shade),
         caption,
         f"{2 * len(coordinates)} graphs, a row a coordinate. {title}. {others}.",
     )
@@ -159,14 +154,18 @@ def ways(w: Where) -> Table:
     return Table(columns, tuple(rows), caption, "lr" + "rr" * len(found))
 
 
-def over_time(w: Where) -> Figure:
+def over_time(w: Where, shade: Shade | None = None) -> Figure:
     """Return the residual on each record over time."""
     records = [m.record for m in w.before.over(TIME)]
     place = w.before.place(TIME)
-    title = capital(sentence(place, name(w), span)) if place and place.stands_out else falling(w)
+    shade = shade if shade and shade.coordinate == TIME else None
+    if shade:
+        title = shade.title
+    else:
+        title = capital(sentence(place, name(w), span)) if place and place.stands_out else falling(w)
     return Figure(
         f"where_{w.of}_time",
-        lambda: figures.over_time(title, w),
+        lambda: figures.over_time(title, w, shade),
         f"Rms residual of the {w.of} in {BINS} stretches of each record, {both(w)}.",
         f"{len(records)} graphs over time, one a record: {listed(records)}. {title}.",
     )

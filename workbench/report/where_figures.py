@@ -5,12 +5,14 @@ from collections.abc import Sequence
 import numpy as np
 
 from workbench.report import numbers
-from workbench.report.drawing import AFTER, BEFORE, MUTED, decades, svg
+from workbench.report.drawing import AFTER, BEFORE, MEASURED, MUTED, decades, svg
+from workbench.report.unknown import Shade
 from workbench.trace.maps import BACKWARD, FORWARD, STROKE, TIME, Map
 from workbench.trace.where import Residual, Where
 
 ROW = 1.3  # inches of a row
 HEAD = 0.95  # inches of title and legend
+LIVES = "where it lives"
 SPREAD = 2.0  # standard errors of a mean that are drawn
 
 Model = tuple[str, Residual, dict]
@@ -28,7 +30,7 @@ def prefix(w: Where, coordinate: str | None = None) -> tuple[float, str]:
     return numbers.prefixed(max(float(np.nanmax(r)) for r in chosen), w.unit)
 
 
-def multiples(title: str, w: Where, coordinates: Sequence[str]) -> bytes:
+def multiples(title: str, w: Where, coordinates: Sequence[str], shade: Shade | None = None) -> bytes:
     """Mean and rms over each coordinate: a row a coordinate, backward motion on the left and forward on the right."""
     small, fine = prefix(w)
 
@@ -38,6 +40,10 @@ def multiples(title: str, w: Where, coordinates: Sequence[str]) -> bytes:
                 for label, residual, style in models(w):
                     m = next(m for m in residual.over(coordinate) if m.way == way)
                     curve(axis, m, small, label, style)
+                if shade:
+                    shaded(
+                        axis, shade.over(coordinate, way), numbers.prefixed(float(np.max(np.abs(m.edges))), m.unit)[0]
+                    )
                 axis.axhline(0, color=MUTED, linewidth=0.6)
                 axis.set_title(f"moving {way}" if k == 0 else "", loc="left", fontweight="normal")
             axes[2 * k].set_ylabel(numbers.label("residual", fine))
@@ -66,13 +72,22 @@ def curve(axis, m: Map, small: float, label: str, style: dict) -> None:
     axis.set_xlabel(numbers.label(m.coordinate, shown))
 
 
+def shaded(axis, spans: Sequence[tuple[float, float]], factor: float = 1.0) -> None:
+    """Shade where lives what no effect explains. A moment is too short to be seen on a long record without its border."""
+    for low, high in spans:
+        axis.axvspan(factor * low, factor * high, color=MEASURED, alpha=0.4, linewidth=1.0, zorder=0.5, label=LIVES)
+
+
 def legend(axes) -> None:
-    """Put one legend under the whole figure."""
-    handles, labels = axes[0].get_legend_handles_labels()
-    axes[0].figure.legend(handles, labels, loc="outside lower center", ncols=2)
+    """Put one legend under the whole figure, with what is in any of its graphs."""
+    known = {}
+    for axis in axes:
+        for handle, label in zip(*axis.get_legend_handles_labels(), strict=True):
+            known.setdefault(label, handle)
+    axes[0].figure.legend(known.values(), known.keys(), loc="outside lower center", ncols=2)
 
 
-def over_time(title: str, w: Where) -> bytes:
+def over_time(title: str, w: Where, shade: Shade | None = None) -> bytes:
     """Rms of each record over its time, a row a record."""
     small, fine = prefix(w, TIME)
     rows = w.before.over(TIME)
@@ -82,6 +97,8 @@ def over_time(title: str, w: Where) -> bytes:
             for label, residual, style in models(w):
                 one = next(o for o in residual.over(TIME) if o.record == m.record)
                 axis.stairs(one.rms * small, one.edges, **style, label=label)
+            if shade:
+                shaded(axis, [s for s in shade.over(TIME) if m.edges[0] < s[1] and s[0] < m.edges[-1]])
             axis.set_title(m.record.replace("$", r"\$"), loc="left", fontweight="normal")
             axis.set_ylabel(numbers.label("rms", fine))
             axis.set_ylim(bottom=0.0)

@@ -23,6 +23,16 @@ def listed(texts: Sequence[str]) -> str:
     return " and ".join(p for p in (", ".join(texts[:-1]), *texts[-1:]) if p)
 
 
+def span(low: float, high: float, unit: str) -> str:
+    """Return "between 1.20 and 1.50 rad", with a prefix."""
+    factor, shown = numbers.prefixed(max(abs(low), abs(high)), unit)
+    for digits in (3, 4, 5, 6):  # as many as tell the two apart
+        texts = [numbers.number(x * factor, digits) for x in (low, high)]
+        if texts[0] != texts[1]:
+            break
+    return f"between {texts[0]} and {texts[1]}\u00a0{shown}"
+
+
 def bound(text: str) -> str:
     """Return a bound with the signs that are printed: "<= 0.11" is "≤ 0.11"."""
     return text.replace("<=", "\u2264").replace(">=", "\u2265").replace("!=", "\u2260")

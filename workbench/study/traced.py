@@ -8,7 +8,7 @@ from workbench.campaign import Campaign
 from workbench.errors import WorkbenchError
 from workbench.identify.fit import passes_of
 from workbench.identify.passes import Passes
-from workbench.outputs import whole
+from workbench.outputs import replaceable, whole
 from workbench.record import VALIDATION
 from workbench.report import write as write_page
 from workbench.report.closing import absent
@@ -24,6 +24,7 @@ from workbench.verify.closing import as_dict as loop_as_dict
 
 Say = Callable[[str], None]
 
+FILE = "trace.json"
 QUESTION = "Does the declared model lack an effect, and if so, which, where does it show, and what is it worth?"
 
 
@@ -32,6 +33,7 @@ def run(campaign: Campaign, out: Path, say: Say = lambda _: None, closing: bool 
 
     closing: whether the loop is closed with what was found, in simulation.
     """
+    replaceable(out, FILE)
     passes = passes_of(campaign.records, campaign.bandwidth)
     found = trace(campaign.plant, passes, say)
     phases = calibrations(passes, found)
@@ -44,7 +46,7 @@ def run(campaign: Campaign, out: Path, say: Say = lambda _: None, closing: bool 
         "calibrations": [as_dict(c) for c in phases],
         "closed_loop": {"missing": closed} if isinstance(closed, str) else closed and loop_as_dict(closed),
     }
-    with whole(out, "trace.json") as beside:
+    with whole(out, FILE) as beside:
         write(found, beside, more)
         write_page(result, beside, "trace")
     return found

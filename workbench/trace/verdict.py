@@ -7,8 +7,11 @@ from workbench.finding import Finding, capital, title
 from workbench.identify.result import Fit
 from workbench.record import IDENTIFICATION, VALIDATION
 from workbench.trace.candidates import ADDITION
+from workbench.trace.place import WAYS, Place
 from workbench.trace.result import CAUSE, UNKNOWN, Candidate, Cause
 from workbench.trace.unexplained import Unexplained
+
+SPANS = 6  # that are told in words
 
 
 def _share(before: float, after: float) -> float:
@@ -42,16 +45,29 @@ def not_carried(causes: Sequence[Cause]):
             )  # fmt: skip
 
 
-def left_over(unexplained: Unexplained | None):
-    """Yield a finding where something stays beside the causes, in a place of its own."""
+def left_over(unexplained: Unexplained | None, displacement: str = ""):
+    """Yield a finding where something stays beside the causes, in a place of its own. displacement: unit of position."""
     if unexplained is not None:
         yield Finding(
             "unexplained", unexplained.place.coordinate,
-            f"Beside this, something lives {unexplained.place.sentence} that no effect of the catalogue explains: there the "
+            f"Beside this, something lives {lives(unexplained.place, displacement)} that no effect of the catalogue explains: there the "
             f"residual is {unexplained.place.inside:.1f} times the noise floor, elsewhere {unexplained.place.outside:.1f} times.",
             {"inside": unexplained.place.inside, "outside": unexplained.place.outside},
             "look at the axis there",
         )  # fmt: skip
+
+
+def lives(place: Place, displacement: str) -> str:
+    """Return "at positions from 0.1 to 0.2 rad, moving forward": where something lives, in SI units. displacement: rad or m."""
+    name, unit = {
+        "position": ("at positions", displacement),
+        "velocity": ("at speeds", displacement and f"{displacement}/s"),
+        "time": ("at the times", "s"),
+    }[place.coordinate]
+    spans = ", ".join(f"{low:.4g} to {high:.4g}" for low, high in place.spans[:SPANS])
+    more = f" and {len(place.spans) - SPANS} more" if len(place.spans) > SPANS else ""
+    way = f", moving {WAYS[place.direction]}" if place.direction else ""
+    return f"{name} from {spans}{unit and f' {unit}'}{more}{way}"
 
 
 def verdict_sentence(
@@ -75,7 +91,7 @@ def verdict_sentence(
         if place is None:
             return f"{said}, and it lives nowhere in particular: not in a place, not at a speed, not at moments."
         return (
-            f"{said}. It lives {place.sentence}: {100 * place.share:.0f} % of its power in {100 * place.covered:.0f} % of the "
+            f"{said}. It lives {lives(place, before.plant.displacement)}: {100 * place.share:.0f} % of its power in {100 * place.covered:.0f} % of the "
             f"samples. Outside, the declared model leaves {place.outside:.1f} times the floor."
         )
     return (

@@ -1,0 +1,80 @@
+"""Where lives what no effect explains: in words, and as what is shaded in the graphs over its coordinate."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from workbench.finding import capital
+from workbench.report import numbers
+from workbench.report.contents import Items, StudyResult
+from workbench.report.wording import listed, span
+from workbench.trace.maps import BACKWARD, BOTH, TIME, WAYS
+from workbench.trace.output import located
+
+SPANS = 12  # told in words
+
+
+@dataclass(frozen=True)
+class Shade:
+    """What is shaded: spans (low, high) of a coordinate, SI, of speed where that is velocity; in graphs of one way or of both.
+
+    title: the finding of the figure in which it is.
+    """
+
+    coordinate: str
+    spans: tuple[tuple[float, float], ...]
+    way: str
+    title: str
+
+    def over(self, coordinate: str, way: str = BOTH) -> tuple[tuple[float, float], ...]:
+        """Return the spans to be shaded in a graph over this coordinate, of this way of motion."""
+        if coordinate != self.coordinate or (BOTH not in (way, self.way) and way != self.way):
+            return ()
+        if coordinate == "velocity" and way == BACKWARD:
+            return tuple((-high, -low) for low, high in self.spans)
+        return self.spans
+
+
+def shade(result: StudyResult) -> Shade | None:
+    """Return what is shaded; None where nothing is unexplained, or where it lives nowhere in particular."""
+    unknown = located(result.trace)
+    if not unknown.get("spans"):
+        return None
+    of = "what the extended model leaves" if result.trace.causes else "the residual's power"
+    title = f"{numbers.percent(unknown['share'])} of {of} above the noise floor lives {whereabouts(unknown)}"
+    spans = tuple((low, high) for low, high in unknown["spans"])
+    way = unknown["direction"] if unknown["direction"] in WAYS else BOTH
+    return Shade(unknown["coordinate"], spans, way, title)
+
+
+def whereabouts(unknown: Mapping[str, object]) -> str:
+    """Return "between 1.20 and 1.50 rad, moving forward", or "at 12 moments"."""
+    spans, unit = unknown["spans"], unknown["unit"]
+    if unknown["coordinate"] == TIME and len(spans) > 1:
+        return f"at {len(spans)} moments"
+    way = f", moving {unknown['direction']}" if unknown["direction"] in WAYS else ""
+    return listed([span(low, high, unit) for low, high in spans]) + way
+
+
+def lives(result: StudyResult) -> Items:
+    """Where an unexplained residual lives, in words."""
+    unknown = located(result.trace)
+    facts = []
+    if spans := unknown.get("spans"):
+        facts.append(f"{capital(whereabouts(unknown))} ({unknown['coordinate']}){moments(unknown)}.")
+        facts.append(f"It holds {numbers.percent(unknown['share'])} of the power above the noise floor.")
+    else:
+        facts.append("It lives nowhere in particular: in no window of position or of speed, and at no moments.")
+    told = f"The residual is {numbers.number(unknown['times_floor'])} times the noise floor"
+    if spans:
+        told += f"; outside, fitted without it, {numbers.number(unknown['times_floor_outside'])} times"
+    return Items((*facts, f"{told}."))
+
+
+def moments(unknown: Mapping[str, object]) -> str:
+    """Return ": 1.20 to 1.26, 3.70 to 3.76 s" of several moments."""
+    spans = unknown["spans"]
+    if unknown["coordinate"] != TIME or len(spans) == 1:
+        return ""
+    told = [f"{numbers.exact(low, 4)} to {numbers.exact(high, 4)}" for low, high in spans[:SPANS]]
+    more = f" and {len(spans) - SPANS} more" if len(spans) > SPANS else ""
+    return f": {', '.join(told)} s{more}"
