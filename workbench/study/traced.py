@@ -9,6 +9,7 @@ from workbench.errors import WorkbenchError
 from workbench.identify.fit import passes_of
 from workbench.identify.passes import Passes
 from workbench.outputs import replaceable, whole
+from workbench.plant import Plant
 from workbench.record import VALIDATION
 from workbench.report import write as write_page
 from workbench.report.closing import absent
@@ -52,14 +53,19 @@ def run(campaign: Campaign, out: Path, say: Say = lambda _: None, closing: bool 
     return found
 
 
+def in_order(plant: Plant) -> Plant:
+    """Return the plant with its effects by name: in which order they were declared must not show in the last bits of a sum."""
+    return replace(plant, effects=tuple(sorted(plant.effects, key=lambda e: e.key)))
+
+
 def closed_loop(campaign: Campaign, found: Trace, say: Say) -> Closed | str:
-    """Return the loop closed with what a trace found, on the first validation record, or the sentence why it is not."""
-    record = next(iter(campaign.with_role(VALIDATION)), None)
+    """Return the loop closed with what a trace found, on the validation record whose name comes first, or the sentence why it is not."""
+    record = min(campaign.with_role(VALIDATION), key=lambda r: r.name, default=None)
     if missing := lacking(campaign.plant, record):
         return missing
     say("closing the loop")
     try:
-        return close(found.before.plant, found.after.plant, record)
+        return close(in_order(found.before.plant), in_order(found.after.plant), record)
     except WorkbenchError as error:
         return f"The loop is not closed: {error}"
 

@@ -8,7 +8,7 @@ from types import MappingProxyType
 
 import numpy as np
 
-from workbench.identify.result import Estimate
+from workbench.identify.result import Estimate, Fit
 from workbench.record import IDENTIFICATION, VALIDATION
 from workbench.trace.result import Cause, Trace
 
@@ -40,6 +40,11 @@ def cause(c: Cause) -> dict:
         "rivals": list(c.rivals),
         "experiment": c.experiment,
     }
+
+
+def by_name(fit: Fit) -> list[Estimate]:
+    """Return the estimates by effect and place, whatever the order in which the effects were declared."""
+    return sorted(fit.estimates, key=lambda e: (e.effect, e.at))
 
 
 def located(trace: Trace) -> dict:
@@ -87,7 +92,7 @@ def as_dict(trace: Trace, predictions: dict[str, str]) -> dict:
             ]
             for step in trace.steps
         ],
-        "model": [{"effect": e.effect, "at": e.at, "parameter": e.parameter, **estimate(e)} for e in after.estimates],
+        "model": [{"effect": e.effect, "at": e.at, "parameter": e.parameter, **estimate(e)} for e in by_name(after)],
         "findings": [
             {"kind": f.kind, "subject": f.subject, "sentence": f.sentence, "remedy": f.remedy}
             for f in (*trace.findings, *after.findings)
@@ -106,7 +111,7 @@ def write(trace: Trace, folder: Path, more: Mapping[str, object] = MappingProxyT
     """Write trace.json and predictions/<record>.csv into an existing folder. more: further keys of trace.json."""
     paths = {}
     (folder / "predictions").mkdir()
-    for name, prediction in trace.after.predictions.items():
+    for name, prediction in sorted(trace.after.predictions.items()):
         paths[name] = f"predictions/{name}.csv"
         rows = np.column_stack([trace.after.series[name].time, prediction])
         np.savetxt(folder / paths[name], rows, fmt="%.9g", delimiter=",", header="time_s,prediction", comments="")

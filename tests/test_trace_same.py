@@ -1,0 +1,66 @@
+"""The same answer, however it is asked: trace.json to the last bit, whatever the order of what is declared, and on how many threads."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+import rig
+from threadpoolctl import threadpool_limits
+
+from workbench.campaign import Campaign, load
+from workbench.study.traced import run
+
+
+@pytest.fixture(scope="module")
+def campaign(tmp_path_factory) -> Campaign:
+    """Two effects are missing, so that the search takes turns; it closes a loop, and has two records for validation."""
+    folder = tmp_path_factory.mktemp("campaign")
+    rig.campaign(folder, 44, ("cogging", "stribeck_friction"), 2.0, short=True)
+    loaded = load(folder)
+    limits = replace(loaded.plant.limits, drive=3.0, speed=30.0)
+    again = [replace(r, name="val_again") for r in loaded.records if r.role == "validation"]
+    return replace(loaded, plant=replace(loaded.plant, limits=limits), records=(*loaded.records, *again))
+
+
+@pytest.fixture(scope="module")
+def written(campaign, tmp_path_factory) -> bytes:
+    return text_of(campaign, tmp_path_factory.mktemp("out"))
+
+
+def text_of(campaign: Campaign, folder: Path) -> bytes:
+    """Return trace.json and every prediction, as written."""
+    found = run(campaign, folder / "out")
+    assert sorted(found.added) == ["cogging", "stribeck_friction"]
+    files = [folder / "out" / "trace.json", *sorted((folder / "out" / "predictions").iterdir())]
+    return b"".join(f.read_bytes() for f in files)
+
+
+def test_the_order_of_effects_and_records_shows_in_no_bit(campaign, written, tmp_path):
+    plant = replace(campaign.plant, effects=campaign.plant.effects[::-1])
+    assert text_of(replace(campaign, plant=plant, records=campaign.records[::-1]), tmp_path) == written
+
+
+def test_the_number_of_threads_shows_in_no_bit(campaign, written, tmp_path):
+    with threadpool_limits(limits=4, user_api="blas"):
+        assert np.dot(np.ones(9), np.ones(9)) == 9.0  # the pool of threads is there
+        assert text_of(campaign, tmp_path) == written
+
+
+def test_of_what_is_written_only_the_validation_errors_depend_on_the_validation_records(campaign, tmp_path):
+    """A record of another motion and another drive in their place: what was chosen, and every number of it, stays."""
+    rng = np.random.default_rng(1)
+
+    def other(r):
+        drive = r.drive[::-1] * 2.0 + 0.3 * rng.standard_normal(r.drive.size)
+        return replace(r, channels={**r.channels, "torque": drive}) if r.role == "validation" else r
+
+    said = [
+        run(replace(campaign, records=records), tmp_path / name, closing=False)
+        for name, records in (("one", campaign.records), ("two", tuple(map(other, campaign.records))))
+    ]
+    assert said[0].steps == said[1].steps and said[0].added == said[1].added
+    assert said[0].after.estimates == said[1].after.estimates and said[0].smallest == said[1].smallest
+    assert [c.rivals for c in said[0].causes] == [c.rivals for c in said[1].causes]
+    assert said[0].after.identification == said[1].after.identification
+    assert said[0].after.validation != said[1].after.validation

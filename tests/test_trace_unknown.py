@@ -1,0 +1,69 @@
+"""What a trace says where it has no cause to name: "unknown" with its place, or nothing missing with what would have shown."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+import rig
+
+from benchmarks._trace_run import place_right, ranges
+from workbench.campaign import load
+from workbench.identify.fit import passes_of
+from workbench.trace.result import NOTHING, UNKNOWN
+from workbench.trace.tracing import trace
+
+# What is missing, of which machine, the seed of the rig, and the coordinate and way of motion in which it lives.
+OUTSIDE = [
+    ("hard_spot", "presliding", 7, "position", "backward"),
+    ("window_friction", "two mass", 8, "position", "forward"),
+    ("slip@joint", "two mass", 31, "time", "either direction"),
+    ("rattle", "presliding", 9, "velocity", "either direction"),
+    ("missed_counts", "presliding", 10, "time", "either direction"),
+    ("fan", "presliding", 11, "time", "either direction"),
+]
+
+
+@pytest.mark.parametrize(("name", "base", "seed", "coordinate", "way"), OUTSIDE, ids=lambda x: str(x))
+def test_a_cause_of_the_rigs_own_is_unknown_and_its_place_right_within_a_tenth(
+    tmp_path: Path, name, base, seed, coordinate, way
+):
+    truth = rig.campaign(tmp_path, seed, (name,), 2.0, base=base, short=True)
+    campaign = load(tmp_path)
+    found = trace(campaign.plant, passes_of(campaign.records, campaign.bandwidth))
+    assert found.verdict == UNKNOWN and found.added == ()
+    assert found.unknown["coordinate"] == coordinate == truth["where"][0]
+    assert found.unknown["direction"] == way
+    assert place_right(truth["where"], found.unknown, ranges(campaign), truth["metres"])
+
+
+@pytest.mark.parametrize(("base", "seed"), [("presliding", 301), ("gravity", 303), ("two mass", 302)])
+def test_the_floor_is_within_a_fifth_of_what_a_right_model_leaves(tmp_path, base, seed):
+    """Nothing is missing, so what is left on the records is noise and counts: it is named as that, and nothing is added."""
+    rig.campaign(tmp_path, seed, (), base=base, short=True)
+    campaign = load(tmp_path)
+    found = trace(campaign.plant, passes_of(campaign.records, campaign.bandwidth))
+    assert found.verdict == NOTHING and found.added == () and found.unknown == {}
+    for role, left in (("identification", found.before.identification), ("validation", found.before.validation)):
+        assert found.floor[role] == pytest.approx(left, rel=0.2)
+    judged = {c.effect for c in found.ranked}
+    shown = {s.effect for s in found.smallest}
+    assert shown <= judged and len(shown) > 0.8 * len(judged)
+    assert all(s.value > 0.0 for s in found.smallest)
+    assert "smallest" in found.sentence
+
+
+@pytest.mark.parametrize(("times", "counts"), [(0.5, False), (2.0, True)])
+def test_the_smallest_effect_that_would_have_shown_is_where_one_begins_to_count(tmp_path, times, counts):
+    """A constant torque is added to the records: of half the size that was stated it does not count, of twice it does."""
+    rig.campaign(tmp_path, 301, (), short=True)
+    campaign = load(tmp_path)
+
+    def traced(offset: float):
+        records = [
+            replace(r, channels={**r.channels, "torque": r.channels["torque"] + offset}) for r in campaign.records
+        ]
+        return trace(campaign.plant, passes_of(records, campaign.bandwidth), only=("constant_offset",))
+
+    (least,) = traced(0.0).smallest
+    assert (least.effect, least.parameter, least.unit) == ("constant_offset", "offset", "N*m")
+    assert traced(times * least.value).ranked[0].earns == counts
