@@ -1,5 +1,6 @@
 """Where a residual lives: maps against closed forms, windows that were put there, and noise in which there are none."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -27,7 +28,7 @@ from workbench.trace.maps import (
 )
 from workbench.trace.places import explained, place, places, sentence
 from workbench.trace.spectra import half, over_frequency, over_order
-from workbench.trace.where import angle_residual, drives, identifying, joint_stiffness
+from workbench.trace.where import angle_residual, drives, identifying, joint_stiffness, load_errors
 
 RATE, BAND = 1000.0, 100.0
 MASS = find("inertia")(inertia=1e-3)
@@ -213,6 +214,11 @@ def test_of_two_masses_an_error_of_the_angle_shows_in_rad():
     assert joint_stiffness([p], plant) == pytest.approx(k)
     found = angle_residual([p], plant)
     np.testing.assert_allclose(found, -wave[p.motion.keep], atol=0.05 * size)
+    rms = lambda x: np.sqrt(np.mean(p.motion.filter(x)[p.motion.keep] ** 2))  # noqa: E731
+    asked = rms(wave) / rms(inertia * a_l / k + wave)
+    assert load_errors([p], plant) == {r.role: pytest.approx(asked, rel=0.02)}
+    locked = replace(r, locked=True)
+    assert load_errors(passes_of([locked], BAND), plant) == {}
 
 
 def test_a_map_has_sixty_bins_at_most(pool):

@@ -41,9 +41,18 @@ def where(found: Sequence[Where], unknown: Sequence[Block] = (), shade: Shade | 
     blocks = [*unknown, Paragraph(text)]
     for w in found:
         if w.of == "angle":
-            blocks += [Heading("In the angle of the joint"), Paragraph(ANGLE)]
+            blocks += [Heading("In the angle of the joint"), Paragraph(ANGLE + balanced(w))]
         blocks += [Items(tuple(told(w))), *drawn(w, shade if w.of != "angle" else None), ways(w)]
     return Chapter("Where the residual lives", tuple(blocks))
+
+
+def balanced(w: Where) -> str:
+    """Return the error of the load's balance: the second one, beside that of the drive."""
+    texts = []
+    for role, errors in w.load.items():
+        before, *after = (numbers.percent(e) for e in errors)
+        texts.append(f"{before} on {role}" + "".join(f" ({a} with the extended model)" for a in after))
+    return f" The load's balance leaves {listed(texts)}, in per cent of the joint's torque." if texts else ""
 
 
 def name(w: Where) -> str:

@@ -19,7 +19,7 @@ from workbench.trace.calibration import as_dict, calibrations, finding
 from workbench.trace.output import write
 from workbench.trace.result import Trace
 from workbench.trace.tracing import trace
-from workbench.trace.where import as_list, where
+from workbench.trace.where import as_list, load_as_dict, where
 from workbench.verify.closing import Closed, close, lacking
 from workbench.verify.closing import as_dict as loop_as_dict
 
@@ -43,6 +43,7 @@ def run(campaign: Campaign, out: Path, say: Say = lambda _: None, closing: bool 
     say("writing the page")
     result = page(campaign, passes, found, closed)
     more = {
+        "nrmse_load": load_as_dict(result.where),
         "where": as_list(result.where),
         "calibrations": [as_dict(c) for c in phases],
         "closed_loop": {"missing": closed} if isinstance(closed, str) else closed and loop_as_dict(closed),

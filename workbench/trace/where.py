@@ -1,7 +1,7 @@
 """The residual of a trace against everything it may follow, before and after: in the drive, and of two masses in the angle."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -39,7 +39,10 @@ class Residual:
 
 @dataclass(frozen=True, eq=False)
 class Where:
-    """of: "torque", "force", or "angle" (of the joint). unit: SI. records: those pooled. after: None where nothing was added."""
+    """of: "torque", "force", or "angle" (of the joint). unit: SI. records: those pooled. after: None where nothing was added.
+
+    load: of the angle, role -> relative error of the load's balance, of each model (see `load_errors`).
+    """
 
     of: str
     unit: str
@@ -47,6 +50,7 @@ class Where:
     before: Residual
     after: Residual | None
     rotary: bool
+    load: Mapping[str, tuple[float, ...]] = field(default_factory=dict)
 
 
 def where(passes: Sequence[Passes], found: Trace) -> tuple[Where, ...]:
@@ -60,9 +64,12 @@ def where(passes: Sequence[Passes], found: Trace) -> tuple[Where, ...]:
     answers = [drives(chosen, declared, extended)]
     moving = [p for p in chosen if declared.plant.kind == TWO_MASS and p.rows(declared.plant) == 2]
     if moving:
-        left = [angle_residual(moving, fit.plant) for fit in (declared, extended) if fit is not None]
+        fits = [fit for fit in (declared, extended) if fit is not None]
+        left = [angle_residual(moving, fit.plant) for fit in fits]
         if all(r is not None for r in left):
-            answers.append(angles(moving, declared, left))
+            errors = [load_errors(passes, fit.plant) for fit in fits]
+            load = {role: tuple(e[role] for e in errors) for role in errors[0]}
+            answers.append(replace(angles(moving, declared, left), load=load))
     return tuple(answers)
 
 
@@ -126,6 +133,31 @@ def angle_residual(passes: Sequence[Passes], plant: Plant) -> np.ndarray | None:
         return None
     left = [p.motion.filter(balances(p, plant)[1])[p.motion.keep] for p in passes]
     return np.concatenate(left) / stiffness
+
+
+def load_errors(passes: Sequence[Passes], plant: Plant) -> dict[str, float]:
+    """Return role -> relative error of the load's balance, of two masses: a second error beside that of the drive.
+
+    rms(F(what is left)) / rms(F(torque of the joint)), F the evaluation filter; the joint's torque is that of its law at the
+    measured deflection. Records in which the load is locked have no such balance.
+    """
+    power: dict[str, np.ndarray] = {}
+    for p in sorted(passes, key=lambda p: p.motion.record.name):
+        if p.rows(plant) != 2:
+            continue
+        left, joint = np.zeros((2, p.motion.u.size))
+        for e, name, column in p.columns(plant):
+            force = (e.parameters[name].value if name else 1.0) * column[1]
+            left, joint = left + force, joint + force * (e.at == "joint")
+        squares = np.sum(p.motion.filter(np.stack([left, joint]))[:, p.motion.keep] ** 2, axis=1)
+        role = p.motion.record.role
+        power[role] = power.get(role, 0.0) + squares
+    return {role: float(np.sqrt(x / whole)) for role, (x, whole) in power.items() if whole > 0.0}
+
+
+def load_as_dict(found: Sequence[Where]) -> dict[str, dict[str, float]]:
+    """Return the errors of the load's balance as trace.json holds them; empty of one mass."""
+    return {role: {"before": e[0], "after": e[-1]} for w in found for role, e in w.load.items()}
 
 
 def as_list(found: Sequence[Where]) -> list[dict]:
