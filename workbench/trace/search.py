@@ -17,7 +17,11 @@ from workbench.trace.starts import resolved, starts
 ROUGH = 1e-4  # relative decrease of the cost at which a start has shown what it is worth
 LEVEL = 1.002  # cost within which two starts have come to the same fit
 SLOWEST = 10.0  # delay or lag over 1/(2 pi) of the evaluation band's shortest period, at most
-REFINED = 2  # starts that are refined: the cheapest by their linear fit alone
+HOPELESS = (
+    2e-3  # of the residual's power: what a force must explain from one of its starts to be refined by more than a step
+)
+REFINED = 2  # starts that are refined: the cheapest by their linear fit alone,
+COMPARABLE = 0.5  # and the others only where they explain this share of what the cheapest does
 
 
 def within_reach(plant: Plant, passes: Sequence[Passes]) -> Plant:
@@ -59,11 +63,16 @@ def fitted(
             np.array([start.get(n.parameter, to_search(problem.parameter(n))) for n in problem.free_shape])
             for start in starts(effect, base.passes, residuals, suspect.plant)
         ] or options
+    rough = ROUGH
     if len(options) > 1:
         costs = [cost_at(problem, theta)[0] for theta in options]
         best = [i for i in np.argsort(costs, kind="stable")[:REFINED] if np.isfinite(costs[i])]
+        most = solution.cost - costs[best[0]] if best else 0.0
+        best = [i for i in best if solution.cost - costs[i] >= min(most, COMPARABLE * most)]
+        if best and problem.beside is not None and costs[best[0]] > (1.0 - HOPELESS) * solution.cost:
+            best, rough = best[:1], 1.0
         options = [options[i] for i in sorted(best)] or options[:1]
-    solutions = [solve(problem, theta, ROUGH) for theta in options]
+    solutions = [solve(problem, theta, rough) for theta in options]
     least = min(s.cost for s in solutions)
     # of equal fits the earlier start: a wave of order k is also the second harmonic of k/2, whose start comes later
     return problem, next(s for s in solutions if s.cost <= LEVEL * least)
