@@ -1,0 +1,44 @@
+"""The experiment that a trace names for rivals, run on the rig: along it they part."""
+
+import numpy as np
+import pytest
+import rig
+from test_plan import carried_out
+
+import workbench.plan
+from workbench.campaign import load
+from workbench.identify.fit import passes_of
+from workbench.identify.problem import Problem
+from workbench.identify.solve import solve
+from workbench.plan.following import followed, with_effect
+from workbench.trace.tracing import trace
+
+NOISE = 2e-3  # N*m, of the rig's torque
+LATE = ("transport_delay", "clock_skew", "actuator_lag")
+
+
+def test_rivals_of_a_trace_part_along_the_experiment_that_it_names(tmp_path, monkeypatch):
+    """A late command and a late encoder explain these records alike; along the named motion the rig tells them apart."""
+    truth = rig.campaign(tmp_path, 103, ("transport_delay",), 0.6, short=True)
+    campaign, asked = load(tmp_path), []
+    separate = workbench.plan.separate
+
+    def watched(plant, a, b, envelope, sensing):
+        asked.append((plant, a, b, sensing, separate(plant, a, b, envelope, sensing)))
+        return asked[-1][-1]
+
+    monkeypatch.setattr(workbench.plan, "separate", watched)
+    found = trace(campaign.plant, passes_of(campaign.records, campaign.bandwidth), only=LATE, most=1)
+    (cause,) = found.causes
+    assert (cause.effect, cause.rivals[0]) == ("transport_delay", "clock_skew")
+    ((plant, right, wrong, sensing, named),) = asked
+    assert cause.experiment == named.sentence and named.apart
+
+    delay = truth["parameters"]["transport_delay"]["delay"]
+    machine = rig.Machine(rig.Axis(**truth["axis"], delay=delay, count=rig.COUNT), {})
+    drive = followed(named.reference, with_effect(plant, right), sensing).motion.u
+    passes = carried_out(machine, named.reference, drive, noise=NOISE)
+    costs = [solve(Problem(with_effect(plant, e), passes)).cost for e in (right, wrong)]
+    assert np.sqrt((costs[1] - costs[0]) / NOISE**2) > 0.5 * named.deviations > 3.0
+    late = next(e for e in found.after.estimates if e.parameter == "delay")
+    assert late.value == pytest.approx(delay, rel=0.2)
