@@ -7,6 +7,7 @@ from types import SimpleNamespace
 import pytest
 from test_report_example import records, study, trace
 
+from workbench.cli import main
 from workbench.errors import WorkbenchError
 from workbench.identify.fit import passes_of
 from workbench.report import where_figures, write
@@ -158,3 +159,18 @@ def test_a_folder_that_is_not_ours_is_refused_before_anything_long_starts(tmp_pa
         with pytest.raises(WorkbenchError, match="name a"):
             traced.run(campaign, out)
     assert [p.name for p in tmp_path.iterdir()] == ["notes.txt"]
+
+
+def test_a_campaign_is_never_replaced_by_its_trace(tmp_path):
+    for name in ("campaign.toml", "trace.json"):
+        (tmp_path / name).write_text("mine", encoding="utf-8")
+    with pytest.raises(WorkbenchError, match="a campaign is not replaced"):
+        traced.run(SimpleNamespace(records=(), bandwidth=60.0, plant=None), tmp_path)
+    assert (tmp_path / "campaign.toml").read_text(encoding="utf-8") == "mine"
+
+
+def test_a_file_in_place_of_a_campaigns_folder_is_answered_with_what_to_name(tmp_path, capsys):
+    (tmp_path / "campaign.toml").write_text("", encoding="utf-8")
+    assert main(["trace", str(tmp_path / "campaign.toml"), "--out", str(tmp_path / "out")]) == 2
+    assert "is a file; name the folder that holds campaign.toml" in capsys.readouterr().err
+    assert not (tmp_path / "out").exists()

@@ -59,6 +59,8 @@ def campaign_of(name: str) -> Path:
 
     if (Path(name) / FILE).is_file():
         return Path(name)
+    if Path(name).is_file():
+        raise WorkbenchError(f"'{name}' is a file; name the folder that holds {FILE} and its records.")
     try:
         folder = configuration.find(name)
     except WorkbenchError as e:

@@ -4,6 +4,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
 
+from workbench.campaign import FILE as CAMPAIGN
 from workbench.campaign import Campaign
 from workbench.errors import WorkbenchError
 from workbench.identify.fit import passes_of
@@ -34,6 +35,10 @@ def run(campaign: Campaign, out: Path, say: Say = lambda _: None, closing: bool 
 
     closing: whether the loop is closed with what was found, in simulation.
     """
+    if (out / CAMPAIGN).exists():
+        raise WorkbenchError(
+            f"{out} holds a {CAMPAIGN}; name another folder to write into, a campaign is not replaced."
+        )
     replaceable(out, FILE)
     passes = passes_of(campaign.records, campaign.bandwidth)
     found = trace(campaign.plant, passes, say)
