@@ -99,6 +99,7 @@ def traced(campaign) -> dict:
     start = process_time()
     found = trace_campaign(campaign)
     seconds = process_time() - start
+    megabytes = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024  # before the peers, who need their own
     both = lambda fit: {"identification": fit.identification, "validation": fit.validation}  # noqa: E731
     return {
         "verdict": found.verdict,
@@ -112,7 +113,7 @@ def traced(campaign) -> dict:
         "unknown": found.unknown,
         "peers": peers(campaign, found.before),
         "seconds": seconds,
-        "megabytes": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024,
+        "megabytes": megabytes,
     }
 
 

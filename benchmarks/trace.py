@@ -49,9 +49,11 @@ def sweep(wanted: list[Spec], kept: Path, workers: int = WORKERS) -> list[dict]:
     done = read(kept)
     left = [s for s in wanted if s.key not in done]
     context = multiprocessing.get_context("spawn")
-    with kept.open("a", encoding="utf-8") as file, context.Pool(min(workers, max(len(left), 1))) as pool:
+    many = min(workers, max(len(left), 1))
+    # a process a campaign: the peak of its memory is that campaign's own
+    with kept.open("a", encoding="utf-8") as file, context.Pool(many, maxtasksperchild=1) as pool:
         file.write("\n")
-        for number, result in enumerate(pool.imap_unordered(attempt, left), 1):
+        for number, result in enumerate(pool.imap_unordered(attempt, left, chunksize=1), 1):
             done[result["key"]] = result
             if "failed" not in result:
                 file.write(json.dumps(result) + "\n")
