@@ -85,11 +85,9 @@ def again(key: str) -> None:
     from benchmarks._trace_run import one
 
     for file in KEPT.glob("*.jsonl"):
-        for line in file.read_text(encoding="utf-8").splitlines():
-            r = json.loads(line)
-            if r["key"] == key:
-                print(json.dumps(one(Spec(**{**r["spec"], "missing": tuple(r["spec"]["missing"])})), indent=1))
-                return
+        if r := read(file).get(key):
+            print(json.dumps(one(Spec(**{**r["spec"], "missing": tuple(r["spec"]["missing"])})), indent=1))
+            return
     sys.exit(f"bench-trace: no kept campaign has the key '{key}'.")
 
 

@@ -2,11 +2,12 @@
 
 import json
 from collections import Counter
-from dataclasses import replace
+from dataclasses import asdict, replace
 
 import numpy as np
 import pytest
 
+from benchmarks import trace as bench
 from benchmarks._trace_draw import NONE, OUTSIDE, PAIR, SINGLE, clash, spec, specs
 from benchmarks._trace_peers import greedy, sparse
 from benchmarks._trace_run import judged, one, place_right
@@ -77,6 +78,20 @@ def test_a_result_that_a_kill_cut_short_is_done_again(tmp_path):
     whole = {"key": "a", "judged": {"first": True}}
     (tmp_path / "kept").write_text(json.dumps(whole) + "\n" + json.dumps(whole | {"key": "b"})[:-3] + "\n")
     assert read(tmp_path / "kept") == {"a": whole} and read(tmp_path / "none") == {}
+
+
+def test_a_campaign_of_the_table_is_made_again_by_its_key(tmp_path, monkeypatch, capsys):
+    """As a sweep keeps it: a line begins anew where an earlier run was killed in the middle of one."""
+    asked = spec(SINGLE, 3, ("transport_delay",), ("linear",))
+    monkeypatch.setattr(bench, "KEPT", tmp_path)
+    monkeypatch.setattr("benchmarks._trace_run.one", lambda s: {"key": s.key, "same": s == asked})
+    (tmp_path / "x.jsonl").write_text(
+        '\n{"key": "cut\n' + json.dumps({"key": asked.key, "spec": asdict(asked)}) + "\n", encoding="utf-8"
+    )
+    bench.again(asked.key)
+    assert json.loads(capsys.readouterr().out) == {"key": asked.key, "same": True}
+    with pytest.raises(SystemExit, match="no kept campaign has the key 'none'"):
+        bench.again("none")
 
 
 # --- peers --------------------------------------------------------------------------------------------------------------
