@@ -413,7 +413,8 @@ def simulate(axis, p, places, start, reference, speed, injected, closed, locked,
         by_motor = 1.0
         if two:
             at[LOAD], pace[LOAD], dry[LOAD] = ql, vl, rub(points[3], memory[3], ql, axis.rate)
-            x = q - ql + slid(axis, t) + axis.tooth * np.sin(axis.tooth_turns * q + axis.tooth_phase)
+            tooth = np.sin(axis.tooth_turns * q + axis.tooth_phase) - np.sin(axis.tooth_phase)
+            x = q - ql + slid(axis, t) + axis.tooth * tooth  # the encoders were set to zero with the joint relaxed
             by_motor += axis.tooth * axis.tooth_turns * np.cos(axis.tooth_turns * q + axis.tooth_phase)
             taken = abs(x) > axis.gap
             at[JOINT] = x - axis.gap * np.sign(x) if taken else 0.0

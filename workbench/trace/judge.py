@@ -74,6 +74,13 @@ class State:
 
 
 @dataclass(frozen=True, eq=False)
+class Passed:
+    """What is kept of a state that was not chosen: its plant."""
+
+    plant: Plant
+
+
+@dataclass(frozen=True, eq=False)
 class Judgement:
     """A suspect, what it came to beside the present model, and the state with it: whole() solves it with all free."""
 
@@ -83,7 +90,7 @@ class Judgement:
     freedom: int
     problem: Linearised | None = None
     solution: Solution | None = None
-    state: State | None = None
+    state: State | Passed | None = None
     shows: Smallest | None = None
 
     def whole(self, before: State) -> "Judgement":
@@ -139,18 +146,28 @@ def scored(state: State, suspect: Suspect, errors: HeldOut, cost: float) -> Cand
 
 def step(state: State, progress: Progress, offer: Offer = WHOLE) -> list[Judgement]:
     """Judge every suspect that is offered; return them best first, those that lead fitted with everything free."""
-    judgements = []
+    judgements: list[Judgement] = []
     for suspect in offer.suspects(state.plant):
         progress(f"trying {suspect.key}")
-        judgements.append(judged(state, suspect))
-    judgements = by_gain(judgements)
-    # columns of the others are many megabytes, and nobody asks for them again
-    judgements[LEADING:] = [replace(j, problem=None, solution=None) for j in judgements[LEADING:]]
+        judgements = by_gain([*judgements, judged(state, suspect)])
+        # columns of the others are many megabytes, and nobody asks for them again
+        judgements[LEADING:] = [
+            replace(j, problem=None, solution=None) if j.problem else j for j in judgements[LEADING:]
+        ]
     for i, j in enumerate(judgements[:LEADING]):
         if j.candidate.gain > SHARE / 2:
             progress(f"fitting {j.suspect.key} with everything free")
             judgements[i] = j.whole(state)
     return simplest_first(judgements)
+
+
+def lighter(judgements: Sequence[Judgement], chosen: Judgement | None) -> list[Judgement]:
+    """Return judgements without the columns of those that were not chosen: they are hundreds of megabytes."""
+
+    def light(j: Judgement) -> Judgement:
+        return replace(j, problem=None, solution=None, state=j.state and Passed(j.state.plant))
+
+    return [j if j is chosen else light(j) for j in judgements]
 
 
 def by_gain(judgements: Sequence[Judgement]) -> list[Judgement]:

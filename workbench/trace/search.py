@@ -20,8 +20,7 @@ SLOWEST = 10.0  # delay or lag over 1/(2 pi) of the evaluation band's shortest p
 HOPELESS = (
     2e-3  # of the residual's power: what a force must explain from one of its starts to be refined by more than a step
 )
-REFINED = 2  # starts that are refined: the cheapest by their linear fit alone,
-COMPARABLE = 0.5  # and the others only where they explain this share of what the cheapest does
+REFINED = 2  # starts that are refined: the cheapest by their linear fit alone
 
 
 def within_reach(plant: Plant, passes: Sequence[Passes]) -> Plant:
@@ -67,8 +66,6 @@ def fitted(
     if len(options) > 1:
         costs = [cost_at(problem, theta)[0] for theta in options]
         best = [i for i in np.argsort(costs, kind="stable")[:REFINED] if np.isfinite(costs[i])]
-        most = solution.cost - costs[best[0]] if best else 0.0
-        best = [i for i in best if solution.cost - costs[i] >= min(most, COMPARABLE * most)]
         if best and problem.beside is not None and costs[best[0]] > (1.0 - HOPELESS) * solution.cost:
             best, rough = best[:1], 1.0
         options = [options[i] for i in sorted(best)] or options[:1]

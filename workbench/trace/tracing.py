@@ -16,7 +16,7 @@ from workbench.trace.calibration import withheld
 from workbench.trace.candidates import Offer, brought, without
 from workbench.trace.floor import floor as noise_floor
 from workbench.trace.floor import levels
-from workbench.trace.judge import Judgement, Progress, State, shown, step
+from workbench.trace.judge import Judgement, Progress, State, lighter, shown, step
 from workbench.trace.result import CAUSE, NOTHING, UNKNOWN, Candidate, Trace
 from workbench.trace.rivals import experiment, rivals
 from workbench.trace.smallest import named
@@ -40,18 +40,25 @@ def extended(
     take away a plain share: the noise of a real drive is steady nowhere.
     """
     found = []
-    least = 1.0 if noise_alone(state, levels(whole, state.plant), 1.0) else 0.0
     for _ in range(most):
+        least = least_share(state, whole, not found)
         judgements = step(state, progress, offer)
         best = leading(judgements, least)
-        found.append((best.state if best else None, judgements))
+        found.append((best.state if best else None, lighter(judgements, best)))
         if best is None:
             break
         state = best.state
         if noise_alone(state, levels(whole, state.plant)):
             break
-        least = PLAIN_SHARE if noise_alone(state, levels(whole, state.plant, state.steady), PLAIN) else 0.0
     return found
+
+
+def least_share(state: State, whole: Sequence[Passes], first: bool) -> float:
+    """Return the share of the residual's power that an effect must take away to be added to a state."""
+    level = levels(whole, state.plant, state.steady)
+    if first and noise_alone(state, level, 1.0):
+        return 1.0
+    return PLAIN_SHARE if noise_alone(state, level, PLAIN) else 0.0
 
 
 def leading(judgements: Sequence[Judgement], least: float = 0.0) -> Judgement | None:
@@ -89,8 +96,9 @@ def revised(answer: Answer, declared: Plant, looked: list[list[Judgement]], prog
             reduced = State(without(answer.last.plant, present.suspect, declared), answer.last.passes)
         except NoValue:
             continue
-        looked.append(judgements := step(reduced, progress, replace(offer, only=promising(looked))))
+        judgements = step(reduced, progress, replace(offer, only=promising(looked)))
         best = leading(judgements)
+        looked.append(lighter(judgements, best))
         if best is not None and best.suspect.key == present.suspect.key:
             continue
         if best is None:
