@@ -30,16 +30,6 @@ class Place:
     outside: float
     rows: np.ndarray
 
-    @property
-    def sentence(self) -> str:
-        """Where, in words."""
-        unit = {"position": "", "velocity": "", "time": " s"}[self.coordinate]
-        spans = ", ".join(f"{low:.4g} to {high:.4g}{unit}" for low, high in self.spans[:6])
-        more = f" and {len(self.spans) - 6} more" if len(self.spans) > 6 else ""
-        name = {"position": "at positions", "velocity": "at speeds", "time": "at the times"}[self.coordinate]
-        way = f", moving {WAYS[self.direction]}" if self.direction else ""
-        return f"{name} from {spans}{more}{way}"
-
 
 @dataclass(frozen=True, eq=False)
 class Samples:

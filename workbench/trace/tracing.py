@@ -164,7 +164,7 @@ def trace(
         causes.append(replace(made, rivals=tuple(o.candidate.effect for o in others), experiment=apart))
     verdict = CAUSE if causes else UNKNOWN if unexplained else NOTHING
     after = withheld(after, causes, passes)
-    findings = [*not_carried(causes), *(left_over(unexplained) if causes else ())]
+    findings = [*not_carried(causes), *(left_over(unexplained, plant.displacement) if causes else ())]
     sentence = verdict_sentence(verdict, causes, fits[0], after, floor, unexplained)
     shows = shown(steps[0][1])
     return Trace(
