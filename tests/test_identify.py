@@ -20,6 +20,7 @@ from workbench.effect import find
 from workbench.errors import WorkbenchError
 from workbench.identify.fit import identify, passes_of
 from workbench.identify.passes import Passes, shifted
+from workbench.kernel.step import build
 from workbench.motion import motion
 from workbench.plant import ONE_MASS, Plant
 from workbench.record import Record, Source
@@ -340,3 +341,15 @@ def test_no_array_of_a_record_is_changed(clean):
     before = [r.drive.copy() for r in clean]
     identify(believed(), passes_of(clean, BAND))
     assert all(np.array_equal(b, r.drive) for b, r in zip(before, clean, strict=True))
+
+
+def test_asking_for_the_direction_leaves_coulomb_friction_what_it_is():
+    """Columns and steps are kept under the step of an effect: what only asks for the direction has a step of its own."""
+    t, q, *_ = moved(3)
+    plant = Plant(ONE_MASS) + find("inertia")(inertia=0.01) + find("coulomb_friction")(coulomb=0.1)
+    (passes,) = passes_of([recorded(t, q, np.zeros_like(q))], 50.0)
+    told = passes.direction(plant, "axis")
+    assert np.abs(told).max() == pytest.approx(1.0)
+    assert build(find("coulomb_friction")).reads == ("dir",)
+    columns = {e.key: column[0] for e, _, column in passes.columns(plant)}
+    np.testing.assert_array_equal(columns["coulomb_friction@axis"], told)

@@ -141,7 +141,7 @@ class Passes:
 
     def direction(self, plant: Plant, place: str) -> np.ndarray:
         """Return the direction (n,) at a place that friction there has, between -1 and 1."""
-        told = replace(catalogue()["coulomb_friction"](at=place, label="told"), reads=("dir", "v"))
+        told = replace(catalogue()["coulomb_friction"](at=place, label="told"), reads=("dir", "v"), step=_told)
         forces = [e for e in plant.effects if e.port == fx.FORCE and e.at == place]
         return next(outputs[0, 0] for e, outputs, _ in self._at(plant, place, [*forces, told]) if e.key == told.key)
 
@@ -205,6 +205,11 @@ class Passes:
         if place == "joint":
             return self.bodies.leverage(plant)
         return (), np.array([[1.0], [0.0]]) if place == "motor" else np.array([[0.0], [1.0]])
+
+
+def _told(s, z, p):
+    """The direction that friction at a place has, as an output; it reads the velocity too, or it would be another contact."""
+    return {}, p.coulomb * s.dir
 
 
 def _name(effect: Effect):
