@@ -14,7 +14,8 @@ from hypothesis import strategies as st
 
 from workbench import effect as fx
 from workbench.effect import COMMAND, FORCE, SENSOR, TIME, Border, Effect, catalogue, find
-from workbench.effects.hysteresis import knots, maxwell_slip, presliding_hysteresis, stop_direction
+from workbench.effects.direction import stop_direction
+from workbench.effects.hysteresis import knots, maxwell_slip, presliding_hysteresis
 from workbench.errors import WorkbenchError
 from workbench.identify.passes import Passes, required
 from workbench.kernel.step import build, check_linear

@@ -14,7 +14,7 @@ import numpy as np
 
 from workbench import effect as fx
 from workbench.effect import Effect, catalogue
-from workbench.effects.hysteresis import in_parallel, stop_direction
+from workbench.effects.direction import in_parallel, stop_direction
 from workbench.errors import WorkbenchError
 from workbench.identify.bodies import ACCELERATION, CHANNEL, INCREMENT, POSITION, VELOCITY, Bodies, rows
 from workbench.identify.shift import FINER, finer, shifted
@@ -141,7 +141,8 @@ class Passes:
 
     def direction(self, plant: Plant, place: str) -> np.ndarray:
         """Return the direction (n,) at a place that friction there has, between -1 and 1."""
-        told = replace(catalogue()["coulomb_friction"](at=place, label="told"), reads=("dir", "v"), step=_told)
+        # reading the velocity, too, it is no contact of its own: it follows the direction that is given there
+        told = replace(catalogue()["coulomb_friction"](at=place, label="told"), reads=("dir", "v"))
         forces = [e for e in plant.effects if e.port == fx.FORCE and e.at == place]
         return next(outputs[0, 0] for e, outputs, _ in self._at(plant, place, [*forces, told]) if e.key == told.key)
 
@@ -205,11 +206,6 @@ class Passes:
         if place == "joint":
             return self.bodies.leverage(plant)
         return (), np.array([[1.0], [0.0]]) if place == "motor" else np.array([[0.0], [1.0]])
-
-
-def _told(s, z, p):
-    """The direction that friction at a place has, as an output; it reads the velocity too, or it would be another contact."""
-    return {}, p.coulomb * s.dir
 
 
 def _name(effect: Effect):

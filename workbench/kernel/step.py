@@ -129,12 +129,13 @@ class Definition:
 
     def __init__(self, effect: Effect):
         self.effect = effect
+        self.known = effect.step, tuple(effect.reads), tuple(effect.linear), tuple(effect.provides)
 
     def __eq__(self, other):
-        return self.effect.step is other.effect.step
+        return self.known == other.known
 
     def __hash__(self):
-        return hash(self.effect.step)
+        return hash(self.known)
 
 
 @lru_cache(maxsize=256)

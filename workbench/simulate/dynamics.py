@@ -8,7 +8,7 @@ import numpy as np
 
 from workbench import effect as fx
 from workbench.effect import Effect, namespace
-from workbench.effects.hysteresis import CONTACT, in_parallel, stop_direction
+from workbench.effects.direction import CONTACT, in_parallel, stop_direction
 from workbench.errors import WorkbenchError
 from workbench.kernel.step import apply, view
 from workbench.plant import Plant

@@ -136,15 +136,24 @@ def calm(residuals: Sequence[np.ndarray], dt: float, bandwidth: float) -> float:
 def levels(passes: Sequence[Passes], plant: Plant, steady: float = 0.0) -> dict[str, float]:
     """Return record -> the rms of the filtered residual, in N*m or N, that drive noise and encoder counts alone would leave.
 
-    steady: `calm` of the residual of the model with what was added. The noise belongs to the drive, not to the motion: the quietest record tells it, because steps of the command look like noise above the band. Where it is coloured
-    (or was filtered before it was logged), the steady part of the residual itself is the floor, where that is higher.
+    The noise belongs to the drive, not to the motion: the quietest record tells it, because steps of the command look like
+    noise above the band. steady: as `steadied` takes it.
     """
     heard = [n for n in (drive_noise(p) for p in passes) if n > 0]
     quietest = min(heard, default=0.0)
     found = {p.motion.record.name: float(np.hypot(quietest, encoder_noise(p, plant))) for p in passes}
+    return steadied(found, passes, steady)
+
+
+def steadied(level: dict[str, float], passes: Sequence[Passes], steady: float) -> dict[str, float]:
+    """Return levels that are no lower than the steady part of a residual, where the drive's noise is coloured.
+
+    steady: `calm` of the residual of the model with what was added. Coloured noise (or a signal that was filtered before it
+    was logged) says nothing above the band of what is inside.
+    """
     if steady > 0.0 and coloured(passes):
-        found = {name: max(level, steady) for name, level in found.items()}
-    return found
+        return {name: max(x, steady) for name, x in level.items()}
+    return level
 
 
 def floor(passes: Sequence[Passes], level: Mapping[str, float]) -> dict[str, float]:

@@ -17,9 +17,7 @@ from workbench.trace.starts import resolved, starts
 ROUGH = 1e-4  # relative decrease of the cost at which a start has shown what it is worth
 LEVEL = 1.002  # cost within which two starts have come to the same fit
 SLOWEST = 10.0  # delay or lag over 1/(2 pi) of the evaluation band's shortest period, at most
-HOPELESS = (
-    2e-3  # of the residual's power: what a force must explain from one of its starts to be refined by more than a step
-)
+HOPELESS = 2e-3  # of the residual's power, that a force must explain from one of its starts to be refined further
 REFINED = 2  # starts that are refined: the cheapest by their linear fit alone
 
 

@@ -15,7 +15,7 @@ from workbench.threads import one_thread
 from workbench.trace.calibration import withheld
 from workbench.trace.candidates import Offer, brought, without
 from workbench.trace.floor import floor as noise_floor
-from workbench.trace.floor import levels
+from workbench.trace.floor import levels, steadied
 from workbench.trace.judge import Judgement, Progress, State, lighter, shown, step
 from workbench.trace.result import CAUSE, NOTHING, UNKNOWN, Candidate, Trace
 from workbench.trace.rivals import experiment, rivals
@@ -40,22 +40,23 @@ def extended(
     take away a plain share: the noise of a real drive is steady nowhere.
     """
     found = []
+    quiet = levels(whole, state.plant)
     for _ in range(most):
-        least = least_share(state, whole, not found)
+        least = least_share(state, steadied(quiet, whole, state.steady), not found)
         judgements = step(state, progress, offer)
         best = leading(judgements, least)
         found.append((best.state if best else None, lighter(judgements, best)))
         if best is None:
             break
         state = best.state
-        if noise_alone(state, levels(whole, state.plant)):
+        quiet = levels(whole, state.plant)
+        if noise_alone(state, quiet):
             break
     return found
 
 
-def least_share(state: State, whole: Sequence[Passes], first: bool) -> float:
+def least_share(state: State, level: Mapping[str, float], first: bool) -> float:
     """Return the share of the residual's power that an effect must take away to be added to a state."""
-    level = levels(whole, state.plant, state.steady)
     if first and noise_alone(state, level, 1.0):
         return 1.0
     return PLAIN_SHARE if noise_alone(state, level, PLAIN) else 0.0

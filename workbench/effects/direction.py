@@ -1,0 +1,71 @@
+"""The direction of motion that friction reads: a stop operator, where no friction with memory gives it.
+
+Friction never reads sign(v): its direction turns over a small distance, and stays what it was where the axis stands.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from functools import lru_cache
+
+import casadi as ca
+
+from workbench.effect import FORCE, Effect, namespace
+from workbench.effects.elementary import clip
+from workbench.parameter import Parameter
+
+CONTACT = "contact"  # state of a direction of one's own
+
+
+def stop_direction(width: float) -> Effect:
+    """`dir` where a port has no hysteresis of its own: a stop operator that saturates after `width`, without force."""
+
+    def step(s, z, p):
+        x = clip(z.x + s.dq, -p.width, p.width)
+        return {"x": x}, ca.SX(0), {"dir": x / p.width}
+
+    return Effect(
+        name="direction",
+        cause="direction of motion",
+        formula="x <- clip(x + dq, -w, w), dir = x/w",
+        source="stop operator, Krasnosel'skii and Pokrovskii 1989",
+        port=FORCE,
+        parameters={"width": Parameter(width, "x", "two encoder counts", lower=1e-15, fixed=True)},
+        states={"x": 1},
+        reads=("dq",),
+        provides=("dir",),
+        step=step,
+        places=("axis", "motor", "load", "joint"),
+    )
+
+
+def in_parallel(forces: Sequence[Effect], width: float) -> list[Effect]:
+    """Return the forces of one place, those that read `dir` alone with a contact of their own beside friction with memory.
+
+    A second friction that followed the hysteresis' direction would be the same force once more. What is declared beside it
+    is another contact, a seal beside the bearings: its direction is a stop operator that saturates after `width`.
+    """
+    memory = any(e.linear and "dir" in e.provides for e in forces)
+    return [of_its_own(e, width) if memory and e.reads == ("dir",) else e for e in forces]
+
+
+def of_its_own(effect: Effect, width: float) -> Effect:
+    """Return a force that reads `dir` alone as one that reads the motion, by a stop operator of this width."""
+    return replace(
+        effect,
+        parameters={**effect.parameters, "width": Parameter(width, "x", "two encoder counts", lower=1e-15, fixed=True)},
+        states={CONTACT: 1},
+        reads=("dq",),
+        step=_contact(effect.step),
+    )
+
+
+@lru_cache(maxsize=16)
+def _contact(step: Callable) -> Callable:
+    """The step of a force on its own direction: one function a step, under which its columns are kept."""
+
+    def own(s, z, p):
+        x = clip(z.contact + s.dq, -p.width, p.width)
+        _, output = step(namespace(dir=x / p.width), z, p)
+        return {CONTACT: x}, output
+
+    return own
