@@ -66,6 +66,18 @@ def test_derivatives_of_a_sine(frequency, order):
         assert np.abs(found - exact).max() <= 1e-3 * w**order
 
 
+def test_a_record_whose_ends_lie_apart_does_not_ring_at_a_low_rate():
+    """The transform takes the record for one period; at half its rate the response of a motion's low pass is still a half."""
+    rate, n = 400.0, 4000
+    t = np.arange(n) / rate
+    move = 1.0 / (1.0 + np.exp(-20.0 * (t - 5.0)))  # from 0 to 1 within a second, at rest before and after
+    q, v, a = LowPass(0.5 * rate, rate, n).derivatives(move, 3)
+    still = np.abs(t - 5.0) > 2.0
+    assert np.abs(v[still]).max() <= 1e-6 and np.abs(a[still]).max() <= 1e-3
+    exact = 20.0 * move * (1.0 - move)
+    assert np.abs(v - exact).max() <= 1e-6 * exact.max()
+
+
 @pytest.mark.parametrize("n", [7, 30, 200, 1001])
 def test_short_records_are_filtered_too(n):
     found = LowPass(100.0, RATE, n)(np.ones(n))

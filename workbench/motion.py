@@ -63,7 +63,10 @@ class LowPass:
         left = min(left, self.n - 1)
         right = min(total - self.n - left, self.n - 1)
         first, last = x[..., :1], x[..., -1:]
-        extended = np.concatenate([2 * first - x[..., left:0:-1], x, 2 * last - x[..., -2 : -right - 2 : -1]], axis=-1)
+        middle = 0.5 * (first + last)
+        before = middle + (2 * first - middle - x[..., left:0:-1]) * _fading(left)[::-1]
+        after = middle + (2 * last - middle - x[..., -2 : -right - 2 : -1]) * _fading(right)
+        extended = np.concatenate([before, x, after], axis=-1)
         size = extended.shape[-1]
         spectrum = np.fft.rfft(extended, axis=-1)
         return [
@@ -77,6 +80,16 @@ class LowPass:
     def trim(self) -> int:
         """Samples at each end that no error counts."""
         return int(TRIM * self.rate)
+
+
+@lru_cache(maxsize=64)
+def _fading(n: int) -> np.ndarray:
+    """Return one over the first half of n samples, then half a cosine to zero.
+
+    The transform takes a record for one period. Where its ends met with a jump, and the response has not fallen off at half
+    the sampling rate, the jump would ring through all of the record.
+    """
+    return 0.5 + 0.5 * np.cos(np.pi * np.clip(2.0 * np.arange(1, n + 1) / max(n, 1) - 1.0, 0.0, 1.0))
 
 
 @lru_cache(maxsize=64)
