@@ -193,7 +193,8 @@ class Bodies:
             (_, motor), (_, load) = self.body(plant, "motor"), self.body(plant, "load")
             q_motor, q_load = motor[POSITION], load[POSITION]
             _, by_motor, by_load = self.mapped(plant, q_motor - q_load, q_motor, q_load)
-            return np.stack([np.broadcast_to(np.asarray(x, float), q_motor.shape) for x in (by_motor, by_load)])
+            by = np.stack([np.broadcast_to(np.asarray(x, float), q_motor.shape) for x in (by_motor, by_load)])
+            return by[:, :1].copy() if np.all(by == by[:, :1]) else by
 
         return path, self.keep(("leverage", path), make)
 

@@ -22,9 +22,13 @@ from workbench.kernel import scan
 from workbench.kernel.program import Program, read
 from workbench.kernel.step import Definition, apply, build, symbols, view
 from workbench.motion import Motion
-from workbench.plant import ONE_MASS, PLACES, Plant
+from workbench.plant import PLACES, Plant
 
 KEEP = 160  # columns kept a record: the declared model, and a few dozen trial shapes
+LEVERS = {
+    "motor": np.array([[1.0], [0.0]]),
+    "load": np.array([[0.0], [1.0]]),
+}  # into the motor's and the load's balance
 NEWTON = 4  # steps of the inverse of a command map: exact after one where the map is affine in u
 
 
@@ -135,8 +139,8 @@ class Passes:
 
         The first row is what the drive feels (one body, or the motor's balance), the second the load's balance.
         """
-        for e, outputs, _ in self._forces(plant):
-            for name, column in zip(e.linear or ("",), outputs, strict=False):
+        for e, outputs, lever, _ in self._forces(plant):
+            for name, column in zip(e.linear or ("",), entering(outputs, lever), strict=False):
                 yield e, name, column
 
     def direction(self, plant: Plant, place: str) -> np.ndarray:
@@ -144,17 +148,22 @@ class Passes:
         # reading the velocity, too, it is no contact of its own: it follows the direction that is given there
         told = replace(catalogue()["coulomb_friction"](at=place, label="told"), reads=("dir", "v"))
         forces = [e for e in plant.effects if e.port == fx.FORCE and e.at == place]
-        return next(outputs[0, 0] for e, outputs, _ in self._at(plant, place, [*forces, told]) if e.key == told.key)
+        return next(outputs[0] for e, outputs, _, _ in self._at(plant, place, [*forces, told]) if e.key == told.key)
 
     def filtered(self, plant: Plant) -> Iterator[tuple[Effect, str, np.ndarray]]:
         """As `columns`, through the evaluation filter."""
-        for e, outputs, key in self._forces(plant):
-            smooth = self._keep(("filtered", *key), lambda o=outputs: self.motion.filter(o))
+        for e, outputs, (path, lever), key in self._forces(plant):
+            if lever.shape[1] == 1:  # what does not change in time passes the filter: one balance stands for both
+                once = self._keep(("filtered", *key), lambda o=outputs: self.motion.filter(o))
+                smooth = entering(once, (path, lever))
+            else:
+                kept = ("filtered", *key, path, len(lever))
+                smooth = self._keep(kept, lambda o=outputs, x=(path, lever): self.motion.filter(entering(o, x)))
             for name, column in zip(e.linear or ("",), smooth, strict=False):
                 yield e, name, column
 
     def _forces(self, plant: Plant):
-        """Yield (effect, outputs (columns, rows, n), key), place by place, those that provide the direction first."""
+        """Yield (effect, outputs (columns, n), lever, key), place by place, those that provide the direction first."""
         for place in PLACES[plant.kind]:
             forces = sorted((e for e in plant.effects if e.port == fx.FORCE and e.at == place), key=lambda e: e.key)
             if place == "load" and self.motion.record.locked:
@@ -179,7 +188,7 @@ class Passes:
         if any({"u", "tau"} & set(e.reads) for e in forces):
             signals["u"] = signals["tau"] = self.applied(plant)
             paths["u"] = paths["tau"] = tuple((e.step, shape_values(e)) for e in command_maps(plant))
-        levers = self._levers(plant, place)
+        lever = self._lever(plant, place)
         for e in (*givers, *takers):
             missing = [r for r in e.reads if r not in signals]
             if missing:
@@ -194,18 +203,21 @@ class Passes:
                 paths[given] = key
             if e.name == "direction":
                 continue
-            lever_path, lever = levers
-            of = outputs[: len(e.linear or ("",)), None, :]
-            whole = self.rows(plant)
-            yield e, of if whole == 1 and lever is None else of * lever[:whole], (*key, whole, lever_path)
+            yield e, outputs[: len(e.linear or ("",))], lever, key
 
-    def _levers(self, plant: Plant, place: str):
-        """Return (path, (2, n or 1)): by what a force at a place enters the motor's and the load's balance."""
-        if plant.kind == ONE_MASS:
-            return (), None
+    def _lever(self, plant: Plant, place: str) -> tuple[tuple, np.ndarray]:
+        """Return (path, (rows, n or 1)): by what a force at a place enters the balances of this record."""
+        whole = self.rows(plant)
         if place == "joint":
-            return self.bodies.leverage(plant)
-        return (), np.array([[1.0], [0.0]]) if place == "motor" else np.array([[0.0], [1.0]])
+            path, lever = self.bodies.leverage(plant)
+            return path, lever[:whole]
+        return (), LEVERS.get(place, LEVERS["motor"])[:whole]
+
+
+def entering(outputs: np.ndarray, lever: tuple[tuple, np.ndarray]) -> np.ndarray:
+    """Return outputs (columns, n) as they enter the balances, (columns, rows, n). lever: (its path, (rows, n or 1))."""
+    _, by = lever
+    return outputs[:, None, :] if by.shape == (1, 1) and by[0, 0] == 1.0 else outputs[:, None, :] * by
 
 
 def _name(effect: Effect):

@@ -43,7 +43,13 @@ def from_search(p: Parameter, value: float) -> float:
 
 def stacked(balances: np.ndarray, keep: slice) -> np.ndarray:
     """Return (rows, n) as one vector of the samples kept, the balances of a sample side by side."""
-    return balances[:, keep].T.ravel() if len(balances) > 1 else balances[0, keep]
+    if len(balances) == 1:
+        return balances[0, keep]
+    rows = len(balances)
+    found = np.empty(rows * (keep.stop - keep.start))
+    for r, balance in enumerate(balances):
+        found[r::rows] = balance[keep]
+    return found
 
 
 class Problem:

@@ -17,6 +17,19 @@ def weights(u) -> list:
     return [math.prod((u - j) / (i - j) for j in points if j != i) for i in points]
 
 
+def between(x: np.ndarray, steps: np.ndarray) -> np.ndarray:
+    """Return x (n,) read at `steps` (m,), in samples and fractions of one, by 8-point Lagrange interpolation.
+
+    Beyond the ends the first or last value is held.
+    """
+    whole = np.floor(steps)
+    first = whole.astype(int) + (1 - LAGRANGE // 2)
+    result = np.zeros(steps.size)
+    for i, weight in enumerate(weights(steps - whole)):
+        result += weight * x[np.clip(first + i, 0, x.size - 1)]
+    return result
+
+
 def shifted(x: np.ndarray, delay: np.ndarray | float, dt: float) -> np.ndarray:
     """Return x(t - delay) for x (n,) sampled every dt, delay scalar or (n,) in s, by 8-point Lagrange interpolation.
 
@@ -25,14 +38,11 @@ def shifted(x: np.ndarray, delay: np.ndarray | float, dt: float) -> np.ndarray:
     steps = -np.asarray(delay, dtype=float) / dt
     if steps.ndim and np.all(steps == steps[0]):  # one delay: the same weights everywhere
         steps = steps[0]
-    whole = np.floor(steps)
-    first = whole.astype(int) + (1 - LAGRANGE // 2)
-    result = np.zeros(x.size)
     if steps.ndim:
-        first = first + np.arange(x.size)
-        for i, weight in enumerate(weights(steps - whole)):
-            result += weight * x[np.clip(first + i, 0, x.size - 1)]
-        return result
+        return between(x, np.arange(x.size) + steps)
+    whole = np.floor(steps)
+    first = int(whole) + (1 - LAGRANGE // 2)
+    result = np.zeros(x.size)
     before, after = max(-first, 0), max(first + LAGRANGE, 0)
     held = np.concatenate([np.full(before, x[0]), x, np.full(after, x[-1])])
     for i, weight in enumerate(weights(steps - whole)):

@@ -89,10 +89,13 @@ def slopes(problem: Problem, theta, c, y, phi) -> np.ndarray:
     return np.where(np.isfinite(tangents).all(axis=0), tangents, 0.0)
 
 
-def solve(problem: Problem, theta: np.ndarray | None = None, tolerance: float = TOLERANCE) -> Solution:
+def solve(
+    problem: Problem, theta: np.ndarray | None = None, tolerance: float = TOLERANCE, least: float = 0.0
+) -> Solution:
     """Minimise over shape and linear parameters from a start; the result is never worse than the start.
 
-    tolerance: relative decrease of the cost at which the search stops. Raises NoValue where the start has no value.
+    tolerance: relative decrease of the cost at which the search stops, or that a step no longer promises. least: what the
+    first step must promise, else the start is all. Raises NoValue where the start has no value.
     """
     theta = problem.start() if theta is None else np.array(theta, dtype=float)
     cost, c, y, phi = cost_at(problem, theta)
@@ -100,6 +103,7 @@ def solve(problem: Problem, theta: np.ndarray | None = None, tolerance: float = 
         raise NoValue
     tangents = slopes(problem, theta, c, y, phi)
     damping = 1e-3
+    enough = max(tolerance, least)
     for _ in range(ITERATIONS if theta.size else 0):
         norms, sizes = scales(phi), scales(tangents)
         # joint Gauss-Newton step in (c, theta): the linear part may move along
@@ -111,8 +115,10 @@ def solve(problem: Problem, theta: np.ndarray | None = None, tolerance: float = 
             damped = h.copy()
             index = np.arange(phi.shape[1], joint.shape[1])
             damped[index, index] += damping
-            step = np.linalg.lstsq(damped, g, rcond=1e-12)[0][phi.shape[1] :] / sizes
-            step = limited(problem, theta, step)
+            whole = np.linalg.lstsq(damped, g, rcond=1e-12)[0]
+            if whole @ (2.0 * g - h @ whole) <= enough * cost:
+                break  # not even the linear model of the residual promises more
+            step = limited(problem, theta, whole[phi.shape[1] :] / sizes)
             trial = clipped(problem, theta + step)
             new_cost, new_c, new_y, new_phi = cost_at(problem, trial)
             if new_cost < cost:
@@ -121,7 +127,7 @@ def solve(problem: Problem, theta: np.ndarray | None = None, tolerance: float = 
             damping *= 10
         if not improved:
             break
-        gain = (cost - new_cost) / cost
+        gain, enough = (cost - new_cost) / cost, tolerance
         theta, cost, c, y, phi = trial, new_cost, new_c, new_y, new_phi
         tangents = slopes(problem, theta, c, y, phi)
         damping = max(damping / 10, 1e-9)
