@@ -110,7 +110,8 @@ def test_the_study_passes_its_checks_and_says_what_symmetric_friction_lacks(stud
         "load_dependent_friction",
         "cable_spring",
     ):
-        assert gains[name][0] < 3 * gains[name][1], name
+        gain, scatter, left = gains[name]
+        assert gain < 3 * scatter or left > figures["validation_error_after"], name
     gain, scatter, left = gains["cogging turn"]
     assert gain > 3 * scatter and left > figures["validation_error_after"]
     # Noise is small; the two days differ by more than the traced model leaves.

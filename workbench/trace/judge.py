@@ -22,6 +22,7 @@ from workbench.trace.smallest import Smallest, smallest
 SHARE = 0.05  # of the residual's power that an effect must explain on held-out blocks
 CERTAIN = 3.0  # standard errors by which its gain must differ from zero
 LEADING = 6  # candidates that are fitted again with everything free
+SETTLED = 1e-6  # relative decrease of the cost at which a fit is as good as it is judged
 ALIKE = 2.0  # standard errors of a gain over another candidate within which the two are told apart by their simplicity
 
 Progress = Callable[[str], None]
@@ -33,7 +34,7 @@ class State:
     def __init__(self, plant: Plant, passes: Sequence[Passes], theta: np.ndarray | None = None):
         self.passes = passes
         self.problem = Problem(plant, passes)
-        self.solution = solve(self.problem, theta)
+        self.solution = solve(self.problem, theta, SETTLED)
         self.plant = self.problem.with_linear(self.problem.with_shape(self.solution.theta), self.solution.c)
         self.errors: HeldOut = held_out(self.problem, self.solution)
 

@@ -17,8 +17,9 @@ from workbench.trace.starts import resolved, starts
 ROUGH = 1e-4  # relative decrease of the cost at which a start has shown what it is worth
 LEVEL = 1.002  # cost within which two starts have come to the same fit
 SLOWEST = 10.0  # delay or lag over 1/(2 pi) of the evaluation band's shortest period, at most
-HOPELESS = 2e-3  # of the residual's power, that a force must explain from one of its starts to be refined further
-REFINED = 2  # starts that are refined: the cheapest by their linear fit alone
+HOPELESS = 2e-3  # of the residual's power, that a start must explain or promise to be refined further
+REFINED = 2  # starts that are refined: the cheapest by their linear fit alone, if they are no worse than no effect
+WORSE = 1.0 + 1e-9  # cost over that of the present model from which a start is worse than none
 
 
 def within_reach(plant: Plant, passes: Sequence[Passes]) -> Plant:
@@ -64,10 +65,12 @@ def fitted(
     if len(options) > 1:
         costs = [cost_at(problem, theta)[0] for theta in options]
         best = [i for i in np.argsort(costs, kind="stable")[:REFINED] if np.isfinite(costs[i])]
+        best = best[:1] + [i for i in best[1:] if costs[i] <= WORSE * solution.cost]
         if best and problem.beside is not None and costs[best[0]] > (1.0 - HOPELESS) * solution.cost:
             best, rough = best[:1], 1.0
         options = [options[i] for i in sorted(best)] or options[:1]
-    solutions = [solve(problem, theta, rough) for theta in options]
+    least = 0.0 if problem.beside is not None else HOPELESS  # a map starts from what changes nothing: its slopes tell
+    solutions = [solve(problem, theta, rough, least) for theta in options]
     least = min(s.cost for s in solutions)
     # of equal fits the earlier start: a wave of order k is also the second harmonic of k/2, whose start comes later
     return problem, next(s for s in solutions if s.cost <= LEVEL * least)

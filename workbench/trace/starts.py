@@ -112,5 +112,7 @@ def starts(
     for n in free:
         p = effect.parameters[n]
         values = [float(np.clip(v, p.lower, p.upper)) for v in grid(p.scale, passes, residuals, plant)] or [p.value]
+        if p.scale == "time" and p.value == 0.0:
+            values.insert(0, 0.0)  # what changes nothing: from there the slope points to either side
         grids.append([to_search(p.at(v)) for v in dict.fromkeys(values)])
     return [dict(zip(free, combination, strict=True)) for combination in product(*grids)][:MOST]

@@ -1,34 +1,46 @@
 """Records at the lowest rate that keeps what is judged: a search over candidates looks at these, final fits at the whole.
 
 Errors count below the evaluation bandwidth only. A record is low-passed without phase below its new Nyquist rate, so that
-quantisation and noise do not fold into the band, and every k-th sample is kept. Both sides of the balance pass the same
-filter, so a model that is right on the record is right on the thinned one.
+quantisation and noise do not fold into the band, and read at the new rate: a ratio p/q of the old one, so that a log of
+1 kHz with a band of 150 Hz is kept at 600 Hz. Both sides of the balance pass the same filter, so a model that is right on the
+record is right on the thinned one.
 """
 
 from collections.abc import Sequence
 from dataclasses import replace
+from fractions import Fraction
+from math import ceil
+
+import numpy as np
 
 from workbench.identify.passes import Passes
+from workbench.identify.shift import between
 from workbench.motion import LowPass, motion
 from workbench.record import Record
 
-LEAST = 4.0  # kept rate over the evaluation bandwidth
+LEAST = 4.0  # kept rate over the evaluation bandwidth, at least
 CUT = 0.4  # of the low pass, over the kept rate
+FRACTIONS = 12  # largest q of the ratio p/q
 
 
-def factor(rate: float, bandwidth: float) -> int:
-    """Return k, the samples of which one is kept."""
-    return max(1, int(rate / (LEAST * bandwidth)))
+def ratio(rate: float, bandwidth: float) -> Fraction:
+    """Return the kept rate over `rate`: the least p/q, q up to FRACTIONS or p = 1, with LEAST; 1 where nothing is to gain."""
+    least = LEAST * bandwidth / rate
+    if least >= 1.0:
+        return Fraction(1)
+    whole = Fraction(1, int(1.0 / least))
+    return min([whole, *(Fraction(ceil(least * q - 1e-9), q) for q in range(1, FRACTIONS + 1))])
 
 
 def thinned(record: Record, bandwidth: float) -> Record:
-    """Return the record at 1/k of its rate; itself where k is 1."""
-    k = factor(1 / record.dt, bandwidth)
-    if k == 1:
+    """Return the record at the lowest rate that keeps the band; itself where that is its own."""
+    kept = ratio(1 / record.dt, bandwidth)
+    if kept == 1:
         return record
-    low_pass = LowPass(CUT / (k * record.dt), 1 / record.dt, record.time.size)
-    channels = {n: low_pass(x)[::k].copy() for n, x in record.channels.items()}
-    return replace(record, time=record.time[::k].copy(), channels=channels)
+    low_pass = LowPass(CUT * float(kept) / record.dt, 1 / record.dt, record.time.size)
+    steps = np.arange(int((record.time.size - 1) * kept) + 1) * (kept.denominator / kept.numerator)
+    channels = {n: between(low_pass(x), steps) for n, x in record.channels.items()}
+    return replace(record, time=record.time[0] + record.dt * steps, channels=channels)
 
 
 def thin(passes: Sequence[Passes]) -> list[Passes]:

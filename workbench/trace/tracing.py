@@ -160,7 +160,7 @@ def trace(
     for i, j in enumerate(added):
         others = rivals(j, added, looked)
         progress("looking for the motion that would tell rivals apart")
-        apart = experiment(last.plant, plant, j, others[0], identification, min(level.values())) if others else ""
+        apart = experiment(last.plant, plant, j, others[0], whole, min(level.values())) if others else ""
         made = cause(j.candidate, fits[i], fits[i + 1], after)
         causes.append(replace(made, rivals=tuple(o.candidate.effect for o in others), experiment=apart))
     verdict = CAUSE if causes else UNKNOWN if unexplained else NOTHING
