@@ -14,6 +14,7 @@ from workbench.identify.fit import identify, passes_of
 from workbench.identify.problem import Problem
 from workbench.identify.solve import solve
 from workbench.plan import Envelope, Sensing, design, prospects, sensing_of, separate
+from workbench.plan.design import tried
 from workbench.plan.envelope import load_rest
 from workbench.plan.following import followed
 from workbench.plan.motions import moves, multisine, quantity, ramps, sine
@@ -163,6 +164,15 @@ def test_the_motor_of_two_masses_is_planned_where_the_joint_needs_it():
     np.testing.assert_allclose(
         (channels["position"] - channels["load_position"])[inside], expected, atol=2e-3 * abs(phasor)
     )
+
+
+def test_a_joint_that_does_not_resist_is_no_motion_and_no_failure():
+    """A rival may be fitted with a stiffness of nothing; no deflection then carries the load along."""
+    bodies = (find("inertia")(inertia=0.002, at="motor"), find("inertia")(inertia=0.005, at="load"))
+    plant = Plant(TWO_MASS, (*bodies, find("linear_stiffness")(stiffness=0.0), find("linear_damping")(damping=0.0)))
+    wave = sine(ENVELOPE, 0.1, 4.0, 1e-3, "rad", 5.0)
+    assert np.isnan(followed(wave, plant, SENSING).motion.u).all()
+    assert tried(wave, plant, ENVELOPE, SENSING) is None
 
 
 PAIR = rig.Axis(0.0021, 0.011, 0.11, 620.0, load_inertia=0.0055, load_viscous=0.003, k2=250.0, c2=0.03)

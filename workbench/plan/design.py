@@ -137,7 +137,7 @@ def tried(reference: Reference, plant: Plant, envelope: Envelope, sensing: Sensi
     if not reference.within(envelope):
         return None
     passes = followed(reference, plant, sensing)
-    if np.abs(passes.motion.u).max() > envelope.drive:
+    if not np.abs(passes.motion.u).max() <= envelope.drive:  # nor one that no drive follows
         return None
     found = information(passes, plant, sensing)
     return Trial(reference, found) if found else None

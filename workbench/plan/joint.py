@@ -26,7 +26,8 @@ def without_motor(plant: Plant) -> Plant:
 def deflection(plant: Plant, make: Callable[[np.ndarray], Passes], count: float, samples: int) -> np.ndarray:
     """Return the deflection (n,) with which the load's forces balance. make(deflection) -> passes over that motion.
 
-    count: of the encoders, rad or m. The deflection is as smooth as the evaluation filter makes it.
+    count: of the encoders, rad or m. The deflection is as smooth as the evaluation filter makes it; it is NaN where the joint
+    does not resist, so that no deflection balances.
     """
     rest = without_motor(plant)
     x = np.zeros(samples)
@@ -41,6 +42,9 @@ def deflection(plant: Plant, make: Callable[[np.ndarray], Passes], count: float,
             break
         nudge = NUDGE * count
         slope = (missing - smooth(balances(make(x + nudge), rest)[1])) / nudge
-        slope = np.maximum(slope, LEAST * max(float(np.median(slope)), 1e-300))
+        median = float(np.median(slope))
+        if not median > 0.0:
+            return np.full(samples, np.nan)
+        slope = np.maximum(slope, LEAST * median)
         x = smooth(x + missing / slope)
     return x - x[0]
