@@ -7,20 +7,29 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from time import process_time
 
-from benchmarks._trace_draw import LEVEL, NONE, OUTSIDE, Spec, campaign
+from benchmarks._trace_draw import LEVEL, NONE, OUTSIDE, SIZES, Spec, campaign
 from benchmarks._trace_peers import answers
 
 WITHIN = 0.1  # of the range, in which a place or time is right
+DRAWS, APART = 6, 10**6  # of a machine, at most, and between their seeds
+WEAKEST = 0.9  # of the smallest size that is asked for, which an effect must come to
 
 
 def made(folder: Path, s: Spec) -> dict:
-    """Write the campaign of a spec, and return the rig's truth."""
+    """Write the campaign of a spec, and return the rig's truth.
+
+    Where an effect cannot be made large enough to count (coarse encoders see little of a joint), another machine is drawn.
+    """
     options = {
         k: v
         for k, v in asdict(s).items()
         if k in ("base", "noise", "memory", "count", "rate", "band", "ratio", "short")
     }
-    return campaign(folder, s.seed, s.missing, s.over / LEVEL, **options)
+    for again in range(DRAWS):
+        truth = campaign(folder, s.seed + again * APART, s.missing, s.over / LEVEL, **options)
+        if all(size >= WEAKEST * SIZES[0] for size in truth["sizes"]):
+            break
+    return truth
 
 
 def ranges(campaign) -> dict[str, tuple[float, float]]:

@@ -13,7 +13,7 @@ from workbench.plant import ONE_MASS, Plant
 from workbench.record import IDENTIFICATION, Record, Source
 from workbench.trace.candidates import suspects
 from workbench.trace.search import within_reach
-from workbench.trace.starts import resolved, starts
+from workbench.trace.starts import lateness, resolved, starts
 from workbench.trace.tracing import trace
 
 COUNT, DT, BAND = 1e-4, 2e-3, 50.0
@@ -31,6 +31,32 @@ def test_no_order_is_finer_than_half_of_what_the_counts_sample():
     """At 5 mm/s and below a wave of two counts passes in the band, so the encoder is what limits."""
     slow = passes(0.05 * np.sin(0.1 * T), 0 * T)
     assert resolved(slow) == pytest.approx(np.pi / COUNT)
+
+
+@pytest.mark.parametrize("channel", ["position", "load_position"])
+def test_two_encoders_tell_how_late_one_of_them_is(channel):
+    """A joint that gives way to torque, and a clock that is late and gains: delays of a sample and more, in a start."""
+    late, gains = 1.5 * DT, -1e-4
+    told = T - late - gains * T
+
+    def load(t):
+        return np.sin(1.3 * t) + 0.2 * np.sin(7.0 * t)
+
+    def torque(t):
+        return 0.4 * np.cos(2.0 * t) + 0.1 * np.sin(11.0 * t)
+
+    def motor(t):
+        return load(t) + torque(t) / 250.0
+
+    at = {"position": told if channel == "position" else T, "load_position": told if channel == "load_position" else T}
+    readings = {"position": motor(at["position"]) + 0.3, "load_position": load(at["load_position"])}
+    record = Record("made", IDENTIFICATION, T.copy(), {"torque": torque(T), **readings}, {}, SOURCE, {})
+    found = lateness(passes_of([record], BAND), channel)
+    assert found["time"] == pytest.approx(late, rel=0.02) and found["drift"] == pytest.approx(gains, rel=0.02)
+
+
+def test_one_encoder_tells_nothing_of_its_clock():
+    assert lateness(passes(np.sin(T), 0 * T), "position") == {}
 
 
 def test_no_order_passes_faster_than_the_evaluation_filter():

@@ -19,7 +19,10 @@ COARSER = 5.4  # how much coarser the motor's encoder is than the load's, seen a
 BAND = 150.0  # Hz, evaluation bandwidth
 LEVEL = 4.0  # size 1: what the declared model cannot absorb of an effect is this many times the noise in the band
 ROLES = ("identification", "validation")
-CLOSE, ROUNDS, REACH = 0.03, 6, 30.0  # how an effect is brought to its size
+CLOSE, ROUNDS, REACH = 0.03, 8, 30.0  # how an effect is brought to its size
+YIELDS = (
+    0.5  # of the joint's deflection (rms) that an effect must leave: one that locks the joint makes another machine
+)
 
 
 @dataclass(frozen=True)
@@ -91,6 +94,7 @@ class Scale:
         free = [t for e in base.declared if not wrong & {s.target for s in e.parameters} for t in e.free]
         self.columns = columns(base.machine, free, nominal, how.band)
         self.own = self.left(base.machine, nominal)
+        self.deflection = deflection(nominal)
         counted = stacked(base.machine, [r.counted(*counts) for r in nominal], how.band, *counts)
         exact = stacked(base.machine, nominal, how.band)
         self.floor = float(np.hypot(how.noise, np.sqrt(np.mean((counted - exact) ** 2))))
@@ -100,26 +104,39 @@ class Scale:
         return float(np.sqrt(np.mean(beyond(self.columns, y) ** 2)))
 
     def size(self, m: Missing) -> float:
+        """Return the size of an effect; NaN where it leaves the joint less than YIELDS of its deflection."""
         machine, believed = with_missing(self.base, [m])
         made = runs(machine, self.seed, self.how, self.records, self.roles)
+        if machine.two and deflection(made) < YIELDS * self.deflection:
+            return float("nan")
         left = self.left(believed, made)
         return float(np.sqrt(max(left**2 - self.own**2, 0.0)) / self.floor)
 
     def sized(self, m: Missing, over: float) -> tuple[Missing, float]:
         """Return the effect as large as asked, or as near as it comes, and its size."""
-        best, closest = m, self.size(m)
+        best, closest, most = m, self.size(m), np.inf
         now, size = best, closest
         for _ in range(ROUNDS):
-            if abs(np.log(max(size, 1e-9) / over)) < CLOSE:
+            if abs(np.log(max(size, 1e-9) / over)) < CLOSE or not np.isfinite(size):
                 break
             factor = float(np.clip(over / max(size, 1e-9), 1 / REACH, REACH))
-            now = replace(now, p=(now.p[0] * factor, *now.p[1:]))
-            size = self.size(now)
-            if not np.isfinite(size):
-                break
+            asked = now.p[0] * factor
+            tried = replace(now, p=(asked if asked < most else float(np.sqrt(best.p[0] * most)), *now.p[1:]))
+            found = self.size(tried)
+            if not np.isfinite(found):
+                now, size, most = best, closest, min(most, tried.p[0])
+                continue
+            now, size = tried, found
             if abs(np.log(max(size, 1e-9) / over)) < abs(np.log(max(closest, 1e-9) / over)):
                 best, closest = now, size
         return best, closest
+
+
+def deflection(made: Sequence[Run]) -> float:
+    """Return the rms of the joint's deflection about its mean, where the load is free."""
+    return float(
+        np.sqrt(np.mean(np.concatenate([(r.q - r.ql) - np.mean(r.q - r.ql) for r in made if not r.locked]) ** 2))
+    )
 
 
 def drawn(rng, base: Base, name: str) -> Missing:

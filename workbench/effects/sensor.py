@@ -40,7 +40,7 @@ def clock_skew() -> Effect:
         port=TIME,
         parameters={
             "offset": Parameter(0.0, "s", "delay of the channel", lower=-0.05, upper=0.05, scale="time"),
-            "skew": Parameter(0.0, "1", "seconds gained a second", lower=-1e-2, upper=1e-2),
+            "skew": Parameter(0.0, "1", "seconds gained a second", lower=-1e-2, upper=1e-2, scale="drift"),
         },
         reads=("t",),
         step=step,

@@ -9,7 +9,7 @@ from itertools import product
 
 import numpy as np
 
-from workbench.effect import Effect
+from workbench.effect import TIME, Effect
 from workbench.identify.passes import Passes
 from workbench.identify.problem import to_search
 from workbench.plant import Plant
@@ -103,10 +103,34 @@ def grid(scale: str, passes: Sequence[Passes], residuals: Sequence[np.ndarray], 
     return []
 
 
+def lateness(passes: Sequence[Passes], channel: str) -> dict[str, float]:
+    """Return how late a channel of two encoders is: {"time": d, "drift": s}, s and s a second; empty with one encoder.
+
+    Two bodies that are joined move alike. q_motor - q_load is regressed on torque and acceleration, which deflect the joint, on
+    a constant of each record, and on v and v t: to first order a reading that is late by d + s t is short of v (d + s t).
+    """
+    motions = [p.motion for p in passes if "load_position" in p.motion.record.channels and not p.motion.record.locked]
+    if not motions:
+        return {}
+    columns, apart = [], []
+    for k, m in enumerate(motions):
+        known = np.zeros((m.u.size, len(motions)))
+        known[:, k] = 1.0
+        columns.append(np.column_stack([m.v, m.v * m.t, m.u, m.a, known])[m.keep])
+        readings = m.record.channels
+        apart.append((readings["position"] - readings["load_position"])[m.keep])
+    columns = np.concatenate(columns)
+    norms = np.maximum(np.sqrt(np.einsum("ij,ij->j", columns, columns)), 1e-300)
+    late, gaining = (np.linalg.lstsq(columns / norms, np.concatenate(apart), rcond=1e-9)[0] / norms)[:2]
+    sign = 1.0 if channel == "load_position" else -1.0
+    return {"time": sign * float(late), "drift": sign * float(gaining)}
+
+
 def starts(
     effect: Effect, passes: Sequence[Passes], residuals: Sequence[np.ndarray], plant: Plant
 ) -> list[dict[str, float]]:
-    """Return starts of a candidate: {shape parameter: search value}, every combination of its grids."""
+    """Return starts of a candidate: {shape parameter: search value}, every combination of its grids, and of a channel's clock
+    what two encoders say of it."""
     free = [n for n in effect.shape if not effect.parameters[n].fixed]
     grids = []
     for n in free:
@@ -115,4 +139,10 @@ def starts(
         if p.scale == "time" and p.value == 0.0:
             values.insert(0, 0.0)  # what changes nothing: from there the slope points to either side
         grids.append([to_search(p.at(v)) for v in dict.fromkeys(values)])
-    return [dict(zip(free, combination, strict=True)) for combination in product(*grids)][:MOST]
+    found = [dict(zip(free, combination, strict=True)) for combination in product(*grids)][:MOST]
+    if effect.port == TIME and effect.at.startswith("sensor."):
+        late = lateness(passes, effect.at.partition(".")[2])
+        own = {n: p for n in free if (p := effect.parameters[n]).scale in late}
+        told = {n: to_search(p.at(float(np.clip(late[p.scale], p.lower, p.upper)))) for n, p in own.items()}
+        found += [told] if told else []
+    return found

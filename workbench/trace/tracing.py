@@ -143,13 +143,13 @@ def trace(
     progress("looking for where the residual lives")
     greedy = Answer([leading(judgements) for state, judgements in steps if state is not None], declared)
     least = levels(passes, plant, declared.steady)
-    unexplained = unknown(declared, greedy.last, lower(least, levels(passes, greedy.last.plant, greedy.last.steady)))
+    unexplained = unknown(declared, greedy.last, least, levels(passes, greedy.last.plant, greedy.last.steady))
     start = identify(plant, passes)
     answer, fits = Answer([], declared), [start]
     if not (unexplained and unexplained.instead):
         answer, fits = settled(declared, greedy, start, passes, looked, progress, offer)
     level = levels(passes, answer.last.plant, answer.last.steady)
-    unexplained = unknown(declared, answer.last, lower(least, level))
+    unexplained = unknown(declared, answer.last, least, level)
     if unexplained is not None and unexplained.instead:
         answer, fits, level = Answer([], declared), [start], least
     added, last, after = answer.added, answer.last, fits[-1]
@@ -173,11 +173,6 @@ def trace(
         ranked([j.candidate for j in added], [j.candidate for j in steps[0][1]]), tuple(tuple(j.candidate for j in judgements) for _, judgements in steps),
         tuple(causes), fits[0], after, floor, tuple(findings), described(unexplained), shows,
     )  # fmt: skip
-
-
-def lower(level: Mapping[str, float], other: Mapping[str, float]) -> dict[str, float]:
-    """Return the lower of two floors of each record: a model that makes much of the counts does not excuse what it leaves."""
-    return {name: min(x, other[name]) for name, x in level.items()}
 
 
 def settled(
@@ -206,15 +201,25 @@ def settled(
 def in_turn(start: Fit, answer: Answer, passes: Sequence[Passes]) -> list[Fit]:
     """Return `start` and the fits with one more effect each, up to the first that explains nothing on whole records.
 
-    The search looks at thinned records and compares commands; a fit of the drive itself has the last word.
+    The search looks at thinned records and compares commands; a fit of the drive itself has the last word. It starts from the
+    values that the search ended with, because a declared model that lacks much is fitted to values far from the machine's;
+    and from the fit before it where that comes to nothing.
     """
     fits = [start]
     for j in answer.added:
-        fit = identify(brought(fits[-1].plant, j.suspect, answer.last.plant), passes)
-        if not fit.identification < fits[-1].identification:
+        plant = brought(fits[-1].plant, j.suspect, answer.last.plant)
+        tried = (identify(p, passes) for p in (valued(plant, answer.last.plant), plant))
+        better = next((fit for fit in tried if fit.identification < fits[-1].identification), None)
+        if better is None:
             break
-        fits.append(fit)
+        fits.append(better)
     return fits
+
+
+def valued(plant: Plant, other: Plant) -> Plant:
+    """Return `plant` with the values that the same effects have in `other`."""
+    known = {e.key: {n: p.value for n, p in e.parameters.items()} for e in other.effects}
+    return plant.with_values({e.key: known[e.key] for e in plant.effects if e.key in known})
 
 
 def ranked(added: Sequence[Candidate], first: Sequence[Candidate]) -> tuple[Candidate, ...]:

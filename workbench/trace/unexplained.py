@@ -15,6 +15,7 @@ NOISE = 1.1  # residual over floor up to which only noise is left
 LEFT = 1.4  # residual over floor up to which effects that were added have explained what there was
 EXPLAINED = 0.9  # share of the excess power from which added effects are the answer
 DRESSED = 0.5  # share below which they are not
+BRIEF = 0.1  # share of the samples below which moments are a place: more of them are a way of moving
 ALONE = 4.0  # rms inside a place over rms outside, from which there is little but what lives in the place
 
 
@@ -27,13 +28,14 @@ class Unexplained:
     instead: bool
 
 
-def unknown(declared: State, last: State, level: Mapping[str, float]) -> Unexplained | None:
-    """Return what stays unexplained, or None. last: the state with the effects that were added; level: record -> floor (rms).
+def unknown(declared: State, last: State, level: Mapping[str, float], own: Mapping[str, float]) -> Unexplained | None:
+    """Return what stays unexplained, or None.
 
+    last: the state with the effects that were added. level, own: record -> floor (rms) of the declared model and of `last`.
     An effect that was added explains what the declared model lacks; where most of the excess lives in one place and the
     effects leave it there, they only spread over the record what belongs to that place.
     """
-    known = samples_of(declared, level)
+    known = samples_of(declared, lower(level, own))
     before, after = times(declared, known), times(last, known)
     if last is declared:
         place = living(declared, known) if before > LEFT else None
@@ -43,14 +45,22 @@ def unknown(declared: State, last: State, level: Mapping[str, float]) -> Unexpla
     if after <= LEFT:
         return None
     explained = (before**2 - after**2) / max(before**2 - 1.0, 1e-12)
+    if explained > DRESSED and times(last, samples_of(last, own)) <= PLAIN:
+        return None  # it explains the most, and is what makes much of the counts that are left
     place = living(declared, known)
     if explained < DRESSED:
         return Unexplained(named(place, declared, known), before, True)
-    alone = local(place) and place.inside > ALONE * place.outside
+    brief = local(place) and (place.coordinate != "time" or place.covered < BRIEF)
+    alone = brief and place.inside > ALONE * place.outside
     if explained < EXPLAINED and alone and weighed(place, last.solution.residual, known).inside > LEFT:
         return Unexplained(place, before, True)
     rest = living(last, known)
     return Unexplained(rest, after, False) if local(rest) else None
+
+
+def lower(level: Mapping[str, float], other: Mapping[str, float]) -> dict[str, float]:
+    """Return the lower of two floors of each record: a model that makes much of the counts does not excuse what it leaves."""
+    return {name: min(x, other[name]) for name, x in level.items()}
 
 
 def noise_alone(state: State, level: Mapping[str, float], most: float = NOISE) -> bool:
