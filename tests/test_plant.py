@@ -63,7 +63,7 @@ def test_what_is_not_there_is_refused_with_the_nearest():
             "joint",
             "effect 'linear_stiffness' cannot act at 'joint' on a plant of one mass",
         ),
-        (TWO_MASS, "inertia", "axis", "effect 'inertia' cannot act at 'axis' on a plant of two mass"),
+        (TWO_MASS, "inertia", "axis", "effect 'inertia' cannot act at 'axis' on a plant of two masses"),
         (ONE_MASS, "transport_delay", "axis", "effect 'transport_delay' cannot act at 'axis'"),
         (TWO_MASS, "stribeck_friction", "joint", "effect 'stribeck_friction' cannot act at 'joint'"),
     ],

@@ -13,6 +13,7 @@ from workbench.errors import WorkbenchError, nearest
 
 ONE_MASS, TWO_MASS = "one mass", "two mass"
 KINDS = (ONE_MASS, TWO_MASS)
+MASSES = {ONE_MASS: "one mass", TWO_MASS: "two masses"}  # as a sentence has it: a plant of two masses
 PLACES = {ONE_MASS: ("axis",), TWO_MASS: ("motor", "load", "joint")}
 SENSORS = ("position", "load_position")
 
@@ -64,7 +65,7 @@ class Plant:
                 )
             if e.at not in allowed:
                 raise WorkbenchError(
-                    f"effect '{e.name}' cannot act at '{e.at}' on a plant of {self.kind}; {nearest(e.at, allowed)}"
+                    f"effect '{e.name}' cannot act at '{e.at}' on a plant of {MASSES[self.kind]}; {nearest(e.at, allowed)}"
                 )
             if e.key in seen:
                 raise WorkbenchError(

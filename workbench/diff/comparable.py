@@ -35,7 +35,7 @@ def check_models(before: Campaign, after: Campaign) -> None:
 
 
 def _kind(plant) -> str:
-    return f"a {'rotary' if plant.rotary else 'linear'} axis of {plant.kind}"
+    return f"a {'rotary' if plant.rotary else 'linear'} axis of {MASSES[plant.kind]}"
 
 
 def doubts(before: Campaign, after: Campaign, first: Sequence[Passes], second: Sequence[Passes]) -> tuple[Finding, ...]:

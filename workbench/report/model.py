@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from workbench.finding import Finding, title
 from workbench.identify.findings import DISAGREE
 from workbench.identify.result import Fit
-from workbench.plant import Plant
+from workbench.plant import MASSES, Plant
 from workbench.report.contents import CODE, Chapter, Heading, Marked, Paragraph, StudyResult, Table
 from workbench.report.wording import listed, parameters, said
 
@@ -20,7 +20,7 @@ def declared(result: StudyResult) -> Chapter:
     """What the engineer believes in, and what the records say about it."""
     fit = result.trace.before
     text = (
-        f"The model is a plant of {result.plant.kind}: at every moment the effects below together need the {result.drive} "
+        f"The model is a plant of {MASSES[result.plant.kind]}: at every moment the effects below together need the {result.drive} "
         "that the drive gives. Their parameters were fitted to the identification records, all at once."
     )
     blocks = [
