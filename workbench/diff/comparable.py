@@ -9,6 +9,7 @@ from workbench.errors import WorkbenchError
 from workbench.finding import Finding
 from workbench.identify.fit import fitted_on
 from workbench.identify.passes import Passes
+from workbench.plant import MASSES
 
 APART = 2.0  # factor between what two campaigns cover from which on it is said
 SIGNALS = (("speeds", "v"), ("accelerations", "a"), ("positions", "q"))
