@@ -1,8 +1,11 @@
 """The experiment that a trace names for rivals, run on the rig: along it they part."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import rig
+from scipy.interpolate import CubicSpline
 from test_plan import carried_out
 
 import workbench.plan
@@ -13,6 +16,7 @@ from workbench.identify.solve import solve
 from workbench.plan.following import followed, with_effect
 from workbench.trace.tracing import trace
 
+DT = 1e-3  # s, of the rig's log
 NOISE = 2e-3  # N*m, of the rig's torque
 LATE = ("transport_delay", "clock_skew", "actuator_lag")
 
@@ -36,8 +40,11 @@ def test_rivals_of_a_trace_part_along_the_experiment_that_it_names(tmp_path, mon
 
     delay = truth["parameters"]["transport_delay"]["delay"]
     machine = rig.Machine(rig.Axis(**truth["axis"], delay=delay, count=rig.COUNT), {})
-    drive = followed(named.reference, with_effect(plant, right), sensing).motion.u
-    passes = carried_out(machine, named.reference, drive, noise=NOISE)
+    t = np.arange(int(named.reference.time[-1] / DT)) * DT  # the rig follows at its own rate
+    planned = CubicSpline(named.reference.time, named.reference.position)(t)
+    reference = replace(named.reference, position=planned, dt=DT)
+    drive = followed(reference, with_effect(plant, right), sensing).motion.u
+    passes = carried_out(machine, reference, drive, noise=NOISE)
     costs = [solve(Problem(with_effect(plant, e), passes)).cost for e in (right, wrong)]
     assert np.sqrt((costs[1] - costs[0]) / NOISE**2) > 0.5 * named.deviations > 3.0
     late = next(e for e in found.after.estimates if e.parameter == "delay")

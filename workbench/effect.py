@@ -11,7 +11,7 @@ import pkgutil
 import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
-from functools import cache
+from functools import cache, cached_property
 from types import MappingProxyType, SimpleNamespace
 
 from workbench.errors import WorkbenchError, nearest
@@ -84,17 +84,17 @@ class Effect:
                     f"effect '{self.name}': linear parameter '{name}' is not declared; {nearest(name, self.parameters)}"
                 )
 
-    @property
+    @cached_property
     def key(self) -> str:
         """Name, with its label, and place: unique in a plant."""
         return f"{self.named}@{self.at}"
 
-    @property
+    @cached_property
     def named(self) -> str:
         """Name, with its label where it has one: "flexible_mode second"."""
         return f"{self.name} {self.label}" if self.label else self.name
 
-    @property
+    @cached_property
     def shape(self) -> tuple[str, ...]:
         """Parameters that are searched: all that are not linear."""
         return tuple(n for n in self.parameters if n not in self.linear)

@@ -20,6 +20,7 @@ TRIM = 0.05  # s, at both ends, that no error counts
 MOTION_BAND = 2.0  # band of the motion's own low pass over the evaluation bandwidth: flat (0.4 %) where errors count
 
 
+@lru_cache(maxsize=256)
 def fast_length(n: int) -> int:
     """Smallest length >= n with no prime factor above 5, for which the FFT is fast."""
     best = 1 << (n - 1).bit_length()

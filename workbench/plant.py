@@ -99,7 +99,7 @@ class Plant:
 
     def with_values(self, values: Mapping[str, Mapping[str, float]]) -> "Plant":
         """Return this plant with inside parameter values set: {effect key: {parameter: value}}."""
-        return replace(self, effects=tuple(e(**values.get(e.key, {})) for e in self.effects))
+        return replace(self, effects=tuple(e(**values[e.key]) if e.key in values else e for e in self.effects))
 
     @property
     def effort(self) -> str:

@@ -112,16 +112,20 @@ def load_rest(plant: Plant, passes: Sequence[Passes]) -> float:
     return float(np.sqrt(np.mean(np.concatenate(left) ** 2))) if left else 0.0
 
 
-def sensing_of(passes: Sequence[Passes], rms: float, load: float = 0.0) -> Sensing:
+def sensing_of(passes: Sequence[Passes], rms: float, load: float = 0.0, logged: Sequence[Passes] = ()) -> Sensing:
     """Return how well these records are seen. rms: of the drive's noise behind the evaluation filter, N*m or N. load: as
     rms, of the load's balance (load_rest); as large as that where it is 0.
 
-    F passes a share of white noise, the mean of |F|^2 up to half the sampling rate; a sample has the whole.
+    F passes a share of white noise, the mean of |F|^2 up to half the sampling rate; a sample has the whole. logged: the same
+    records at the rate at which they are logged, where `passes` are thinned ones: as many samples fewer, as much less counts
+    say, so that their noise in the band is that of the log.
     """
     m = passes[0].motion
     f = np.fft.rfftfreq(4096, m.dt)
     share = float(np.mean(1 / (1 + (f / m.filter.bandwidth) ** 8) ** 2))
     counts = max(p.motion.counts for p in passes)
+    if logged:
+        counts *= (logged[0].motion.dt / m.dt) ** 0.5
     if not (rms > 0.0 and rms < inf):
         raise WorkbenchError(f"the noise of the drive is {rms:g}; a plan needs one above 0.")
     return Sensing(rms / share**0.5, counts, m.dt, m.filter.bandwidth, load / share**0.5)

@@ -22,6 +22,7 @@ from workbench.trace.smallest import Smallest, smallest
 SHARE = 0.05  # of the residual's power that an effect must explain on held-out blocks
 CERTAIN = 3.0  # standard errors by which its gain must differ from zero
 LEADING = 6  # candidates that are fitted again with everything free
+BEHIND = 0.4  # of the best one's gain, below which a candidate is not
 SETTLED = 1e-6  # relative decrease of the cost at which a fit is as good as it is judged
 ALIKE = 2.0  # standard errors of a gain over another candidate within which the two are told apart by their simplicity
 
@@ -156,7 +157,7 @@ def step(state: State, progress: Progress, offer: Offer = WHOLE) -> list[Judgeme
             replace(j, problem=None, solution=None) if j.problem else j for j in judgements[LEADING:]
         ]
     for i, j in enumerate(judgements[:LEADING]):
-        if j.candidate.gain > SHARE / 2:
+        if j.candidate.gain > max(SHARE / 2, BEHIND * judgements[0].candidate.gain):
             progress(f"fitting {j.suspect.key} with everything free")
             judgements[i] = j.whole(state)
     return simplest_first(judgements)

@@ -7,7 +7,11 @@ from workbench.identify.passes import Passes
 from workbench.plant import Plant
 from workbench.trace.candidates import ADDITION, without
 from workbench.trace.judge import Judgement, alike
+from workbench.trace.thin import thin
 
+PLANNED = (
+    6.5  # rate over the evaluation bandwidth at which motions are compared: a coarser one parts what does not part
+)
 MOST = 4  # named with a cause
 
 
@@ -27,20 +31,27 @@ def rivals(found: Judgement, added: Sequence[Judgement], steps: Sequence[Sequenc
 
 
 def experiment(
-    plant: Plant, declared: Plant, found: Judgement, rival: Judgement, passes: Sequence[Passes], rms: float
+    plant: Plant,
+    declared: Plant,
+    found: Judgement,
+    rival: Judgement,
+    whole: Sequence[Passes],
+    rms: float,
 ) -> str:
     """Return, in a sentence, the motion that tells a cause from its first rival, or "" where none can be planned.
 
-    plant, declared: the extended one and the one without. passes: of the identification records. rms: of the noise behind the evaluation filter.
+    plant, declared: the extended one and the one without. whole: passes of the identification records as they are. rms: of
+    the noise behind the evaluation filter.
     """
     from workbench.plan import envelope_of, load_rest, sensing_of, separate
 
     a, b = plant[found.suspect.key], rival.state.plant[rival.suspect.key]
+    passes = thin(whole, PLANNED)
     bare = without(plant, found.suspect, declared)
     bare = bare.without(b.key) if b.key in {e.key for e in bare.effects} and rival.suspect.kind == ADDITION else bare
     try:
         return separate(
-            bare, a, b, envelope_of(bare, passes), sensing_of(passes, rms, load_rest(plant, passes))
+            bare, a, b, envelope_of(bare, passes), sensing_of(passes, rms, load_rest(plant, passes), whole)
         ).sentence
     except WorkbenchError:
         return ""

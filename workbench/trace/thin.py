@@ -23,18 +23,18 @@ CUT = 0.4  # of the low pass, over the kept rate
 FRACTIONS = 12  # largest q of the ratio p/q
 
 
-def ratio(rate: float, bandwidth: float) -> Fraction:
-    """Return the kept rate over `rate`: the least p/q, q up to FRACTIONS or p = 1, with LEAST; 1 where nothing is to gain."""
-    least = LEAST * bandwidth / rate
+def ratio(rate: float, bandwidth: float, least: float = LEAST) -> Fraction:
+    """Return the kept rate over `rate`: the least p/q, q up to FRACTIONS or p = 1, with `least`; 1 where nothing is to gain."""
+    least = least * bandwidth / rate
     if least >= 1.0:
         return Fraction(1)
     whole = Fraction(1, int(1.0 / least))
     return min([whole, *(Fraction(ceil(least * q - 1e-9), q) for q in range(1, FRACTIONS + 1))])
 
 
-def thinned(record: Record, bandwidth: float) -> Record:
-    """Return the record at the lowest rate that keeps the band; itself where that is its own."""
-    kept = ratio(1 / record.dt, bandwidth)
+def thinned(record: Record, bandwidth: float, least: float = LEAST) -> Record:
+    """Return the record at the lowest rate that is `least` times the band; itself where that is its own."""
+    kept = ratio(1 / record.dt, bandwidth, least)
     if kept == 1:
         return record
     low_pass = LowPass(CUT * float(kept) / record.dt, 1 / record.dt, record.time.size)
@@ -43,11 +43,11 @@ def thinned(record: Record, bandwidth: float) -> Record:
     return replace(record, time=record.time[0] + record.dt * steps, channels=channels)
 
 
-def thin(passes: Sequence[Passes]) -> list[Passes]:
-    """Return passes over the thinned records; the same objects where nothing is thinned."""
+def thin(passes: Sequence[Passes], least: float = LEAST) -> list[Passes]:
+    """Return passes over the thinned records; the same objects where nothing is thinned. least: kept rate over the band."""
     found = []
     for p in passes:
         band = p.motion.filter.bandwidth
-        record = thinned(p.motion.record, band)
+        record = thinned(p.motion.record, band, least)
         found.append(p if record is p.motion.record else Passes(motion(record, band)))
     return found
