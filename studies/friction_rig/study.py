@@ -181,10 +181,14 @@ def evidence_chapter(found: Trace, share: float, logged: float, bandwidth: float
     length = values.get(("presliding_length", "length"), np.nan)
     spring = values["coulomb_friction", "coulomb"] / length
     uneven = values.get(("coulomb_asymmetry", "coulomb_difference"), np.nan) / values["coulomb_friction", "coulomb"]
+    off, order = (values.get(("kinematic_error", n), np.nan) for n in ("amplitude", "order"))
     meanings = {
         "presliding_length": f"Friction builds up over {1e6 * length:.1f} µm: a spring of {spring:.3g} N/m that slips.",
         "coulomb_asymmetry": f"The spring is {100 * abs(uneven):.0f} % {'softer' if uneven < 0 else 'stiffer'} under forward "
         "force and as much the other way under backward force: what holds the contact, or the contact, is not symmetric.",
+        "kinematic_error": f"The contact deflects by up to {1e6 * off:.2g} µm more or less than is read, in a wave of "
+        f"{2e6 * np.pi / order:.3g} µm over the stroke: the spring that slips is not the same along the stroke, or the sensor "
+        "is not straight. The record cannot tell these apart, nor from a spring that is stiffer in one direction.",
         "cyclic_friction": f"Friction varies over the stroke ({title('cyclic_friction')}, with a period near the stroke's "
         "length): the surface is not the same everywhere. Strokes of one length alone cannot part this from a spring that "
         "bends; strokes of other lengths and places would.",
