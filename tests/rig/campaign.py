@@ -121,10 +121,12 @@ class Scale:
                 break
             factor = float(np.clip(over / max(size, 1e-9), 1 / REACH, REACH))
             asked = now.p[0] * factor
-            tried = replace(now, p=(asked if asked < most else float(np.sqrt(best.p[0] * most)), *now.p[1:]))
+            if abs(asked) >= most:  # half of the way to what locks the joint
+                asked = float(np.copysign(np.sqrt(abs(best.p[0]) * most), asked))
+            tried = replace(now, p=(asked, *now.p[1:]))
             found = self.size(tried)
             if not np.isfinite(found):
-                now, size, most = best, closest, min(most, tried.p[0])
+                now, size, most = best, closest, min(most, abs(tried.p[0]))
                 continue
             now, size = tried, found
             if abs(np.log(max(size, 1e-9) / over)) < abs(np.log(max(closest, 1e-9) / over)):
