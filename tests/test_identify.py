@@ -22,7 +22,7 @@ from workbench.identify.fit import identify, passes_of
 from workbench.identify.passes import Passes, shifted
 from workbench.kernel.step import build
 from workbench.motion import motion
-from workbench.plant import ONE_MASS, Plant
+from workbench.plant import ONE_MASS, Limits, Plant
 from workbench.record import Record, Source
 
 RATE, BAND = 1000.0, 100.0
@@ -121,6 +121,18 @@ def test_shapes_are_found_from_afar(clean):
     ):
         assert estimate(fit, name).value == pytest.approx(true, rel=within)
     assert fit.identification < 2e-3
+
+
+def test_no_more_is_asked_of_a_drive_than_it_gives(clean):
+    """u' = u/sqrt(1 + u^2) stays below one: exact where it has an inverse, and no more than the drive's limit beyond."""
+    plant = replace(believed() + find("torque_constant_saturation")(fall=1.0), limits=Limits(drive=3.0))
+    passes = passes_of(clean, BAND)[0]
+    most = max(3.0, float(np.abs(passes.motion.u).max()))
+    asked = np.linspace(-5.0, 5.0, passes.motion.u.size)
+    found = passes.undone(plant, asked)
+    assert np.abs(found).max() == most
+    within = np.abs(asked) < 0.5
+    np.testing.assert_allclose(found[within], asked[within] / np.sqrt(1.0 - asked[within] ** 2), rtol=1e-3)
 
 
 @pytest.mark.parametrize("delay", [0.0003, 0.0021])

@@ -29,6 +29,7 @@ LEVERS = {
     "motor": np.array([[1.0], [0.0]]),
     "load": np.array([[0.0], [1.0]]),
 }  # into the motor's and the load's balance
+REACH = 2.0  # times the largest command of a record: more no drive is taken to give
 NEWTON = 4  # steps of the inverse of a command map: exact after one where the map is affine in u
 
 
@@ -111,8 +112,14 @@ class Passes:
         return np.full(sum(effect.states.values()), u[0])
 
     def undone(self, plant: Plant, required: np.ndarray) -> np.ndarray:
-        """Return the drive u that the command maps turn into `required` (n,)."""
+        """Return the drive u that the command maps turn into `required` (n,), as far as a drive gives it.
+
+        No command makes more of a drive that saturates than its bound, and close to it the inverse asks for anything; nor is
+        any command larger than the drive's limit (where none is stated, than REACH times the largest that was logged).
+        """
         m, u = self.motion, required
+        largest = float(np.abs(m.u).max())
+        most = max(largest, plant.limits.drive) if np.isfinite(plant.limits.drive) else REACH * largest
         for e in reversed(command_maps(plant)):
             values = {n: p.value for n, p in e.parameters.items()}
             if e.port == fx.TIME:
@@ -123,9 +130,10 @@ class Passes:
                 fine = finer(u) if many > 1 else u
                 rest = self._clock(many)
                 signals = np.stack([fine, *(np.broadcast_to(rest[r], fine.shape) for r in e.reads if r != "u")])
-                u = scan.scan(
+                found = scan.scan(
                     inverse_program(Definition(e)), signals, self._rest(e, u), np.array(list(values.values()))
                 )[0][::many]
+                u = np.clip(np.where(np.isfinite(found), found, np.sign(u) * most), -most, most)
         return u
 
     # --- columns of the forces -----------------------------------------------------------------------------------

@@ -3,6 +3,7 @@
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from math import isclose
 
 import numpy as np
 
@@ -23,6 +24,7 @@ SHARE = 0.05  # of the residual's power that an effect must explain on held-out 
 CERTAIN = 3.0  # standard errors by which its gain must differ from zero
 LEADING = 6  # candidates that are fitted again with everything free
 BEHIND = 0.4  # of the best one's gain, below which a candidate is not
+ALIKE_RATES = 1e-6  # relative difference of two sample times that are one: a record's comes from its stamps
 SETTLED = 1e-6  # relative decrease of the cost at which a fit is as good as it is judged
 ALIKE = 2.0  # standard errors of a gain over another candidate within which the two are told apart by their simplicity
 
@@ -62,7 +64,11 @@ class State:
         """Rms of the residual's steady part."""
         first = self.passes[0].motion
         parts = zip(self.passes, self.problem.drive_part(self.solution.residual), strict=True)
-        return calm([r for p, r in parts if p.motion.dt == first.dt], first.dt, first.filter.bandwidth)
+        return calm(
+            [r for p, r in parts if isclose(p.motion.dt, first.dt, rel_tol=ALIKE_RATES)],
+            first.dt,
+            first.filter.bandwidth,
+        )
 
     @cached_property
     def residuals(self) -> list[np.ndarray]:

@@ -50,6 +50,9 @@ def unknown(declared: State, last: State, level: Mapping[str, float], own: Mappi
     place = living(declared, known)
     if explained < DRESSED:
         return Unexplained(named(place, declared, known), before, True)
+    stays = living(declared, known, jumped) if explained < EXPLAINED else None
+    if stays and stays.share > EXPLAINED:
+        return Unexplained(stays, before, True)  # a few jumps of the level say more than the effects do
     brief = local(place) and (place.coordinate != "time" or place.covered < BRIEF)
     alone = brief and place.inside > ALONE * place.outside
     if explained < EXPLAINED and alone and weighed(place, last.solution.residual, known).inside > LEFT:
