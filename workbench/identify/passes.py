@@ -29,7 +29,7 @@ LEVERS = {
     "motor": np.array([[1.0], [0.0]]),
     "load": np.array([[0.0], [1.0]]),
 }  # into the motor's and the load's balance
-REACH = 2.0  # times the largest command of a record: more no drive is taken to give
+REACH = 1.2  # times its limit: more no drive is taken to give, and a plan still sees that it is too much
 NEWTON = 4  # steps of the inverse of a command map: exact after one where the map is affine in u
 
 
@@ -114,12 +114,12 @@ class Passes:
     def undone(self, plant: Plant, required: np.ndarray) -> np.ndarray:
         """Return the drive u that the command maps turn into `required` (n,), as far as a drive gives it.
 
-        No command makes more of a drive that saturates than its bound, and close to it the inverse asks for anything; nor is
-        any command larger than the drive's limit (where none is stated, than REACH times the largest that was logged).
+        No command makes more of a drive that saturates than its bound, and close to it the inverse asks for anything: no more
+        than REACH times the drive's limit or the largest command that was logged, where there is one.
         """
         m, u = self.motion, required
-        largest = float(np.abs(m.u).max())
-        most = max(largest, plant.limits.drive) if np.isfinite(plant.limits.drive) else REACH * largest
+        known = [x for x in (float(np.abs(m.u).max()), plant.limits.drive) if 0.0 < x < np.inf]
+        most = REACH * max(known, default=np.inf)
         for e in reversed(command_maps(plant)):
             values = {n: p.value for n, p in e.parameters.items()}
             if e.port == fx.TIME:
@@ -133,7 +133,7 @@ class Passes:
                 found = scan.scan(
                     inverse_program(Definition(e)), signals, self._rest(e, u), np.array(list(values.values()))
                 )[0][::many]
-                u = np.clip(np.where(np.isfinite(found), found, np.sign(u) * most), -most, most)
+                u = np.clip(np.where(np.isfinite(found), found, np.copysign(most, u)), -most, most)
         return u
 
     # --- columns of the forces -----------------------------------------------------------------------------------
