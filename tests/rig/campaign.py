@@ -104,8 +104,10 @@ class Scale:
         return float(np.sqrt(np.mean(beyond(self.columns, y) ** 2)))
 
     def size(self, m: Missing) -> float:
-        """Return the size of an effect; NaN where it leaves the joint less than YIELDS of its deflection."""
+        """Return the size of an effect; NaN where it leaves the joint less than YIELDS of its deflection, or no load."""
         machine, believed = with_missing(self.base, [m])
+        if not machine.two == believed.two == self.base.machine.two:
+            return float("nan")
         made = runs(machine, self.seed, self.how, self.records, self.roles)
         if machine.two and deflection(made) < YIELDS * self.deflection:
             return float("nan")
