@@ -61,10 +61,12 @@ def simulated(
 ) -> Motion:  # fmt: skip
     """Return what is left of the motion after a release at `starts` (n,) from rest, one controller a lane, target zero.
 
-    Where the amplitude still moves after `duration` (s), the lane is run again, LONGER times as long.
+    Where the amplitude still moves after `duration` (s), or there is a motion that cannot yet be said to last because too few
+    of its periods were seen, the lane is run again, LONGER times as long.
     """
     motion = _released(plant, loop, controllers, starts, duration, inertia, friction)
-    slow = np.flatnonzero(motion.lasts & (np.abs(motion.drift) > SLOW))
+    moves = motion.lasts & (np.abs(motion.drift) > SLOW)
+    slow = np.flatnonzero(moves | (~motion.lasts & (motion.amplitude > COUNTS * loop.count)))
     if not slow.size:
         return motion
     longer = _released(
