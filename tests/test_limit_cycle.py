@@ -12,7 +12,7 @@ from workbench.errors import WorkbenchError
 from workbench.limit_cycle import axis_of, balance, command, dials, region, turned
 from workbench.limit_cycle.describing import comes_back
 from workbench.limit_cycle.further import ORDERS
-from workbench.limit_cycle.simulated import harmonics, simulated
+from workbench.limit_cycle.simulated import LONGER, Motion, harmonics, simulated
 from workbench.limit_cycle.waves import clipped, found_after, harmonics_of, turning
 from workbench.plant import ONE_MASS, TWO_MASS, Limits, Plant
 from workbench.report.contents import Figure
@@ -325,3 +325,19 @@ def test_a_faulty_declaration_is_answered_with_file_and_key(was, becomes, words,
     with pytest.raises(WorkbenchError) as caught:
         run(tmp_path, TOML.replace(was, becomes))
     assert all(w in str(caught.value) for w in ("study.toml", *words))
+
+
+def test_a_motion_of_which_too_few_periods_were_seen_is_looked_at_for_longer(monkeypatch):
+    """At 37 rad/s three periods pass in the last quarter of two seconds; whether they go on is seen in eight."""
+    asked = []
+
+    def released(plant, loop, controllers, starts, duration, inertia, friction):
+        asked.append((len(controllers), duration))
+        lasts = np.array([duration > 2.0, False])[: len(controllers)]  # the second lane has come to rest
+        amplitude = np.array([0.28, 0.0])[: len(controllers)]
+        return Motion(lasts, np.zeros(lasts.size), amplitude, np.full(lasts.size, 37.0), np.zeros(lasts.size))
+
+    monkeypatch.setitem(simulated.__globals__, "_released", released)
+    found = simulated(None, SLOW, [None, None], np.ones(2), 2.0)
+    assert asked == [(2, 2.0), (1, LONGER * 2.0)]
+    assert found.lasts.tolist() == [True, False]
