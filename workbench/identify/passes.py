@@ -25,10 +25,8 @@ from workbench.motion import Motion
 from workbench.plant import PLACES, Plant
 
 KEEP = 160  # columns kept a record: the declared model, and a few dozen trial shapes
-LEVERS = {
-    "motor": np.array([[1.0], [0.0]]),
-    "load": np.array([[0.0], [1.0]]),
-}  # into the motor's and the load's balance
+# by what a force at a place enters the balances: of the one body, or the motor's and the load's
+LEVERS = {"axis": np.ones((1, 1)), "motor": np.array([[1.0], [0.0]]), "load": np.array([[0.0], [1.0]])}
 REACH = 1.2  # times its limit: more no drive is taken to give, and a plan still sees that it is too much
 NEWTON = 4  # steps of the inverse of a command map: exact after one where the map is affine in u
 
@@ -147,7 +145,7 @@ class Passes:
 
         The first row is what the drive feels (one body, or the motor's balance), the second the load's balance.
         """
-        for e, outputs, lever, _ in self._forces(plant):
+        for e, outputs, (_, lever), _ in self._forces(plant):
             for name, column in zip(e.linear or ("",), entering(outputs, lever), strict=False):
                 yield e, name, column
 
@@ -163,15 +161,15 @@ class Passes:
         for e, outputs, (path, lever), key in self._forces(plant):
             if lever.shape[1] == 1:  # what does not change in time passes the filter: one balance stands for both
                 once = self._keep(("filtered", *key), lambda o=outputs: self.motion.filter(o))
-                smooth = entering(once, (path, lever))
+                smooth = entering(once, lever)
             else:
                 kept = ("filtered", *key, path, len(lever))
-                smooth = self._keep(kept, lambda o=outputs, x=(path, lever): self.motion.filter(entering(o, x)))
+                smooth = self._keep(kept, lambda o=outputs, by=lever: self.motion.filter(entering(o, by)))
             for name, column in zip(e.linear or ("",), smooth, strict=False):
                 yield e, name, column
 
     def _forces(self, plant: Plant):
-        """Yield (effect, outputs (columns, n), lever, key), place by place, those that provide the direction first."""
+        """Yield (effect, outputs (columns, n), (path, lever), key), place by place, those that provide the direction first."""
         for place in PLACES[plant.kind]:
             forces = sorted((e for e in plant.effects if e.port == fx.FORCE and e.at == place), key=lambda e: e.key)
             if place == "load" and self.motion.record.locked:
@@ -219,13 +217,12 @@ class Passes:
         if place == "joint":
             path, lever = self.bodies.leverage(plant)
             return path, lever[:whole]
-        return (), LEVERS.get(place, LEVERS["motor"])[:whole]
+        return (), LEVERS[place][:whole]
 
 
-def entering(outputs: np.ndarray, lever: tuple[tuple, np.ndarray]) -> np.ndarray:
-    """Return outputs (columns, n) as they enter the balances, (columns, rows, n). lever: (its path, (rows, n or 1))."""
-    _, by = lever
-    return outputs[:, None, :] if by.shape == (1, 1) and by[0, 0] == 1.0 else outputs[:, None, :] * by
+def entering(outputs: np.ndarray, lever: np.ndarray) -> np.ndarray:
+    """Return outputs (columns, n) as they enter the balances, (columns, rows, n). lever: (rows, n or 1)."""
+    return outputs[:, None, :] * lever
 
 
 def _name(effect: Effect):
