@@ -18,8 +18,10 @@ from threadpoolctl import threadpool_limits
 
 from workbench.effect import find
 from workbench.errors import WorkbenchError
+from workbench.identify.command import REACH
 from workbench.identify.fit import identify, passes_of
-from workbench.identify.passes import REACH, Passes, shifted
+from workbench.identify.passes import Passes
+from workbench.identify.shift import shifted
 from workbench.kernel.step import build
 from workbench.motion import motion
 from workbench.plant import ONE_MASS, Limits, Plant
@@ -129,7 +131,7 @@ def test_no_more_is_asked_of_a_drive_than_it_gives(clean):
     passes = passes_of(clean, BAND)[0]
     most = REACH * max(3.0, float(np.abs(passes.motion.u).max()))
     asked = np.linspace(-5.0, 5.0, passes.motion.u.size)
-    found = passes.undone(plant, asked)
+    found = passes.command.undone(plant, asked)
     assert np.abs(found).max() == most
     within = np.abs(asked) < 0.5
     np.testing.assert_allclose(found[within], asked[within] / np.sqrt(1.0 - asked[within] ** 2), rtol=1e-3)
@@ -164,7 +166,7 @@ def test_a_lag_answers_a_sine_as_its_closed_form(frequency, lag):
     plant = Plant(ONE_MASS) + find("actuator_lag")(time_constant=lag)
     wave = np.exp(2j * np.pi * frequency * t)
     expected = (wave / (1 + 2j * np.pi * frequency * lag)).imag
-    found = Passes(motion(recorded(t, np.zeros(t.size), wave.imag), BAND)).applied(plant)
+    found = Passes(motion(recorded(t, np.zeros(t.size), wave.imag), BAND)).command.applied(plant)
     assert np.abs(found - expected)[100:-100].max() < 2e-3
 
 
@@ -316,7 +318,7 @@ def test_delay_and_lag_and_their_inverse_undo_each_other(delay, lag, frequency):
     u = np.sin(2 * np.pi * frequency * t) * np.exp(-(((t - 0.7) / 0.15) ** 2)) + 0.3  # at rest at both ends
     plant = Plant(ONE_MASS) + find("transport_delay")(delay=delay) + find("actuator_lag")(time_constant=lag)
     passes = Passes(motion(recorded(t, np.zeros(t.size), u), BAND))
-    again = passes.undone(plant, passes.applied(plant))
+    again = passes.command.undone(plant, passes.command.applied(plant))
     assert np.abs(again - u).max() < 1e-6
 
 

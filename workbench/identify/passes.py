@@ -1,59 +1,33 @@
-"""One pass of a plant over a record's motion: columns of the required drive, the applied drive, and back again.
+"""One pass of a plant over a record's motion: columns of the required drive, beside the drive that was applied.
 
-Order of evaluation: time and command maps on the measured drive; forces with memory (they provide `dir`); other forces.
-Results are kept per effect and shape, so that candidates share the columns of the declared model.
+Order of evaluation: time and command maps on the measured drive (`command`); forces with memory (they provide `dir`); other
+forces. Results are kept per effect and shape, so that candidates share the columns of the declared model.
 """
 
 from collections import OrderedDict
 from collections.abc import Iterator
 from dataclasses import replace
-from functools import lru_cache
 
-import casadi as ca
 import numpy as np
 
 from workbench import effect as fx
 from workbench.effect import Effect, catalogue
 from workbench.effects.direction import in_parallel, stop_direction
 from workbench.errors import WorkbenchError
-from workbench.identify.bodies import ACCELERATION, CHANNEL, INCREMENT, POSITION, VELOCITY, Bodies, rows
-from workbench.identify.shift import FINER, finer, shifted
-from workbench.kernel import scan
-from workbench.kernel.program import Program, read
-from workbench.kernel.step import Definition, apply, build, symbols, view
+from workbench.identify.bodies import ACCELERATION, CHANNEL, INCREMENT, POSITION, VELOCITY, Bodies, path_of, rows
+from workbench.identify.command import Command, command_maps
+from workbench.kernel.step import build
 from workbench.motion import Motion
 from workbench.plant import PLACES, Plant
 
 KEEP = 160  # columns kept a record: the declared model, and a few dozen trial shapes
 # by what a force at a place enters the balances: of the one body, or the motor's and the load's
 LEVERS = {"axis": np.ones((1, 1)), "motor": np.array([[1.0], [0.0]]), "load": np.array([[0.0], [1.0]])}
-REACH = 1.2  # times its limit: more no drive is taken to give, and a plan still sees that it is too much
-NEWTON = 4  # steps of the inverse of a command map: exact after one where the map is affine in u
 
 
 def shape_values(effect: Effect) -> tuple[float, ...]:
     """Values of the parameters that a column depends on."""
     return tuple(effect.parameters[n].value for n in effect.shape)
-
-
-@lru_cache(maxsize=64)
-def inverse_program(definition: Definition) -> Program:
-    """Program of u from u' for a command map, by Newton steps on its own expression; states advance with the found u."""
-    effect = definition.effect
-    s, z, p = symbols(effect)
-    target = ca.SX.sym("target")
-    named = view(effect.reads, s)
-    parameters = fx.namespace(**view(effect.parameters, p))
-    _, forward, _ = apply(effect, named, z, parameters)
-    u = named["u"]
-    slope = ca.jacobian(forward, u)
-    guess = target
-    for _ in range(NEWTON):
-        value, rate = ca.substitute([forward, slope], [u], [guess])
-        guess = guess - (value - target) / rate
-    after, _, _ = apply(effect, named | {"u": guess}, z, parameters)
-    signals = ca.vertcat(target, *(named[r] for r in effect.reads if r != "u"))
-    return read(ca.Function(f"{effect.name}_inverse", [signals, z, p], [after, ca.densify(guess)]))
 
 
 class Passes:
@@ -63,6 +37,7 @@ class Passes:
         self.motion = motion
         self._kept: OrderedDict[tuple, np.ndarray] = OrderedDict()
         self.bodies = Bodies(motion, self._keep)
+        self.command = Command(motion, self._keep)
 
     def _keep(self, key: tuple, make) -> np.ndarray:
         if key in self._kept:
@@ -74,67 +49,11 @@ class Passes:
             self._kept.popitem(last=False)
         return value
 
-    # --- maps of the command -------------------------------------------------------------------------------------
-
-    def applied(self, plant: Plant) -> np.ndarray:
-        """Return the applied drive u' (n,): time and command maps on the measured one."""
-        m = self.motion
-        u, path = m.u, ("u",)
-        for e in command_maps(plant):
-            before, path = path, (*path, (e.step, shape_values(e)))
-            u = self._keep(("applied", path), lambda e=e, u=u, b=before: self._forward(e, u, b))
-        return u
-
     def filtered_drive(self, plant: Plant) -> np.ndarray:
         """Return F(u') (rows, n): the drive, and nothing on the load's side."""
-        path = tuple((e.step, shape_values(e)) for e in command_maps(plant))
-        drive = self._keep(("drive", path), lambda: self.motion.filter(self.applied(plant)))
+        path = path_of(command_maps(plant))
+        drive = self._keep(("drive", path), lambda: self.motion.filter(self.command.applied(plant)))
         return np.stack([drive, np.zeros_like(drive)][: self.rows(plant)])
-
-    def _forward(self, effect: Effect, u: np.ndarray, path: tuple) -> np.ndarray:
-        values = {n: p.value for n, p in effect.parameters.items()}
-        many = steps_a_sample(effect)
-        fine = self._keep(("finer", path), lambda: finer(u)) if many > 1 else u
-        signals = {"u": fine, **self._clock(many)}
-        output = build(effect).run(signals, values, states=self._rest(effect, u))[0][::many]
-        return shifted(u, output, self.motion.dt) if effect.port == fx.TIME else output
-
-    def _clock(self, many: int) -> dict[str, np.ndarray | float]:
-        """Time and its step where each sample is taken in `many` steps."""
-        m = self.motion
-        ahead = np.arange(many) * (m.dt / many)
-        return {"dt": m.dt / many, "t": (m.t[:, None] + ahead).ravel() if many > 1 else m.t}
-
-    def _rest(self, effect: Effect, u: np.ndarray) -> np.ndarray:
-        """States of a command map that has settled at the first command."""
-        return np.full(sum(effect.states.values()), u[0])
-
-    def undone(self, plant: Plant, required: np.ndarray) -> np.ndarray:
-        """Return the drive u that the command maps turn into `required` (n,), as far as a drive gives it.
-
-        No command makes more of a drive that saturates than its bound, and close to it the inverse asks for anything: no more
-        than REACH times the drive's limit or the largest command that was logged, where there is one.
-        """
-        m, u = self.motion, required
-        known = [x for x in (float(np.abs(m.u).max()), plant.limits.drive) if 0.0 < x < np.inf]
-        most = REACH * max(known, default=np.inf)
-        for e in reversed(command_maps(plant)):
-            values = {n: p.value for n, p in e.parameters.items()}
-            if e.port == fx.TIME:
-                delay = build(e).run({"t": m.t}, values)[0]
-                u = shifted(u, -delay, m.dt)
-            else:
-                many = steps_a_sample(e)
-                fine = finer(u) if many > 1 else u
-                rest = self._clock(many)
-                signals = np.stack([fine, *(np.broadcast_to(rest[r], fine.shape) for r in e.reads if r != "u")])
-                found = scan.scan(
-                    inverse_program(Definition(e)), signals, self._rest(e, u), np.array(list(values.values()))
-                )[0][::many]
-                u = np.clip(np.where(np.isfinite(found), found, np.copysign(most, u)), -most, most)
-        return u
-
-    # --- columns of the forces -----------------------------------------------------------------------------------
 
     def rows(self, plant: Plant) -> int:
         """Balances of this record: one body; motor and load; the motor alone where the load is locked."""
@@ -192,8 +111,8 @@ class Passes:
         if not givers and any("dir" in e.reads for e in takers):
             givers = [stop_direction(width)]
         if any({"u", "tau"} & set(e.reads) for e in forces):
-            signals["u"] = signals["tau"] = self.applied(plant)
-            paths["u"] = paths["tau"] = tuple((e.step, shape_values(e)) for e in command_maps(plant))
+            signals["u"] = signals["tau"] = self.command.applied(plant)
+            paths["u"] = paths["tau"] = path_of(command_maps(plant))
         lever = self._lever(plant, place)
         for e in (*givers, *takers):
             missing = [r for r in e.reads if r not in signals]
@@ -230,16 +149,6 @@ def _name(effect: Effect):
     return effect.name if effect.name == "direction" else effect.step
 
 
-def steps_a_sample(effect: Effect) -> int:
-    return FINER if effect.states and "dt" in effect.reads else 1
-
-
-def command_maps(plant: Plant) -> list[Effect]:
-    """Time maps, then command maps, in the order in which they act on the command."""
-    at = [e for e in plant.effects if e.at == "command"]
-    return [e for e in at if e.port == fx.TIME] + [e for e in at if e.port == fx.COMMAND]
-
-
 def balances(passes: Passes, plant: Plant) -> np.ndarray:
     """Return the sum of all forces at their values, on the motion, (rows, n): the required drive, and the load's residual."""
     total = np.zeros((passes.rows(plant), passes.motion.u.size))
@@ -258,4 +167,4 @@ def required(passes: Passes, plant: Plant) -> np.ndarray:
 
 def predicted(passes: Passes, plant: Plant) -> np.ndarray:
     """Return the drive u (n,) that the plant asks for, given the motion: command maps undone from the required drive."""
-    return passes.undone(plant, required(passes, plant))
+    return passes.command.undone(plant, required(passes, plant))

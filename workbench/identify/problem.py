@@ -12,7 +12,8 @@ from math import exp, log
 import numpy as np
 
 from workbench import effect as fx
-from workbench.identify.passes import Passes, command_maps
+from workbench.identify.command import command_maps
+from workbench.identify.passes import Passes
 from workbench.parameter import Parameter
 from workbench.plant import Plant
 
