@@ -1,8 +1,7 @@
-"""Record files: finite numbers come out, fast; whatever is wrong is refused with file, row and mend."""
+"""Record files: finite numbers come out; whatever is wrong is refused with file, row and mend."""
 
 import gzip
 import hashlib
-import time
 
 import numpy as np
 import pytest
@@ -82,19 +81,6 @@ def test_numbers_are_read_to_the_last_bit(tmp_path):
     body = "\n".join(f"{a!r},{b!r}" for a, b in values.tolist())
     channels, _ = read(write(tmp_path, b"time_s,position_rad\n" + body.encode()), COLUMNS)
     assert np.array_equal(np.column_stack([channels["time"], channels["position"]]), values)
-
-
-def test_a_record_of_a_minute_is_read_at_once(tmp_path):
-    rows = "\n".join(f"{k / 1000:.5f},{k % 7 / 9:.4f},{k * 1e-6:.7f},{k * 1e-6:.6f}" for k in range(25000))
-    path = write(
-        tmp_path, gzip.compress(b"time_s,torque_Nm,position_rad,reference_rad\n" + rows.encode()), "run.csv.gz"
-    )
-    taken = []
-    for _ in range(5):
-        start = time.perf_counter()
-        read(path, COLUMNS | {"torque": "torque_Nm", "reference": "reference_rad"})
-        taken.append(time.perf_counter() - start)
-    assert min(taken) < 0.1  # about 0.02 s; a machine that others use is given room
 
 
 @pytest.mark.parametrize(
