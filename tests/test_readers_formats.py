@@ -1,8 +1,10 @@
 """Binary record files: what a format's own library wrote is read back to the last bit; the rest is refused in words."""
 
+import gc
 import importlib
 import io
 import struct
+import sys
 import warnings
 
 import numpy as np
@@ -279,6 +281,16 @@ def test_another_version_of_mdf_is_refused(tmp_path):
     assert ": was not closed by its logger; " in refused(
         write(tmp_path, b"UnFinMF 4.10    ".ljust(200, b"\0"), "a.mf4")
     )
+
+
+def test_an_mdf_file_that_is_given_up_half_opened_is_refused_without_another_word(tmp_path, monkeypatch):
+    said = []
+    monkeypatch.setattr(sys, "unraisablehook", said.append)
+    content = bytearray(mf4((TIME, {"F": FORCE})))
+    content[12] = 0xFF  # its version is no text: asammdf stops before there is anything that it could close
+    assert ": is no whole MDF 4 file (" in refused(write(tmp_path, bytes(content), "a.mf4"), {"force": "F"})
+    gc.collect()
+    assert said == []
 
 
 def test_blocks_that_are_not_whole_or_lead_in_a_circle_are_found():

@@ -3,9 +3,11 @@
 A column is a channel's name. The time axis of a group, its master channel, is a column like the others.
 """
 
+import gc
 import io
 from collections.abc import Mapping
 from pathlib import Path
+from traceback import clear_frames
 
 import numpy as np
 
@@ -40,14 +42,19 @@ def _opened(content: bytes, path: Path, use):
     fault = mdf4.fault(content)
     if fault:
         raise WorkbenchError(f"{path}: is no whole MDF 4 file ({fault}); copy or export it again.")
-    try:
-        with quiet("asammdf"), asammdf.MDF(io.BytesIO(content)) as file:
-            return use(file)
-    except WorkbenchError:
-        raise
-    except Exception as e:  # asammdf raises whatever broken bytes lead to
-        reason = " ".join(str(e).split())[:120] or type(e).__name__
-        raise WorkbenchError(f"{path}: is no whole MDF 4 file ({reason}); copy or export it again.") from e
+    with quiet("asammdf"):
+        try:
+            with asammdf.MDF(io.BytesIO(content)) as file:
+                return use(file)
+        except WorkbenchError:
+            raise
+        except Exception as e:  # asammdf raises whatever broken bytes lead to
+            reason = " ".join(str(e).split())[:120] or type(e).__name__
+            clear_frames(
+                e.__traceback__
+            )  # a file that is half made cannot be closed: it goes here, where nobody hears it
+            gc.collect()
+            raise WorkbenchError(f"{path}: is no whole MDF 4 file ({reason}); copy or export it again.") from None
 
 
 def _read(file, path: Path, columns: Mapping[str, str]) -> Sheet:

@@ -2,6 +2,7 @@
 
 import importlib
 import logging
+import sys
 from collections.abc import Callable, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field
@@ -45,10 +46,11 @@ def quiet(logger: str):
     """Keep a library from writing on stderr of broken bytes: what matters is refused with a sentence."""
     log = logging.getLogger(logger)
     was, log.disabled = log.disabled, True
+    hook, sys.unraisablehook = sys.unraisablehook, lambda _: None
     try:
         yield
     finally:
-        log.disabled = was
+        log.disabled, sys.unraisablehook = was, hook
 
 
 def place(path: Path) -> Callable[[int], str]:
