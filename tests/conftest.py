@@ -9,12 +9,16 @@ from pathlib import Path
 
 import pytest
 
+if "PYTEST_XDIST_WORKER" in os.environ:  # the cores are shared already
+    os.environ.setdefault("WORKBENCH_PROCESSES", "1")
+
 NO_DATA = "measured data is not here: set WORKBENCH_DATA"
 ALLOWED = (
     NO_DATA,
     "no C compiler here",
     "no browser here",
     "no git checkout here",
+    "no forks here",
 )
 
 

@@ -1,5 +1,6 @@
-"""The same answer, however it is asked: trace.json to the last bit, whatever the order of what is declared, and on how many threads."""
+"""The same answer, however it is asked: trace.json to the last bit, whatever the order of what is declared, and on how many threads or processes."""
 
+import os
 from dataclasses import replace
 from pathlib import Path
 
@@ -9,6 +10,7 @@ import rig
 from threadpoolctl import threadpool_limits
 
 from workbench.campaign import Campaign, load
+from workbench.processes import count
 from workbench.study.traced import run
 
 
@@ -25,6 +27,7 @@ def campaign(tmp_path_factory) -> Campaign:
 
 @pytest.fixture(scope="module")
 def written(campaign, tmp_path_factory) -> bytes:
+    assert "PYTEST_XDIST_WORKER" not in os.environ or count() == 1
     return text_of(campaign, tmp_path_factory.mktemp("out"))
 
 
@@ -45,6 +48,11 @@ def test_the_number_of_threads_shows_in_no_bit(campaign, written, tmp_path):
     with threadpool_limits(limits=4, user_api="blas"):
         assert np.dot(np.ones(9), np.ones(9)) == 9.0  # the pool of threads is there
         assert text_of(campaign, tmp_path) == written
+
+
+def test_the_number_of_processes_shows_in_no_bit(campaign, written, tmp_path, monkeypatch):
+    monkeypatch.setenv("WORKBENCH_PROCESSES", "3")
+    assert text_of(campaign, tmp_path) == written
 
 
 def test_of_what_is_written_only_the_validation_errors_depend_on_the_validation_records(campaign, tmp_path):

@@ -13,6 +13,8 @@ from multiprocessing import current_process, get_context
 from traceback import format_exc
 from typing import TypeVar
 
+from workbench.errors import WorkbenchError
+
 Item, Made = TypeVar("Item"), TypeVar("Made")
 
 VARIABLE = "WORKBENCH_PROCESSES"
@@ -20,11 +22,20 @@ MOST = 4  # each holds a few hundred megabytes of its own
 
 
 def count() -> int:
-    """Return how many processes work at a time: $WORKBENCH_PROCESSES, else one a core, MOST at most."""
+    """Return how many processes work at a time: $WORKBENCH_PROCESSES, else one a core, MOST at most.
+
+    Raises WorkbenchError where the variable holds no such number.
+    """
     if sys.platform != "linux" or current_process().daemon:
         return 1
-    given = os.environ.get(VARIABLE, "")
-    return max(1, int(given)) if given.isdecimal() else min(MOST, len(os.sched_getaffinity(0)))
+    given = os.environ.get(VARIABLE)
+    if given is None:
+        return min(MOST, len(os.sched_getaffinity(0)))
+    if not given.isdecimal() or int(given) < 1:
+        raise WorkbenchError(
+            f"The variable {VARIABLE} holds '{given}'; how many processes may work at a time, 1 or more, is needed."
+        )
+    return int(given)
 
 
 def shared(function: Callable[[Item], Made], items: Sequence[Item]) -> Iterator[Made]:

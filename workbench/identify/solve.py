@@ -34,15 +34,21 @@ def scales(phi: np.ndarray) -> np.ndarray:
     return np.where(norms > 0, norms, 1.0)
 
 
-def bounded(phi: np.ndarray, y: np.ndarray, lower: np.ndarray, upper: np.ndarray) -> np.ndarray:
-    """Return c of min |phi c - y| with lower <= c <= upper.
+def bounded(
+    phi: np.ndarray,
+    y: np.ndarray,
+    lower: np.ndarray,
+    upper: np.ndarray,
+    normal: tuple[np.ndarray, np.ndarray] | None = None,
+) -> np.ndarray:
+    """Return c of min |phi c - y| with lower <= c <= upper. normal: phi' phi and phi' y, where they are known.
 
     Normal equations of the scaled columns and their Cholesky factor where these are well conditioned, else QR. Directions
     that the columns do not determine (below 1e-9 of the largest singular value) take the least norm.
     """
     if phi.shape[1] == 0:
         return np.zeros(0)
-    gram, moment = phi.T @ phi, phi.T @ y
+    gram, moment = normal or (phi.T @ phi, phi.T @ y)
     norms = np.sqrt(np.diag(gram))
     norms = np.where(norms > 0, norms, 1.0)
     scaled = gram / np.outer(norms, norms)
@@ -72,9 +78,11 @@ def cost_at(problem: Problem, theta: np.ndarray) -> tuple[float, np.ndarray, np.
     The squared residual is infinite where an effect has no value on this motion (outside its domain, or grown beyond it).
     """
     y, phi = problem.assemble(theta)
-    if not (np.isfinite(phi).all() and np.isfinite(y).all()):
+    with np.errstate(all="ignore"):  # what is not finite shows in these sums, and far sooner than in every sample
+        gram, moment, power = phi.T @ phi, phi.T @ y, y @ y
+    if not (np.isfinite(gram).all() and np.isfinite(moment).all() and np.isfinite(power)):
         return np.inf, np.zeros(phi.shape[1]), y, phi
-    c = bounded(phi, y, *problem.bounds)
+    c = bounded(phi, y, *problem.bounds, (gram, moment))
     e = y - phi @ c
     return float(e @ e), c, y, phi
 
@@ -90,12 +98,16 @@ def slopes(problem: Problem, theta, c, y, phi) -> np.ndarray:
 
 
 def solve(
-    problem: Problem, theta: np.ndarray | None = None, tolerance: float = TOLERANCE, least: float = 0.0
+    problem: Problem,
+    theta: np.ndarray | None = None,
+    tolerance: float = TOLERANCE,
+    least: float = 0.0,
+    most: int = ITERATIONS,
 ) -> Solution:
     """Minimise over shape and linear parameters from a start; the result is never worse than the start.
 
     tolerance: relative decrease of the cost at which the search stops, or that a step no longer promises. least: what the
-    first step must promise, else the start is all. Raises NoValue where the start has no value.
+    first step must promise, else the start is all. most: steps. Raises NoValue where the start has no value.
     """
     theta = problem.start() if theta is None else np.array(theta, dtype=float)
     cost, c, y, phi = cost_at(problem, theta)
@@ -104,7 +116,7 @@ def solve(
     tangents = slopes(problem, theta, c, y, phi)
     damping = 1e-3
     enough = max(tolerance, least)
-    for _ in range(ITERATIONS if theta.size else 0):
+    for _ in range(most if theta.size else 0):
         norms, sizes = scales(phi), scales(tangents)
         # joint Gauss-Newton step in (c, theta): the linear part may move along
         joint = np.hstack([phi / norms, tangents / sizes])

@@ -65,6 +65,12 @@ def fonts() -> Path:
     return Path(matplotlib.get_data_path(), "fonts", "ttf")
 
 
+def started() -> None:
+    """Load what every figure needs, before processes share them."""
+    import matplotlib.backends.backend_svg
+    import matplotlib.figure  # noqa: F401
+
+
 def svg(
     title: str, draw: Callable, *, rows: int = 1, columns: int = 1, height: float = 2.6, share: str | bool = False
 ) -> bytes:

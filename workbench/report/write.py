@@ -10,6 +10,7 @@ from importlib.resources import files
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
+from workbench.processes import shared
 from workbench.report import drawing
 from workbench.report.chapters import standard
 from workbench.report.contents import Block, Chapter, Figure, Marked, StudyResult
@@ -46,13 +47,12 @@ def write(result: StudyResult, folder: Path, stem: str = "report") -> None:
 
 def drawn(chapters: Sequence[Chapter]) -> dict[str, bytes]:
     """Return file name -> SVG of every figure."""
-    figures = {}
-    for block in (b for c in chapters for b in c.blocks if isinstance(b, Figure)):
-        name = f"{block.name}.svg"
-        if name in figures:
-            raise ValueError(f"Two figures of the report are named '{block.name}'.")
-        figures[name] = block.svg() if callable(block.svg) else block.svg
-    return figures
+    figures = [b for c in chapters for b in c.blocks if isinstance(b, Figure)]
+    names = [f"{f.name}.svg" for f in figures]
+    if twice := next((f.name for f, n in zip(figures, names, strict=True) if names.count(n) > 1), None):
+        raise ValueError(f"Two figures of the report are named '{twice}'.")
+    drawing.started()
+    return dict(zip(names, shared(lambda f: f.svg() if callable(f.svg) else f.svg, figures), strict=True))
 
 
 def as_data(block: Block) -> dict:

@@ -114,8 +114,8 @@ def suspect(basis: Basis, text: str) -> tuple[Plant, Effect, float]:
     records = fitted_on(basis.passes)
     declared = Problem(plant, records)
     beside, found = fitted(chosen, declared, solve(declared), residuals(basis.fit, records))
-    problem, start = beside.whole(found)
-    solution = solve(problem, start)
+    problem = beside.free
+    solution = solve(problem, beside.onward(found))
     effect = problem.with_linear(problem.with_shape(solution.theta), solution.c)[chosen.key]
     return plant, effect, float(np.sqrt(solution.cost / solution.y.size))
 

@@ -10,14 +10,14 @@ import numpy as np
 from workbench.finding import capital, title
 from workbench.identify.passes import Passes
 from workbench.identify.problem import Problem
-from workbench.identify.solve import NoValue, Solution, scales, solve
+from workbench.identify.solve import ITERATIONS, NoValue, scales, solve
 from workbench.plant import Plant
+from workbench.processes import shared
 from workbench.trace.candidates import ADDITION, WHOLE, Offer, Suspect
 from workbench.trace.floor import calm
-from workbench.trace.linearised import Linearised
 from workbench.trace.result import Candidate
 from workbench.trace.score import HeldOut, gain, held_out
-from workbench.trace.search import fitted
+from workbench.trace.search import fitted, suspected
 from workbench.trace.smallest import Smallest, smallest
 
 SHARE = 0.05  # of the residual's power that an effect must explain on held-out blocks
@@ -32,12 +32,17 @@ Progress = Callable[[str], None]
 
 
 class State:
-    """A plant with its solution on the thinned identification records, and its held-out errors."""
+    """A plant with its solution on the thinned identification records, and its held-out errors.
 
-    def __init__(self, plant: Plant, passes: Sequence[Passes], theta: np.ndarray | None = None):
+    theta: where the search starts. solved: it has ended there before, and only its columns are wanted again.
+    """
+
+    def __init__(
+        self, plant: Plant, passes: Sequence[Passes], theta: np.ndarray | None = None, *, solved: bool = False
+    ):
         self.passes = passes
         self.problem = Problem(plant, passes)
-        self.solution = solve(self.problem, theta, SETTLED)
+        self.solution = solve(self.problem, theta, SETTLED, most=0 if solved else ITERATIONS)
         self.plant = self.problem.with_linear(self.problem.with_shape(self.solution.theta), self.solution.c)
         self.errors: HeldOut = held_out(self.problem, self.solution)
 
@@ -82,57 +87,77 @@ class State:
 
 
 @dataclass(frozen=True, eq=False)
-class Passed:
-    """What is kept of a state that was not chosen: its plant."""
+class Refitted:
+    """A fit with everything free, without its columns, which are many megabytes. theta: on the search scale; c: free linear."""
 
-    plant: Plant
+    problem: Problem
+    theta: np.ndarray
+    c: np.ndarray
+
+    @property
+    def plant(self) -> Plant:
+        """The plant with the values that were found."""
+        return self.problem.with_linear(self.problem.with_shape(self.theta), self.c)
+
+    @property
+    def state(self) -> State:
+        """The state that this fit ended in."""
+        return State(self.problem.plant, self.problem.passes, self.theta, solved=True)
 
 
 @dataclass(frozen=True, eq=False)
 class Judgement:
-    """A suspect, what it came to beside the present model, and the state with it: whole() solves it with all free."""
+    """A suspect and what it came to beside the present model.
+
+    theta: where a search with everything free starts, on the search scale; None where the suspect has no value on these
+    records. refitted: that fit, of those that lead. state: the state that it ended in, of the one that is chosen.
+    """
 
     suspect: Suspect
     candidate: Candidate
     errors: HeldOut
     freedom: int
-    problem: Linearised | None = None
-    solution: Solution | None = None
-    state: State | Passed | None = None
+    theta: np.ndarray | None = None
     shows: Smallest | None = None
-
-    def whole(self, before: State) -> "Judgement":
-        """Return the judgement after a fit with everything free; itself where that has no value."""
-        if self.problem is None:
-            return self
-        problem, theta = self.problem.whole(self.solution)
-        try:
-            after = State(problem.plant, before.passes, theta)
-        except NoValue:
-            return self
-        return replace(
-            self,
-            candidate=scored(before, self.suspect, after.errors, after.solution.cost),
-            errors=after.errors,
-            state=after,
-        )
+    refitted: Refitted | None = None
+    state: State | None = None
 
 
-def judged(state: State, suspect: Suspect) -> Judgement:
-    """Fit one suspect beside the present model and score it against the present state."""
+def judged(state: State, suspect: Suspect) -> dict:
+    """Fit one suspect beside the present model and score it against the present state: all but the suspect of a Judgement.
+
+    Plain data, because it may come from another process.
+    """
     try:
         problem, solution = fitted(suspect, state.problem, state.solution, state.residuals)
     except NoValue:
         sentence = f"{capital(title(suspect.effect))} has no value on these records."
         whole = float(np.sqrt(state.errors.total / state.power))
         hopeless = Candidate(suspect.effect, suspect.at, suspect.kind, 0.0, 0.0, whole, whole, False, sentence)
-        return Judgement(suspect, hopeless, state.errors, state.freedom)
+        return {"candidate": hopeless, "errors": state.errors, "freedom": state.freedom}
     errors = held_out(problem, solution)
-    freedom = len(problem.free_linear) + len(problem.free_shape) + len(state.problem.free_shape)
-    shows = smallest(suspect.key, suspect.kind != ADDITION, problem, solution, state.absorbed, SHARE)
-    return Judgement(
-        suspect, scored(state, suspect, errors, solution.cost), errors, freedom, problem, solution, shows=shows
-    )
+    return {
+        "candidate": scored(state, suspect, errors, solution.cost),
+        "errors": errors,
+        "freedom": len(problem.free_linear) + len(problem.free_shape) + len(state.problem.free_shape),
+        "theta": problem.onward(solution),
+        "shows": smallest(suspect.key, suspect.kind != ADDITION, problem, solution, state.absorbed, SHARE),
+    }
+
+
+def refitted(state: State, j: Judgement) -> dict:
+    """Fit a suspect with everything free: what changes of its judgement, as plain data; nothing where that has no value."""
+    try:
+        after = State(free_of(state, j).plant, state.passes, j.theta)
+    except NoValue:
+        return {}
+    candidate = scored(state, j.suspect, after.errors, after.solution.cost)
+    return {"candidate": candidate, "errors": after.errors, "fit": (after.solution.theta, after.solution.c)}
+
+
+def free_of(state: State, j: Judgement) -> Problem:
+    """Return the problem of a suspect beside the present model with everything free."""
+    return suspected(j.suspect, state.problem, state.solution).free
 
 
 def scored(state: State, suspect: Suspect, errors: HeldOut, cost: float) -> Candidate:
@@ -154,28 +179,29 @@ def scored(state: State, suspect: Suspect, errors: HeldOut, cost: float) -> Cand
 
 def step(state: State, progress: Progress, offer: Offer = WHOLE) -> list[Judgement]:
     """Judge every suspect that is offered; return them best first, those that lead fitted with everything free."""
-    judgements: list[Judgement] = []
-    for suspect in offer.suspects(state.plant):
+    suspects = offer.suspects(state.plant)
+    _ = state.power, state.residuals, state.absorbed  # made here, else by every process for itself
+    judgements = []
+    for suspect, found in zip(suspects, shared(lambda s: judged(state, s), suspects), strict=True):
         progress(f"trying {suspect.key}")
-        judgements = by_gain([*judgements, judged(state, suspect)])
-        # columns of the others are many megabytes, and nobody asks for them again
-        judgements[LEADING:] = [
-            replace(j, problem=None, solution=None) if j.problem else j for j in judgements[LEADING:]
-        ]
-    for i, j in enumerate(judgements[:LEADING]):
-        if j.candidate.gain > max(SHARE / 2, BEHIND * judgements[0].candidate.gain):
-            progress(f"fitting {j.suspect.key} with everything free")
-            judgements[i] = j.whole(state)
-    return simplest_first(judgements)
+        judgements.append(Judgement(suspect, **found))
+    judgements = by_gain(judgements)
+    least = max(SHARE / 2, BEHIND * judgements[0].candidate.gain) if judgements else 0.0
+    leaders = [j for j in judgements[:LEADING] if j.candidate.gain > least and j.theta is not None]
+    for i, more in enumerate(shared(lambda j: refitted(state, j), leaders)):
+        progress(f"fitting {leaders[i].suspect.key} with everything free")
+        if more:
+            fit = Refitted(free_of(state, leaders[i]), *more.pop("fit"))
+            judgements[judgements.index(leaders[i])] = replace(leaders[i], refitted=fit, **more)
+    judgements = simplest_first(judgements)
+    if judgements and (first := judgements[0]).refitted:
+        judgements[0] = replace(first, state=first.refitted.state)
+    return judgements
 
 
 def lighter(judgements: Sequence[Judgement], chosen: Judgement | None) -> list[Judgement]:
-    """Return judgements without the columns of those that were not chosen: they are hundreds of megabytes."""
-
-    def light(j: Judgement) -> Judgement:
-        return replace(j, problem=None, solution=None, state=j.state and Passed(j.state.plant))
-
-    return [j if j is chosen else light(j) for j in judgements]
+    """Return judgements without the state of one that leads and was not chosen: it is hundreds of megabytes."""
+    return [j if j is chosen or j.state is None else replace(j, state=None) for j in judgements]
 
 
 def by_gain(judgements: Sequence[Judgement]) -> list[Judgement]:
@@ -192,7 +218,7 @@ def simplest_first(judgements: Sequence[Judgement]) -> list[Judgement]:
     if not judgements:
         return judgements
     leader = judgements[0]
-    level = [j for j in judgements if j is leader or (j.state and alike(leader, j))]
+    level = [j for j in judgements if j is leader or (j.refitted and alike(leader, j))]
     simplest = min(level, key=lambda j: (j.freedom, -j.candidate.gain, j.candidate.effect, j.candidate.at))
     return [simplest, *(j for j in judgements if j is not simplest)]
 

@@ -74,13 +74,17 @@ class Linearised(Problem):
             row += length
         return y, phi
 
-    def whole(self, found: Solution) -> tuple[Problem, np.ndarray]:
-        """Return the problem with everything free, and where `found` says that its search should start."""
-        free = Problem(freed(self.plant, self.base), self.passes)
+    @property
+    def free(self) -> Problem:
+        """The problem with everything free."""
+        return Problem(freed(self.plant, self.base), self.passes)
+
+    def onward(self, found: Solution) -> np.ndarray:
+        """Return where `found` says that the search with everything free should start."""
         deviation = found.c[len(self.free_linear) :]
         start = dict(zip(self.base.free_shape, self.solution.theta + deviation, strict=True))
         start |= dict(zip(self.free_shape, found.theta, strict=True))
-        return free, np.array([start[n] for n in free.free_shape])
+        return np.array([start[n] for n in self.free.free_shape])
 
 
 @dataclass(frozen=True)

@@ -24,7 +24,7 @@ def rivals(found: Judgement, added: Sequence[Judgement], steps: Sequence[Sequenc
     for judgements in steps:
         if any(j is found for j in judgements):
             for j in judgements:
-                if j is not found and j.state and j.candidate.earns and alike(found, j):
+                if j is not found and j.refitted and j.candidate.earns and alike(found, j):
                     level.setdefault(j.candidate.effect, j)
     taken = {j.candidate.effect for j in added}
     return [j for name, j in level.items() if name not in taken][:MOST]
@@ -45,7 +45,7 @@ def experiment(
     """
     from workbench.plan import envelope_of, load_rest, sensing_of, separate
 
-    a, b = plant[found.suspect.key], rival.state.plant[rival.suspect.key]
+    a, b = plant[found.suspect.key], rival.refitted.plant[rival.suspect.key]
     passes = thin(whole, PLANNED)
     bare = without(plant, found.suspect, declared)
     bare = bare.without(b.key) if b.key in {e.key for e in bare.effects} and rival.suspect.kind == ADDITION else bare

@@ -46,6 +46,11 @@ def within(p: Parameter, least: float, most: float) -> Parameter:
     return replace(p, lower=lower, upper=upper, value=min(max(p.value, lower), upper))
 
 
+def suspected(suspect: Suspect, base: Problem, solution: Solution) -> Linearised:
+    """Return the problem of a suspect beside the solved present model."""
+    return Linearised(within_reach(suspect.plant, base.passes), base, solution)
+
+
 def fitted(
     suspect: Suspect, base: Problem, solution: Solution, residuals: Sequence[np.ndarray]
 ) -> tuple[Linearised, Solution]:
@@ -53,7 +58,7 @@ def fitted(
 
     Raises NoValue where the suspect has no value on these records from any of its starts.
     """
-    problem = Linearised(within_reach(suspect.plant, base.passes), base, solution)
+    problem = suspected(suspect, base, solution)
     options = [problem.start()]
     if suspect.kind == ADDITION:
         effect = suspect.plant[suspect.key]

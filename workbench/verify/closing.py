@@ -7,18 +7,19 @@ is the price of what it lacks.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import isfinite
 
 import numpy as np
 
 from workbench.control import Controller
 from workbench.plant import ONE_MASS, TWO_MASS, Plant
+from workbench.processes import shared
 from workbench.record import Record
 from workbench.simulate import Loop, Metrics, ScenarioArrays, simulate
 from workbench.verify.assumed import judge, late, loop_of, task_of
 from workbench.verify.equivalent import friction_of
-from workbench.verify.families import cascade_family
+from workbench.verify.families import Family, cascade_family
 from workbench.verify.optimise import Tuned, optimise
 from workbench.verify.task import Task
 
@@ -108,8 +109,8 @@ def lacking(plant: Plant, record: Record | None) -> str:
     return ""
 
 
-def tuned(task: Task) -> Tuned:
-    """Return the cascade tuned on the plant of a task."""
+def family_of(task: Task) -> Family:
+    """Return the cascades among which the one for the plant of a task is sought."""
     plant, loop = task.plant, task.loop
     _, inertia, _ = friction_of(plant)
     known = Loop(**{**vars(loop), "delay": loop.delay + late(plant)})
@@ -117,7 +118,17 @@ def tuned(task: Task) -> Tuned:
     turnover = TURNOVER / (loop.sample_time + known.delay + loop.velocity_filter)
     start = (turnover / 4, inertia * turnover, inertia * turnover**2 / 20)
     fastest = min(plant.limits.speed, float(np.sqrt(2 * plant.limits.drive * task.step / inertia)))
-    return optimise(task, cascade_family(linear, start, fastest))
+    return cascade_family(linear, start, fastest)
+
+
+def tuned(tasks: Sequence[Task]) -> list[Tuned]:
+    """Return the cascade tuned on the plant of each task."""
+    families = [family_of(task) for task in tasks]
+
+    def found(k: int) -> Tuned:
+        return replace(optimise(tasks[k], families[k]), family=None)  # a family is functions: every process has it
+
+    return [replace(t, family=f) for t, f in zip(shared(found, range(len(tasks))), families, strict=True)]
 
 
 def rise_of(time: np.ndarray, q: np.ndarray, start: float, target: np.ndarray) -> np.ndarray:
@@ -173,7 +184,7 @@ def close(declared: Plant, extended: Plant, record: Record) -> Closed:
     loop = loop_of(record)
     tasks = {DECLARED: task_of(declared, record, loop)}
     tasks[EXTENDED] = tasks[DECLARED].on(extended)
-    made = {name: tuned(task) for name, task in tasks.items()}
+    made = dict(zip(tasks, tuned(list(tasks.values())), strict=True))
     pairs = ((DECLARED, DECLARED), (DECLARED, EXTENDED), (EXTENDED, EXTENDED))
     responses, signals = [], {}
     for names in pairs:

@@ -1,0 +1,121 @@
+"""Work shared among forks: results in order, errors as they were raised, and nothing lost when a fork is."""
+
+import os
+import signal
+import subprocess
+import sys
+import time
+
+import pytest
+
+from workbench import processes
+from workbench.errors import WorkbenchError
+from workbench.processes import count, shared
+
+
+@pytest.fixture(autouse=True)
+def three(monkeypatch):
+    if sys.platform != "linux":
+        pytest.skip("no forks here")
+    monkeypatch.setenv(processes.VARIABLE, "3")
+
+
+def test_results_come_in_the_order_of_the_items_and_from_other_processes():
+    def square(k):
+        time.sleep(0.02 * (k % 3 == 0))  # the first share lags behind
+        return k * k, os.getpid()
+
+    made = list(shared(square, range(10)))
+    assert [value for value, _ in made] == [k * k for k in range(10)]
+    assert len({process for _, process in made}) == 3 and os.getpid() not in {process for _, process in made}
+
+
+def test_what_is_called_with_need_not_pickle_and_is_not_changed_here():
+    held = {"calls": 0}
+
+    def call(function):
+        held["calls"] += 1
+        return function()
+
+    assert list(shared(call, [lambda k=k: k for k in range(7)])) == list(range(7))
+    assert held["calls"] == 0
+
+
+def test_what_a_call_raises_is_raised_in_its_turn_and_tells_where():
+    def grumble(k):
+        if k == 4:
+            raise WorkbenchError("Four is too many.")
+        return k
+
+    seen = []
+    with pytest.raises(WorkbenchError, match="Four is too many") as caught:
+        for k in shared(grumble, range(9)):
+            seen.append(k)
+    assert seen == [0, 1, 2, 3] and "grumble" in caught.value.__notes__[0]
+
+
+def test_a_result_that_does_not_pickle_is_an_error_and_no_silence():
+    with pytest.raises(Exception, match="[Pp]ickle"):
+        list(shared(lambda k: lambda: k, range(3)))
+
+
+def test_the_part_of_a_fork_that_is_killed_is_done_here():
+    parent = os.getpid()
+
+    def fragile(k):
+        if k >= 4 and os.getpid() != parent:
+            os.kill(os.getpid(), signal.SIGKILL)
+        return k
+
+    assert list(shared(fragile, range(9))) == list(range(9))
+
+
+def test_no_process_outlives_a_caller_that_wants_no_more():
+    made = shared(lambda k: time.sleep(60 * (k > 0)) or os.getpid(), range(6))
+    process = next(made)
+    made.close()
+    with pytest.raises(ProcessLookupError):
+        os.kill(process, 0)
+
+
+def test_one_process_or_one_item_needs_no_fork(monkeypatch):
+    assert list(shared(lambda _: os.getpid(), [0])) == [os.getpid()]
+    monkeypatch.setenv(processes.VARIABLE, "1")
+    assert set(shared(lambda _: os.getpid(), range(5))) == {os.getpid()}
+
+
+def test_a_fork_does_not_fork_again():
+    assert list(shared(lambda _: count(), range(3))) == [1, 1, 1]
+
+
+def test_as_many_as_there_are_cores_and_never_more_than_memory_allows(monkeypatch):
+    monkeypatch.delenv(processes.VARIABLE)
+    assert count() == min(processes.MOST, len(os.sched_getaffinity(0)))
+
+
+@pytest.mark.parametrize("given", ["two", "0", "-1", ""])
+def test_a_number_of_processes_that_is_none_is_refused_in_a_sentence(monkeypatch, given):
+    monkeypatch.setenv(processes.VARIABLE, given)
+    with pytest.raises(WorkbenchError, match=f"WORKBENCH_PROCESSES holds '{given}'.*is needed[.]$"):
+        count()
+
+
+def test_an_interrupt_ends_all_at_once_and_only_the_first_process_speaks():
+    code = (
+        "import time\n"
+        "from workbench.processes import shared\n"
+        "print('begun', flush=True)\n"
+        "list(shared(lambda k: time.sleep(60), range(3)))\n"
+    )
+    started = subprocess.Popen(
+        [sys.executable, "-c", code],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
+    )
+    assert started.stdout.readline() == "begun\n"
+    time.sleep(0.3)
+    os.killpg(started.pid, signal.SIGINT)
+    _, said = started.communicate(timeout=20)
+    assert said.count("KeyboardInterrupt") == 1 and said.count("Traceback") == 1
