@@ -43,6 +43,16 @@ def ranges(campaign) -> dict[str, tuple[float, float]]:
     return {name: (min(x.min() for x in xs), max(x.max() for x in xs)) for name, xs in signals.items()}
 
 
+def seen(spans, records) -> list[tuple[float, float]]:
+    """Return spans of time as far as records show them: what happens between two records, nobody can say."""
+    shown = []
+    for low, high in spans:
+        within = [r.time[(r.time >= low) & (r.time <= high)] for r in records if r.role == "identification"]
+        if any(t.size for t in within):
+            shown.append((min(float(t[0]) for t in within if t.size), max(float(t[-1]) for t in within if t.size)))
+    return shown
+
+
 def place_right(where, unknown: dict, span: dict[str, tuple[float, float]], length: float) -> bool | None:
     """Whether a stated place is the true one within WITHIN of the coordinate's range; None where there is none.
 
@@ -58,7 +68,7 @@ def place_right(where, unknown: dict, span: dict[str, tuple[float, float]], leng
     recur = coordinate == "time" and len(spans) > 1
     if recur:
         reach = min(reach, 0.25 * min(b[0] - a[0] for a, b in pairwise(spans)))
-    scale = length if coordinate == "position" else 1.0
+    scale = 1.0 if coordinate == "time" else length
 
     def near(said, true) -> bool:
         return all(abs(a - scale * b) <= reach for a, b in zip(said, true, strict=True))
@@ -138,6 +148,9 @@ def one(s: Spec) -> dict:
         right = None
         if truth["where"] is not None and said["unknown"]:
             length = truth["metres"]
-            right = place_right(truth["where"], said["unknown"], ranges(loaded), length)
+            coordinate, spans = truth["where"]
+            if coordinate == "time" and len(spans) == 1:
+                spans = seen(spans, loaded.records)
+            right = place_right((coordinate, spans), said["unknown"], ranges(loaded), length)
     kept = {k: truth[k] for k in ("missing", "effects", "also", "at", "sizes", "parameters", "floor", "where")}
     return {"key": s.key, "spec": asdict(s), "truth": kept, "said": said, "judged": judged(s, truth, said, right)}

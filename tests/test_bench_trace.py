@@ -3,6 +3,7 @@
 import json
 from collections import Counter
 from dataclasses import asdict, replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -10,7 +11,7 @@ import pytest
 from benchmarks import trace as bench
 from benchmarks._trace_draw import NONE, OUTSIDE, PAIR, SINGLE, clash, spec, specs
 from benchmarks._trace_peers import greedy, sparse
-from benchmarks._trace_run import judged, one, place_right
+from benchmarks._trace_run import judged, one, place_right, seen
 from benchmarks._trace_table import interval, table
 from benchmarks.trace import read
 
@@ -47,6 +48,8 @@ def test_a_place_is_right_within_a_tenth_of_the_range():
     assert not place_right(where, said | {"low": -1.0}, span, 1.0)
     assert not place_right(where, said | {"coordinate": "velocity"}, span, 1.0)
     assert not place_right(where, said, span, 0.1)  # a linear axis, whose metres are fewer
+    speeds = {"coordinate": "velocity", "low": 0.05, "high": 0.11}
+    assert place_right(("velocity", [(0.5, 1.1)]), speeds, {"velocity": (-0.2, 0.2)}, 0.1)  # and slower, too
     assert place_right(("command", []), said, span, 1.0) is None
     moments, clock = ("time", [(1.0, 1.1), (2.0, 2.1)]), {"time": (0.0, 100.0)}
     said = {"coordinate": "time", "low": 0.9, "high": 2.2}
@@ -97,6 +100,16 @@ def test_a_campaign_of_the_table_is_made_again_by_its_key(tmp_path, monkeypatch,
 # --- peers --------------------------------------------------------------------------------------------------------------
 
 
+def test_of_a_time_only_what_records_show_is_asked_for():
+    def record(role, low, high):
+        return SimpleNamespace(role=role, time=np.arange(low, high + 0.01, 0.5))
+
+    records = [record("identification", 0, 5), record("identification", 7, 9), record("validation", 10, 12)]
+    assert seen([(1.5, 6.0)], records) == [(1.5, 5.0)]
+    assert seen([(4.0, 8.0)], records) == [(4.0, 8.0)]
+    assert seen([(5.5, 6.5), (10.5, 11.0)], records) == []
+
+
 @pytest.mark.parametrize("peer", [greedy, sparse])
 def test_a_peer_finds_a_term_of_its_own_library(peer):
     rng = np.random.default_rng(1)
@@ -128,3 +141,11 @@ def test_a_campaign_of_the_benchmark_is_traced_as_it_should_be(drawn):
         assert j["first"] and j["both"] and j["share"] > 0.95
     assert set(result["said"]["peers"]) == {"greedy, BIC", "PySINDy"}
     assert json.loads(json.dumps(result)) and table([result]).startswith("1 campaigns")
+
+
+def test_friction_of_the_load_is_named_though_the_drive_does_not_feel_it():
+    asked = {"rate": 2000, "noise": 1.075e-3, "memory": 6.55e-3, "band": 100.0, "ratio": 30.0, "over": 2.21}
+    result = one(replace(spec(SINGLE, 101032, ("presliding_hysteresis@load",), ("elastic",)), **(PLAIN | asked)))
+    before, after = (result["said"][k]["identification"] for k in ("before", "after"))
+    assert result["judged"]["first"] and result["judged"]["spurious"] == 0
+    assert after == pytest.approx(before, rel=0.02)

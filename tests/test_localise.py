@@ -5,8 +5,9 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from workbench.trace.jumps import beside
 from workbench.trace.localise import jumped, lives
-from workbench.trace.place import Samples, local
+from workbench.trace.place import Samples, local, over
 
 N, NOISE = 6000, 0.1
 
@@ -96,6 +97,18 @@ def test_jumps_of_the_level_are_found_at_their_moments():
     found = jumped(residual, known, model)
     assert [0.5 * (a + b) for a, b in found.spans] == pytest.approx(moments, abs=0.01)
     assert found.outside == pytest.approx(1.0, abs=0.05) and found.share > 0.95
+
+
+def test_beside_jumps_that_are_told_a_model_leaves_noise():
+    rng = np.random.default_rng(8)
+    known = samples(rng)
+    moments = [1.9, 4.4]
+    level = sum(s * (known.t > m) for s, m in zip([0.6, -1.1], moments, strict=True))
+    residual, model = residual_of(level, known, rng)
+    assert over(beside(residual, known.t, known.drive, model, moments), known.drive, known) == pytest.approx(
+        1, abs=0.05
+    )
+    assert over(beside(residual, known.t, known.drive, model, [1.9]), known.drive, known) > 2.0
 
 
 def test_what_comes_and_goes_with_the_motion_is_no_jump_of_the_level():

@@ -2,6 +2,7 @@
 
 import json
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -10,12 +11,12 @@ import rig
 from workbench.campaign import Campaign, load
 from workbench.effect import find
 from workbench.identify.fit import identify, passes_of
-from workbench.plant import Plant
+from workbench.plant import ONE_MASS, TWO_MASS, Plant
 from workbench.trace.candidates import suspects
 from workbench.trace.output import as_dict, write
 from workbench.trace.result import CAUSE, NOTHING, UNKNOWN, Trace
 from workbench.trace.score import HeldOut, gain
-from workbench.trace.tracing import trace
+from workbench.trace.tracing import borne_out, trace
 
 # What is missing, and the seed of its rig: axis, motions, noise and the effect's shape all differ.
 CAUSES = {
@@ -252,3 +253,21 @@ def test_the_package_is_called_with_a_fit(tmp_path, few):
     passes = passes_of(campaign.records, campaign.bandwidth)
     found = workbench.trace(identify(campaign.plant, passes), passes, most=1)
     assert found.verdict == CAUSE and found.added == ("transport_delay",)
+
+
+@pytest.mark.parametrize(
+    ("kind", "error", "cost", "borne"),
+    [
+        (ONE_MASS, 0.19, 1.0, True),
+        (ONE_MASS, 0.21, 0.1, False),  # the drive itself has the last word
+        (TWO_MASS, 0.19, 1.0, True),
+        (TWO_MASS, 0.205, 0.9, True),  # it shows in the load's balance
+        (TWO_MASS, 0.205, 0.99, False),
+        (TWO_MASS, 0.22, 0.5, False),
+    ],
+)
+def test_whole_records_bear_an_effect_out_by_the_drive_or_of_two_masses_by_both_balances(kind, error, cost, borne):
+    def fit(identification, cost):
+        return SimpleNamespace(plant=SimpleNamespace(kind=kind), identification=identification, details={"cost": cost})
+
+    assert borne_out(fit(0.2, 1.0), fit(error, cost)) == borne

@@ -5,6 +5,7 @@ each where a step of the level takes away most, with all levels and the model fi
 refits: Vostrikova 1981); those that the others made needless are taken out again.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -31,17 +32,14 @@ def jumps(residual: np.ndarray, t: np.ndarray, drive: np.ndarray, floor: np.ndar
     t, drive, floor: (N,), time, whether a row is the drive's balance, rms of the floor. What joins two bodies enters the
     drive's balance and, the other way, the load's.
     """
-    rows = np.flatnonzero(drive)
-    starts = [0, *(np.flatnonzero(np.diff(t[rows]) > PAUSE) + 1)]
+    rows, starts = records(t, drive)
     edges = [*starts, rows.size]
     enough = max(
         LEAST * float(np.sum(residual[rows] ** 2 - floor[rows] ** 2)), CERTAIN * float(np.mean(floor[rows] ** 2))
     )
-    sign = np.where(drive, 1.0, -1.0)
 
     def fitted(found: list[int]) -> tuple[np.ndarray, np.ndarray]:
-        segment = np.searchsorted(rows[np.sort([*starts, *found])], np.arange(t.size), "right")
-        return levelled(residual, segment, sign, model)
+        return levelled(residual, rows[np.sort([*starts, *found])], drive, model)
 
     found: list[int] = []
     while len(found) < MOST:
@@ -57,12 +55,28 @@ def jumps(residual: np.ndarray, t: np.ndarray, drive: np.ndarray, floor: np.ndar
     return Jumps(tuple(sorted(float(t[rows[k]]) for k in found)), fitted(found)[0])
 
 
+def records(t: np.ndarray, drive: np.ndarray) -> tuple[np.ndarray, list[int]]:
+    """Return the rows of the drive's balance, and where records begin among them."""
+    rows = np.flatnonzero(drive)
+    return rows, [0, *(np.flatnonzero(np.diff(t[rows]) > PAUSE) + 1).tolist()]
+
+
+def beside(
+    residual: np.ndarray, t: np.ndarray, drive: np.ndarray, model: Deviations, times: Sequence[float]
+) -> np.ndarray:
+    """Return what a model leaves of a residual (N,) where its level may jump at these times, s, and from record to record."""
+    rows, starts = records(t, drive)
+    at = np.searchsorted(t[rows], times)
+    return levelled(residual, rows[np.unique([*starts, *at])], drive, model)[0]
+
+
 def levelled(
-    residual: np.ndarray, segment: np.ndarray, sign: np.ndarray, model: Deviations
+    residual: np.ndarray, begins: np.ndarray, drive: np.ndarray, model: Deviations
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return what the model with a level of its own in each segment leaves, and the levels. segment: (N,) of int, from 1."""
+    """Return what the model with a level of its own in each segment leaves, and the levels. begins: first rows of segments."""
+    segment = np.searchsorted(begins, np.arange(residual.size), "right")
     levels = np.zeros((residual.size, int(segment.max())))
-    levels[np.arange(residual.size), np.maximum(segment, 1) - 1] = sign
+    levels[np.arange(residual.size), np.maximum(segment, 1) - 1] = np.where(drive, 1.0, -1.0)
     columns = np.hstack([model.columns, levels])
     gram = columns.T @ columns
     gram[np.diag_indices_from(gram)] += 1e-9 * np.trace(gram) / len(gram)

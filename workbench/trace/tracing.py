@@ -9,14 +9,14 @@ from workbench.identify.fit import fitted_on, identify
 from workbench.identify.passes import Passes
 from workbench.identify.result import Fit
 from workbench.identify.solve import NoValue
-from workbench.plant import Plant
+from workbench.plant import TWO_MASS, Plant
 from workbench.record import IDENTIFICATION
 from workbench.threads import one_thread
 from workbench.trace.calibration import withheld
 from workbench.trace.candidates import Offer, brought, without
 from workbench.trace.floor import floor as noise_floor
 from workbench.trace.floor import levels, steadied
-from workbench.trace.judge import Judgement, Progress, State, lighter, shown, step
+from workbench.trace.judge import SHARE, Judgement, Progress, State, lighter, shown, step
 from workbench.trace.result import CAUSE, NOTHING, UNKNOWN, Candidate, Trace
 from workbench.trace.rivals import experiment, rivals
 from workbench.trace.smallest import named
@@ -26,6 +26,7 @@ from workbench.trace.verdict import cause, left_over, not_carried, verdict_sente
 
 STEPS = 4  # effects added at most
 PLAIN_SHARE = 0.15  # of the residual's power that a further effect must take away near the floor
+RISEN = 1.05  # of the drive's error, from which it has plainly risen
 PROMISE = 0.01  # of the residual's power, from which a candidate is asked again when others are taken out
 
 
@@ -146,10 +147,11 @@ def trace(
     unexplained = unknown(declared, greedy.last, least, levels(passes, greedy.last.plant, greedy.last.steady))
     start = identify(plant, passes)
     answer, fits = Answer([], declared), [start]
+    level = least
     if not (unexplained and unexplained.instead):
         answer, fits = settled(declared, greedy, start, passes, looked, progress, offer)
-    level = levels(passes, answer.last.plant, answer.last.steady)
-    unexplained = unknown(declared, answer.last, least, level)
+        level = levels(passes, answer.last.plant, answer.last.steady)
+        unexplained = unknown(declared, answer.last, least, level)
     if unexplained is not None and unexplained.instead:
         answer, fits, level = Answer([], declared), [start], least
     added, last, after = answer.added, answer.last, fits[-1]
@@ -209,11 +211,24 @@ def in_turn(start: Fit, answer: Answer, passes: Sequence[Passes]) -> list[Fit]:
     for j in answer.added:
         plant = brought(fits[-1].plant, j.suspect, answer.last.plant)
         tried = (identify(p, passes) for p in (valued(plant, answer.last.plant), plant))
-        better = next((fit for fit in tried if fit.identification < fits[-1].identification), None)
+        better = next((fit for fit in tried if borne_out(fits[-1], fit)), None)
         if better is None:
             break
         fits.append(better)
     return fits
+
+
+def borne_out(before: Fit, after: Fit) -> bool:
+    """Whether whole records bear out what a fit has and the one before has not: the error of the drive falls.
+
+    Of two masses it may be the load's balance alone in which it shows: then what both leave falls plainly, and the drive's
+    error does not rise plainly.
+    """
+    if after.identification < before.identification:
+        return True
+    alone = before.plant.kind != TWO_MASS
+    plain = after.details["cost"] < (1.0 - SHARE) * before.details["cost"]
+    return plain and not alone and after.identification < RISEN * before.identification
 
 
 def valued(plant: Plant, other: Plant) -> Plant:

@@ -6,8 +6,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from workbench.trace.judge import State
+from workbench.trace.jumps import beside
 from workbench.trace.localise import jumped, lives
-from workbench.trace.place import WAYS, Place, Samples, local, samples, score, weighed
+from workbench.trace.place import WAYS, Place, Samples, excess_of, local, samples, score, weighed
 from workbench.trace.score import Deviations
 
 PLAIN = 2.0  # residual over floor from which something is plainly left
@@ -44,15 +45,15 @@ def unknown(declared: State, last: State, level: Mapping[str, float], own: Mappi
         return Unexplained(named(place, declared, known), before, True)
     if after <= LEFT:
         return None
-    explained = (before**2 - after**2) / max(before**2 - 1.0, 1e-12)
+    explained = max((before**2 - after**2) / max(before**2 - 1.0, 1e-12), of_all(declared, last))
     if explained > DRESSED and times(last, samples_of(last, own)) <= PLAIN:
         return None  # it explains the most, and is what makes much of the counts that are left
     place = living(declared, known)
     if explained < DRESSED:
         return Unexplained(named(place, declared, known), before, True)
-    stays = living(declared, known, jumped) if explained < EXPLAINED else None
-    if stays and stays.share > EXPLAINED:
-        return Unexplained(stays, before, True)  # a few jumps of the level say more than the effects do
+    stays = say_more(declared, last, known) if explained < EXPLAINED else None
+    if stays:
+        return Unexplained(stays, before, True)
     brief = local(place) and (place.coordinate != "time" or place.covered < BRIEF)
     alone = brief and place.inside > ALONE * place.outside
     if explained < EXPLAINED and alone and weighed(place, last.solution.residual, known).inside > LEFT:
@@ -80,6 +81,38 @@ def times(state: State, known: Samples) -> float:
     power = float(np.sum(state.solution.residual[known.drive] ** 2))
     floor = float(np.sum(known.floor[known.drive] ** 2))
     return (power / floor) ** 0.5 if floor > 0 else 0.0
+
+
+def say_more(declared: State, last: State, known: Samples) -> Place | None:
+    """Return the jumps of the level that say more than the added effects do, or None.
+
+    Jumps that are nearly all that the declared model leaves; or nearly all that is left with the effects, if they take away
+    more beside the effects than the effects take away beside them.
+    """
+    alone = living(declared, known, jumped)
+    if alone and alone.share > EXPLAINED:
+        return alone
+    rest = living(last, known, jumped)
+    if not rest or rest.share <= EXPLAINED:
+        return None
+    moments = [(low + high) / 2 for low, high in rest.spans]
+
+    def left(state: State) -> float:
+        model = Deviations(state.problem, state.solution)
+        return float(excess_of(beside(state.solution.residual, known.t, known.drive, model, moments), known).sum())
+
+    both = left(last)
+    by_jumps = float(excess_of(last.solution.residual, known).sum()) - both
+    return rest if by_jumps > left(declared) - both else None
+
+
+def of_all(declared: State, last: State) -> float:
+    """Return the share of the residual's power, of the load's balance too, that the added effects take away.
+
+    What is missing at the load need not show in the drive, which feels the joint by its law at the measured deflection.
+    """
+    left, whole = (float(np.sum(s.solution.residual**2)) for s in (last, declared))
+    return 1.0 - left / whole if whole > 0.0 else 0.0
 
 
 def living(state: State, known: Samples, how: Callable[..., Place | None] = lives) -> Place | None:
