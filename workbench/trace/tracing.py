@@ -226,9 +226,8 @@ def borne_out(before: Fit, after: Fit) -> bool:
     """
     if after.identification < before.identification:
         return True
-    alone = before.plant.kind != TWO_MASS
-    plain = after.details["cost"] < (1.0 - SHARE) * before.details["cost"]
-    return plain and not alone and after.identification < RISEN * before.identification
+    falls = before.plant.kind == TWO_MASS and after.details["cost"] < (1.0 - SHARE) * before.details["cost"]
+    return falls and after.identification < RISEN * before.identification
 
 
 def valued(plant: Plant, other: Plant) -> Plant:
