@@ -6,7 +6,7 @@ deviations, S the covariance of the noise. Along every motion of a pool shape pa
 they are refitted, each effect taken as the truth in turn, and the smaller number counts.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from math import asin, degrees, inf
 
@@ -22,6 +22,7 @@ from workbench.plan.following import followed, with_effect
 from workbench.plan.motions import Reference
 from workbench.plan.pool import pool
 from workbench.plant import Plant
+from workbench.processes import shared
 from workbench.threads import one_thread
 
 SECONDS = 4.0  # length of each motion of the pool
@@ -76,29 +77,31 @@ def separate(
     models, silent = tuple(with_effect(plant, x) for x in (a, b)), []
     motions = list(pool((*plant.effects, a, b), envelope, sensing, seconds, plant.displacement))
     for truth, pair in ((a, models), (b, models[::-1])):
-        found = list(_tried(motions, plant, pair, envelope, sensing))
+        tried = shared(lambda r, pair=pair: _tried(r, plant, pair, envelope, sensing), motions)
+        found = [(*one, r) for one, r in zip(tried, motions, strict=True) if one is not None]
         if not found or max(shown for _, shown, _ in found) >= APART:
             break
         silent.append(truth)  # nothing parts from an effect that shows nowhere: the other one is the truth then
     if len(silent) == 2:
         return _silent(a, b)
     best = sorted(found, key=lambda x: x[0].better(), reverse=True)[:REFITTED]
-    refitted = [(_refitted(r, plant, pair, sensing), r) for *_, r in best]
+    motions = [r for *_, r in best]
+    refitted = zip(shared(lambda r: _refitted(r, plant, pair, sensing), motions), motions, strict=True)
     parting, reference = max(refitted, key=lambda x: x[0].better(), default=(Parting(0.0, 0.0), None))
     return _said(a, b, parting, reference, silent)
 
 
 def _tried(
-    motions: Sequence[Reference], plant: Plant, models: tuple[Plant, Plant], envelope: Envelope, sensing: Sensing
-) -> Iterator[tuple[Parting, float, Reference]]:
-    """Yield (parting, standard deviations by which the first shows at all, motion) of motions that the drive allows."""
-    for reference in motions:
-        passes = followed(reference, models[0], sensing)
-        if np.abs(passes.motion.u).max() <= envelope.drive:
-            without, left = _rest(passes, plant), _rest(passes, models[1])
-            parting = _parting(left, without, sensing, plant) if left.size and without.size else Parting(0.0, 0.0)
-            shown = _parting(without, without, sensing, plant).deviations if without.size else 0.0
-            yield parting, shown, reference
+    reference: Reference, plant: Plant, models: tuple[Plant, Plant], envelope: Envelope, sensing: Sensing
+) -> tuple[Parting, float] | None:
+    """Return (parting, standard deviations by which the first shows at all) along a motion; None where it asks too much drive."""
+    passes = followed(reference, models[0], sensing)
+    if np.abs(passes.motion.u).max() > envelope.drive:
+        return None
+    without, left = _rest(passes, plant), _rest(passes, models[1])
+    parting = _parting(left, without, sensing, plant) if left.size and without.size else Parting(0.0, 0.0)
+    shown = _parting(without, without, sensing, plant).deviations if without.size else 0.0
+    return parting, shown
 
 
 def _silent(a: Effect, b: Effect) -> Separation:

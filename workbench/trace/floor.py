@@ -12,7 +12,7 @@ import numpy as np
 from workbench.identify.passes import Passes, required
 from workbench.motion import MOTION_BAND, LowPass, motion
 from workbench.plant import Plant
-from workbench.record import ROLES
+from workbench.record import ROLES, Record
 
 ENCODERS = ("position", "load_position")
 COLOURED = 0.7  # n of a noise whose power goes with f^-n above the band, from which it is not white
@@ -69,27 +69,31 @@ def in_counts(x: np.ndarray, count: float) -> np.ndarray:
     return np.where(fast, x + count * spread, read)
 
 
+def read_again(passes: Passes) -> tuple[Record, Record] | None:
+    """Return (a record of a motion that runs between the counts, that motion as its encoders read it); None without counts."""
+    m = passes.motion
+    record = m.record
+    counts = {n: c for n, c in record.resolution.items() if n in ENCODERS and n in record.channels and c > 0}
+    if not counts:
+        return None
+    smooth = LowPass(MOTION_BAND * m.filter.bandwidth, 1 / m.dt, m.u.size)
+    true = {n: smooth(between_counts(record.channels[n], m.t)) for n in counts}
+    read = {n: in_counts(x, counts[n]) for n, x in true.items()}
+    return tuple(replace(record, channels={**record.channels, **positions}) for positions in (true, read))
+
+
 def encoder_noise(passes: Passes, plant: Plant) -> float:
     """Return the rms change of the filtered required drive when motion between counts is read in counts.
 
     All encoders at once, through the derivative filter and through operators with memory alike: what the fit would be
     left with on a drive without noise.
     """
-    m = passes.motion
-    record = m.record
-    counts = {n: c for n, c in record.resolution.items() if n in ENCODERS and n in record.channels and c > 0}
-    if not counts:
+    records = read_again(passes)
+    if records is None:
         return 0.0
-    smooth = LowPass(MOTION_BAND * m.filter.bandwidth, 1 / m.dt, m.u.size)
-    true = {n: smooth(between_counts(record.channels[n], m.t)) for n in counts}
-    read = {n: in_counts(x, counts[n]) for n, x in true.items()}
-
-    def drive(positions):
-        seen = replace(record, channels={**record.channels, **positions})
-        return m.filter(required(Passes(motion(seen, m.filter.bandwidth)), plant))
-
-    difference = (drive(read) - drive(true))[m.keep]
-    return float(np.sqrt(np.mean(difference**2)))
+    m = passes.motion
+    true, read = (m.filter(required(Passes(motion(r, m.filter.bandwidth)), plant)) for r in records)
+    return float(np.sqrt(np.mean((read - true)[m.keep] ** 2)))
 
 
 def coloured(passes: Sequence[Passes]) -> bool:

@@ -1,6 +1,6 @@
 """The trace: one effect after another, then what a later one made needless, then what no effect explains."""
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from workbench.effect import Effect
@@ -14,6 +14,7 @@ from workbench.record import IDENTIFICATION
 from workbench.threads import one_thread
 from workbench.trace.calibration import withheld
 from workbench.trace.candidates import Offer, brought, without
+from workbench.trace.counted import of_counts
 from workbench.trace.floor import floor as noise_floor
 from workbench.trace.floor import levels, steadied
 from workbench.trace.judge import SHARE, Judgement, Progress, State, lighter, shown, step
@@ -21,39 +22,90 @@ from workbench.trace.result import CAUSE, NOTHING, UNKNOWN, Candidate, Trace
 from workbench.trace.rivals import experiment, rivals
 from workbench.trace.smallest import named
 from workbench.trace.thin import thin
-from workbench.trace.unexplained import LEFT, PLAIN, described, noise_alone, unknown
+from workbench.trace.unexplained import LEFT, PLAIN, Unexplained, described, lower, noise_alone, unknown
 from workbench.trace.verdict import cause, left_over, not_carried, verdict_sentence
 
 STEPS = 4  # effects added at most
 PLAIN_SHARE = 0.15  # of the residual's power that a further effect must take away near the floor
 RISEN = 1.05  # of the drive's error, from which it has plainly risen
+HINT = 2.0  # standard errors by which a gain must differ from zero to be taken on credit
 PROMISE = 0.01  # of the residual's power, from which a candidate is asked again when others are taken out
 
 
-def extended(
-    state: State, whole: Sequence[Passes], progress: Progress, most: int, offer: Offer
-) -> list[tuple[State, list]]:
-    """Add effects one after another while one earns its place: [(state with it, judgements of that step), ...].
+@dataclass(frozen=True)
+class Step:
+    """One round of the search: every judgement, best first, and the one whose effect was added; None where it ended."""
 
-    whole: passes of the identification records as they are. The last entry may have no state: the step in which nothing
-    earned its place. Where the declared model leaves no more than the floor nothing is added, and the search ends where only
-    the noise of drive and encoders is left: an effect could only be fitted to that. Near the floor a further effect must
-    take away a plain share: the noise of a real drive is steady nowhere.
+    judgements: Sequence[Judgement]
+    added: Judgement | None
+
+
+def extended(state: State, whole: Sequence[Passes], progress: Progress, most: int, offer: Offer) -> list[Step]:
+    """Add effects one after another while one earns its place. Only the last step may have added nothing.
+
+    whole: passes of the identification records as they are. Where the declared model leaves no more than the floor nothing is
+    added, and the search ends where only the noise of drive and encoders is left: an effect could only be fitted to that. Near
+    the floor an effect must take away a plain share, and of more than what counts alone would leave. One effect may be added
+    on credit (see `promised`): it stays where a later one earns its place, and `revised` asks whether it earns its own.
     """
-    found = []
+    found: list[Step] = []
     quiet = levels(whole, state.plant)
+    credit = None
     for _ in range(most):
-        least = least_share(state, steadied(quiet, whole, state.steady), not found)
+        level = steadied(quiet, whole, state.steady)
         judgements = step(state, progress, offer)
+        least = least_share(state, level, not found)
         best = leading(judgements, least)
-        found.append((best.state if best else None, lighter(judgements, best)))
+        if best is not None and least > 0.0:
+            spurious = of_counts(best.suspect, state, whole)
+            if best.candidate.gain - spurious <= least:
+                judgements[0], best = replace(best, candidate=by_counts(best.candidate, spurious)), None
+        if best is None and credit is None and not noise_alone(state, level, PLAIN):
+            best = credit = promised(judgements)
+        found.append(Step(lighter(judgements, best), best))
         if best is None:
             break
         state = best.state
         quiet = levels(whole, state.plant)
-        if noise_alone(state, quiet):
+        if quieted(state, whole, quiet):
             break
-    return found
+    return earned(found, credit)
+
+
+def quieted(state: State, whole: Sequence[Passes], level: Mapping[str, float]) -> bool:
+    """Whether a state leaves the noise alone: on the thinned records or, where these leave little more, on whole ones."""
+    if noise_alone(state, level) or not noise_alone(state, level, PLAIN):
+        return noise_alone(state, level)
+    return noise_alone(State(state.problem.plant, whole, state.solution.theta, solved=True), level)
+
+
+def by_counts(c: Candidate, spurious: float) -> Candidate:
+    """Return a candidate that does not earn its place, because of what it would take away of the counts alone."""
+    more = (
+        f" Of what counts alone would leave of a machine that lacks nothing it would take away {100 * spurious:.1f} %."
+    )
+    return replace(c, earns=False, sentence=c.sentence + more)
+
+
+def earned(steps: list[Step], credit: Judgement | None) -> list[Step]:
+    """Return the steps without what was added on credit, and what came of it, where no effect was added after it."""
+    added = [s for s in steps if s.added is not None]
+    if credit is None or added[-1].added is not credit:
+        return steps
+    until = steps.index(added[-1])
+    return [*steps[:until], Step(steps[until].judgements, None)]
+
+
+def promised(judgements: Sequence[Judgement]) -> Judgement | None:
+    """Return the leading judgement where its gain is plain though not certain, or None.
+
+    Where two effects are missing each explains the blocks in which it acts and leaves the other's as they are, so that the
+    gain of either scatters from block to block.
+    """
+    best = judgements[0] if judgements else None
+    c = best.candidate if best else None
+    plain = best is not None and best.state is not None and c.gain > max(PLAIN_SHARE, HINT * c.scatter)
+    return best if plain else None
 
 
 def least_share(state: State, level: Mapping[str, float], first: bool) -> float:
@@ -140,24 +192,23 @@ def trace(
         ) from None
     offer = Offer(only, own, [e.key for e in plant.effects])
     steps = extended(declared, whole, progress, most, offer)
-    looked = [judgements for _, judgements in steps]
+    looked = [s.judgements for s in steps]
     progress("looking for where the residual lives")
-    greedy = Answer([leading(judgements) for state, judgements in steps if state is not None], declared)
+    greedy = Answer([s.added for s in steps if s.added is not None], declared)
     least = levels(passes, plant, declared.steady)
-    unexplained = unknown(declared, greedy.last, least, levels(passes, greedy.last.plant, greedy.last.steady))
     start = identify(plant, passes)
-    answer, fits = Answer([], declared), [start]
-    level = least
-    if not (unexplained and unexplained.instead):
+    answer, fits, level = greedy, [start], least
+    unexplained = unknown(declared, greedy.last, least, levels(passes, greedy.last.plant, greedy.last.steady))
+    if not dressed(unexplained, greedy, lambda: in_turn(start, greedy, passes), least, passes):
         answer, fits = settled(declared, greedy, start, passes, looked, progress, offer)
         level = levels(passes, answer.last.plant, answer.last.steady)
         unexplained = unknown(declared, answer.last, least, level)
-    if unexplained is not None and unexplained.instead:
+    if dressed(unexplained, answer, lambda: fits, lower(least, level), passes):
         answer, fits, level = Answer([], declared), [start], least
     added, last, after = answer.added, answer.last, fits[-1]
     floor = noise_floor(passes, level)
-    if start.identification < LEFT * floor[IDENTIFICATION]:
-        unexplained = None  # on whole records nothing is left; thinned ones see friction at high rates coarsely
+    if after.identification < LEFT * floor[IDENTIFICATION]:
+        unexplained = None  # nothing is left on whole records, see `dressed`
     causes = []
     for i, j in enumerate(added):
         others = rivals(j, added, looked)
@@ -169,10 +220,10 @@ def trace(
     after = withheld(after, causes, passes)
     findings = [*not_carried(causes), *(left_over(unexplained, plant.displacement) if causes else ())]
     sentence = verdict_sentence(verdict, causes, fits[0], after, floor, unexplained)
-    shows = shown(steps[0][1])
+    shows = shown(steps[0].judgements)
     return Trace(
         verdict, sentence + (named(shows) if verdict == NOTHING else ""),
-        ranked([j.candidate for j in added], [j.candidate for j in steps[0][1]]), tuple(tuple(j.candidate for j in judgements) for _, judgements in steps),
+        ranked([j.candidate for j in added], [j.candidate for j in steps[0].judgements]), tuple(tuple(j.candidate for j in s.judgements) for s in steps),
         tuple(causes), fits[0], after, floor, tuple(findings), described(unexplained), shows,
     )  # fmt: skip
 
@@ -198,6 +249,25 @@ def settled(
     if len(fits) <= len(greedy.added) and answer is greedy:
         answer = Answer(greedy.added[: len(fits) - 1], declared)
     return answer, fits
+
+
+def dressed(
+    unexplained: Unexplained | None,
+    answer: Answer,
+    fits: Callable[[], list[Fit]],
+    level: Mapping[str, float],
+    passes: Sequence[Passes],
+) -> bool:
+    """Whether what was added only dresses what no effect explains.
+
+    Not where whole records leave no more than the floor with all of it: thinned ones see coarsely what passes fast (a short
+    wave at speed, friction that turns at a high rate). fits: on whole records, one more than was added where all is borne out.
+    """
+    if unexplained is None or not unexplained.instead:
+        return False
+    made = fits() if answer.added else []
+    floor = noise_floor(passes, level)[IDENTIFICATION]
+    return len(made) <= len(answer.added) or made[-1].identification >= LEFT * floor
 
 
 def in_turn(start: Fit, answer: Answer, passes: Sequence[Passes]) -> list[Fit]:
