@@ -16,6 +16,7 @@ DRY = {"coulomb_friction", "lugre_friction", "presliding_hysteresis", "fading_me
 SINGLE, PAIR, NONE, OUTSIDE = "single", "pair", "none", "outside"
 PARTS = {SINGLE: 0.55, PAIR: 0.15, NONE: 0.15, OUTSIDE: 0.15}
 SIZES = (2.0, 12.0)  # over the noise, even in the logarithm
+WEAKEST = 0.9  # of the smallest size that is asked for, which an effect must come to
 OUTSIDE_SIZES = (4.0, 12.0)  # what lives in one place needs more of it there for the same rms
 
 

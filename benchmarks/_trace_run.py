@@ -7,12 +7,11 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from time import process_time
 
-from benchmarks._trace_draw import LEVEL, NONE, OUTSIDE, SIZES, Spec, campaign
+from benchmarks._trace_draw import LEVEL, NONE, OUTSIDE, SIZES, WEAKEST, Spec, campaign
 from benchmarks._trace_peers import answers
 
 WITHIN = 0.1  # of the range, in which a place or time is right
 DRAWS, APART = 6, 10**6  # of a machine, at most, and between their seeds
-WEAKEST = 0.9  # of the smallest size that is asked for, which an effect must come to
 
 
 def made(folder: Path, s: Spec) -> dict:

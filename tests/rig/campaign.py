@@ -121,8 +121,10 @@ class Scale:
         for _ in range(ROUNDS):
             if abs(np.log(max(size, 1e-9) / over)) < CLOSE or not np.isfinite(size):
                 break
+            if size < over and abs(now.p[0]) >= m.kind.largest(self.base):
+                break
             factor = float(np.clip(over / max(size, 1e-9), 1 / REACH, REACH))
-            asked = now.p[0] * factor
+            asked = float(np.copysign(min(abs(now.p[0] * factor), m.kind.largest(self.base)), now.p[0]))
             if abs(asked) >= most:  # half of the way to what locks the joint
                 asked = float(np.copysign(np.sqrt(abs(best.p[0]) * most), asked))
             tried = replace(now, p=(asked, *now.p[1:]))

@@ -26,7 +26,8 @@ class Kind:
     a typical size with its sign, which is then scaled. law: of the kernel, at one of the places; or fields: of the Axis,
     which the parameters are added to. wrong: the field or parameter whose declared value is off by p[0], as a share.
     bases: on what it may be missing. names: what p is called. where(p, seconds): of a cause outside the catalogue, the
-    coordinate and the places (low, high) in which it lives, position in rad. natural: p[0] is kept as drawn.
+    coordinate and the places (low, high) in which it lives, position in rad. natural: p[0] is kept as drawn. largest(base):
+    of p[0], beyond which it is another effect.
     """
 
     effect: str
@@ -39,6 +40,7 @@ class Kind:
     bases: tuple[str, ...] = PLAIN
     where: Callable | None = None
     natural: bool = False
+    largest: Callable[[Base], float] = lambda base: float("inf")
 
     def on(self, machine: Machine, at: str, p: tuple[float, ...]) -> Machine:
         """The machine with this on it."""
@@ -202,7 +204,8 @@ EFFECTS: dict[str, Kind] = {
     ),
     "cubic_stiffness": Kind("cubic_stiffness", lambda r, b: (1e6,), ("k3",), "hardening", places=("joint",), bases=TWO),
     "piecewise_stiffness": Kind(
-        "piecewise_stiffness", lambda r, b: (100.0, r.uniform(3e-4, 8e-4)), ("k2", "threshold"), "second_slope", places=("joint",), bases=TWO
+        "piecewise_stiffness", lambda r, b: (100.0, r.uniform(3e-4, 8e-4)), ("k2", "threshold"), "second_slope", places=("joint",), bases=TWO,
+        largest=lambda b: 10.0 * b.machine.axis.k2,  # harder still is an end stop
     ),
     "multi_body_compliance": Kind(
         "multi_body_compliance", lambda r, b: (2.0, 1.3 * b.machine.axis.k2, r.uniform(0.5, 1.5), 1.3 / 0.3 * b.machine.axis.k2, b.machine.axis.k2),

@@ -36,9 +36,15 @@ def lives(residual: np.ndarray, known: Samples, model: Deviations) -> Place | No
     found = [weighed(o, model.without(residual, o.rows), known) for o in options if o]
     best = max(found, key=score, default=None)
     times = moments_of(residual, known, model)
-    if times is None or (local(best) and score(best) > score(times) - SOMETIME):
+    if times is None or plainer(best, times):
         return best
     return weighed(times, model.without(residual, times.rows), known)
+
+
+def plainer(place: Place | None, moments: Place) -> bool:
+    """Whether a window of position or of speed says it better than moments do, which hold as much of nearly everything."""
+    window = local(place) and place.coordinate != "time"
+    return window and score(place) > score(moments) - SOMETIME
 
 
 def moments_of(residual: np.ndarray, known: Samples, model: Deviations) -> Place | None:

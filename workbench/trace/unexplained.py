@@ -7,7 +7,7 @@ import numpy as np
 
 from workbench.trace.judge import State
 from workbench.trace.jumps import beside
-from workbench.trace.localise import jumped, lives
+from workbench.trace.localise import jumped, lives, plainer
 from workbench.trace.place import WAYS, Place, Samples, excess_of, local, samples, score, weighed
 from workbench.trace.score import Deviations
 
@@ -52,7 +52,7 @@ def unknown(declared: State, last: State, level: Mapping[str, float], own: Mappi
     if explained < DRESSED:
         return Unexplained(named(place, declared, known), before, True)
     stays = say_more(declared, last, known) if explained < EXPLAINED else None
-    if stays:
+    if stays and not plainer(place, stays):
         return Unexplained(stays, before, True)
     brief = local(place) and (place.coordinate != "time" or place.covered < BRIEF)
     alone = brief and place.inside > ALONE * place.outside

@@ -1,0 +1,158 @@
+"""What counts as evidence in a trace: of two effects at once, of noisy columns, of fast motion, of long steps of a fold."""
+
+from pathlib import Path
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+import rig
+
+from workbench.campaign import Campaign, load
+from workbench.identify.fit import fitted_on, passes_of
+from workbench.identify.passes import Passes
+from workbench.identify.problem import Problem
+from workbench.trace.candidates import Suspect, suspects
+from workbench.trace.counted import of_counts
+from workbench.trace.judge import Judgement, State, judged
+from workbench.trace.result import CAUSE, NOTHING, Candidate
+from workbench.trace.score import followed
+from workbench.trace.thin import thin
+from workbench.trace.tracing import Step, earned, promised, trace
+
+FINE, COARSE = rig.COUNT, 15.0 * rig.COUNT
+
+
+def made(folder: Path, seed: int, *missing: str, over: float = 4.0, **options) -> Campaign:
+    rig.campaign(folder, seed, missing, over / rig.LEVEL, short=True, **options)
+    return load(folder)
+
+
+def searched(campaign: Campaign) -> tuple[list[Passes], list[Passes]]:
+    """Passes of the identification records: whole, and as a search looks at them."""
+    whole = fitted_on(passes_of(campaign.records, campaign.bandwidth))
+    return whole, thin(whole)
+
+
+def suspect(campaign: Campaign, key: str) -> Suspect:
+    return next(s for s in suspects(campaign.plant) if s.key == key)
+
+
+def judgement(gain: float, scatter: float, *, earns: bool = False, state: object = True) -> Judgement:
+    c = Candidate("cogging", "axis", "addition", gain, scatter, 0.1, 0.1, earns, "")
+    return Judgement(SimpleNamespace(key="cogging@axis"), c, None, 3, state=state)
+
+
+# --- two effects at once --------------------------------------------------------------------------------------------------
+
+
+def test_of_two_effects_that_show_in_different_blocks_both_are_found(tmp_path):
+    """Each leaves the other's blocks as they are, so that neither gain is certain before the other one is in."""
+    campaign = made(
+        tmp_path, 303069, "sensor_trend", "actuator_lag", over=11.7, noise=2.2e-3, memory=3.6e-3, rate=5000, band=100.0
+    )
+    offered = ("sensor_trend", "actuator_lag", "transport_delay", "clock_skew", "creep")
+    found = trace(campaign.plant, passes_of(campaign.records, campaign.bandwidth), only=offered)
+    assert found.verdict == CAUSE and set(found.added) == {"sensor_trend", "actuator_lag"}
+    assert not any(c.earns for c in found.steps[0])
+    for cause in found.causes:
+        assert cause.share_validation > 0.3
+    assert found.after.identification < 1.2 * found.floor["identification"]
+
+
+@pytest.mark.parametrize(
+    ("gain", "scatter", "state", "credit"),
+    [
+        (0.5, 0.2, True, True),
+        (0.5, 0.3, True, False),  # not even two standard errors
+        (0.1, 0.01, True, False),  # too little to be plain
+        (0.5, 0.2, None, False),  # not one that leads
+    ],
+)
+def test_credit_is_for_a_plain_gain_that_is_not_certain(gain, scatter, state, credit):
+    j = judgement(gain, scatter, state=state)
+    assert promised([j, judgement(0.9, 0.1)]) is (j if credit else None)
+    assert promised([]) is None
+
+
+def test_what_was_added_on_credit_goes_where_nothing_earns_its_place_after_it():
+    first, credit, later = judgement(0.5, 0.1, earns=True), judgement(0.4, 0.2), judgement(0.9, 0.1, earns=True)
+    steps = [Step([first], first), Step([credit], credit), Step([], None)]
+    assert earned(steps, credit) == [steps[0], Step([credit], None)]
+    assert earned(steps[:2], credit) == [steps[0], Step([credit], None)]
+    kept = [Step([credit], credit), Step([later], later), Step([], None)]
+    assert earned(kept, credit) == kept
+    assert earned(steps, None) == steps
+
+
+# --- noisy columns --------------------------------------------------------------------------------------------------------
+
+
+def test_an_inertia_set_free_explains_what_counts_leave_as_errors_in_variables_say(tmp_path):
+    """Least squares on a column with noise of a share s of its power takes s of what that noise leaves, inertia alone being
+    in question (Fuller, Measurement Error Models, 1987); fine counts leave nothing to take."""
+    shares = {}
+    for count in (COARSE, FINE):
+        campaign = made(
+            tmp_path / str(count), 303076, base="undamped", count=count, noise=2.5e-3, rate=2000, band=200.0
+        )
+        whole, thinned = searched(campaign)
+        state = State(campaign.plant, thinned)
+        s = suspect(campaign, "inertia@motor")
+        shares[count] = of_counts(s, state, whole)
+        if count == COARSE:
+            taken = judged(state, s)["candidate"].gain
+            assert shares[count] == pytest.approx(taken, abs=0.05)
+    assert shares[COARSE] > 0.1 and shares[FINE] < 0.2 * shares[COARSE]
+
+
+def test_what_counts_alone_explain_is_no_cause(tmp_path):
+    campaign = made(tmp_path, 303076, base="undamped", count=COARSE, noise=2.5e-3, rate=2000, band=200.0)
+    found = trace(
+        campaign.plant, passes_of(campaign.records, campaign.bandwidth), only=("inertia", "flexible_mode", "creep")
+    )
+    assert found.verdict == NOTHING and found.added == ()
+    best = found.ranked[0]
+    assert best.effect == "inertia" and not best.earns and "counts alone" in best.sentence
+
+
+# --- fast motion ----------------------------------------------------------------------------------------------------------
+
+
+def test_a_short_wave_at_speed_is_judged_on_whole_records(tmp_path):
+    """Order 200 passes at up to 200 Hz here: thinned records leave twice the floor of it, whole ones the floor."""
+    campaign = made(
+        tmp_path, 303049, "kinematic_error", over=2.4181143438098935, base="coulomb", noise=0.0033646931922237146,
+        memory=0.009826372773993484, rate=2000, ratio=100.0,
+    )  # fmt: skip
+    offered = ("kinematic_error", "cogging", "inertia")
+    found = trace(campaign.plant, passes_of(campaign.records, campaign.bandwidth), only=offered)
+    assert found.verdict == CAUSE and found.added == ("kinematic_error",)
+    assert {e.parameter: e.value for e in found.causes[0].parameters}["order"] == pytest.approx(200.0, rel=1e-3)
+
+
+# --- long steps of a fold -------------------------------------------------------------------------------------------------
+
+
+def test_shape_parameters_that_are_hard_to_tell_apart_are_judged_by_what_they_do(tmp_path):
+    """Two springs in series that harden have four parameters, and most of a fold's step runs along what they share."""
+    campaign = made(
+        tmp_path, 303002, "multi_body_compliance", over=2.7, base="elastic", noise=2.85e-3, memory=7.5e-3, rate=2000,
+        band=200.0, ratio=50.0,
+    )  # fmt: skip
+    _, thinned = searched(campaign)
+    found = judged(State(campaign.plant, thinned), suspect(campaign, "multi_body_compliance@joint"))["candidate"]
+    assert found.gain > 0.9 and found.earns
+    assert found.held_out < 1.1 * found.nrmse
+
+
+def test_a_fold_follows_a_step_only_as_far_as_its_own_data_bear_it_out(tmp_path):
+    campaign = made(tmp_path, 101)
+    _, thinned = searched(campaign)
+    state = State(campaign.plant, thinned)
+    problem, solution = Problem(campaign.plant, thinned), state.solution
+    rows = np.arange(solution.residual.size // 2)
+    stay = followed(problem, solution, np.zeros(solution.theta.size), rows)
+    rng = np.random.default_rng(3)
+    for size in (0.01, 0.3, 3.0):
+        left = followed(problem, solution, size * rng.standard_normal(solution.theta.size), rows)
+        assert left[rows] @ left[rows] <= (1.0 + 1e-12) * (stay[rows] @ stay[rows])
