@@ -156,3 +156,18 @@ def test_a_fold_follows_a_step_only_as_far_as_its_own_data_bear_it_out(tmp_path)
     for size in (0.01, 0.3, 3.0):
         left = followed(problem, solution, size * rng.standard_normal(solution.theta.size), rows)
         assert left[rows] @ left[rows] <= (1.0 + 1e-12) * (stay[rows] @ stay[rows])
+
+
+# --- what dresses two effects ---------------------------------------------------------------------------------------------
+
+
+def test_a_wave_as_long_as_the_travel_is_taken_out_again_once_both_effects_are_in(tmp_path):
+    """It ends at its bound, the travel; a motion read again in counts travels a little less, and is judged all the same."""
+    campaign = made(
+        tmp_path, 303059, "encoder_eccentricity", "gravity", noise=1.0591513196445384e-3, memory=0.014612415926384362,
+        ratio=50.0,
+    )  # fmt: skip
+    offered = ("cogging", "gravity", "encoder_eccentricity")
+    found = trace(campaign.plant, passes_of(campaign.records, campaign.bandwidth), only=offered)
+    assert found.steps[0][0].effect == "cogging"
+    assert set(found.added) == {"encoder_eccentricity", "gravity"}

@@ -16,7 +16,7 @@ from workbench.plant import Plant
 from workbench.trace.candidates import Suspect
 from workbench.trace.floor import read_again
 from workbench.trace.judge import State
-from workbench.trace.search import fitted
+from workbench.trace.search import fitted, within_reach
 from workbench.trace.thin import thin
 
 
@@ -44,7 +44,7 @@ def of_counts(suspect: Suspect, state: State, whole: Sequence[Passes]) -> float:
     if not made:
         return 0.0
     try:
-        alone = State(state.plant, made)
+        alone = State(within_reach(state.plant, made), made)  # whose travel is not quite that of the records
         problem, solution = fitted(suspect, alone.problem, alone.solution, alone.residuals)
     except NoValue:
         return 0.0

@@ -34,17 +34,24 @@ Progress = Callable[[str], None]
 class State:
     """A plant with its solution on the thinned identification records, and its held-out errors.
 
-    theta: where the search starts. solved: it has ended there before, and only its columns are wanted again.
+    theta: where the search starts. solved: it has ended there before, and only its columns are wanted again. base: squared
+    error of the model that this one is compared with.
     """
 
     def __init__(
-        self, plant: Plant, passes: Sequence[Passes], theta: np.ndarray | None = None, *, solved: bool = False
+        self,
+        plant: Plant,
+        passes: Sequence[Passes],
+        theta: np.ndarray | None = None,
+        *,
+        solved: bool = False,
+        base: float = 0.0,
     ):
         self.passes = passes
         self.problem = Problem(plant, passes)
         self.solution = solve(self.problem, theta, SETTLED, most=0 if solved else ITERATIONS)
         self.plant = self.problem.with_linear(self.problem.with_shape(self.solution.theta), self.solution.c)
-        self.errors: HeldOut = held_out(self.problem, self.solution)
+        self.errors: HeldOut = held_out(self.problem, self.solution, base)
 
     @cached_property
     def power(self) -> float:
@@ -135,7 +142,7 @@ def judged(state: State, suspect: Suspect) -> dict:
         whole = float(np.sqrt(state.errors.total / state.power))
         hopeless = Candidate(suspect.effect, suspect.at, suspect.kind, 0.0, 0.0, whole, whole, False, sentence)
         return {"candidate": hopeless, "errors": state.errors, "freedom": state.freedom}
-    errors = held_out(problem, solution)
+    errors = held_out(problem, solution, state.solution.cost)
     return {
         "candidate": scored(state, suspect, errors, solution.cost),
         "errors": errors,
@@ -148,7 +155,7 @@ def judged(state: State, suspect: Suspect) -> dict:
 def refitted(state: State, j: Judgement) -> dict:
     """Fit a suspect with everything free: what changes of its judgement, as plain data; nothing where that has no value."""
     try:
-        after = State(free_of(state, j).plant, state.passes, j.theta)
+        after = State(free_of(state, j).plant, state.passes, j.theta, base=state.solution.cost)
     except NoValue:
         return {}
     candidate = scored(state, j.suspect, after.errors, after.solution.cost)

@@ -14,7 +14,8 @@ from workbench.identify.problem import LOGARITHMIC, Problem, to_search
 from workbench.identify.solve import Solution, bounded, bounded_small, clipped, scales
 
 FOLDS = 6
-ASTRAY = 1.1  # squared held-out error over the fitted one, from which a fold's step is followed and not only promised
+WORTH = 0.1  # of another model's squared error, that a fit gains on it: from there its folds may be followed
+ASTRAY = 0.1  # of that gain, lost on held-out blocks: from there they are
 PARTS = (1.0, 0.5, 0.25)  # of that step, which are tried
 DETERMINED = 1e-9  # eigenvalue of the scaled normal equations, over the largest, above which a direction counts
 
@@ -55,11 +56,12 @@ class Deviations:
         return residual - self.columns @ self.best(kept.T @ kept, kept.T @ residual[~out])
 
 
-def held_out(problem: Problem, solution: Solution) -> HeldOut:
+def held_out(problem: Problem, solution: Solution, base: float = 0.0) -> HeldOut:
     """Return the held-out squared error of every block.
 
     Each fold estimates its deviation from the common solution, so that a direction which the rest of the data does not
-    determine keeps the common value. Where that promises much worse than what was fitted, each fold is followed in earnest.
+    determine keeps the common value. Where much is lost of what the fit gains on `base`, the squared error of another model,
+    each fold is followed in earnest.
     """
     model = Deviations(problem, solution)
     columns, target = model.columns, solution.residual
@@ -74,7 +76,8 @@ def held_out(problem: Problem, solution: Solution) -> HeldOut:
         steps.append(d[solution.c.size :] / model.norms[solution.c.size :])
         for i in out:
             errors[i] = powers[i] - 2 * d @ moments[i] + d @ grams[i] @ d
-    if solution.theta.size and errors.sum() > ASTRAY * solution.cost:
+    gained, lost = base - solution.cost, errors.sum() - solution.cost
+    if solution.theta.size and gained > WORTH * base and lost > ASTRAY * gained:
         for (out, rest), step in zip(parted(len(blocks)), steps, strict=True):
             left = followed(problem, solution, step, np.concatenate([np.r_[blocks[i]] for i in rest]))
             for i in out:
