@@ -13,9 +13,9 @@ from workbench.identify.passes import Passes
 from workbench.identify.problem import Problem
 from workbench.trace.candidates import Suspect, suspects
 from workbench.trace.counted import of_counts
-from workbench.trace.judge import Judgement, State, judged
+from workbench.trace.judge import Judgement, State, judged, simplest_first
 from workbench.trace.result import CAUSE, NOTHING, Candidate
-from workbench.trace.score import followed
+from workbench.trace.score import HeldOut, followed
 from workbench.trace.thin import thin
 from workbench.trace.tracing import Step, earned, promised, trace
 
@@ -171,3 +171,25 @@ def test_a_wave_as_long_as_the_travel_is_taken_out_again_once_both_effects_are_i
     found = trace(campaign.plant, passes_of(campaign.records, campaign.bandwidth), only=offered)
     assert found.steps[0][0].effect == "cogging"
     assert set(found.added) == {"encoder_eccentricity", "gravity"}
+
+
+# --- equals ---------------------------------------------------------------------------------------------------------------
+
+
+def test_of_equals_the_usual_effect_is_named_before_a_rare_one():
+    """Dahl's friction and one that follows Masing's rule are the same along a motion that never turns within their length."""
+    errors = HeldOut(np.full(8, 0.1))
+
+    def candidate(name: str, gain: float, freedom: int) -> Judgement:
+        c = Candidate(name, "axis", "addition", gain, 0.03, 0.1, 0.1, True, "")
+        of = SimpleNamespace(key=name, plant={name: SimpleNamespace(rare=name == "fading_memory")})
+        return Judgement(of, c, errors, freedom, refitted=object())
+
+    fading, presliding, lugre = (
+        candidate(*x)
+        for x in (("fading_memory", 0.101, 2), ("presliding_hysteresis", 0.1, 2), ("lugre_friction", 0.11, 4))
+    )
+    assert simplest_first([fading, presliding, lugre])[0] is presliding
+    plainly = candidate("fading_memory", 0.12, 2)
+    assert simplest_first([plainly, presliding, lugre])[0] is plainly
+    assert simplest_first([fading, lugre])[0] is fading

@@ -98,6 +98,7 @@ def section(effect: Effect) -> list[str]:
     facts += [f"holds: {', '.join(effect.holds)}"] if effect.holds else []
     facts += [f"{effect.motions[0]} axes only"] if len(effect.motions) == 1 else []
     facts += [] if effect.traced else ["not offered by a trace"]
+    facts += ["named after others that explain as much"] if effect.rare else []
     lines += [sentence("; ".join(facts)), ""]
     if effect.parameters:
         lines += table(effect.parameters, lambda n, p: found(effect, n, p)) + [""]

@@ -41,7 +41,7 @@ def fading_memory(elements: int = 1) -> Effect:
 
     return Effect(
         name="fading_memory",
-        cause="friction in the flexspline and its teeth that forgets over the distance travelled since a reversal",
+        cause="friction, as of a flexspline and its teeth, that forgets over the distance travelled since a reversal",
         formula="dT/dt + alpha |dq/dt| T = A dq/dt",
         source="Dahl 1968; as memory model of harmonic drives, Dhaouadi, Ghorbel, Gandhi 2003",
         port=FORCE,
@@ -52,5 +52,6 @@ def fading_memory(elements: int = 1) -> Effect:
         step=step,
         holds=("passive", "rate independent", "odd"),
         places=("axis", "motor", "load", "joint"),
+        rare=True,
         border=Border(parameters=outside, inward=inward, outward=outward),
     )

@@ -26,6 +26,7 @@ LEADING = 6  # candidates that are fitted again with everything free
 BEHIND = 0.4  # of the best one's gain, below which a candidate is not
 ALIKE_RATES = 1e-6  # relative difference of two sample times that are one: a record's comes from its stamps
 SETTLED = 1e-6  # relative decrease of the cost at which a fit is as good as it is judged
+EQUAL = 0.1  # standard errors of a gain within which two effects as simple explain the same
 ALIKE = 2.0  # standard errors of a gain over another candidate within which the two are told apart by their simplicity
 
 Progress = Callable[[str], None]
@@ -220,13 +221,20 @@ def by_gain(judgements: Sequence[Judgement]) -> list[Judgement]:
 
 
 def simplest_first(judgements: Sequence[Judgement]) -> list[Judgement]:
-    """Order by gain; of those that the data cannot tell from the best, the one with the fewest free parameters leads."""
+    """Order by gain; of those that the data cannot tell from the best, the one with the fewest free parameters leads.
+
+    Of several as simple the one with the largest gain, and a rare effect behind another one whose gain is as large.
+    """
     judgements = by_gain(judgements)
     if not judgements:
         return judgements
     leader = judgements[0]
     level = [j for j in judgements if j is leader or (j.refitted and alike(leader, j))]
-    simplest = min(level, key=lambda j: (j.freedom, -j.candidate.gain, j.candidate.effect, j.candidate.at))
+    level.sort(key=lambda j: (j.freedom, -j.candidate.gain, j.candidate.effect, j.candidate.at))
+    first = level[0]
+    least = first.candidate.gain - EQUAL * first.candidate.scatter
+    equal = [j for j in level if j.freedom == first.freedom and j.candidate.gain >= least]
+    simplest = next((j for j in equal if not j.suspect.plant[j.suspect.key].rare), first)
     return [simplest, *(j for j in judgements if j is not simplest)]
 
 
