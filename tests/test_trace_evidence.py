@@ -56,6 +56,8 @@ def test_of_two_effects_that_show_in_different_blocks_both_are_found(tmp_path):
     assert not any(c.earns for c in found.steps[0])
     for cause in found.causes:
         assert cause.share_validation > 0.3
+        assert ("Alone its gain was not certain" in cause.sentence) == (cause.effect == "sensor_trend")
+        assert "takes away 99" in cause.sentence or cause.effect == "actuator_lag"
     assert found.after.identification < 1.2 * found.floor["identification"]
 
 
@@ -76,12 +78,12 @@ def test_credit_is_for_a_plain_gain_that_is_not_certain(gain, scatter, state, cr
 
 def test_what_was_added_on_credit_goes_where_nothing_earns_its_place_after_it():
     first, credit, later = judgement(0.5, 0.1, earns=True), judgement(0.4, 0.2), judgement(0.9, 0.1, earns=True)
-    steps = [Step([first], first), Step([credit], credit), Step([], None)]
-    assert earned(steps, credit) == [steps[0], Step([credit], None)]
-    assert earned(steps[:2], credit) == [steps[0], Step([credit], None)]
-    kept = [Step([credit], credit), Step([later], later), Step([], None)]
-    assert earned(kept, credit) == kept
-    assert earned(steps, None) == steps
+    steps = [Step([first], first), Step([credit], credit, credit=True), Step([], None)]
+    assert earned(steps) == [steps[0], Step([credit], None)]
+    assert earned(steps[:2]) == [steps[0], Step([credit], None)]
+    kept = [Step([credit], credit, credit=True), Step([later], later), Step([], None)]
+    assert earned(kept) == kept
+    assert earned([Step([credit], None)]) == [Step([credit], None)]
 
 
 # --- noisy columns --------------------------------------------------------------------------------------------------------

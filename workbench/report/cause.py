@@ -45,7 +45,8 @@ def how(result: StudyResult) -> str:
         "effect of the catalogue that can act on this axis and was not declared, and each value that was declared as fixed, "
         "set free. A candidate counts by what it takes away on blocks of the records that its fit did not see. It earns its "
         f"place if that is more than {numbers.percent(SHARE)} of the residual's power and more than {CERTAIN:g} times its own "
-        "scatter; of candidates that the data cannot tell apart, the one with the fewest parameters leads."
+        "scatter; of candidates that the data cannot tell apart, the one with the fewest parameters leads. Where none is certain "
+        "alone, one whose gain is plain is taken on credit: it stays if a later one earns its place, and it its own then."
     )
 
 
@@ -115,11 +116,17 @@ def _fate(c: Candidate, added: Sequence[tuple[str, str]]) -> Marked | str:
 
 def later(result: StudyResult) -> tuple[Items, ...]:
     """What the following steps tried, each beside the model as the step before had left it."""
-    texts = []
-    for i, step in enumerate(result.trace.steps[1:], start=2):
+    texts, steps = [], result.trace.steps
+    causes = {(c.effect, c.at) for c in result.trace.causes}
+    for i, step in enumerate(steps[1:], start=2):
         if step:
             c = step[0]
-            end = "was added" if c.earns else "does not earn its place, so the search ended"
+            if (c.effect, c.at) in causes:
+                end = "was added"
+            elif i < len(steps):
+                end = "was added, and taken out again later"
+            else:
+                end = "was not added, and the search ended"
             texts.append(
                 f"Step {i}: the best of {len(step)} further candidates, {title(c.effect)} ({_gain(c)}), {end}."
             )

@@ -34,10 +34,14 @@ PROMISE = 0.01  # of the residual's power, from which a candidate is asked again
 
 @dataclass(frozen=True)
 class Step:
-    """One round of the search: every judgement, best first, and the one whose effect was added; None where it ended."""
+    """One round of the search: every judgement, best first, and the one whose effect was added; None where it ended.
+
+    credit: whether it was added on credit.
+    """
 
     judgements: Sequence[Judgement]
     added: Judgement | None
+    credit: bool = False
 
 
 def extended(state: State, whole: Sequence[Passes], progress: Progress, most: int, offer: Offer) -> list[Step]:
@@ -50,7 +54,7 @@ def extended(state: State, whole: Sequence[Passes], progress: Progress, most: in
     """
     found: list[Step] = []
     quiet = levels(whole, state.plant)
-    credit = None
+    credit: Judgement | None = None
     for _ in range(most):
         level = steadied(quiet, whole, state.steady)
         judgements = step(state, progress, offer)
@@ -62,14 +66,14 @@ def extended(state: State, whole: Sequence[Passes], progress: Progress, most: in
                 judgements[0], best = replace(best, candidate=by_counts(best.candidate, spurious)), None
         if best is None and credit is None and not noise_alone(state, level, PLAIN):
             best = credit = promised(judgements)
-        found.append(Step(lighter(judgements, best), best))
+        found.append(Step(lighter(judgements, best), best, best is not None and best is credit))
         if best is None:
             break
         state = best.state
         quiet = levels(whole, state.plant)
         if quieted(state, whole, quiet):
             break
-    return earned(found, credit)
+    return earned(found)
 
 
 def quieted(state: State, whole: Sequence[Passes], level: Mapping[str, float]) -> bool:
@@ -87,10 +91,10 @@ def by_counts(c: Candidate, spurious: float) -> Candidate:
     return replace(c, earns=False, sentence=c.sentence + more)
 
 
-def earned(steps: list[Step], credit: Judgement | None) -> list[Step]:
+def earned(steps: list[Step]) -> list[Step]:
     """Return the steps without what was added on credit, and what came of it, where no effect was added after it."""
     added = [s for s in steps if s.added is not None]
-    if credit is None or added[-1].added is not credit:
+    if not added or not added[-1].credit:
         return steps
     until = steps.index(added[-1])
     return [*steps[:until], Step(steps[until].judgements, None)]
@@ -153,8 +157,8 @@ def revised(answer: Answer, declared: Plant, looked: list[list[Judgement]], prog
         judgements = step(reduced, progress, replace(offer, only=promising(looked)))
         best = leading(judgements)
         looked.append(lighter(judgements, best))
-        if best is not None and best.suspect.key == present.suspect.key:
-            continue
+        if best is not None and best.suspect.key == present.suspect.key and present.candidate.earns:
+            continue  # else what it comes to now is its evidence
         if best is None:
             fewer = Answer(rest, answer.declared, reduced)
             return revised(fewer, declared, looked, progress, offer) if len(rest) > 1 else fewer
@@ -209,12 +213,13 @@ def trace(
     floor = noise_floor(passes, level)
     if after.identification < LEFT * floor[IDENTIFICATION]:
         unexplained = None  # nothing is left on whole records, see `dressed`
+    credited = {s.added.suspect.key for s in steps if s.credit}
     causes = []
     for i, j in enumerate(added):
         others = rivals(j, added, looked)
         progress("looking for the motion that would tell rivals apart")
         apart = experiment(last.plant, plant, j, others[0], whole, min(level.values())) if others else ""
-        made = cause(j.candidate, fits[i], fits[i + 1], after)
+        made = cause(j.candidate, fits[i], fits[i + 1], after, credited=j.suspect.key in credited)
         causes.append(replace(made, rivals=tuple(o.candidate.effect for o in others), experiment=apart))
     verdict = CAUSE if causes else UNKNOWN if unexplained else NOTHING
     after = withheld(after, causes, passes)

@@ -18,8 +18,11 @@ def _share(before: float, after: float) -> float:
     return 1.0 - (after / before) ** 2 if before > 0 else 0.0
 
 
-def cause(candidate: Candidate, before: Fit, here: Fit, last: Fit) -> Cause:
-    """Return the cause that a candidate became: its share from `before` to `here`, its parameters from the last fit."""
+def cause(candidate: Candidate, before: Fit, here: Fit, last: Fit, *, credited: bool = False) -> Cause:
+    """Return the cause that a candidate became: its share from `before` to `here`, its parameters from the last fit.
+
+    credited: it was not certain alone, and the candidate is what it came to with the others in place.
+    """
     effect = find(candidate.effect.partition(" ")[0])  # without its label
     estimates = tuple(e for e in last.estimates if (e.effect, e.at) == (candidate.effect, candidate.at))
     identification = _share(before.rms[IDENTIFICATION], here.rms[IDENTIFICATION])
@@ -30,6 +33,11 @@ def cause(candidate: Candidate, before: Fit, here: Fit, last: Fit) -> Cause:
         f"{100 * identification:.1f} % of the residual power on the identification records and {100 * validation:.1f} % "
         "on the validation record."
     )
+    if credited:
+        sentence += (
+            " Alone its gain was not certain, because another effect was missing too; with the others in place it takes away "
+            f"{100 * candidate.gain:.1f} % of the held-out residual power (standard error {100 * candidate.scatter:.1f} %)."
+        )
     return Cause(candidate.effect, candidate.at, sentence, estimates, identification, validation)
 
 
