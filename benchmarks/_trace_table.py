@@ -43,6 +43,13 @@ def faint(r: dict) -> bool:
     return any(size < WEAKEST * SIZES[0] for size in r["truth"]["sizes"])
 
 
+def reduction(r: dict) -> float:
+    """Return the share of the achievable reduction of the validation error, whatever was named."""
+    before, after = (r["said"][k]["validation"] for k in ("before", "after"))
+    achievable = before - r["truth"]["floor"]["validation"]
+    return min((before - after) / achievable, 1.0) if achievable > 0.0 else 0.0
+
+
 def shares(results: Sequence[dict]) -> list[str]:
     single, pair, none, own = (of(results, kind) for kind in (SINGLE, PAIR, NONE, OUTSIDE))
     weak = [r for r in (*single, *pair) if faint(r)]
@@ -69,7 +76,8 @@ def shares(results: Sequence[dict]) -> list[str]:
         f"           place or time right    {count(placed, lambda r: r['judged']['unknown'] and r['judged']['place'])}",
         f"  validation error made worse     {count(results, j('worse'))}",
         f"  spurious additions              {sum(r['judged']['spurious'] for r in results):3d}",
-        f"  mean share of the achievable reduction  {mean([r['judged']['share'] for r in known]):.3f}",
+        f"  mean share of the achievable reduction  {mean([r['judged']['share'] for r in known]):.3f}, none where the name is "
+        f"wrong; {mean([reduction(r) for r in known]):.3f} whatever the name",
         f"  CPU seconds a campaign: mean {mean(seconds):.1f}, largest {max(seconds, default=0.0):.1f}; "
         f"largest memory {max((r['said']['megabytes'] for r in results), default=0.0):.0f} MB",
     ]

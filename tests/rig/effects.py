@@ -162,6 +162,7 @@ EFFECTS: dict[str, Kind] = {
     "encoder_eccentricity": Kind(
         "encoder_eccentricity", lambda r, b: (2e-3, 1.0, phase(r)), ("amplitude", "turns", "phase"),
         fields=("error", "error_turns", "error_phase"), places=("sensor.position",), bases=ROTARY,
+        largest=lambda b: 0.2,  # of the disc's radius
     ),
     "kinematic_error": Kind(
         "kinematic_error", lambda r, b: (1e-4, r.choice([1.0, 2.0]) * (b.ratio if b.rotary else 20.0), phase(r)),

@@ -51,6 +51,19 @@ def suspected(suspect: Suspect, base: Problem, solution: Solution) -> Linearised
     return Linearised(within_reach(suspect.plant, base.passes), base, solution)
 
 
+def worth(problem: Linearised, options: Sequence[np.ndarray]) -> list[float]:
+    """Return the cost of each start, of its linear fit alone.
+
+    Where the first ones come to the same they change nothing (a map starts from none), nor do the others: slopes tell, later.
+    """
+    costs: list[float] = []
+    for theta in options:
+        if len(costs) == REFINED and max(costs) <= WORSE * min(costs):
+            break
+        costs.append(cost_at(problem, theta)[0])
+    return costs
+
+
 def fitted(
     suspect: Suspect, base: Problem, solution: Solution, residuals: Sequence[np.ndarray]
 ) -> tuple[Linearised, Solution]:
@@ -68,7 +81,7 @@ def fitted(
         ] or options
     rough = ROUGH
     if len(options) > 1:
-        costs = [cost_at(problem, theta)[0] for theta in options]
+        costs = worth(problem, options)
         best = [i for i in np.argsort(costs, kind="stable")[:REFINED] if np.isfinite(costs[i])]
         best = best[:1] + [i for i in best[1:] if costs[i] <= WORSE * solution.cost]
         if best and problem.beside is not None and costs[best[0]] > (1.0 - HOPELESS) * solution.cost:

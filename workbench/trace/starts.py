@@ -10,6 +10,7 @@ from itertools import product
 import numpy as np
 
 from workbench.effect import TIME, Effect
+from workbench.identify.bodies import POSITION
 from workbench.identify.passes import Passes
 from workbench.identify.problem import to_search
 from workbench.plant import Plant
@@ -17,6 +18,7 @@ from workbench.plant import Plant
 BINS = 1 << 14  # of position, for the spectrum over angle
 PEAKS = 4  # orders tried, the largest first, beside the known ones
 MOST = 64  # starts a candidate
+STROKES, APART = 6, 8.0  # strokes tried at most, and the factor between two of them
 SLOW = 0.05  # share of the distance travelled at a speed at which a wave must pass the evaluation filter
 
 
@@ -73,16 +75,25 @@ def peaks(orders: np.ndarray, amplitude: np.ndarray, travel: float, most: float 
     return chosen[:PEAKS]
 
 
-def grid(scale: str, passes: Sequence[Passes], residuals: Sequence[np.ndarray], plant: Plant) -> list[float]:
-    """Return start values for one shape parameter, in SI."""
+def strokes(passes: Sequence[Passes], plant: Plant, at: str) -> list[float]:
+    """Return start values for a stroke: from 4 counts to a fifth of the travel or, at a joint, to half of its deflection."""
+    if at == "joint":
+        most = 0.5 * max(float(np.ptp(p.bodies.body(plant, "joint")[1][POSITION])) for p in passes)
+    else:
+        most = 0.2 * max(float(np.ptp(p.motion.q)) for p in passes)
+    least = min(max(4 * max(p.motion.counts for p in passes), 5e-5 * most), 0.5 * most)
+    many = min(STROKES, 2 + int(np.log(most / least) / np.log(APART))) if most > least > 0.0 else 1
+    return list(np.geomspace(least, most, many)) if many > 1 else [most]
+
+
+def grid(scale: str, passes: Sequence[Passes], residuals: Sequence[np.ndarray], plant: Plant, at: str) -> list[float]:
+    """Return start values for one shape parameter of an effect at a place, in SI."""
     motions = [p.motion for p in passes]
     if scale == "speed":
         top = max(float(np.abs(m.v).max()) for m in motions)
         return list(top * np.array([0.003, 0.01, 0.03, 0.07, 0.15, 0.3]))
     if scale == "stroke":
-        travel = max(float(np.ptp(m.q)) for m in motions)
-        least = max(4 * max(m.counts for m in motions), 1e-5 * travel)
-        return list(np.geomspace(least, 0.2 * travel, 6))
+        return strokes(passes, plant, at)
     if scale == "time":
         return list(min(m.dt for m in motions) * np.array([0.1, 0.5, 1.5, 4.0]))
     if scale == "rate":
@@ -135,7 +146,9 @@ def starts(
     grids = []
     for n in free:
         p = effect.parameters[n]
-        values = [float(np.clip(v, p.lower, p.upper)) for v in grid(p.scale, passes, residuals, plant)] or [p.value]
+        values = [float(np.clip(v, p.lower, p.upper)) for v in grid(p.scale, passes, residuals, plant, effect.at)] or [
+            p.value
+        ]
         if p.scale == "time" and p.value == 0.0:
             values.insert(0, 0.0)  # what changes nothing: from there the slope points to either side
         grids.append([to_search(p.at(v)) for v in dict.fromkeys(values)])

@@ -203,11 +203,11 @@ def trace(
     start = identify(plant, passes)
     answer, fits, level = greedy, [start], least
     unexplained = unknown(declared, greedy.last, least, levels(passes, greedy.last.plant, greedy.last.steady))
-    if not dressed(unexplained, greedy, lambda: in_turn(start, greedy, passes), least, passes):
+    if not dressed(unexplained, greedy, lambda: on_whole(greedy.last, whole), least, passes):
         answer, fits = settled(declared, greedy, start, passes, looked, progress, offer)
         level = levels(passes, answer.last.plant, answer.last.steady)
         unexplained = unknown(declared, answer.last, least, level)
-    if dressed(unexplained, answer, lambda: fits, lower(least, level), passes):
+    if dressed(unexplained, answer, lambda: fits[-1].identification, lower(least, level), passes):
         answer, fits, level = Answer([], declared), [start], least
     added, last, after = answer.added, answer.last, fits[-1]
     floor = noise_floor(passes, level)
@@ -259,20 +259,25 @@ def settled(
 def dressed(
     unexplained: Unexplained | None,
     answer: Answer,
-    fits: Callable[[], list[Fit]],
+    error: Callable[[], float],
     level: Mapping[str, float],
     passes: Sequence[Passes],
 ) -> bool:
     """Whether what was added only dresses what no effect explains.
 
     Not where whole records leave no more than the floor with all of it: thinned ones see coarsely what passes fast (a short
-    wave at speed, friction that turns at a high rate). fits: on whole records, one more than was added where all is borne out.
+    wave at speed, friction that turns at a high rate). error: nrmse with it on whole identification records.
     """
     if unexplained is None or not unexplained.instead:
         return False
-    made = fits() if answer.added else []
-    floor = noise_floor(passes, level)[IDENTIFICATION]
-    return len(made) <= len(answer.added) or made[-1].identification >= LEFT * floor
+    return not answer.added or error() >= LEFT * noise_floor(passes, level)[IDENTIFICATION]
+
+
+def on_whole(state: State, whole: Sequence[Passes]) -> float:
+    """Return the nrmse of the drive that a state's model comes to on whole identification records, refined there."""
+    found = State(state.problem.plant, whole, state.solution.theta)
+    left = sum(float(part @ part) for part in found.problem.drive_part(found.solution.residual))
+    return (left / found.power) ** 0.5 if found.power > 0.0 else 0.0
 
 
 def in_turn(start: Fit, answer: Answer, passes: Sequence[Passes]) -> list[Fit]:
