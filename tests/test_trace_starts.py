@@ -2,18 +2,21 @@
 
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from workbench.effect import find
+from workbench.identify.bodies import POSITION
 from workbench.identify.fit import passes_of
 from workbench.identify.passes import Passes
 from workbench.plant import ONE_MASS, Plant
 from workbench.record import IDENTIFICATION, Record, Source
+from workbench.trace import search
 from workbench.trace.candidates import suspects
 from workbench.trace.search import within_reach
-from workbench.trace.starts import lateness, resolved, starts
+from workbench.trace.starts import lateness, resolved, starts, strokes
 from workbench.trace.tracing import trace
 
 COUNT, DT, BAND = 1e-4, 2e-3, 50.0
@@ -125,3 +128,33 @@ def test_an_order_that_the_rig_makes_known_is_held():
     values = {e.parameter: e.value for e in found.causes[0].parameters}
     assert values["amplitude"] == pytest.approx(1.0, rel=0.02) and values["phase"] == pytest.approx(0.4, abs=0.02)
     assert values["order"] == pytest.approx(900.0)
+
+
+def test_starts_of_a_wave_that_has_no_size_yet_are_not_all_tried(monkeypatch):
+    """Of a map two starts that come to the same tell that none changes anything; what adds a column is tried everywhere."""
+    tried = []
+    monkeypatch.setattr(search, "cost_at", lambda problem, theta: (tried.append(theta), (problem.costs.pop(0),))[1])
+    options = [np.array([float(k)]) for k in range(5)]
+
+    def costs(*values, beside=None):
+        tried.clear()
+        return search.worth(SimpleNamespace(costs=list(values), beside=beside), options)
+
+    assert costs(2.0, 2.0, 1.0, 1.0, 1.0) == [2.0, 2.0] and len(tried) == 2
+    assert len(costs(2.0, 2.0, 1.0, 1.0, 1.0, beside="a force")) == 5
+    assert len(costs(2.0, 1.9, 1.0, 1.0, 1.0)) == 5
+    assert len(costs(np.inf, np.inf, 1.0, 1.0, 1.0)) == 5  # outside its domain, which the next may not be
+
+
+@pytest.mark.parametrize("at", ["motor", "joint"])
+def test_strokes_reach_from_counts_to_what_is_travelled_there(at):
+    """An axis that turns by 2 rad, a joint that gives way by 10 mrad, counts of 0.1 mrad."""
+    t = np.linspace(0.0, 1.0, 1001)
+    joint = (None, {POSITION: 5e-3 * np.sin(30 * t)})
+    bodies = SimpleNamespace(body=lambda plant, place: joint)
+    given = [SimpleNamespace(motion=SimpleNamespace(q=np.sin(7 * t), counts=1e-4), bodies=bodies)]
+    found = np.array(strokes(given, None, at))
+    reach = 0.2 * 2.0 if at == "motor" else 0.5 * 10e-3
+    np.testing.assert_allclose(found[[0, -1]], [4e-4, reach], rtol=0.01)
+    assert np.all(np.diff(found) > 0) and found.size <= 6
+    assert np.max(found[1:] / found[:-1]) <= 8.0

@@ -54,11 +54,13 @@ def suspected(suspect: Suspect, base: Problem, solution: Solution) -> Linearised
 def worth(problem: Linearised, options: Sequence[np.ndarray]) -> list[float]:
     """Return the cost of each start, of its linear fit alone.
 
-    Where the first ones come to the same they change nothing (a map starts from none), nor do the others: slopes tell, later.
+    Where the first ones of a map come to the same they change nothing (its size starts from none), nor do the others: their
+    slopes tell, later.
     """
     costs: list[float] = []
     for theta in options:
-        if len(costs) == REFINED and max(costs) <= WORSE * min(costs):
+        same = len(costs) == REFINED and np.isfinite(costs).all() and max(costs) <= WORSE * min(costs)
+        if same and problem.beside is None:
             break
         costs.append(cost_at(problem, theta)[0])
     return costs
