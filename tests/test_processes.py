@@ -5,6 +5,8 @@ import signal
 import subprocess
 import sys
 import time
+from multiprocessing import active_children
+from multiprocessing.context import ForkProcess
 
 import pytest
 
@@ -102,8 +104,9 @@ def test_a_number_of_processes_that_is_none_is_refused_in_a_sentence(monkeypatch
 
 def test_an_interrupt_ends_all_at_once_and_only_the_first_process_speaks():
     code = (
-        "import time\n"
+        "import signal, time\n"
         "from workbench.processes import shared\n"
+        "signal.signal(signal.SIGINT, signal.default_int_handler)\n"  # a shell's background job begins without
         "print('begun', flush=True)\n"
         "list(shared(lambda k: time.sleep(60), range(3)))\n"
     )
@@ -119,3 +122,22 @@ def test_an_interrupt_ends_all_at_once_and_only_the_first_process_speaks():
     os.killpg(started.pid, signal.SIGINT)
     _, said = started.communicate(timeout=20)
     assert said.count("KeyboardInterrupt") == 1 and said.count("Traceback") == 1
+
+
+def test_an_interrupt_while_forks_are_made_leaves_none_behind(monkeypatch):
+    """It waits until all of them are known; then all are ended."""
+    start = ForkProcess.start
+
+    def interrupted(fork):
+        start(fork)
+        signal.raise_signal(signal.SIGINT)
+
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    monkeypatch.setattr(ForkProcess, "start", interrupted)
+    try:
+        with pytest.raises(KeyboardInterrupt):
+            list(shared(lambda _: time.sleep(60), range(3)))
+        assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
+    finally:
+        signal.signal(signal.SIGINT, before)
+    assert active_children() == []

@@ -7,8 +7,10 @@ elsewhere, and in a fork, all is done by this process. No result depends on whic
 import os
 import signal
 import sys
+import threading
 import warnings
 from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from multiprocessing import current_process, get_context
 from traceback import format_exc
 from typing import TypeVar
@@ -50,15 +52,16 @@ def shared(function: Callable[[Item], Made], items: Sequence[Item]) -> Iterator[
     context = get_context("fork")
     forks, pipes = [], []
     try:
-        for k in range(workers):
-            pipe, end = context.Pipe(duplex=False)
-            fork = context.Process(target=_work, args=(function, items[k::workers], end), daemon=True)
-            with warnings.catch_warnings():
-                warnings.simplefilter("ignore", DeprecationWarning)  # of threads: BLAS and our pool know of forks
-                fork.start()
-            end.close()
-            forks.append(fork)
-            pipes.append(pipe)
+        with _undisturbed():
+            for k in range(workers):
+                pipe, end = context.Pipe(duplex=False)
+                fork = context.Process(target=_work, args=(function, items[k::workers], end), daemon=True)
+                with warnings.catch_warnings():
+                    warnings.simplefilter("ignore", DeprecationWarning)  # of threads: BLAS and our pool know of forks
+                    fork.start()
+                end.close()
+                forks.append(fork)
+                pipes.append(pipe)
         for i, item in enumerate(items):
             yield _received(pipes[i % workers], function, item)
     finally:
@@ -66,6 +69,23 @@ def shared(function: Callable[[Item], Made], items: Sequence[Item]) -> Iterator[
             pipe.close()
             fork.terminate()
             fork.join()
+
+
+@contextmanager
+def _undisturbed() -> Iterator[None]:
+    """Let an interrupt wait until all forks are known: one that nobody knows of would not be ended."""
+    before = signal.getsignal(signal.SIGINT)
+    if threading.current_thread() is not threading.main_thread() or before is None:
+        yield
+        return
+    came: list[int] = []
+    signal.signal(signal.SIGINT, lambda number, _: came.append(number))
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)
+    if came:
+        signal.raise_signal(signal.SIGINT)
 
 
 def _work(function: Callable, items: Sequence, end) -> None:
