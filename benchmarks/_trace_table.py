@@ -68,7 +68,7 @@ def shares(results: Sequence[dict]) -> list[str]:
         f"               first or its rival {count(single, j('rival'))}",
         f"  two missing: one of them first  {count(pair, j('first'))}",
         f"               both added         {count(pair, j('both'))}",
-        f"  smaller than asked: in first    {count(weak, j('first'))}",
+        f"  smaller than asked: named first {count(weak, j('first'))}",
         f"  no effect found where one is    {count(known, said('nothing_missing'))}",
         f"  'unknown' where one is          {count(known, said('unknown'))}",
         f"  nothing missing: false alarms   {count(none, j('alarm'))}",

@@ -16,7 +16,8 @@ from workbench.trace.candidates import suspects
 from workbench.trace.output import as_dict, write
 from workbench.trace.result import CAUSE, NOTHING, UNKNOWN, Trace
 from workbench.trace.score import HeldOut, gain
-from workbench.trace.tracing import borne_out, trace
+from workbench.trace.tracing import trace
+from workbench.trace.whole import borne_out
 
 # What is missing, and the seed of its rig: axis, motions, noise and the effect's shape all differ.
 CAUSES = {
@@ -226,6 +227,7 @@ def test_a_suspect_without_a_value_on_the_records_is_ranked_and_harms_nothing(tm
     import casadi as ca
 
     from workbench.trace import candidates, judge
+    from workbench.trace.state import State
 
     rig.campaign(tmp_path, 5, missing=("stribeck_friction",), short=True)
     campaign = load(tmp_path)
@@ -236,9 +238,7 @@ def test_a_suspect_without_a_value_on_the_records_is_ranked_and_harms_nothing(tm
 
     broken = replace(real, name="broken_friction", step=step)
     monkeypatch.setattr(candidates, "catalogue", lambda: {"broken_friction": broken, "stribeck_friction": real})
-    judgements = judge.step(
-        judge.State(campaign.plant, passes_of(campaign.records[:1], campaign.bandwidth)), lambda _: None
-    )
+    judgements = judge.step(State(campaign.plant, passes_of(campaign.records[:1], campaign.bandwidth)), lambda _: None)
     found = {j.candidate.effect: j.candidate for j in judgements}
     assert found["broken_friction"].gain == 0.0 and "no value" in found["broken_friction"].sentence
     best = judgements[0]

@@ -13,11 +13,13 @@ from workbench.identify.passes import Passes
 from workbench.identify.problem import Problem
 from workbench.trace.candidates import Suspect, suspects
 from workbench.trace.counted import of_counts
-from workbench.trace.judge import Judgement, State, judged, simplest_first
+from workbench.trace.greedy import Step, earned, promised
+from workbench.trace.judge import Judgement, judged, simplest_first
 from workbench.trace.result import CAUSE, NOTHING, Candidate
 from workbench.trace.score import HeldOut, followed
+from workbench.trace.state import State
 from workbench.trace.thin import thin
-from workbench.trace.tracing import Step, earned, promised, trace
+from workbench.trace.tracing import trace
 
 FINE, COARSE = rig.COUNT, 15.0 * rig.COUNT
 

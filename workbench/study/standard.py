@@ -35,7 +35,7 @@ def trace_figures(found: Trace) -> dict[str, float | str]:
     return {
         "verdict": found.verdict,
         "first_cause": found.ranked[0].effect if found.causes else "none",
-        "added": ", ".join(found.added) or "none",
+        "added": ", ".join(sorted(found.added)) or "none",  # which was found first says nothing
         "identification_error_before": found.before.identification,
         "identification_error_after": found.after.identification,
         "identification_floor": found.floor[IDENTIFICATION],

@@ -15,8 +15,9 @@ from workbench.motion import motion
 from workbench.plant import Plant
 from workbench.trace.candidates import Suspect
 from workbench.trace.floor import read_again
-from workbench.trace.judge import State
+from workbench.trace.result import Candidate
 from workbench.trace.search import fitted, within_reach
+from workbench.trace.state import State
 from workbench.trace.thin import thin
 
 
@@ -53,3 +54,11 @@ def of_counts(suspect: Suspect, state: State, whole: Sequence[Passes]) -> float:
         for p, s in ((alone.problem, alone.solution), (problem, solution))
     )
     return max(before - after, 0.0) / state.solution.cost if state.solution.cost > 0.0 else 0.0
+
+
+def by_counts(c: Candidate, spurious: float) -> Candidate:
+    """Return a candidate that does not earn its place, because of what it would take away of the counts alone."""
+    more = (
+        f" Of what counts alone would leave of a machine that lacks nothing it would take away {100 * spurious:.1f} %."
+    )
+    return replace(c, earns=False, sentence=c.sentence + more)

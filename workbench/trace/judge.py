@@ -2,115 +2,28 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
-from math import isclose
 
 import numpy as np
 
 from workbench.finding import capital, title
-from workbench.identify.passes import Passes
 from workbench.identify.problem import Problem
-from workbench.identify.solve import ITERATIONS, NoValue, scales, solve
-from workbench.plant import Plant
+from workbench.identify.solve import NoValue
 from workbench.processes import shared
 from workbench.trace.candidates import ADDITION, WHOLE, Offer, Suspect
-from workbench.trace.floor import calm
 from workbench.trace.result import Candidate
 from workbench.trace.score import HeldOut, gain, held_out
 from workbench.trace.search import fitted, suspected
 from workbench.trace.smallest import Smallest, smallest
+from workbench.trace.state import Refitted, State
 
 SHARE = 0.05  # of the residual's power that an effect must explain on held-out blocks
 CERTAIN = 3.0  # standard errors by which its gain must differ from zero
 LEADING = 6  # candidates that are fitted again with everything free
 BEHIND = 0.4  # of the best one's gain, below which a candidate is not
-ALIKE_RATES = 1e-6  # relative difference of two sample times that are one: a record's comes from its stamps
-SETTLED = 1e-6  # relative decrease of the cost at which a fit is as good as it is judged
 EQUAL = 0.1  # standard errors of a gain within which two effects as simple explain the same
 ALIKE = 2.0  # standard errors of a gain over another candidate within which the two are told apart by their simplicity
 
 Progress = Callable[[str], None]
-
-
-class State:
-    """A plant with its solution on the thinned identification records, and its held-out errors.
-
-    theta: where the search starts. solved: it has ended there before, and only its columns are wanted again. base: squared
-    error of the model that this one is compared with.
-    """
-
-    def __init__(
-        self,
-        plant: Plant,
-        passes: Sequence[Passes],
-        theta: np.ndarray | None = None,
-        *,
-        solved: bool = False,
-        base: float = 0.0,
-    ):
-        self.passes = passes
-        self.problem = Problem(plant, passes)
-        self.solution = solve(self.problem, theta, SETTLED, most=0 if solved else ITERATIONS)
-        self.plant = self.problem.with_linear(self.problem.with_shape(self.solution.theta), self.solution.c)
-        self.errors: HeldOut = held_out(self.problem, self.solution, base)
-
-    @cached_property
-    def power(self) -> float:
-        """Sum of squares of the measured drive behind the filter, where errors count."""
-        return sum(float(np.sum(p.motion.filter(p.motion.u)[p.motion.keep] ** 2)) for p in self.passes)
-
-    @property
-    def freedom(self) -> int:
-        """Free parameters."""
-        return len(self.problem.free_linear) + len(self.problem.free_shape)
-
-    @cached_property
-    def absorbed(self) -> np.ndarray:
-        """Orthonormal columns (N, r): what this model can absorb, to first order in its shape parameters."""
-        columns = np.hstack([self.solution.phi, self.solution.tangents])
-        columns = columns / scales(columns)
-        left, singular, _ = np.linalg.svd(columns, full_matrices=False)
-        return left[:, singular > 1e-7 * max(singular[:1], default=0.0)]
-
-    @property
-    def steady(self) -> float:
-        """Rms of the residual's steady part."""
-        first = self.passes[0].motion
-        parts = zip(self.passes, self.problem.drive_part(self.solution.residual), strict=True)
-        return calm(
-            [r for p, r in parts if isclose(p.motion.dt, first.dt, rel_tol=ALIKE_RATES)],
-            first.dt,
-            first.filter.bandwidth,
-        )
-
-    @cached_property
-    def residuals(self) -> list[np.ndarray]:
-        """Residual of each identification record (n,), zero in the trimmed ends."""
-        found = []
-        for p, part in zip(self.passes, self.problem.drive_part(self.solution.residual), strict=True):
-            full = np.zeros(p.motion.u.size)
-            full[p.motion.keep] = part
-            found.append(full)
-        return found
-
-
-@dataclass(frozen=True, eq=False)
-class Refitted:
-    """A fit with everything free, without its columns, which are many megabytes. theta: on the search scale; c: free linear."""
-
-    problem: Problem
-    theta: np.ndarray
-    c: np.ndarray
-
-    @property
-    def plant(self) -> Plant:
-        """The plant with the values that were found."""
-        return self.problem.with_linear(self.problem.with_shape(self.theta), self.c)
-
-    @property
-    def state(self) -> State:
-        """The state that this fit ended in."""
-        return State(self.problem.plant, self.problem.passes, self.theta, solved=True)
 
 
 @dataclass(frozen=True, eq=False)

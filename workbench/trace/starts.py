@@ -18,6 +18,7 @@ from workbench.plant import Plant
 BINS = 1 << 14  # of position, for the spectrum over angle
 PEAKS = 4  # orders tried, the largest first, beside the known ones
 MOST = 64  # starts a candidate
+SHORTEST = 4.0  # counts, of the shortest stroke that is tried
 STROKES, APART = 6, 8.0  # strokes tried at most, and the factor between two of them
 SLOW = 0.05  # share of the distance travelled at a speed at which a wave must pass the evaluation filter
 
@@ -76,12 +77,12 @@ def peaks(orders: np.ndarray, amplitude: np.ndarray, travel: float, most: float 
 
 
 def strokes(passes: Sequence[Passes], plant: Plant, at: str) -> list[float]:
-    """Return start values for a stroke: from 4 counts to a fifth of the travel or, at a joint, to half of its deflection."""
+    """Return start values for a stroke: from SHORTEST to a fifth of the travel or, at a joint, to half of its deflection."""
     if at == "joint":
         most = 0.5 * max(float(np.ptp(p.bodies.body(plant, "joint")[1][POSITION])) for p in passes)
     else:
         most = 0.2 * max(float(np.ptp(p.motion.q)) for p in passes)
-    least = min(max(4 * max(p.motion.counts for p in passes), 5e-5 * most), 0.5 * most)
+    least = min(max(SHORTEST * max(p.motion.counts for p in passes), 5e-5 * most), 0.5 * most)
     many = min(STROKES, 2 + int(np.log(most / least) / np.log(APART))) if most > least > 0.0 else 1
     return list(np.geomspace(least, most, many)) if many > 1 else [most]
 

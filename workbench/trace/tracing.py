@@ -1,4 +1,4 @@
-"""The trace: one effect after another, then what a later one made needless, then what no effect explains."""
+"""The trace: what a search adds, what a later effect made needless, what whole records bear out, what no effect explains."""
 
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -9,121 +9,26 @@ from workbench.identify.fit import fitted_on, identify
 from workbench.identify.passes import Passes
 from workbench.identify.result import Fit
 from workbench.identify.solve import NoValue
-from workbench.plant import TWO_MASS, Plant
+from workbench.plant import Plant
 from workbench.record import IDENTIFICATION
 from workbench.threads import one_thread
 from workbench.trace.calibration import withheld
-from workbench.trace.candidates import Offer, brought, without
-from workbench.trace.counted import of_counts
+from workbench.trace.candidates import Offer, without
 from workbench.trace.floor import floor as noise_floor
-from workbench.trace.floor import levels, steadied
-from workbench.trace.judge import SHARE, Judgement, Progress, State, lighter, shown, step
+from workbench.trace.floor import levels
+from workbench.trace.greedy import extended, leading
+from workbench.trace.judge import Judgement, Progress, lighter, shown, step
 from workbench.trace.result import CAUSE, NOTHING, UNKNOWN, Candidate, Trace
 from workbench.trace.rivals import experiment, rivals
 from workbench.trace.smallest import named
+from workbench.trace.state import State
 from workbench.trace.thin import thin
-from workbench.trace.unexplained import LEFT, PLAIN, Unexplained, described, lower, noise_alone, unknown
+from workbench.trace.unexplained import LEFT, Unexplained, described, lower, unknown
 from workbench.trace.verdict import cause, left_over, not_carried, verdict_sentence
+from workbench.trace.whole import in_turn, on_whole
 
 STEPS = 4  # effects added at most
-PLAIN_SHARE = 0.15  # of the residual's power that a further effect must take away near the floor
-RISEN = 1.05  # of the drive's error, from which it has plainly risen
-HINT = 2.0  # standard errors by which a gain must differ from zero to be taken on credit
 PROMISE = 0.01  # of the residual's power, from which a candidate is asked again when others are taken out
-
-
-@dataclass(frozen=True)
-class Step:
-    """One round of the search: every judgement, best first, and the one whose effect was added; None where it ended.
-
-    credit: whether it was added on credit.
-    """
-
-    judgements: Sequence[Judgement]
-    added: Judgement | None
-    credit: bool = False
-
-
-def extended(state: State, whole: Sequence[Passes], progress: Progress, most: int, offer: Offer) -> list[Step]:
-    """Add effects one after another while one earns its place. Only the last step may have added nothing.
-
-    whole: passes of the identification records as they are. Where the declared model leaves no more than the floor nothing is
-    added, and the search ends where only the noise of drive and encoders is left: an effect could only be fitted to that. Near
-    the floor an effect must take away a plain share, and of more than what counts alone would leave. One effect may be added
-    on credit (see `promised`): it stays where a later one earns its place, and `revised` asks whether it earns its own.
-    """
-    found: list[Step] = []
-    quiet = levels(whole, state.plant)
-    credit: Judgement | None = None
-    for _ in range(most):
-        level = steadied(quiet, whole, state.steady)
-        judgements = step(state, progress, offer)
-        least = least_share(state, level, not found)
-        best = leading(judgements, least)
-        if best is not None and least > 0.0:
-            spurious = of_counts(best.suspect, state, whole)
-            if best.candidate.gain - spurious <= least:
-                judgements[0], best = replace(best, candidate=by_counts(best.candidate, spurious)), None
-        if best is None and credit is None and not noise_alone(state, level, PLAIN):
-            best = credit = promised(judgements)
-        found.append(Step(lighter(judgements, best), best, best is not None and best is credit))
-        if best is None:
-            break
-        state = best.state
-        quiet = levels(whole, state.plant)
-        if quieted(state, whole, quiet):
-            break
-    return earned(found)
-
-
-def quieted(state: State, whole: Sequence[Passes], level: Mapping[str, float]) -> bool:
-    """Whether a state leaves the noise alone: on the thinned records or, where these leave little more, on whole ones."""
-    if noise_alone(state, level) or not noise_alone(state, level, PLAIN):
-        return noise_alone(state, level)
-    return noise_alone(State(state.problem.plant, whole, state.solution.theta, solved=True), level)
-
-
-def by_counts(c: Candidate, spurious: float) -> Candidate:
-    """Return a candidate that does not earn its place, because of what it would take away of the counts alone."""
-    more = (
-        f" Of what counts alone would leave of a machine that lacks nothing it would take away {100 * spurious:.1f} %."
-    )
-    return replace(c, earns=False, sentence=c.sentence + more)
-
-
-def earned(steps: list[Step]) -> list[Step]:
-    """Return the steps without what was added on credit, and what came of it, where no effect was added after it."""
-    added = [s for s in steps if s.added is not None]
-    if not added or not added[-1].credit:
-        return steps
-    until = steps.index(added[-1])
-    return [*steps[:until], Step(steps[until].judgements, None)]
-
-
-def promised(judgements: Sequence[Judgement]) -> Judgement | None:
-    """Return the leading judgement where its gain is plain though not certain, or None.
-
-    Where two effects are missing each explains the blocks in which it acts and leaves the other's as they are, so that the
-    gain of either scatters from block to block.
-    """
-    best = judgements[0] if judgements else None
-    c = best.candidate if best else None
-    plain = best is not None and best.state is not None and c.gain > max(PLAIN_SHARE, HINT * c.scatter)
-    return best if plain else None
-
-
-def least_share(state: State, level: Mapping[str, float], first: bool) -> float:
-    """Return the share of the residual's power that an effect must take away to be added to a state."""
-    if first and noise_alone(state, level, 1.0):
-        return 1.0
-    return PLAIN_SHARE if noise_alone(state, level, PLAIN) else 0.0
-
-
-def leading(judgements: Sequence[Judgement], least: float = 0.0) -> Judgement | None:
-    """Return the judgement whose effect is to be added, or None. least: share that it must take away."""
-    best = judgements[0] if judgements else None
-    worth = best is not None and best.state is not None and best.candidate.earns and best.candidate.gain > least
-    return best if worth else None
 
 
 @dataclass(frozen=True)
@@ -201,14 +106,14 @@ def trace(
     greedy = Answer([s.added for s in steps if s.added is not None], declared)
     least = levels(passes, plant, declared.steady)
     start = identify(plant, passes)
-    answer, fits, level = greedy, [start], least
+    answer, fits, level = Answer([], declared), [start], least
     unexplained = unknown(declared, greedy.last, least, levels(passes, greedy.last.plant, greedy.last.steady))
     if not dressed(unexplained, greedy, lambda: on_whole(greedy.last, whole), least, passes):
-        answer, fits = settled(declared, greedy, start, passes, looked, progress, offer)
-        level = levels(passes, answer.last.plant, answer.last.steady)
-        unexplained = unknown(declared, answer.last, least, level)
-    if dressed(unexplained, answer, lambda: fits[-1].identification, lower(least, level), passes):
-        answer, fits, level = Answer([], declared), [start], least
+        asked, made = settled(declared, greedy, start, passes, looked, progress, offer)
+        own = levels(passes, asked.last.plant, asked.last.steady)
+        unexplained = unknown(declared, asked.last, least, own)
+        if not dressed(unexplained, asked, lambda: made[-1].identification, lower(least, own), passes):
+            answer, fits, level = asked, made, own
     added, last, after = answer.added, answer.last, fits[-1]
     floor = noise_floor(passes, level)
     if after.identification < LEFT * floor[IDENTIFICATION]:
@@ -219,7 +124,7 @@ def trace(
         others = rivals(j, added, looked)
         progress("looking for the motion that would tell rivals apart")
         apart = experiment(last.plant, plant, j, others[0], whole, min(level.values())) if others else ""
-        made = cause(j.candidate, fits[i], fits[i + 1], after, credited=j.suspect.key in credited)
+        made = cause(j.candidate, fits[i], fits[i + 1], after, credited=j.suspect.key in credited and j.candidate.earns)
         causes.append(replace(made, rivals=tuple(o.candidate.effect for o in others), experiment=apart))
     verdict = CAUSE if causes else UNKNOWN if unexplained else NOTHING
     after = withheld(after, causes, passes)
@@ -248,9 +153,9 @@ def settled(
     if len(greedy.added) > 1:
         answer = revised(greedy, declared.plant, looked, progress, offer)
     progress("fitting the extended model")
-    fits = in_turn(start, answer, passes)
+    fits = in_turn(start, answer.added, answer.last.plant, passes)
     if len(fits) <= len(answer.added) and answer is not greedy:
-        answer, fits = greedy, in_turn(start, greedy, passes)
+        answer, fits = greedy, in_turn(start, greedy.added, greedy.last.plant, passes)
     if len(fits) <= len(greedy.added) and answer is greedy:
         answer = Answer(greedy.added[: len(fits) - 1], declared)
     return answer, fits
@@ -271,49 +176,6 @@ def dressed(
     if unexplained is None or not unexplained.instead:
         return False
     return not answer.added or error() >= LEFT * noise_floor(passes, level)[IDENTIFICATION]
-
-
-def on_whole(state: State, whole: Sequence[Passes]) -> float:
-    """Return the nrmse of the drive that a state's model comes to on whole identification records, refined there."""
-    found = State(state.problem.plant, whole, state.solution.theta)
-    left = sum(float(part @ part) for part in found.problem.drive_part(found.solution.residual))
-    return (left / found.power) ** 0.5 if found.power > 0.0 else 0.0
-
-
-def in_turn(start: Fit, answer: Answer, passes: Sequence[Passes]) -> list[Fit]:
-    """Return `start` and the fits with one more effect each, up to the first that explains nothing on whole records.
-
-    The search looks at thinned records and compares commands; a fit of the drive itself has the last word. It starts from the
-    values that the search ended with, because a declared model that lacks much is fitted to values far from the machine's;
-    and from the fit before it where that comes to nothing.
-    """
-    fits = [start]
-    for j in answer.added:
-        plant = brought(fits[-1].plant, j.suspect, answer.last.plant)
-        tried = (identify(p, passes) for p in (valued(plant, answer.last.plant), plant))
-        better = next((fit for fit in tried if borne_out(fits[-1], fit)), None)
-        if better is None:
-            break
-        fits.append(better)
-    return fits
-
-
-def borne_out(before: Fit, after: Fit) -> bool:
-    """Whether whole records bear out what a fit has and the one before has not: the error of the drive falls.
-
-    Of two masses it may be the load's balance alone in which it shows: then what both leave falls plainly, and the drive's
-    error does not rise plainly.
-    """
-    if after.identification < before.identification:
-        return True
-    falls = before.plant.kind == TWO_MASS and after.details["cost"] < (1.0 - SHARE) * before.details["cost"]
-    return falls and after.identification < RISEN * before.identification
-
-
-def valued(plant: Plant, other: Plant) -> Plant:
-    """Return `plant` with the values that the same effects have in `other`."""
-    known = {e.key: {n: p.value for n, p in e.parameters.items()} for e in other.effects}
-    return plant.with_values({e.key: known[e.key] for e in plant.effects if e.key in known})
 
 
 def ranked(added: Sequence[Candidate], first: Sequence[Candidate]) -> tuple[Candidate, ...]:

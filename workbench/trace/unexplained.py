@@ -5,11 +5,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from workbench.trace.judge import State
 from workbench.trace.jumps import beside
 from workbench.trace.localise import jumped, lives, plainer
 from workbench.trace.place import WAYS, Place, Samples, excess_of, local, samples, score, weighed
 from workbench.trace.score import Deviations
+from workbench.trace.state import State
 
 PLAIN = 2.0  # residual over floor from which something is plainly left
 NOISE = 1.1  # residual over floor up to which only noise is left
