@@ -4,7 +4,8 @@ from workbench.effect import FORCE, Border, Effect, effect
 from workbench.effects.elementary import absolute, clip, cos, exp, maximum, minimum, sign0, sin, where
 from workbench.parameter import Parameter
 
-NEWTON = 12  # safeguarded steps: fixed, so that the instructions are the same for every deflection
+HALLEY = 7  # safeguarded steps: fixed, so that the instructions are the same for every deflection
+FURTHEST = 2.0  # by what factor a step is longer or shorter than Newton's
 LARGEST = 1.5  # phi up to which the law is followed: there the flexspline is 200 times as stiff as unloaded
 
 
@@ -13,31 +14,34 @@ def multi_body_compliance() -> Effect:
     """x = x_f atan(T/T_f) + x_w (1 - exp(-c |T|/T_f)) sgn(T), solved for T.
 
     Flexspline K_f (1 + (T/T_f)^2), with x_f = T_f/K_f; wave generator, seen from the output, K_w exp(|T|/T_w), with
-    x_w = T_w/K_w and c = T_f/T_w: its stiffness takes |T|. With phi = atan(T/T_f) the deflection is solved by Newton's
+    x_w = T_w/K_w and c = T_f/T_w: its stiffness takes |T|. With phi = atan(T/T_f) the deflection is solved by Halley's
     method between bounds that always hold the root. Domain: the arctangent ends at x_f pi/2 (+ x_w), where the law is
     infinitely stiff; from phi = 1.5 on it goes on with its slope there.
     """
 
     def step(s, z, p):
         def deflection(phi):
-            """Deflection at phi >= 0, and its slope."""
+            """Deflection at phi >= 0, its slope, and the slope's."""
             cosine = cos(phi)
             tangent = sin(phi) / cosine
             soft = exp(-p.c * tangent)
-            return p.x_f * phi + p.x_w * (1.0 - soft), p.x_f + p.x_w * p.c * soft / (cosine * cosine)
+            turn = p.x_w * p.c * soft / (cosine * cosine)
+            value = p.x_f * phi + p.x_w * (1.0 - soft)
+            return value, p.x_f + turn, turn * (2.0 * tangent - p.c / (cosine * cosine))
 
         x = absolute(s.q)
-        end, end_slope = deflection(LARGEST)
+        end, end_slope, _ = deflection(LARGEST)
         inside = minimum(x, end)
         low = clip((inside - p.x_w) / p.x_f, 0.0, LARGEST)
         high = clip(inside / p.x_f, 0.0, LARGEST)
         # the better of two starts: the chord of the whole, which is exact at 0, and the stiff side's bound
         phi = maximum(low, minimum(high, inside / (p.x_f + p.x_w * p.c)))
-        for _ in range(NEWTON):
-            value, slope = deflection(phi)
+        for _ in range(HALLEY):
+            value, slope, bend = deflection(phi)
             over = value > inside
             low, high = where(over, low, phi), where(over, phi, high)
-            next_phi = phi - (value - inside) / slope
+            newton = (value - inside) / slope
+            next_phi = phi - newton / clip(1.0 - 0.5 * newton * bend / slope, 1.0 / FURTHEST, FURTHEST)
             out = (next_phi < low) + (next_phi > high)
             phi = where(out, 0.5 * (low + high), next_phi)
         beyond = (x - inside) / end_slope / (cos(LARGEST) ** 2)
