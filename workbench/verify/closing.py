@@ -28,7 +28,7 @@ FIGURES = ("rise", "time_1pct", "overshoot", "final_error")
 TURNOVER = 0.2  # of the velocity loop, over its delays: where the search begins
 RISE = (0.1, 0.9)  # shares of the step
 OUTPUT = {ONE_MASS: "q", TWO_MASS: "load.q"}
-PHASES = 8  # of the encoder, that a row is the worst of
+PHASES = 8  # of the encoder, that a row is the worst of; and scenarios side by side in a kernel
 
 
 @dataclass(frozen=True)
@@ -165,7 +165,7 @@ def following(plants: Sequence[Plant], record: Record, loop: Loop, controllers: 
 
     def run(plant: Plant, controller: Controller) -> Metrics:
         duration = reference.size * loop.sample_time
-        return simulate(plant, loop, controller, one, duration, (output, "u"), reference=reference)
+        return simulate(plant, loop, controller, one, duration, (output, "u"), reference=reference, lanes=1)
 
     declared, extended, knowing = (run(plants[p], controllers[c]) for p, c in ((0, 0), (1, 0), (1, 1)))
     (q, u), (q1, u1) = ((m.trajectories[output], m.trajectories["u"]) for m in (declared, extended))
@@ -182,7 +182,7 @@ def close(declared: Plant, extended: Plant, record: Record) -> Closed:
     Needs a limit of the drive (see `lacking`). Raises WorkbenchError for a plant without forward dynamics.
     """
     loop = loop_of(record)
-    tasks = {DECLARED: task_of(declared, record, loop)}
+    tasks = {DECLARED: replace(task_of(declared, record, loop), lanes=PHASES)}
     tasks[EXTENDED] = tasks[DECLARED].on(extended)
     made = dict(zip(tasks, tuned(list(tasks.values())), strict=True))
     pairs = ((DECLARED, DECLARED), (DECLARED, EXTENDED), (EXTENDED, EXTENDED))

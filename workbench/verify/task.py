@@ -6,6 +6,7 @@ import numpy as np
 
 from workbench.plant import Plant
 from workbench.simulate import Criteria, Loop, Metrics, ScenarioArrays, simulate
+from workbench.simulate.run import LANES
 from workbench.verify.bound import time_optimal
 
 
@@ -30,7 +31,8 @@ class Task:
     """plant: what runs. loop, criteria, duration (s): of the simulation. step: from rest at `start` to the target, rad or m.
 
     load_inertias: loads that are put on, kg*m^2 or kg, the first usually zero. frictions, inertias: factors that tuning
-    meets beside 1. noise: torque noise rms. phases: encoder phases a scenario is repeated at.
+    meets beside 1. noise: torque noise rms. phases: encoder phases a scenario is repeated at. lanes: scenarios that one
+    kernel moves side by side; where a search runs few at a time, the rest of the lanes would be moved for nothing.
     """
 
     plant: Plant
@@ -45,6 +47,7 @@ class Task:
     weights: Weights = field(default_factory=Weights)
     criteria: Criteria = field(default_factory=Criteria)
     start: float = 0.0
+    lanes: int = LANES
 
     def scenarios(self, load_inertias=None, frictions=None, inertias=None, phases: int | None = None) -> ScenarioArrays:
         """Return every combination of loads, frictions, inertias and phases, as lanes in that order."""
@@ -84,7 +87,7 @@ class Task:
     ) -> Metrics:
         return simulate(
             self.plant, self.loop, controller, scenarios, self.duration, record,
-            every=every, criteria=self.criteria, threads=threads,
+            every=every, criteria=self.criteria, threads=threads, lanes=self.lanes,
         )  # fmt: skip
 
     def on(self, plant: "Plant | list[Plant]") -> "Task":
