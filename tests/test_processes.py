@@ -141,3 +141,19 @@ def test_an_interrupt_while_forks_are_made_leaves_none_behind(monkeypatch):
     finally:
         signal.signal(signal.SIGINT, before)
     assert active_children() == []
+
+
+def test_whoever_is_free_takes_the_next_item():
+    """One slow item holds up one process; the others do the rest."""
+
+    def work(k):
+        time.sleep(0.3 if k == 0 else 0.005)
+        return os.getpid()
+
+    made = list(shared(work, range(30)))
+    assert made.count(made[0]) < 5
+
+
+def test_more_items_than_a_queue_holds_are_all_done(monkeypatch):
+    monkeypatch.setattr(processes, "QUEUED", 4)
+    assert list(shared(lambda k: k, range(10))) == list(range(10))

@@ -12,6 +12,7 @@ import warnings
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from multiprocessing import current_process, get_context
+from multiprocessing.connection import wait
 from traceback import format_exc
 from typing import TypeVar
 
@@ -21,6 +22,7 @@ Item, Made = TypeVar("Item"), TypeVar("Made")
 
 VARIABLE = "WORKBENCH_PROCESSES"
 MOST = 4  # each holds a few hundred megabytes of its own
+BYTES, QUEUED = 4, 1024  # of an item's number; and numbers that any pipe holds at once
 
 
 def count() -> int:
@@ -43,7 +45,8 @@ def count() -> int:
 def shared(function: Callable[[Item], Made], items: Sequence[Item]) -> Iterator[Made]:
     """Yield function(item) of each item, in order. What a call raises is raised here, in its turn.
 
-    A process that ends before its time (killed, out of memory) leaves its part to this one.
+    Whoever is free takes the next item. What a process that ends before its time (killed, out of memory) had taken is done
+    by this one.
     """
     workers = min(count(), len(items))
     if workers < 2:
@@ -51,24 +54,48 @@ def shared(function: Callable[[Item], Made], items: Sequence[Item]) -> Iterator[
         return
     context = get_context("fork")
     forks, pipes = [], []
+    queue = _queue(len(items))
     try:
         with _undisturbed():
-            for k in range(workers):
+            for _ in range(workers):
                 pipe, end = context.Pipe(duplex=False)
-                fork = context.Process(target=_work, args=(function, items[k::workers], end), daemon=True)
+                fork = context.Process(target=_work, args=(function, items, queue, end), daemon=True)
                 with warnings.catch_warnings():
                     warnings.simplefilter("ignore", DeprecationWarning)  # of threads: BLAS and our pool know of forks
                     fork.start()
                 end.close()
                 forks.append(fork)
                 pipes.append(pipe)
+        made, heard = {}, list(pipes)
         for i, item in enumerate(items):
-            yield _received(pipes[i % workers], function, item)
+            while i not in made and heard:
+                for pipe in wait(heard):
+                    _receive(pipe, made, heard)
+            if i not in made:
+                yield function(item)
+                continue
+            sound, result = made.pop(i)
+            if not sound:
+                raise result
+            yield result
     finally:
+        os.close(queue)
         for fork, pipe in zip(forks, pipes, strict=True):
             pipe.close()
             fork.terminate()
             fork.join()
+
+
+def _queue(items: int) -> int:
+    """Return what the numbers of items are read from, one after another, by whoever reads: the end of a pipe.
+
+    A process that is killed takes nothing with it but the number that it has read. Of more items than a pipe holds numbers
+    for, a number stands for every QUEUED-th item from it on.
+    """
+    read, write = os.pipe()
+    os.write(write, b"".join(k.to_bytes(BYTES, "big") for k in range(min(items, QUEUED))))
+    os.close(write)
+    return read
 
 
 @contextmanager
@@ -88,24 +115,26 @@ def _undisturbed() -> Iterator[None]:
         signal.raise_signal(signal.SIGINT)
 
 
-def _work(function: Callable, items: Sequence, end) -> None:
-    """What a fork does: send (True, result) of each item, or (False, what was raised) and no more."""
+def _work(function: Callable, items: Sequence, queue: int, end) -> None:
+    """What a fork does: send (k, True, result) of each item that it takes, or (k, False, what was raised) and no more."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # whoever interrupts means the process that waits, which ends this one
+    k = -1
     try:
-        for item in items:
-            end.send((True, function(item)))
+        while number := os.read(queue, BYTES):
+            for k in range(int.from_bytes(number, "big"), len(items), QUEUED):
+                end.send((k, True, function(items[k])))
     except BrokenPipeError:
         pass
     except Exception as raised:
         raised.add_note(format_exc())
-        end.send((False, raised))
+        end.send((k, False, raised))
 
 
-def _received(pipe, function: Callable, item):
+def _receive(pipe, made: dict[int, list], heard: list) -> None:
+    """Put what a fork has sent into `made`; one that says no more is heard no more."""
     try:
-        sound, made = pipe.recv()
-    except EOFError:
-        return function(item)
-    if sound:
-        return made
-    raise made
+        k, *answer = pipe.recv()
+    except (EOFError, OSError):  # it has ended, perhaps within a word
+        heard.remove(pipe)
+    else:
+        made[k] = answer
