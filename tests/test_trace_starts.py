@@ -130,15 +130,16 @@ def test_an_order_that_the_rig_makes_known_is_held():
     assert values["order"] == pytest.approx(900.0)
 
 
-def test_starts_of_a_wave_that_has_no_size_yet_are_not_all_tried(monkeypatch):
+def test_starts_of_a_wave_that_has_no_size_yet_are_not_all_tried():
     """Of a map two starts that come to the same tell that none changes anything; what adds a column is tried everywhere."""
     tried = []
-    monkeypatch.setattr(search, "cost_at", lambda problem, theta: (tried.append(theta), (problem.costs.pop(0),))[1])
     options = [np.array([float(k)]) for k in range(5)]
 
     def costs(*values, beside=None):
         tried.clear()
-        return search.worth(SimpleNamespace(costs=list(values), beside=beside), options)
+        left = list(values)
+        cost = lambda theta: (tried.append(theta), left.pop(0))[1]  # noqa: E731
+        return search.worth(SimpleNamespace(cost=cost, beside=beside), options)
 
     assert costs(2.0, 2.0, 1.0, 1.0, 1.0) == [2.0, 2.0] and len(tried) == 2
     assert len(costs(2.0, 2.0, 1.0, 1.0, 1.0, beside="a force")) == 5

@@ -9,7 +9,7 @@ from workbench.finding import Finding
 from workbench.identify import findings, intervals
 from workbench.identify.fit import fitted_on
 from workbench.identify.problem import Problem
-from workbench.identify.solve import Solution, cost_at
+from workbench.identify.solve import Solution, solved_at
 
 BLOCK = 0.05  # s
 QUIET = 0.1  # share of the blocks that are taken for noise alone
@@ -19,15 +19,15 @@ def missing(seen: Seen) -> Iterator[Finding]:
     """Say which free parameters the identification records do not excite, the shape parameters as declared."""
     problem = Problem(seen.campaign.plant, fitted_on(seen.passes))
     theta = problem.start()
-    cost, c, y, phi = cost_at(problem, theta)
-    if not np.isfinite(cost):
+    at = solved_at(problem, theta)
+    if not np.isfinite(at.cost):
         yield Finding(
             "no value", "plant",
             "An effect of the declared plant has no value on these records.",
             {}, "Check the declared parameters and their units.",
         )  # fmt: skip
         return
-    solution = Solution(theta, c, y, phi, cost, np.zeros((y.size, theta.size)))
+    solution = Solution(theta, at.c, at.y, at.phi, at.cost, np.zeros((at.y.size, theta.size)))
     names, covariance, t, _ = intervals.covariance(problem, solution)
     half = dict(zip(names, t * np.sqrt(np.maximum(np.diag(covariance), 0.0)), strict=True))
     yield from findings.excitation(problem, solution, half, noise(problem, solution), "noise")

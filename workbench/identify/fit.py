@@ -10,7 +10,7 @@ from workbench.identify.by_record import own_estimates, spread
 from workbench.identify.passes import Passes, predicted
 from workbench.identify.problem import Problem
 from workbench.identify.result import Fit, Series
-from workbench.identify.solve import NoValue, Solution, solve
+from workbench.identify.solve import ITERATIONS, NoValue, Solution, solve
 from workbench.motion import motion
 from workbench.plant import Plant
 from workbench.record import IDENTIFICATION, ROLES, VALIDATION, Record
@@ -29,14 +29,15 @@ def fitted_on(passes: Sequence[Passes]) -> list[Passes]:
 
 
 @one_thread
-def identify(plant: Plant, passes: Sequence[Passes], theta: np.ndarray | None = None) -> Fit:
+def identify(plant: Plant, passes: Sequence[Passes], theta: np.ndarray | None = None, *, solved: bool = False) -> Fit:
     """Fit `plant` on the identification records among `passes` and evaluate it on all of them.
 
-    theta: start of the free shape parameters on their search scale; the plant's values where absent.
+    theta: start of the free shape parameters on their search scale; the plant's values where absent. solved: that is where
+    their search has ended before.
     """
     problem = Problem(plant, fitted_on(passes))
     try:
-        solution = solve(problem, theta)
+        solution = solve(problem, theta, most=0 if solved else ITERATIONS)
     except NoValue:
         names = ", ".join(e.name for e in plant.effects if e.shape)
         raise WorkbenchError(

@@ -47,7 +47,7 @@ def covariance(problem: Problem, solution: Solution) -> tuple[list[Name], np.nda
             [problem.with_shape(solution.theta)[n.key].parameters[n.parameter].value for n in problem.free_shape],
         ]
     )
-    a = np.hstack([solution.phi, solution.tangents])
+    a = solution.columns
     inside = [
         k
         for k, n in enumerate(names)

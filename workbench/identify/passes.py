@@ -87,6 +87,26 @@ class Passes:
             for name, column in zip(e.linear or ("",), smooth, strict=False):
                 yield e, name, column
 
+    def moved(self, plant: Plant, other: Plant) -> np.ndarray:
+        """Return by how much `other` leaves more of the drive than `plant`, filtered, (rows, n); zeros where nothing differs.
+
+        Both have the same effects and linear values. What differs is summed before the filter, which passes once.
+        """
+        more = np.zeros((self.rows(plant), self.motion.u.size))
+        applied, drive = self.command.applied(plant), self.command.applied(other)
+        differs = drive is not applied
+        if differs:
+            more[0] += drive - applied
+        for (e, before, (was, lever), key), (_, after, (path, by), new) in zip(
+            self._forces(plant), self._forces(other), strict=True
+        ):
+            if new == key and path == was:
+                continue
+            differs = True
+            values = np.array([e.parameters[n].value for n in e.linear] or [1.0])
+            more -= (values @ after) * by - (values @ before) * lever
+        return self.motion.filter(more) if differs else more
+
     def _forces(self, plant: Plant):
         """Yield (effect, outputs (columns, n), (path, lever), key), place by place, those that provide the direction first."""
         for place in PLACES[plant.kind]:

@@ -141,6 +141,8 @@ class Problem:
     def tangents(self, theta: np.ndarray, c: np.ndarray, y: np.ndarray, phi: np.ndarray) -> np.ndarray:
         """Return d(Phi c - y)/d theta (N, k), one directional derivative of the whole pass each."""
         base = phi @ c - y
+        plant = self.with_linear(self.with_shape(theta), c[: len(self.free_linear)])
+        factor = self.command_scale(plant)
         result = np.empty((y.size, theta.size), order="F")
         for k, name in enumerate(self.free_shape):
             p = self.parameter(name)
@@ -149,8 +151,10 @@ class Problem:
                 step = -step
             moved = theta.copy()
             moved[k] += step
-            y1, phi1 = self.assemble(moved)
-            result[:, k] = (phi1 @ c - y1 - base) / step
+            other = self.with_linear(self.with_shape(moved), c[: len(self.free_linear)])
+            more = np.concatenate([stacked(q.moved(plant, other), q.motion.keep) for q in self.passes])
+            scale = self.command_scale(other)
+            result[:, k] = ((scale / factor - 1.0) * base - scale * more) / step
         return result
 
     def step_of(self, p: Parameter, value: float) -> float:

@@ -1,6 +1,8 @@
 """A sampled signal at other times: shifted by a delay, or at a finer rate."""
 
 import math
+import operator
+from itertools import accumulate
 
 import numpy as np
 
@@ -12,9 +14,16 @@ FINER = 7
 
 
 def weights(u) -> list:
-    """Return Lagrange's weights of the samples -3 to 4 about a place u in [0, 1) between the samples 0 and 1."""
+    """Return Lagrange's weights of the samples -3 to 4 about a place u in [0, 1) between the samples 0 and 1.
+
+    Of the products over all points but one, those over the points before it and those behind it.
+    """
     points = range(1 - LAGRANGE // 2, LAGRANGE // 2 + 1)
-    return [math.prod((u - j) / (i - j) for j in points if j != i) for i in points]
+    away = [u - j for j in points]
+    before = list(accumulate(away[:-1], operator.mul, initial=1.0))
+    behind = list(accumulate(away[:0:-1], operator.mul, initial=1.0))[::-1]
+    scale = [1.0 / math.prod(i - j for j in points if j != i) for i in points]
+    return [k * a * b for k, a, b in zip(scale, before, behind, strict=True)]
 
 
 def between(x: np.ndarray, steps: np.ndarray) -> np.ndarray:
@@ -24,9 +33,12 @@ def between(x: np.ndarray, steps: np.ndarray) -> np.ndarray:
     """
     whole = np.floor(steps)
     first = whole.astype(int) + (1 - LAGRANGE // 2)
+    least, most = int(first.min()), int(first.max()) + LAGRANGE
+    before, after = max(-least, 0), max(most - x.size, 0)
+    held = np.concatenate([np.full(before, x[0]), x, np.full(after, x[-1])])
     result = np.zeros(steps.size)
     for i, weight in enumerate(weights(steps - whole)):
-        result += weight * x[np.clip(first + i, 0, x.size - 1)]
+        result += weight * held[first + (before + i)]
     return result
 
 

@@ -1,6 +1,8 @@
 """Variable projection: bounded linear least squares inside, damped Gauss-Newton over the shape parameters outside."""
 
 from dataclasses import dataclass
+from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 
@@ -9,6 +11,8 @@ from workbench.identify.problem import LOGARITHMIC, Problem, from_search
 ITERATIONS = 25
 TOLERANCE = 1e-9  # relative decrease of the cost at which the search stops
 WELL_CONDITIONED = 1e8  # of the normal equations: eight digits are left
+CORRECTED = 1e13  # of the normal equations, up to which one correction brings what they have lost
+TRUSTED = 0.5  # of what the linear model promised, that a step must bring for the next one to be damped less
 LARGEST = 1.0  # largest step of a shape parameter on its logarithmic scale
 
 
@@ -23,9 +27,20 @@ class Solution:
     cost: float
     tangents: np.ndarray
 
-    @property
+    @cached_property
     def residual(self) -> np.ndarray:
+        """What is left, (N,)."""
         return self.y - self.phi @ self.c
+
+    @cached_property
+    def columns(self) -> np.ndarray:
+        """phi and tangents side by side, (N, m + k): all that the model may give way along, to first order."""
+        return np.hstack([self.phi, self.tangents])
+
+    @cached_property
+    def gram(self) -> np.ndarray:
+        """columns' columns, (m + k, m + k)."""
+        return self.columns.T @ self.columns
 
 
 def scales(phi: np.ndarray) -> np.ndarray:
@@ -43,22 +58,27 @@ def bounded(
 ) -> np.ndarray:
     """Return c of min |phi c - y| with lower <= c <= upper. normal: phi' phi and phi' y, where they are known.
 
-    Normal equations of the scaled columns and their Cholesky factor where these are well conditioned, else QR. Directions
-    that the columns do not determine (below 1e-9 of the largest singular value) take the least norm.
+    Normal equations of the scaled columns and their Cholesky factor, with one correction from the residual where these are
+    not well conditioned (Bjorck 1987, the corrected seminormal equations); QR where the factor is lost. Directions that the
+    columns do not determine (below 1e-9 of the largest singular value) take the least norm.
     """
     if phi.shape[1] == 0:
         return np.zeros(0)
     gram, moment = normal or (phi.T @ phi, phi.T @ y)
     norms = np.sqrt(np.diag(gram))
     norms = np.where(norms > 0, norms, 1.0)
+    lower, upper = lower * norms, upper * norms
     scaled = gram / np.outer(norms, norms)
-    if np.linalg.cond(scaled) < WELL_CONDITIONED:
-        factor = np.linalg.cholesky(scaled)
-        r, b = factor.T, np.linalg.solve(factor, moment / norms)
-    else:
+    condition = np.linalg.cond(scaled)
+    if not condition < CORRECTED:
         q, r = np.linalg.qr(phi / norms)
-        b = q.T @ y
-    return bounded_small(r, b, lower * norms, upper * norms) / norms
+        return bounded_small(r, q.T @ y, lower, upper) / norms
+    factor = np.linalg.cholesky(scaled)
+    c = bounded_small(factor.T, np.linalg.solve(factor, moment / norms), lower, upper)
+    if condition >= WELL_CONDITIONED:
+        left = phi.T @ (y - phi @ (c / norms)) / norms
+        c = np.clip(c + bounded_small(factor.T, np.linalg.solve(factor, left), lower - c, upper - c), lower, upper)
+    return c / norms
 
 
 def bounded_small(r: np.ndarray, b: np.ndarray, lower: np.ndarray, upper: np.ndarray) -> np.ndarray:
@@ -72,19 +92,27 @@ def bounded_small(r: np.ndarray, b: np.ndarray, lower: np.ndarray, upper: np.nda
     return np.clip(c, lower, upper)
 
 
-def cost_at(problem: Problem, theta: np.ndarray) -> tuple[float, np.ndarray, np.ndarray, np.ndarray]:
-    """Return (squared residual, c, y, phi) with the linear parameters solved at this shape.
+class At(NamedTuple):
+    """A shape with the linear parameters solved there. cost: squared residual, infinite where an effect has no value on this
+    motion (outside its domain, or grown beyond it). gram: phi' phi."""
 
-    The squared residual is infinite where an effect has no value on this motion (outside its domain, or grown beyond it).
-    """
+    cost: float
+    c: np.ndarray
+    y: np.ndarray
+    phi: np.ndarray
+    gram: np.ndarray
+
+
+def solved_at(problem: Problem, theta: np.ndarray) -> At:
+    """Solve the linear parameters at a shape."""
     y, phi = problem.assemble(theta)
     with np.errstate(all="ignore"):  # what is not finite shows in these sums, and far sooner than in every sample
         gram, moment, power = phi.T @ phi, phi.T @ y, y @ y
     if not (np.isfinite(gram).all() and np.isfinite(moment).all() and np.isfinite(power)):
-        return np.inf, np.zeros(phi.shape[1]), y, phi
+        return At(np.inf, np.zeros(phi.shape[1]), y, phi, gram)
     c = bounded(phi, y, *problem.bounds, (gram, moment))
     e = y - phi @ c
-    return float(e @ e), c, y, phi
+    return At(float(e @ e), c, y, phi, gram)
 
 
 class NoValue(ArithmeticError):
@@ -110,42 +138,54 @@ def solve(
     first step must promise, else the start is all. most: steps. Raises NoValue where the start has no value.
     """
     theta = problem.start() if theta is None else np.array(theta, dtype=float)
-    cost, c, y, phi = cost_at(problem, theta)
-    if not np.isfinite(cost):
+    at = solved_at(problem, theta)
+    if not np.isfinite(at.cost):
         raise NoValue
-    tangents = slopes(problem, theta, c, y, phi)
+    tangents = slopes(problem, theta, at.c, at.y, at.phi)
     damping = 1e-3
     enough = max(tolerance, least)
     for _ in range(most if theta.size else 0):
-        norms, sizes = scales(phi), scales(tangents)
-        # joint Gauss-Newton step in (c, theta): the linear part may move along
-        joint = np.hstack([phi / norms, tangents / sizes])
-        g = joint.T @ (y - phi @ c)
-        h = joint.T @ joint
-        improved = False
+        linear = at.c.size
+        g, h, sizes = normal_equations(at, tangents)
+        new = None
         for _ in range(8):
             damped = h.copy()
-            index = np.arange(phi.shape[1], joint.shape[1])
+            index = np.arange(linear, len(h))
             damped[index, index] += damping
             whole = np.linalg.lstsq(damped, g, rcond=1e-12)[0]
-            if whole @ (2.0 * g - h @ whole) <= enough * cost:
+            promised = whole @ (2.0 * g - h @ whole)
+            if promised <= enough * at.cost:
                 break  # not even the linear model of the residual promises more
-            step = limited(problem, theta, whole[phi.shape[1] :] / sizes)
+            step = limited(problem, theta, whole[linear:] / sizes)
             trial = clipped(problem, theta + step)
-            new_cost, new_c, new_y, new_phi = cost_at(problem, trial)
-            if new_cost < cost:
-                improved = True
+            tried = solved_at(problem, trial)
+            if tried.cost < at.cost:
+                new = tried
                 break
             damping *= 10
-        if not improved:
+        if new is None:
             break
-        gain, enough = (cost - new_cost) / cost, tolerance
-        theta, cost, c, y, phi = trial, new_cost, new_c, new_y, new_phi
-        tangents = slopes(problem, theta, c, y, phi)
-        damping = max(damping / 10, 1e-9)
-        if gain < tolerance:
+        gained, enough = at.cost - new.cost, tolerance
+        if gained > TRUSTED * promised:  # else the next step would be as long as one that was refused
+            damping = max(damping / 10, 1e-9)
+        done = gained < tolerance * at.cost
+        theta, at = trial, new
+        tangents = slopes(problem, theta, at.c, at.y, at.phi)
+        if done:
             break
-    return Solution(theta, c, y, phi, cost, tangents)
+    return Solution(theta, at.c, at.y, at.phi, at.cost, tangents)
+
+
+def normal_equations(at: At, tangents: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return (g, h, sizes) of a joint Gauss-Newton step in (c, theta), the linear part may move along: h step = g.
+
+    Columns are of unit length; sizes (k,) are the tangents' own.
+    """
+    norms, sizes = np.sqrt(np.diag(at.gram)), scales(tangents)
+    norms = np.concatenate([np.where(norms > 0.0, norms, 1.0), sizes])
+    e, across = at.y - at.phi @ at.c, at.phi.T @ tangents
+    h = np.block([[at.gram, across], [across.T, tangents.T @ tangents]])
+    return np.concatenate([at.phi.T @ e, tangents.T @ e]) / norms, h / np.outer(norms, norms), sizes
 
 
 def limited(problem: Problem, theta: np.ndarray, step: np.ndarray) -> np.ndarray:

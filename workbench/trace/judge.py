@@ -19,6 +19,10 @@ from workbench.trace.state import Refitted, State
 SHARE = 0.05  # of the residual's power that an effect must explain on held-out blocks
 CERTAIN = 3.0  # standard errors by which its gain must differ from zero
 LEADING = 6  # candidates that are fitted again with everything free
+LOST = (
+    0.4  # of a first fit's gain, on held-out blocks, from which its folds are followed: what leads is looked at again
+)
+FURTHER = 12  # steps of these fits: where more would be wanted, shape parameters are hard to tell apart
 BEHIND = 0.4  # of the best one's gain, below which a candidate is not
 EQUAL = 0.1  # standard errors of a gain within which two effects as simple explain the same
 ALIKE = 2.0  # standard errors of a gain over another candidate within which the two are told apart by their simplicity
@@ -56,7 +60,7 @@ def judged(state: State, suspect: Suspect) -> dict:
         whole = float(np.sqrt(state.errors.total / state.power))
         hopeless = Candidate(suspect.effect, suspect.at, suspect.kind, 0.0, 0.0, whole, whole, False, sentence)
         return {"candidate": hopeless, "errors": state.errors, "freedom": state.freedom}
-    errors = held_out(problem, solution, state.solution.cost)
+    errors = held_out(problem, solution, state.solution.cost, LOST)
     return {
         "candidate": scored(state, suspect, errors, solution.cost),
         "errors": errors,
@@ -69,7 +73,7 @@ def judged(state: State, suspect: Suspect) -> dict:
 def refitted(state: State, j: Judgement) -> dict:
     """Fit a suspect with everything free: what changes of its judgement, as plain data; nothing where that has no value."""
     try:
-        after = State(free_of(state, j).plant, state.passes, j.theta, base=state.solution.cost)
+        after = State(free_of(state, j).plant, state.passes, j.theta, base=state.solution.cost, most=FURTHER)
     except NoValue:
         return {}
     candidate = scored(state, j.suspect, after.errors, after.solution.cost)
@@ -101,7 +105,8 @@ def scored(state: State, suspect: Suspect, errors: HeldOut, cost: float) -> Cand
 def step(state: State, progress: Progress, offer: Offer = WHOLE) -> list[Judgement]:
     """Judge every suspect that is offered; return them best first, those that lead fitted with everything free."""
     suspects = offer.suspects(state.plant)
-    _ = state.power, state.residuals, state.absorbed  # made here, else by every process for itself
+    # made here, else by every process for itself
+    _ = state.power, state.residuals, state.absorbed, state.solution.columns, state.solution.gram
     judgements = []
     for suspect, found in zip(suspects, shared(lambda s: judged(state, s), suspects), strict=True):
         progress(f"trying {suspect.key}")

@@ -38,8 +38,10 @@ def jumps(residual: np.ndarray, t: np.ndarray, drive: np.ndarray, floor: np.ndar
         LEAST * float(np.sum(residual[rows] ** 2 - floor[rows] ** 2)), CERTAIN * float(np.mean(floor[rows] ** 2))
     )
 
+    levels = Levels(residual, drive, model)
+
     def fitted(found: list[int]) -> tuple[np.ndarray, np.ndarray]:
-        return levelled(residual, rows[np.sort([*starts, *found])], drive, model)
+        return levels.fitted(rows[np.sort([*starts, *found])])
 
     found: list[int] = []
     while len(found) < MOST:
@@ -67,21 +69,31 @@ def beside(
     """Return what a model leaves of a residual (N,) where its level may jump at these times, s, and from record to record."""
     rows, starts = records(t, drive)
     at = np.searchsorted(t[rows], times)
-    return levelled(residual, rows[np.unique([*starts, *at])], drive, model)[0]
+    return Levels(residual, drive, model).fitted(rows[np.unique([*starts, *at])])[0]
 
 
-def levelled(
-    residual: np.ndarray, begins: np.ndarray, drive: np.ndarray, model: Deviations
-) -> tuple[np.ndarray, np.ndarray]:
-    """Return what the model with a level of its own in each segment leaves, and the levels. begins: first rows of segments."""
-    segment = np.searchsorted(begins, np.arange(residual.size), "right")
-    levels = np.zeros((residual.size, int(segment.max())))
-    levels[np.arange(residual.size), np.maximum(segment, 1) - 1] = np.where(drive, 1.0, -1.0)
-    columns = np.hstack([model.columns, levels])
-    gram = columns.T @ columns
-    gram[np.diag_indices_from(gram)] += 1e-9 * np.trace(gram) / len(gram)
-    d = np.linalg.solve(gram, columns.T @ residual)
-    return residual - columns @ d, d[model.columns.shape[1] :]
+class Levels:
+    """Fits of a model whose level may differ from segment to segment, from running sums of its columns.
+
+    residual, drive: (N,), as of `jumps`.
+    """
+
+    def __init__(self, residual: np.ndarray, drive: np.ndarray, model: Deviations):
+        self.residual, self.columns = residual, model.columns
+        self.sign = np.where(drive, 1.0, -1.0)
+        self.gram, self.moment = model.columns.T @ model.columns, model.columns.T @ residual
+        signed = np.column_stack([model.columns, residual]) * self.sign[:, None]
+        self.sums = np.vstack([np.zeros(signed.shape[1]), np.cumsum(signed, axis=0)])
+
+    def fitted(self, begins: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return what the model with a level of its own in each segment leaves, and the levels. begins: first rows of segments."""
+        edges = np.array([0, *begins[1:], self.residual.size])
+        counts, within = np.diff(edges), np.diff(self.sums[edges], axis=0)
+        gram = np.block([[self.gram, within[:, :-1].T], [within[:, :-1], np.diag(counts)]])
+        gram[np.diag_indices_from(gram)] += 1e-9 * np.trace(gram) / len(gram)
+        d = np.linalg.solve(gram, np.concatenate([self.moment, within[:, -1]]))
+        deviation, levels = np.split(d, [len(self.gram)])
+        return self.residual - self.columns @ deviation - self.sign * np.repeat(levels, counts), levels
 
 
 def best_split(x: np.ndarray, edges: list[int]) -> tuple[float, int]:

@@ -6,14 +6,15 @@ candidates are fitted in earnest, and only those that lead are fitted again with
 """
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
 from workbench.effect import FORCE, Effect
-from workbench.identify.problem import Name, Problem, stacked
-from workbench.identify.solve import Solution
+from workbench.identify.problem import Problem, stacked
+from workbench.identify.solve import Solution, solved_at
 from workbench.plant import Plant
-from workbench.trace.score import shape_room
+from workbench.trace.score import from_normal, shape_room
 
 
 class Linearised(Problem):
@@ -48,31 +49,73 @@ class Linearised(Problem):
 
     def with_one_more(self, theta: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Assemble a force beside a present model, whose own balance and columns stay what they are."""
+        own, fixed = self.of_one_more(theta)
+        phi = np.empty((fixed.size, own.shape[1] + self.solution.columns.shape[1]), order="F")
+        phi[:, self.at_own], phi[:, self.at_present] = own, self.solution.columns
+        return self.solution.y - fixed, phi
+
+    @cached_property
+    def at_own(self) -> list[int]:
+        """Where among all columns those of a force beside the present model stand."""
+        return [i for i, n in enumerate(self.free_linear) if n.key == self.beside.key]
+
+    @cached_property
+    def at_present(self) -> list[int]:
+        """Where among all columns those of the present model stand: linear ones, then tangents."""
+        at = {n: i for i, n in enumerate(self.free_linear)}
+        return [at[n] for n in self.base.free_linear] + [len(at) + k for k in range(len(self.base.free_shape))]
+
+    def of_one_more(self, theta: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return a force's own columns (N, free) in the order of its names, and what of it is fixed, (N,)."""
         effect, needed = self.with_shape(theta)[self.beside.key], self.beside.needed
         part = replace(self.plant, effects=(*needed, effect))
-        linear, tangents = self.solution.phi, self.solution.tangents
-        y = np.array(self.solution.y)
-        phi = np.empty((y.size, len(self.free_linear) + tangents.shape[1]), order="F")
-        at = {n: i for i, n in enumerate(self.free_linear)}
-        for k, name in enumerate(self.base.free_linear):
-            phi[:, at[name]] = linear[:, k]
-        phi[:, len(at) :] = tangents
+        at = {self.free_linear[i].parameter: k for k, i in enumerate(self.at_own)}
+        fixed = np.zeros(self.solution.y.size)
+        own = np.zeros((fixed.size, len(at)), order="F")  # a locked load has no balance: its columns stay zero there
         row = 0
         for p, length in zip(self.passes, self.lengths, strict=True):
             rows, keep = slice(row, row + length), p.motion.keep
-            for n in (n for n in at if n.key == effect.key):
-                phi[rows, at[n]] = 0.0
             for e, name, column in p.filtered(part):
                 if e.key != effect.key:
                     continue
-                index = at.get(Name(e.key, name))
                 values = stacked(column, keep) * self.base_scale
-                if index is None:
-                    y[rows] -= (e.parameters[name].value if name else 1.0) * values
+                if name in at:
+                    own[rows, at[name]] = values
                 else:
-                    phi[rows, index] = values
+                    fixed[rows] += (e.parameters[name].value if name else 1.0) * values
             row += length
-        return y, phi
+        return own, fixed
+
+    def cost(self, theta: np.ndarray) -> float:
+        """Return the squared residual with the linear parameters solved at a shape: infinite where it has no value.
+
+        Of a force beside a present model from products with that model's columns, none of which is copied, and from how far
+        that model gives way: what nothing determines stays.
+        """
+        if self.beside is None:
+            return solved_at(self, theta).cost
+        own, fixed = self.of_one_more(theta)
+        present, left = self.solution.columns, self.solution.residual - fixed
+        with np.errstate(all="ignore"):
+            across, gram, moment = present.T @ own, own.T @ own, np.concatenate([present.T @ left, own.T @ left])
+        if not (np.isfinite(gram).all() and np.isfinite(across).all() and np.isfinite(moment).all()):
+            return np.inf
+        whole = np.block([[self.solution.gram, across], [across.T, gram]])
+        norms = np.sqrt(np.diag(whole))
+        norms = np.where(norms > 0.0, norms, 1.0)
+        lower, upper = self.room_of_one_more
+        d = from_normal(whole / np.outer(norms, norms), moment / norms, lower * norms, upper * norms) / norms
+        left = left - present @ d[: present.shape[1]] - own @ d[present.shape[1] :]
+        return float(left @ left)
+
+    @cached_property
+    def room_of_one_more(self) -> tuple[np.ndarray, np.ndarray]:
+        """By how much the present model may give way, and what a force beside it may be: columns in that order."""
+        order = [*self.at_present, *self.at_own]
+        lower, upper = (bound[order] for bound in self.bounds)
+        solved = np.zeros(len(order))
+        solved[: self.solution.c.size] = self.solution.c
+        return np.minimum(lower - solved, 0.0), np.maximum(upper - solved, 0.0)
 
     @property
     def free(self) -> Problem:

@@ -38,9 +38,8 @@ class Deviations:
     """
 
     def __init__(self, problem: Problem, solution: Solution):
-        columns = np.hstack([solution.phi, solution.tangents])
-        norms = scales(columns)
-        self.columns, self.norms = columns / norms, norms
+        norms = scales(solution.columns)
+        self.columns, self.norms = solution.columns / norms, norms
         lower, upper = problem.bounds
         least, most = shape_room(problem, solution.theta)
         self.lower = np.concatenate([np.minimum(lower - solution.c, 0.0), least]) * norms
@@ -56,12 +55,12 @@ class Deviations:
         return residual - self.columns @ self.best(kept.T @ kept, kept.T @ residual[~out])
 
 
-def held_out(problem: Problem, solution: Solution, base: float = 0.0) -> HeldOut:
+def held_out(problem: Problem, solution: Solution, base: float = 0.0, astray: float = ASTRAY) -> HeldOut:
     """Return the held-out squared error of every block.
 
     Each fold estimates its deviation from the common solution, so that a direction which the rest of the data does not
-    determine keeps the common value. Where much is lost of what the fit gains on `base`, the squared error of another model,
-    each fold is followed in earnest.
+    determine keeps the common value. Where more than the share `astray` is lost of what the fit gains on `base`, the squared
+    error of another model, each fold is followed in earnest.
     """
     model = Deviations(problem, solution)
     columns, target = model.columns, solution.residual
@@ -77,7 +76,7 @@ def held_out(problem: Problem, solution: Solution, base: float = 0.0) -> HeldOut
         for i in out:
             errors[i] = powers[i] - 2 * d @ moments[i] + d @ grams[i] @ d
     gained, lost = base - solution.cost, errors.sum() - solution.cost
-    if solution.theta.size and gained > WORTH * base and lost > ASTRAY * gained:
+    if solution.theta.size and gained > WORTH * base and lost > astray * gained:
         for (out, rest), step in zip(parted(len(blocks)), steps, strict=True):
             left = followed(problem, solution, step, np.concatenate([np.r_[blocks[i]] for i in rest]))
             for i in out:

@@ -7,7 +7,7 @@ import numpy as np
 
 from workbench.identify.passes import Passes
 from workbench.identify.problem import Problem, to_search
-from workbench.identify.solve import Solution, cost_at, solve
+from workbench.identify.solve import Solution, solve
 from workbench.parameter import Parameter
 from workbench.plant import Plant
 from workbench.trace.candidates import ADDITION, Suspect
@@ -17,7 +17,7 @@ from workbench.trace.starts import resolved, starts
 ROUGH = 1e-3  # relative decrease of the cost at which a start has shown what it is worth
 LEVEL = 1.002  # cost within which two starts have come to the same fit
 SLOWEST = 10.0  # delay or lag over 1/(2 pi) of the evaluation band's shortest period, at most
-HOPELESS = 2e-3  # of the residual's power, that a start must explain or promise to be refined further
+HOPELESS = 4e-3  # of the residual's power, that a start must explain or promise to be refined further
 REFINED = 2  # starts that are refined: the cheapest by their linear fit alone, if they are no worse than no effect
 WORSE = 1.0 + 1e-9  # cost over that of the present model from which a start is worse than none
 
@@ -62,7 +62,7 @@ def worth(problem: Linearised, options: Sequence[np.ndarray]) -> list[float]:
         same = len(costs) == REFINED and np.isfinite(costs).all() and max(costs) <= WORSE * min(costs)
         if same and problem.beside is None:
             break
-        costs.append(cost_at(problem, theta)[0])
+        costs.append(problem.cost(theta))
     return costs
 
 

@@ -87,14 +87,16 @@ def strokes(passes: Sequence[Passes], plant: Plant, at: str) -> list[float]:
     return list(np.geomspace(least, most, many)) if many > 1 else [most]
 
 
-def grid(scale: str, passes: Sequence[Passes], residuals: Sequence[np.ndarray], plant: Plant, at: str) -> list[float]:
-    """Return start values for one shape parameter of an effect at a place, in SI."""
+def grid(
+    scale: str, passes: Sequence[Passes], residuals: Sequence[np.ndarray], plant: Plant, effect: Effect
+) -> list[float]:
+    """Return start values for one shape parameter of an effect, in SI."""
     motions = [p.motion for p in passes]
     if scale == "speed":
         top = max(float(np.abs(m.v).max()) for m in motions)
         return list(top * np.array([0.003, 0.01, 0.03, 0.07, 0.15, 0.3]))
     if scale == "stroke":
-        return strokes(passes, plant, at)
+        return strokes(passes, plant, effect.at)
     if scale == "time":
         return list(min(m.dt for m in motions) * np.array([0.1, 0.5, 1.5, 4.0]))
     if scale == "rate":
@@ -103,15 +105,15 @@ def grid(scale: str, passes: Sequence[Passes], residuals: Sequence[np.ndarray], 
     if scale == "order":
         travel = max(float(np.ptp(m.q)) for m in motions)
         most = resolved(passes)
+        if "dir" in effect.reads:  # to and fro cancel in the spectrum of what changes sign with the way
+            residuals = [np.sign(p.motion.v) * r for p, r in zip(passes, residuals, strict=True)]
         found = peaks(*order_spectrum(passes, residuals), travel, most)
-        # a ripple of friction changes sign with the way, and to and fro cancel in the spectrum of the residual itself
-        turned = [np.sign(p.motion.v) * r for p, r in zip(passes, residuals, strict=True)]
-        found += [k for k in peaks(*order_spectrum(passes, turned), travel, most) if k not in found]
+        halves = [f / 2 for f in found]  # a peak may be the second harmonic
         if plant.rotary:  # orders that a motor behind a gear makes; the spectrum decides among them
             ratio, pairs = plant.geometry.gear_ratio, plant.geometry.pole_pairs
             known = {1.0, 2.0, ratio, 2 * ratio, pairs * ratio, 2 * pairs * ratio, 6 * pairs * ratio}
             found += sorted(k for k in known if 2 * np.pi < k * travel and k <= most)
-        return found + [f / 2 for f in found[: 2 * PEAKS]]  # a peak may be the second harmonic
+        return found + halves
     return []
 
 
@@ -147,7 +149,7 @@ def starts(
     grids = []
     for n in free:
         p = effect.parameters[n]
-        values = [float(np.clip(v, p.lower, p.upper)) for v in grid(p.scale, passes, residuals, plant, effect.at)] or [
+        values = [float(np.clip(v, p.lower, p.upper)) for v in grid(p.scale, passes, residuals, plant, effect)] or [
             p.value
         ]
         if p.scale == "time" and p.value == 0.0:

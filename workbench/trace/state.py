@@ -15,14 +15,14 @@ from workbench.trace.floor import calm
 from workbench.trace.score import HeldOut, held_out
 
 ALIKE_RATES = 1e-6  # relative difference of two sample times that are one: a record's comes from its stamps
-SETTLED = 1e-6  # relative decrease of the cost at which a fit is as good as it is judged
+SETTLED = 1e-4  # relative decrease of the cost at which a fit is as good as it is judged
 
 
 class State:
     """A plant with its solution on the thinned identification records, and its held-out errors.
 
     theta: where the search starts. solved: it has ended there before, and only its columns are wanted again. base: squared
-    error of the model that this one is compared with.
+    error of the model that this one is compared with. most: steps of the search.
     """
 
     def __init__(
@@ -33,10 +33,11 @@ class State:
         *,
         solved: bool = False,
         base: float = 0.0,
+        most: int = ITERATIONS,
     ):
         self.passes = passes
         self.problem = Problem(plant, passes)
-        self.solution = solve(self.problem, theta, SETTLED, most=0 if solved else ITERATIONS)
+        self.solution = solve(self.problem, theta, SETTLED, most=0 if solved else most)
         self.plant = self.problem.with_linear(self.problem.with_shape(self.solution.theta), self.solution.c)
         self.errors: HeldOut = held_out(self.problem, self.solution, base)
 
@@ -53,8 +54,7 @@ class State:
     @cached_property
     def absorbed(self) -> np.ndarray:
         """Orthonormal columns (N, r): what this model can absorb, to first order in its shape parameters."""
-        columns = np.hstack([self.solution.phi, self.solution.tangents])
-        columns = columns / scales(columns)
+        columns = self.solution.columns / scales(self.solution.columns)
         left, singular, _ = np.linalg.svd(columns, full_matrices=False)
         return left[:, singular > 1e-7 * max(singular[:1], default=0.0)]
 

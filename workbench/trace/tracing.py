@@ -28,7 +28,7 @@ from workbench.trace.verdict import cause, left_over, not_carried, verdict_sente
 from workbench.trace.whole import in_turn, on_whole
 
 STEPS = 4  # effects added at most
-PROMISE = 0.01  # of the residual's power, from which a candidate is asked again when others are taken out
+PROMISE = 0.05  # of the residual's power, from which a candidate is asked again when others are taken out
 
 
 @dataclass(frozen=True)
@@ -105,15 +105,15 @@ def trace(
     progress("looking for where the residual lives")
     greedy = Answer([s.added for s in steps if s.added is not None], declared)
     least = levels(passes, plant, declared.steady)
-    start = identify(plant, passes)
-    answer, fits, level = Answer([], declared), [start], least
+    answer, fits, level = Answer([], declared), [], least
     unexplained = unknown(declared, greedy.last, least, levels(passes, greedy.last.plant, greedy.last.steady))
     if not dressed(unexplained, greedy, lambda: on_whole(greedy.last, whole), least, passes):
-        asked, made = settled(declared, greedy, start, passes, looked, progress, offer)
+        asked, fits = settled(declared, greedy, passes, looked, progress, offer)
         own = levels(passes, asked.last.plant, asked.last.steady)
         unexplained = unknown(declared, asked.last, least, own)
-        if not dressed(unexplained, asked, lambda: made[-1].identification, lower(least, own), passes):
-            answer, fits, level = asked, made, own
+        if not dressed(unexplained, asked, lambda: fits[-1].identification, lower(least, own), passes):
+            answer, level = asked, own
+    fits = fits[: len(answer.added) + 1] or [identify(plant, passes)]
     added, last, after = answer.added, answer.last, fits[-1]
     floor = noise_floor(passes, level)
     if after.identification < LEFT * floor[IDENTIFICATION]:
@@ -141,7 +141,6 @@ def trace(
 def settled(
     declared: State,
     greedy: Answer,
-    start: Fit,
     passes: Sequence[Passes],
     looked: list[list[Judgement]],
     progress: Progress,
@@ -153,9 +152,9 @@ def settled(
     if len(greedy.added) > 1:
         answer = revised(greedy, declared.plant, looked, progress, offer)
     progress("fitting the extended model")
-    fits = in_turn(start, answer.added, answer.last.plant, passes)
+    fits = in_turn(declared.problem.plant, answer.added, answer.last.plant, passes)
     if len(fits) <= len(answer.added) and answer is not greedy:
-        answer, fits = greedy, in_turn(start, greedy.added, greedy.last.plant, passes)
+        answer, fits = greedy, in_turn(declared.problem.plant, greedy.added, greedy.last.plant, passes, fits[0])
     if len(fits) <= len(greedy.added) and answer is greedy:
         answer = Answer(greedy.added[: len(fits) - 1], declared)
     return answer, fits

@@ -9,6 +9,7 @@ from workbench.identify.bodies import POSITION
 from workbench.identify.passes import Passes, balances
 from workbench.identify.result import Fit
 from workbench.plant import TWO_MASS, Plant
+from workbench.processes import shared
 from workbench.record import IDENTIFICATION
 from workbench.trace.maps import Map, maps, over_time, pooled
 from workbench.trace.places import Place, explained, places, sentence
@@ -61,16 +62,20 @@ def where(passes: Sequence[Passes], found: Trace) -> tuple[Where, ...]:
     """
     chosen = identifying(passes)
     declared, extended = found.before, found.after if found.causes else None
-    answers = [drives(chosen, declared, extended)]
+    parts = [lambda: drives(chosen, declared, extended), lambda: of_angle(passes, chosen, declared, extended)]
+    return tuple(w for w in shared(lambda part: part(), parts) if w is not None)
+
+
+def of_angle(passes: Sequence[Passes], chosen: Sequence[Passes], declared: Fit, extended: Fit | None) -> Where | None:
+    """Return where the residual of the angle lives; None of one mass, or where the joint has no stiffness."""
     moving = [p for p in chosen if declared.plant.kind == TWO_MASS and p.rows(declared.plant) == 2]
-    if moving:
-        fits = [fit for fit in (declared, extended) if fit is not None]
-        left = [angle_residual(moving, fit.plant) for fit in fits]
-        if all(r is not None for r in left):
-            errors = [load_errors(passes, fit.plant) for fit in fits]
-            load = {role: tuple(e[role] for e in errors) for role in errors[0]}
-            answers.append(replace(angles(moving, declared, left), load=load))
-    return tuple(answers)
+    fits = [fit for fit in (declared, extended) if fit is not None]
+    left = [angle_residual(moving, fit.plant) for fit in fits] if moving else []
+    if not left or any(r is None for r in left):
+        return None
+    errors = [load_errors(passes, fit.plant) for fit in fits]
+    load = {role: tuple(e[role] for e in errors) for role in errors[0]}
+    return replace(angles(moving, declared, left), load=load)
 
 
 def identifying(passes: Sequence[Passes]) -> list[Passes]:

@@ -2,14 +2,20 @@
 
 from collections.abc import Sequence
 
-from workbench.identify.fit import identify
+import numpy as np
+
+from workbench.identify.fit import fitted_on, identify
 from workbench.identify.passes import Passes
+from workbench.identify.problem import Problem
 from workbench.identify.result import Fit
+from workbench.identify.solve import ITERATIONS, TOLERANCE, NoValue, solve
 from workbench.plant import TWO_MASS, Plant
+from workbench.processes import shared
 from workbench.trace.candidates import brought
-from workbench.trace.judge import SHARE, Judgement
+from workbench.trace.judge import FURTHER, SHARE, Judgement
 from workbench.trace.state import State
 
+SETTLED = 1e-5  # relative decrease of the cost at which a fit on whole records is as good as it is compared
 RISEN = 1.05  # of the drive's error, from which it has plainly risen
 
 
@@ -20,23 +26,44 @@ def on_whole(state: State, whole: Sequence[Passes]) -> float:
     return (left / found.power) ** 0.5 if found.power > 0.0 else 0.0
 
 
-def in_turn(start: Fit, added: Sequence[Judgement], found: Plant, passes: Sequence[Passes]) -> list[Fit]:
-    """Return `start` and the fits with one more effect each, up to the first that explains nothing on whole records.
+def in_turn(
+    declared: Plant, added: Sequence[Judgement], found: Plant, passes: Sequence[Passes], start: Fit | None = None
+) -> list[Fit]:
+    """Return the fit of the declared plant and those with one more effect each, up to the first that explains nothing on
+    whole records.
 
-    found: the plant that the search ended with.
+    found: the plant that the search ended with. start: the first fit, where it is known.
     The search looks at thinned records and compares commands; a fit of the drive itself has the last word. It starts from the
     values that the search ended with, because a declared model that lacks much is fitted to values far from the machine's;
     and from the fit before it where that comes to nothing.
     """
-    fits = [start]
+    plants = [declared]
     for j in added:
+        plants.append(valued(brought(plants[-1], j.suspect, found), found))
+    first = start is not None
+    # no search needs another one's result
+    ends = shared(
+        lambda k: end_of(plants[k], passes, *((SETTLED, FURTHER) if k else (TOLERANCE, ITERATIONS))),
+        range(first, len(plants)),
+    )
+    fits = [start or identify(declared, passes, next(ends), solved=True)]
+    for j, end in zip(added, ends, strict=True):
         plant = brought(fits[-1].plant, j.suspect, found)
-        tried = (identify(p, passes) for p in (valued(plant, found), plant))
+        again = ((valued(plant, found), end), (plant, None))
+        tried = (identify(p, passes, theta, solved=theta is not None) for p, theta in again)
         better = next((fit for fit in tried if borne_out(fits[-1], fit)), None)
         if better is None:
             break
         fits.append(better)
     return fits
+
+
+def end_of(plant: Plant, passes: Sequence[Passes], tolerance: float, most: int) -> np.ndarray | None:
+    """Return where the search on whole records ends, on the search scale; None where the plant has no value on them."""
+    try:
+        return solve(Problem(plant, fitted_on(passes)), None, tolerance, most=most).theta
+    except NoValue:
+        return None
 
 
 def borne_out(before: Fit, after: Fit) -> bool:

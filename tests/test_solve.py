@@ -1,0 +1,116 @@
+"""The linear algebra of fits: bounded least squares, tangents, and what a force beside a solved model comes to."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from workbench.effect import find
+from workbench.identify.fit import passes_of
+from workbench.identify.problem import Problem
+from workbench.identify.shift import LAGRANGE, between, weights
+from workbench.identify.solve import bounded, solve, solved_at
+from workbench.plant import TWO_MASS, Plant
+from workbench.record import IDENTIFICATION, Record, Source
+from workbench.trace.candidates import suspects
+from workbench.trace.linearised import Linearised
+
+DT, BAND = 1e-3, 100.0
+
+
+def passes():
+    """Two encoders and a joint, 3 s at 1 kHz; what drives it is nothing special."""
+    t = DT * np.arange(3000)
+    q = 0.8 * np.sin(2.1 * t) + 0.1 * np.sin(17.0 * t + 0.3)
+    torque = 0.02 * np.cos(5.0 * t) + 0.3 * np.sin(2.0 * t) + 0.02 * np.random.default_rng(3).normal(size=t.size)
+    channels = {"torque": torque, "position": q + torque / 200.0, "load_position": q}
+    counts = {"position": 1e-5, "load_position": 1e-5}
+    return passes_of([Record("made", IDENTIFICATION, t, channels, {}, Source("made", "", "made", {}), counts)], BAND)
+
+
+def plant() -> Plant:
+    made = Plant(TWO_MASS) + find("inertia")(at="motor") + find("inertia")(at="load") + find("linear_stiffness")
+    return made + find("presliding_hysteresis")(at="motor", h0=0.02, x0=2e-3) + find("viscous_friction")(at="load")
+
+
+@pytest.mark.parametrize("apart", [1e-2, 1e-4, 1e-5, 1e-6, 1e-9])
+def test_columns_that_are_nearly_alike_are_fitted_as_by_an_orthogonal_decomposition(apart):
+    rng = np.random.default_rng(1)
+    phi = rng.normal(size=(4000, 6))
+    phi[:, 1] = phi[:, 0] + apart * rng.normal(size=4000)
+    y = phi @ rng.normal(size=6) + 0.1 * rng.normal(size=4000)
+    free = np.full(6, np.inf)
+    exact = np.linalg.lstsq(phi, y, rcond=None)[0]
+    found = bounded(phi, y, -free, free)
+    determined = (
+        apart >= 1e-6
+    )  # else what tells the two apart is below the accuracy of the columns, and is not looked for
+    same = pytest.approx(np.linalg.norm(y - phi @ exact), rel=1e-12 if determined else 1e-3)
+    assert np.linalg.norm(y - phi @ found) == same
+    if determined:
+        np.testing.assert_allclose(found, exact, atol=1e-6 * np.abs(exact).max())
+
+
+def test_bounds_hold_where_columns_are_nearly_alike():
+    rng = np.random.default_rng(2)
+    phi = rng.normal(size=(500, 3))
+    phi[:, 1] = phi[:, 0] + 1e-5 * rng.normal(size=500)
+    y = 3.0 * phi[:, 0] - 2.0 * phi[:, 1] + phi[:, 2]
+    found = bounded(phi, y, np.zeros(3), np.full(3, 10.0))
+    assert np.all(found >= 0.0)
+    np.testing.assert_allclose(phi @ found, phi[:, 0] + phi[:, 2], atol=1e-3)
+
+
+@pytest.mark.parametrize(
+    "missing",
+    [
+        find("clock_skew")(at="sensor.load_position", offset=1e-3),
+        find("actuator_lag")(time_constant=2e-3),
+        find("encoder_eccentricity")(at="sensor.position"),
+        find("stribeck_friction")(at="load"),
+        find("presliding_hysteresis")(at="joint", x0=1e-3),
+    ],
+    ids=lambda e: e.key,
+)
+def test_tangents_are_what_a_step_changes_of_everything_assembled(missing):
+    problem = Problem(plant() + missing, passes())
+    theta = problem.start()
+    at = solved_at(problem, theta)
+    c = at.c + 0.01 * np.abs(at.c)
+    found = problem.tangents(theta, c, at.y, at.phi)
+    for k in range(theta.size):
+        step = np.zeros(theta.size)
+        step[k] = 1e-7 if problem.parameter(problem.free_shape[k]).scale == "time" else 1e-5
+        (y1, phi1), (y0, phi0) = problem.assemble(theta + step), problem.assemble(theta - step)
+        expected = ((phi1 - phi0) @ c - (y1 - y0)) / (2 * step[k])
+        close = np.linalg.norm(found[:, k] - expected) <= 2e-2 * np.linalg.norm(expected) + 1e-9 * np.linalg.norm(at.y)
+        assert close, problem.free_shape[k]
+
+
+def test_what_a_force_beside_a_solved_model_comes_to_is_that_of_the_whole_problem():
+    """Read off products with the model's columns, for every force of the catalogue, at its default shape."""
+    base = Problem(plant(), passes())
+    solution = solve(base)
+    tried = 0
+    for suspect in suspects(plant()):
+        problem = Linearised(suspect.plant, base, solution)
+        if problem.beside is None:
+            continue
+        tried += 1
+        theta = problem.start()
+        assert problem.cost(theta) == pytest.approx(solved_at(problem, theta).cost, rel=1e-6), suspect.key
+    assert tried > 15
+
+
+@given(st.floats(0.0, 1.0, exclude_max=True))
+@settings(max_examples=30, deadline=None)
+def test_interpolation_is_exact_for_what_eight_points_determine(u):
+    found = weights(u)
+    points = np.arange(1 - LAGRANGE // 2, LAGRANGE // 2 + 1)
+    for power in range(LAGRANGE):
+        assert np.dot(found, points.astype(float) ** power) == pytest.approx(u**power, abs=1e-9)
+
+
+def test_beyond_the_ends_a_signal_holds_its_first_and_last_value():
+    x = np.array([2.0, 3.0, 5.0, 7.0, 11.0, 13.0, 17.0, 19.0, 23.0, 29.0])
+    np.testing.assert_allclose(between(x, np.array([-9.0, 0.0, 4.0, 9.0, 30.5])), [2.0, 2.0, 11.0, 29.0, 29.0])
