@@ -3,13 +3,15 @@
 Counts are noise in the motion, from which every column of the model is made, and least squares lean on a noisy column: an
 inertia comes out too small, and setting a fixed one free explains a part of what the counts leave (errors in variables;
 Fuller, Measurement Error Models, 1987). So the present model is made the machine: it moves between the counts, its drive is
-what the model asks for, and its encoders read counts.
+what the model asks for, as is what drives its load, and its encoders read counts.
 """
 
 from collections.abc import Sequence
 from dataclasses import replace
 
-from workbench.identify.passes import Passes, predicted
+import numpy as np
+
+from workbench.identify.passes import Passes, balances, predicted
 from workbench.identify.solve import NoValue
 from workbench.motion import motion
 from workbench.plant import Plant
@@ -18,42 +20,53 @@ from workbench.trace.floor import read_again
 from workbench.trace.result import Candidate
 from workbench.trace.search import fitted, within_reach
 from workbench.trace.state import State
-from workbench.trace.thin import thin
+from workbench.trace.thin import thinned
+
+LOAD = "asked at the load"  # channel of what drives the load of a machine that is the present model
+
+
+class Sound(Passes):
+    """Passes of a machine that the present model is exact for, but for its counts: of two masses its load is driven, too."""
+
+    def filtered_drive(self, plant: Plant) -> np.ndarray:
+        drive = super().filtered_drive(plant)
+        if len(drive) > 1:
+            drive[1] = self.motion.filter(self.motion.record.channels[LOAD])
+        return drive
 
 
 def sound(passes: Sequence[Passes], plant: Plant) -> list[Passes]:
-    """Return passes of the records that this plant would leave, without noise of the drive; none where counts are unknown."""
+    """Return thinned passes of the records that this plant would leave, without noise of the drive; none where counts are
+    unknown."""
     found = []
     for p in passes:
         records = read_again(p)
         if records is None:
             return []
         band = p.motion.filter.bandwidth
-        true, read = records
-        drive = "torque" if "torque" in read.channels else "force"
-        asked = predicted(Passes(motion(true, band)), plant)
-        found.append(Passes(motion(replace(read, channels={**read.channels, drive: asked}), band)))
+        true, read = Passes(motion(records[0], band)), records[1]
+        made = {"torque" if "torque" in read.channels else "force": predicted(true, plant)}
+        if true.rows(plant) > 1:
+            made[LOAD] = balances(true, plant)[1]
+        found.append(Sound(motion(thinned(replace(read, channels={**read.channels, **made}), band), band)))
     return found
 
 
 def of_counts(suspect: Suspect, state: State, whole: Sequence[Passes]) -> float:
-    """Return the power that a suspect takes away of what counts alone leave of the drive, over that of the state's residual.
+    """Return the power that a suspect takes away of what counts alone leave, over that of the state's residual.
 
     whole: passes of the identification records as they are. 0 where nothing comes of it.
     """
-    made = thin(sound(whole, state.plant))
+    made = sound(whole, state.plant)
     if not made:
         return 0.0
     try:
         alone = State(within_reach(state.plant, made), made)  # whose travel is not quite that of the records
-        problem, solution = fitted(suspect, alone.problem, alone.solution, alone.residuals)
+        _, solution = fitted(suspect, alone.problem, alone.solution, alone.residuals)
     except NoValue:
         return 0.0
-    before, after = (
-        sum(float(part @ part) for part in p.drive_part(s.residual))
-        for p, s in ((alone.problem, alone.solution), (problem, solution))
-    )
-    return max(before - after, 0.0) / state.solution.cost if state.solution.cost > 0.0 else 0.0
+    taken = max(alone.solution.cost - solution.cost, 0.0)
+    return taken / state.solution.cost if state.solution.cost > 0.0 else 0.0
 
 
 def by_counts(c: Candidate, spurious: float) -> Candidate:
