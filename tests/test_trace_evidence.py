@@ -109,14 +109,23 @@ def test_an_inertia_set_free_explains_what_counts_leave_as_errors_in_variables_s
     assert shares[COARSE] > 0.1 and shares[FINE] < 0.2 * shares[COARSE]
 
 
-def test_what_counts_alone_explain_is_no_cause(tmp_path):
-    campaign = made(tmp_path, 303076, base="undamped", count=COARSE, noise=2.5e-3, rate=2000, band=200.0)
-    found = trace(
-        campaign.plant, passes_of(campaign.records, campaign.bandwidth), only=("inertia", "flexible_mode", "creep")
-    )
+@pytest.mark.parametrize(
+    "first, others, seed, measured",
+    [
+        ("inertia", ("flexible_mode", "creep"), 303076, {"count": COARSE, "noise": 2.5e-3, "rate": 2000, "band": 200.0}),
+        ("linear_damping", ("transport_delay", "actuator_lag"), 707072,
+         {"noise": 1.522088238775224e-3, "rate": 1000, "band": 100.0, "ratio": 30.0}),
+    ],
+    ids=["of the drive", "of the load"],
+)  # fmt: skip
+def test_what_counts_alone_explain_is_no_cause(tmp_path, first, others, seed, measured):
+    """An inertia leans on its noisy column in the drive's balance, a damping of the joint on what both encoders' counts make
+    of the deflection's rate in the load's."""
+    campaign = made(tmp_path, seed, base="undamped", **measured)
+    found = trace(campaign.plant, passes_of(campaign.records, campaign.bandwidth), only=(first, *others))
     assert found.verdict == NOTHING and found.added == ()
     best = found.ranked[0]
-    assert best.effect == "inertia" and not best.earns and "counts alone" in best.sentence
+    assert best.effect == first and not best.earns and "counts alone" in best.sentence
 
 
 # --- fast motion ----------------------------------------------------------------------------------------------------------
