@@ -1,5 +1,6 @@
 """What counts as evidence in a trace: of two effects at once, of noisy columns, of fast motion, of long steps of a fold."""
 
+from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -8,10 +9,12 @@ import pytest
 import rig
 
 from workbench.campaign import Campaign, load
+from workbench.effect import find
 from workbench.identify.fit import fitted_on, passes_of
 from workbench.identify.passes import Passes
 from workbench.identify.problem import Problem
-from workbench.trace.candidates import Suspect, suspects
+from workbench.plant import ONE_MASS, Plant
+from workbench.trace.candidates import Suspect, brought, suspects, without
 from workbench.trace.counted import of_counts
 from workbench.trace.greedy import Step, earned, promised
 from workbench.trace.judge import Judgement, judged, simplest_first
@@ -19,7 +22,7 @@ from workbench.trace.result import CAUSE, NOTHING, Candidate
 from workbench.trace.score import HeldOut, followed
 from workbench.trace.state import State
 from workbench.trace.thin import thin
-from workbench.trace.tracing import trace
+from workbench.trace.tracing import Answer, trace
 
 FINE, COARSE = rig.COUNT, 15.0 * rig.COUNT
 
@@ -86,6 +89,19 @@ def test_what_was_added_on_credit_goes_where_nothing_earns_its_place_after_it():
     kept = [Step([credit], credit, credit=True), Step([later], later), Step([], None)]
     assert earned(kept) == kept
     assert earned([Step([credit], None)]) == [Step([credit], None)]
+
+
+def test_an_effect_that_a_later_one_takes_the_place_of_is_no_cause():
+    """Coulomb friction comes first; once something else is in, friction with memory stands in its stead."""
+    declared = Plant(ONE_MASS) + find("inertia") + find("viscous_friction")
+    first = next(s for s in suspects(declared) if s.key == "coulomb_friction@axis")
+    last = next(s for s in suspects(first.plant) if s.instead and s.effect == "presliding_hysteresis")
+    added = [replace(judgement(0.5, 0.1), suspect=s, state=SimpleNamespace(plant=s.plant)) for s in (first, last)]
+    standing = Answer(added, SimpleNamespace(plant=declared)).standing
+    assert standing.added == added[1:]
+    names = {e.key for e in brought(declared, last, last.plant).effects}
+    assert names == {*(e.key for e in declared.effects), "presliding_hysteresis@axis"}
+    assert {e.key for e in without(last.plant, last, declared).effects} == {e.key for e in declared.effects}
 
 
 # --- noisy columns --------------------------------------------------------------------------------------------------------

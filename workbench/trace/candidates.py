@@ -121,8 +121,9 @@ def without(plant: Plant, suspect: Suspect, declared: Plant) -> Plant:
     if suspect.kind != ADDITION:
         return plant.swap(declared[suspect.key])
     plant = plant.without(suspect.key)
-    for key in suspect.instead:
-        plant = plant + declared[key]
+    for e in declared.effects:  # what it took the place of may itself have been added
+        if e.key in suspect.instead:
+            plant = plant + e
     return plant
 
 
@@ -131,6 +132,6 @@ def brought(plant: Plant, suspect: Suspect, last: Plant) -> Plant:
     effect = last[suspect.key]
     if suspect.kind != ADDITION:
         return plant.swap(effect)
-    for key in suspect.instead:
+    for key in {e.key for e in plant.effects} & {*suspect.instead}:
         plant = plant.without(key)
     return plant + effect

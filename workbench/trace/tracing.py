@@ -43,6 +43,12 @@ class Answer:
     def last(self) -> State:
         return self.revised or (self.added[-1].state if self.added else self.declared)
 
+    @property
+    def standing(self) -> "Answer":
+        """The answer without effects that a later one took the place of."""
+        held = {e.key for e in self.last.plant.effects}
+        return replace(self, added=[j for j in self.added if j.suspect.key in held])
+
 
 def revised(answer: Answer, declared: Plant, looked: list[list[Judgement]], progress: Progress, offer: Offer) -> Answer:
     """Ask of each effect but the last whether the later ones made it needless, or made another one the better answer.
@@ -67,7 +73,9 @@ def revised(answer: Answer, declared: Plant, looked: list[list[Judgement]], prog
         if best is None:
             fewer = Answer(rest, answer.declared, reduced)
             return revised(fewer, declared, looked, progress, offer) if len(rest) > 1 else fewer
-        answer = Answer([*rest[:i], best, *rest[i:]], answer.declared, best.state)
+        answer = Answer([*rest[:i], best, *rest[i:]], answer.declared, best.state).standing
+        if len(answer.added) <= len(rest):
+            return revised(answer, declared, looked, progress, offer)
     return answer
 
 
@@ -103,7 +111,7 @@ def trace(
     steps = extended(declared, whole, progress, most, offer)
     looked = [s.judgements for s in steps]
     progress("looking for where the residual lives")
-    greedy = Answer([s.added for s in steps if s.added is not None], declared)
+    greedy = Answer([s.added for s in steps if s.added is not None], declared).standing
     least = levels(passes, plant, declared.steady)
     answer, fits, level = Answer([], declared), [], least
     unexplained = unknown(declared, greedy.last, least, levels(passes, greedy.last.plant, greedy.last.steady))
