@@ -61,6 +61,19 @@ def test_bounds_hold_where_columns_are_nearly_alike():
     np.testing.assert_allclose(phi @ found, phi[:, 0] + phi[:, 2], atol=1e-3)
 
 
+def test_a_column_of_zeros_says_nothing_and_changes_nothing():
+    rng = np.random.default_rng(4)
+    phi = rng.normal(size=(300, 4))
+    y = rng.normal(size=300)
+    low, high = np.full(4, -np.inf), np.full(4, np.inf)
+    alone = bounded(phi, y, low, high)
+    more = np.insert(phi, 2, 0.0, axis=1)
+    found = bounded(more, y, np.insert(low, 2, 0.5), np.insert(high, 2, 3.0))
+    np.testing.assert_allclose(np.delete(found, 2), alone, rtol=1e-12)
+    assert found[2] == 0.5  # as small as its bounds let it be
+    assert np.all(bounded(np.zeros((5, 2)), np.ones(5), -np.ones(2), np.ones(2)) == 0.0)
+
+
 @pytest.mark.parametrize(
     "missing",
     [

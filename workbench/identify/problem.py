@@ -53,6 +53,18 @@ def stacked(balances: np.ndarray, keep: slice) -> np.ndarray:
     return found
 
 
+def needed_by(plant: Plant, key: str) -> Plant:
+    """Return what of a plant a change of one effect shows in: all of it, unless that is a force from which no other one reads.
+
+    Such a force needs the maps, and what gives the direction of motion at its place.
+    """
+    changed = plant[key]
+    if changed.port != fx.FORCE or changed.provides:
+        return plant
+    kept = (e for e in plant.effects if e.port != fx.FORCE or e.key == key or (e.at == changed.at and e.provides))
+    return replace(plant, effects=tuple(kept))
+
+
 class Problem:
     """`free_linear`, `free_shape`: what is searched, as Name; `fixed` linear parameters move to the measured side."""
 
@@ -149,10 +161,9 @@ class Problem:
             step = STEP if p.scale in LOGARITHMIC else self.step_of(p, theta[k])
             if from_search(p, theta[k] + step) >= p.upper:
                 step = -step
-            moved = theta.copy()
-            moved[k] += step
-            other = self.with_linear(self.with_shape(moved), c[: len(self.free_linear)])
-            more = np.concatenate([stacked(q.moved(plant, other), q.motion.keep) for q in self.passes])
+            part = needed_by(plant, name.key)
+            other = part.with_values({name.key: {name.parameter: from_search(p, theta[k] + step)}})
+            more = np.concatenate([stacked(q.moved(part, other), q.motion.keep) for q in self.passes])
             scale = self.command_scale(other)
             result[:, k] = ((scale / factor - 1.0) * base - scale * more) / step
         return result

@@ -62,23 +62,28 @@ def bounded(
     not well conditioned (Bjorck 1987, the corrected seminormal equations); QR where the factor is lost. Directions that the
     columns do not determine (below 1e-9 of the largest singular value) take the least norm.
     """
-    if phi.shape[1] == 0:
-        return np.zeros(0)
     gram, moment = normal or (phi.T @ phi, phi.T @ y)
-    norms = np.sqrt(np.diag(gram))
-    norms = np.where(norms > 0, norms, 1.0)
-    lower, upper = lower * norms, upper * norms
-    scaled = gram / np.outer(norms, norms)
+    seen = np.diag(gram) > 0.0  # a column of zeros says nothing, and its parameter stays as small as its bounds let it
+    c = np.clip(np.zeros(phi.shape[1]), lower, upper)
+    if not seen.any():
+        return c
+    norms = np.sqrt(np.diag(gram)[seen])
+    lower, upper = lower[seen] * norms, upper[seen] * norms
+    scaled = gram[np.ix_(seen, seen)] / np.outer(norms, norms)
     condition = np.linalg.cond(scaled)
     if not condition < CORRECTED:
-        q, r = np.linalg.qr(phi / norms)
-        return bounded_small(r, q.T @ y, lower, upper) / norms
+        q, r = np.linalg.qr(phi[:, seen] / norms)
+        c[seen] = bounded_small(r, q.T @ y, lower, upper) / norms
+        return c
     factor = np.linalg.cholesky(scaled)
-    c = bounded_small(factor.T, np.linalg.solve(factor, moment / norms), lower, upper)
+    found = bounded_small(factor.T, np.linalg.solve(factor, moment[seen] / norms), lower, upper)
     if condition >= WELL_CONDITIONED:
-        left = phi.T @ (y - phi @ (c / norms)) / norms
-        c = np.clip(c + bounded_small(factor.T, np.linalg.solve(factor, left), lower - c, upper - c), lower, upper)
-    return c / norms
+        c[seen] = found / norms
+        left = (phi.T @ (y - phi @ c))[seen] / norms
+        more = bounded_small(factor.T, np.linalg.solve(factor, left), lower - found, upper - found)
+        found = np.clip(found + more, lower, upper)
+    c[seen] = found / norms
+    return c
 
 
 def bounded_small(r: np.ndarray, b: np.ndarray, lower: np.ndarray, upper: np.ndarray) -> np.ndarray:

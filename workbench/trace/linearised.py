@@ -5,13 +5,12 @@ linear parameters, the tangents let the present model give way to a candidate at
 candidates are fitted in earnest, and only those that lead are fitted again with everything free.
 """
 
-from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 
-from workbench.effect import FORCE, Effect
-from workbench.identify.problem import Problem, stacked
+from workbench.effect import FORCE
+from workbench.identify.problem import Problem, needed_by, stacked
 from workbench.identify.solve import Solution, solved_at
 from workbench.plant import Plant
 from workbench.trace.score import from_normal, shape_room
@@ -57,7 +56,7 @@ class Linearised(Problem):
     @cached_property
     def at_own(self) -> list[int]:
         """Where among all columns those of a force beside the present model stand."""
-        return [i for i, n in enumerate(self.free_linear) if n.key == self.beside.key]
+        return [i for i, n in enumerate(self.free_linear) if n.key == self.beside]
 
     @cached_property
     def at_present(self) -> list[int]:
@@ -67,8 +66,7 @@ class Linearised(Problem):
 
     def of_one_more(self, theta: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return a force's own columns (N, free) in the order of its names, and what of it is fixed, (N,)."""
-        effect, needed = self.with_shape(theta)[self.beside.key], self.beside.needed
-        part = replace(self.plant, effects=(*needed, effect))
+        part = needed_by(self.with_shape(theta), self.beside)
         at = {self.free_linear[i].parameter: k for k, i in enumerate(self.at_own)}
         fixed = np.zeros(self.solution.y.size)
         own = np.zeros((fixed.size, len(at)), order="F")  # a locked load has no balance: its columns stay zero there
@@ -76,7 +74,7 @@ class Linearised(Problem):
         for p, length in zip(self.passes, self.lengths, strict=True):
             rows, keep = slice(row, row + length), p.motion.keep
             for e, name, column in p.filtered(part):
-                if e.key != effect.key:
+                if e.key != self.beside:
                     continue
                 values = stacked(column, keep) * self.base_scale
                 if name in at:
@@ -130,24 +128,15 @@ class Linearised(Problem):
         return np.array([start[n] for n in self.free.free_shape])
 
 
-@dataclass(frozen=True)
-class Beside:
-    """A force that is added, and what of the plant it needs: maps, and what gives the direction at its place."""
-
-    key: str
-    needed: tuple[Effect, ...]
-
-
-def beside(plant: Plant, base: Plant) -> Beside | None:
-    """Return the one force that `plant` has and `base` has not, or None where more than a force beside the others differs."""
+def beside(plant: Plant, base: Plant) -> str | None:
+    """Return the key of the one force that `plant` has and `base` has not, or None where more than a force beside the others
+    differs."""
     known = {e.key for e in base.effects}
     more = [e for e in plant.effects if e.key not in known]
     if len(more) != 1 or len(plant.effects) != len(base.effects) + 1:
         return None
     (new,) = more
-    if new.port != FORCE or new.provides:
-        return None
-    return Beside(new.key, tuple(e for e in plant.effects if e.port != FORCE or (e.at == new.at and e.provides)))
+    return new.key if new.port == FORCE and not new.provides else None
 
 
 def held(plant: Plant, base: Problem, theta: np.ndarray) -> Plant:

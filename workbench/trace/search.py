@@ -14,7 +14,7 @@ from workbench.trace.candidates import ADDITION, Suspect
 from workbench.trace.linearised import Linearised
 from workbench.trace.starts import resolved, starts
 
-ROUGH = 1e-3  # relative decrease of the cost at which a start has shown what it is worth
+ROUGH = 3e-3  # relative decrease of the cost at which a start has shown what it is worth
 LEVEL = 1.002  # cost within which two starts have come to the same fit
 SLOWEST = 10.0  # delay or lag over 1/(2 pi) of the evaluation band's shortest period, at most
 HOPELESS = 4e-3  # of the residual's power, that a start must explain or promise to be refined further
