@@ -22,6 +22,7 @@ LEADING = 6  # candidates that are fitted again with everything free
 LOST = (
     0.4  # of a first fit's gain, on held-out blocks, from which its folds are followed: what leads is looked at again
 )
+COMPARED = 1e-4  # relative decrease of the cost at which these fits are as good as they are compared
 FURTHER = 12  # steps of these fits: where more would be wanted, shape parameters are hard to tell apart
 BEHIND = 0.4  # of the best one's gain, below which a candidate is not
 EQUAL = 0.1  # standard errors of a gain within which two effects as simple explain the same
@@ -73,7 +74,9 @@ def judged(state: State, suspect: Suspect) -> dict:
 def refitted(state: State, j: Judgement) -> dict:
     """Fit a suspect with everything free: what changes of its judgement, as plain data; nothing where that has no value."""
     try:
-        after = State(free_of(state, j).plant, state.passes, j.theta, base=state.solution.cost, most=FURTHER)
+        after = State(
+            free_of(state, j).plant, state.passes, j.theta, base=state.solution.cost, most=FURTHER, tolerance=COMPARED
+        )
     except NoValue:
         return {}
     candidate = scored(state, j.suspect, after.errors, after.solution.cost)

@@ -15,14 +15,16 @@ from workbench.trace.floor import calm
 from workbench.trace.score import HeldOut, held_out
 
 ALIKE_RATES = 1e-6  # relative difference of two sample times that are one: a record's comes from its stamps
-SETTLED = 1e-4  # relative decrease of the cost at which a fit is as good as it is judged
+POLISHED = 3  # steps from a fit that led to one that others are judged beside
+SETTLED = 1e-6  # relative decrease of the cost at which a fit is as good as others are judged beside it
 
 
 class State:
     """A plant with its solution on the thinned identification records, and its held-out errors.
 
     theta: where the search starts. solved: it has ended there before, and only its columns are wanted again. base: squared
-    error of the model that this one is compared with. most: steps of the search.
+    error of the model that this one is compared with. most: steps of the search. tolerance: relative decrease of the cost at
+    which it stops.
     """
 
     def __init__(
@@ -34,10 +36,11 @@ class State:
         solved: bool = False,
         base: float = 0.0,
         most: int = ITERATIONS,
+        tolerance: float = SETTLED,
     ):
         self.passes = passes
         self.problem = Problem(plant, passes)
-        self.solution = solve(self.problem, theta, SETTLED, most=0 if solved else most)
+        self.solution = solve(self.problem, theta, tolerance, most=0 if solved else most)
         self.plant = self.problem.with_linear(self.problem.with_shape(self.solution.theta), self.solution.c)
         self.errors: HeldOut = held_out(self.problem, self.solution, base)
 
@@ -95,5 +98,5 @@ class Refitted:
 
     @property
     def state(self) -> State:
-        """The state that this fit ended in."""
-        return State(self.problem.plant, self.problem.passes, self.theta, solved=True)
+        """The state of this fit, which only led, brought to where others are judged beside it."""
+        return State(self.problem.plant, self.problem.passes, self.theta, most=POLISHED)

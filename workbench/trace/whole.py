@@ -12,7 +12,7 @@ from workbench.identify.solve import ITERATIONS, TOLERANCE, NoValue, solve
 from workbench.plant import TWO_MASS, Plant
 from workbench.processes import shared
 from workbench.trace.candidates import brought
-from workbench.trace.judge import FURTHER, SHARE, Judgement
+from workbench.trace.judge import COMPARED, FURTHER, SHARE, Judgement
 from workbench.trace.state import State
 
 SETTLED = 1e-5  # relative decrease of the cost at which a fit on whole records is as good as it is compared
@@ -21,7 +21,7 @@ RISEN = 1.05  # of the drive's error, from which it has plainly risen
 
 def on_whole(state: State, whole: Sequence[Passes]) -> float:
     """Return the nrmse of the drive that a state's model comes to on whole identification records, refined there."""
-    found = State(state.problem.plant, whole, state.solution.theta)
+    found = State(state.problem.plant, whole, state.solution.theta, most=FURTHER, tolerance=COMPARED)
     left = sum(float(part @ part) for part in found.problem.drive_part(found.solution.residual))
     return (left / found.power) ** 0.5 if found.power > 0.0 else 0.0
 
