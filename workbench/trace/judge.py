@@ -19,7 +19,7 @@ from workbench.trace.state import Refitted, State
 SHARE = 0.05  # of the residual's power that an effect must explain on held-out blocks
 CERTAIN = 3.0  # standard errors by which its gain must differ from zero
 LEADING = 6  # candidates that are fitted again with everything free
-LOST = 0.4  # of a first fit's gain, on held-out blocks, from which its folds are followed: what leads is followed anyhow
+LOST = 0.4  # of a first fit's gain, lost on held-out blocks, from which its folds are followed
 COMPARED = 1e-4  # relative decrease of the cost at which these fits are as good as they are compared
 FURTHER = 12  # steps of these fits: where more would be wanted, shape parameters are hard to tell apart
 BEHIND = 0.4  # of the best one's gain, below which a candidate is not
