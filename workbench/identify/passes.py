@@ -5,7 +5,7 @@ forces. Results are kept per effect and shape, so that candidates share the colu
 """
 
 from collections import OrderedDict
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 
 import numpy as np
@@ -31,10 +31,15 @@ def shape_values(effect: Effect) -> tuple[float, ...]:
 
 
 class Passes:
-    """Passes over one motion. Methods return arrays that must not be changed."""
+    """Passes over one motion. Methods return arrays that must not be changed.
 
-    def __init__(self, motion: Motion):
+    fine: passes over the same motion at a higher rate, by which operators of its increments are run: where friction turns,
+    the moment counts, and a coarse sample has it wrong by half a step. coarse: takes their outputs (k, fine n) to (k, n).
+    """
+
+    def __init__(self, motion: Motion, fine: "Passes | None" = None, coarse: Callable | None = None):
         self.motion = motion
+        self.fine, self.coarse = fine, coarse
         self._kept: OrderedDict[tuple, np.ndarray] = OrderedDict()
         self.bodies = Bodies(motion, self._keep)
         self.command = Command(motion, self._keep)
@@ -116,13 +121,26 @@ class Passes:
             if forces:
                 yield from self._at(plant, place, forces)
 
-    def _at(self, plant: Plant, place: str, forces: list[Effect]):
+    def _signals(self, plant: Plant, place: str) -> tuple[dict, tuple]:
+        """Return the signals that a body at a place gives to its forces, and what they are kept under."""
         m = self.motion
         path, body = self.bodies.body(plant, place)
         signals = {"q": body[POSITION], "dq": body[INCREMENT], "v": body[VELOCITY], "a": body[ACCELERATION]}
         signals |= {"dt": m.dt, "t": m.t, "locked": float(m.record.locked)}
         signals |= {"ratio": plant.geometry.gear_ratio, "pole_pairs": plant.geometry.pole_pairs}
         signals |= {n: m.record.channels[n] for n in ("temperature", "normal") if n in m.record.channels}
+        return signals, path
+
+    def _run(self, e: Effect, signals: dict, plant: Plant, place: str) -> np.ndarray:
+        """Return the outputs (columns, n) of a force; of an operator of the motion's increments from the finer passes."""
+        values = {n: p.value for n, p in e.parameters.items()}
+        if self.fine is not None and e.states and "dq" in e.reads and not {"dir", "tau", "u"} & set(e.reads):
+            return self.coarse(build(e).run(self.fine._signals(plant, place)[0], values))
+        return build(e).run(signals, values)
+
+    def _at(self, plant: Plant, place: str, forces: list[Effect]):
+        m = self.motion
+        signals, path = self._signals(plant, place)
         paths = dict.fromkeys(("q", "dq", "v", "a"), path)
         width = max(2 * self.bodies.counts(CHANNEL.get(place, "position")), m.counts, 1e-12)
         forces = in_parallel(forces, width)
@@ -141,8 +159,7 @@ class Passes:
                     f"effect '{e.name}' reads '{missing[0]}', which record '{m.record.name}' does not have at the {place}."
                 )
             key = (_name(e), place, shape_values(e), *dict.fromkeys(paths[r] for r in e.reads if r in paths))
-            values = {n: p.value for n, p in e.parameters.items()}
-            outputs = self._keep(("raw", *key), lambda e=e, v=values: build(e).run(signals, v))
+            outputs = self._keep(("raw", *key), lambda e=e: self._run(e, signals, plant, place))
             for i, given in enumerate(e.provides):
                 signals[given] = outputs[len(e.linear or ("",)) + i]
                 paths[given] = key

@@ -1,12 +1,15 @@
 """What a declared model may lack: undeclared effects of the catalogue where they can act, and fixed values that are wrong."""
 
-from collections.abc import Collection
-from dataclasses import dataclass
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass, field
+from types import MappingProxyType
 
 from workbench.effect import Effect, catalogue
+from workbench.effects.free_bank import NAME as FREE_CURVE
 from workbench.plant import Plant, places
+from workbench.trace.evidence import ADDITION, CORRECTION
 
-ADDITION, CORRECTION = "addition", "correction"
+__all__ = ["ADDITION", "CORRECTION"]
 AGAIN = "2"  # label of a periodic effect beside the declared one
 
 
@@ -32,23 +35,30 @@ class Suspect:
 class Offer:
     """only: names of the effects that are judged, all where None. own: effects offered beside those of the catalogue.
 
-    declared: keys of the declared effects; a periodic one of them is offered once more, at another order.
+    declared: keys of the declared effects; a periodic one of them is offered once more, at another order. stands_for: key of a
+    free virgin curve -> key of the declared friction that it takes the place of.
     """
 
     only: Collection[str] | None = None
     own: Collection[Effect] = ()
     declared: Collection[str] = ()
+    stands_for: Mapping[str, str] = field(default_factory=dict)
 
     def suspects(self, plant: Plant) -> list[Suspect]:
         """Return the candidates of a plant that are judged."""
-        found = suspects(plant, self.own, self.declared)
+        found = suspects(plant, self.own, self.declared, self.stands_for)
         return [s for s in found if self.only is None or {s.effect, s.effect.partition(" ")[0]} & set(self.only)]
 
 
 WHOLE = Offer()  # all of the catalogue, and nothing else
 
 
-def suspects(plant: Plant, own: Collection[Effect] = (), declared: Collection[str] = ()) -> list[Suspect]:
+def suspects(
+    plant: Plant,
+    own: Collection[Effect] = (),
+    declared: Collection[str] = (),
+    stands_for: Mapping[str, str] = MappingProxyType({}),
+) -> list[Suspect]:
     """Return every candidate, in the order of their names (the result does not depend on the order of declaration).
 
     own: effects that are offered beside those of the catalogue, and judged as they are: one that the catalogue has and does
@@ -68,14 +78,16 @@ def suspects(plant: Plant, own: Collection[Effect] = (), declared: Collection[st
             another = effect(at=place)
             if another.key in declared and periodic(effect):
                 another = another(label=AGAIN)
-            if another.key in (e.key for e in plant.effects):
+            if another.key in (*(e.key for e in plant.effects), *stands_for.values()):
                 continue
             same = needless(another, plant)
             rest = plant
             for key in same:
                 rest = rest.without(key)
-            found.append(Suspect(another.named, place, ADDITION, rest + another, same))
-            if same:  # the same beside what it may take the place of: two contacts
+            instead = (*same, *(stands_for[k] for k in same if k in stands_for))
+            found.append(Suspect(another.named, place, ADDITION, rest + another, instead))
+            if same and FREE_CURVE not in {k.partition("@")[0] for k in same}:
+                # the same beside what it may take the place of: two contacts
                 found.append(Suspect(another.named, place, ADDITION, plant + another))
     for e in plant.effects:
         # a parameter held by definition (the exponent of a virgin curve) is no value from a data sheet
@@ -94,7 +106,9 @@ def needless(effect: Effect, plant: Plant) -> tuple[str, ...]:
     """
     if "dir" not in effect.provides or not effect.linear:
         return ()
-    return tuple(e.key for e in plant.effects if e.at == effect.at and tuple(e.reads) == ("dir",))
+    return tuple(
+        e.key for e in plant.effects if e.at == effect.at and (tuple(e.reads) == ("dir",) or e.name == FREE_CURVE)
+    )
 
 
 def periodic(effect: Effect) -> bool:
@@ -105,10 +119,12 @@ def periodic(effect: Effect) -> bool:
 def offered(effect: Effect, place: str, plant: Plant) -> bool:
     """Whether an effect is a candidate at a place: not a second source of the direction of motion there.
 
-    Two effects that provide `dir` are two descriptions of one contact; and the second would change what others read.
+    Two effects that provide `dir` are two descriptions of one contact; and the second would change what others read. In place
+    of a free virgin curve one may be offered, unless it is a formula for such a curve.
     """
-    given = {s for e in plant.effects if e.at == place for s in e.provides}
-    return not given & set(effect.provides)
+    given = {s for e in plant.effects if e.at == place and e.name != FREE_CURVE for s in e.provides}
+    curved = any(e.at == place and e.name == FREE_CURVE for e in plant.effects)
+    return not given & set(effect.provides) and not (curved and effect.virgin is not None and "masing" in effect.holds)
 
 
 def plant_signals(plant: Plant) -> set[str]:
