@@ -127,7 +127,7 @@ def lateness(passes: Sequence[Passes], plant: Plant, channel: str) -> dict[str, 
     if found is None:
         return {}
     sign = 1.0 if channel == "load_position" else -1.0
-    return {"time": sign * found.start, "drift": sign * (found.drift.value if found.drift.sure else 0.0)}
+    return {"time": sign * found.start, "drift": sign * found.gains}
 
 
 def starts(
