@@ -27,12 +27,17 @@ def misaligned(seen: Seen) -> Iterator[Finding]:
 
 
 def apart(seen: Seen) -> Iterator[Finding]:
-    """Say where two encoders, or a position and its reference, are shifted in time as no axis shifts them."""
+    """Say where two encoders are shifted in time as no axis shifts them; less of it is said by their angle (`check.clocks`)."""
     for r in seen.campaign.records:
         if "load_position" in r.channels and not r.locked:
             late = lag_of(r.channels["load_position"], r.channels["position"], r.dt, seen.campaign.bandwidth)
             if abs(late) > max(LATE, 1.5 * r.dt):
                 yield _apart(r.name, "load_position", "position", late, "the joint carries motion at once")
+
+
+def ahead(seen: Seen) -> Iterator[Finding]:
+    """Say where a position comes before its reference."""
+    for r in seen.campaign.records:
         if "reference" in r.channels:
             late = lag_of(r.channels["position"], r.channels["reference"], r.dt, seen.campaign.bandwidth)
             if late < -max(LATE, 1.5 * r.dt):

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 
 import numpy as np
-from scipy.stats import t as student
+from scipy.special import stdtrit
 
 DETERMINED = 1e-10  # eigenvalue of the scaled normal equations, over the largest, above which a direction counts
 
@@ -47,4 +47,4 @@ class Blocks:
             return np.full(self.norms.size, np.inf)
         each = np.array([self.solved(np.delete(rows, i), held) for i in range(rows.size)])
         spread = (rows.size - 1) / rows.size * np.sum((each - each.mean(axis=0)) ** 2, axis=0)
-        return float(student.ppf(0.975, rows.size - 1)) * np.sqrt(spread)
+        return float(stdtrit(rows.size - 1, 0.975)) * np.sqrt(spread)

@@ -1,85 +1,64 @@
 """A clock that is late between two encoders, judged in their angle before anything in torque.
 
 In torque a late encoder looks like hysteresis and damping of a joint, and a fit that cannot undo it lets the joint carry
-nothing. In the angle it is plain: see `identify.deflection`.
+nothing. In the angle it is plain (`identify.clocks`). So it comes first, and its value is held: what a fit in torque makes
+of it is worth nothing where the joint is stiff (of four records of robots it came to -27 to 3.5 ms where the angle says 3).
 """
 
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+import numpy as np
+
 from workbench.effect import catalogue
-from workbench.identify.deflection import Deflection, deflection_of
+from workbench.identify.clocks import PLAIN, WORTH, Late, late_clock
 from workbench.identify.fit import fitted_on
 from workbench.identify.passes import Passes
+from workbench.identify.result import Estimate
 from workbench.plant import Plant
 from workbench.trace.candidates import ADDITION, Suspect
-
-# Of the squared angle that friction and hysteresis leave on held-out blocks, what lateness must take to be plain: more than
-# all else that is left. Sound records give less than 0.02, late ones more than 0.9: a half or (towards 1) a double decide alike.
-PLAIN = 0.5
-# Of the drive's rms, the torque by which lateness would wind the joint: less is no cause but a refinement. Half or twice of
-# it shifts by a factor of two how small a lateness is named.
-WORTH = 0.005
-AGREE = 2.0  # factor within which every record that can tell must say the same: 4 lets a record say a quarter, 1.4 few differ
-MOTORS = 0.7  # error of the drive's balance on the load's clock over that on the motor's, below which it is the motor's that is late
 
 
 @dataclass(frozen=True, eq=False)
 class Skew:
-    """A plain lateness: of which channel, what the angle says of it, and the suspect that brings it, with its value."""
+    """late: what the angle says. suspect: the plant with the clock, its values held."""
 
-    channel: str
-    measured: Deflection
+    late: Late
     suspect: Suspect
 
     @property
-    def seconds(self) -> tuple[float, float, float]:
-        """Value and 95 % interval in s."""
-        late = self.measured.late
-        return (
-            (late.value, late.low, late.high)
-            if self.channel == "load_position"
-            else (-late.value, -late.high, -late.low)
-        )
+    def sentence(self) -> str:
+        return self.late.sentence
 
     @property
-    def sentence(self) -> str:
-        value, low, high = (1e3 * s for s in self.seconds)
-        return (
-            f"{self.channel} is read {abs(value):.3g} ms {'late' if value > 0 else 'early'} (95 % interval {low:.3g} to {high:.3g}): "
-            f"of what the joint leaves of the angle between the two encoders on held-out blocks, that takes "
-            f"{100 * self.measured.share:.0f} %."
+    def parameters(self) -> tuple[Estimate, ...]:
+        """The clock's values with the intervals that the angle gives them."""
+        clock, s = self.suspect.plant[self.suspect.key], self.late.seconds
+        drift = self.late.measured.drift
+        half = {"offset": 0.5 * (s.high - s.low), "skew": 0.5 * (drift.high - drift.low)}
+        middle = {
+            "offset": self.late.values["offset"] + 0.5 * (s.high + s.low) - s.value,
+            "skew": self.late.values["skew"],
+        }
+        return tuple(
+            Estimate(
+                clock.named, clock.at, n, p.value, middle[n] - half[n], middle[n] + half[n], p.unit, p.meaning, False
+            )
+            for n, p in clock.parameters.items()
         )
 
 
-def plain(d: Deflection) -> bool:
-    """Whether a lateness is plain: outside of what friction could pass for, most of what is left of the angle, worth a torque,
-    and said by every record that can tell."""
-    if not (d.late.sure or d.gains) or d.share < PLAIN or d.worth < WORTH:
-        return False
-    able = [r for r in d.records.values() if r.high - r.low < abs(r.value)]
-    return all(1.0 / AGREE < r.value / d.late.value < AGREE for r in able) if d.late.sure else True
-
-
-def skew_of(passes: Sequence[Passes], plant: Plant) -> Skew | None:
+def skew_of(passes: Sequence[Passes], plant: Plant, share: float = PLAIN, worth: float = WORTH) -> Skew | None:
     """Return the lateness of one of two encoders by the identification records, None where none is plain.
 
-    Also where a clock is declared. It is the load's clock, unless the drive's balance says plainly that drive and load share one.
+    share: of the angle that all else leaves, that lateness must take. worth: of the drive, that it must be worth.
     """
-    if any(e.name == "clock_skew" for e in plant.effects):
+    late = late_clock(fitted_on(passes), plant, share, worth)
+    if late is None:
         return None
-    found = deflection_of(fitted_on(passes), plant)
-    if found is None or not plain(found):
-        return None
-    channel, sign = ("position", -1.0) if found.by_motor < MOTORS else ("load_position", 1.0)
-    return Skew(channel, found, suspected(plant, channel, sign * found.start, sign * found.gains))
-
-
-def suspected(plant: Plant, channel: str, offset: float, skew: float) -> Suspect:
-    """Return the suspect of a clock, its values set."""
-    clock = catalogue()["clock_skew"](at=f"sensor.{channel}")
+    clock = catalogue()["clock_skew"](at=f"sensor.{late.channel}")
     inside = {
-        n: min(max(v, clock.parameters[n].lower), clock.parameters[n].upper)
-        for n, v in (("offset", offset), ("skew", skew))
+        n: float(np.clip(v, clock.parameters[n].lower, clock.parameters[n].upper)) for n, v in late.values.items()
     }
-    return Suspect(clock.name, clock.at, ADDITION, plant + clock(**inside))
+    clock = clock(fixed=True, **inside)
+    return Skew(late, Suspect(clock.named, clock.at, ADDITION, plant + clock))
