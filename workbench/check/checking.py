@@ -19,7 +19,7 @@ STAGES = (
     (scale.encoders, True),
     (channels.unsound, True),
     (alignment.apart, True),
-    (clocks.skewed, False),
+    (clocks.skewed, True),
     (alignment.ahead, True),
     (alignment.misaligned, False),
     (sign.signs, True),
