@@ -74,11 +74,12 @@ class Ends:
         Likely is the same share of friction as of inertia, by what is declared.
         """
         viscous, share = max(viscous, 0.0), self.inertia[1] / max(sum(self.inertia), 1e-300)
-        least, most = 0.0, viscous
+        # the drive's balance feels too little of it where friction that falls with speed is not declared
+        least, most = 0.0, max(viscous, sum(self.viscous))
         if self.known_viscous[1]:
             least = most = self.viscous[1]
         elif self.known_viscous[0]:
-            least = most = max(viscous - self.viscous[0], 0.0)
+            least, most = sorted((max(viscous - self.viscous[0], 0.0), self.viscous[1]))
         light, load, heavy = share / GUESSED * inertia, share * inertia, inertia
         if self.known_inertia[1]:
             light = load = heavy = self.inertia[1]
