@@ -93,7 +93,8 @@ def suspects(
         # a parameter held by definition (the exponent of a virgin curve) is no value from a data sheet
         default = catalogue().get(e.name)
         held = [n for n, p in e.parameters.items() if p.fixed and not (default and default.parameters[n].fixed)]
-        if held:
+        # what an instrument told (a clock, by the angle between encoders) was measured, and is no value from a data sheet either
+        if held and (not declared or e.key in declared):
             found.append(Suspect(e.named, e.at, CORRECTION, plant.swap(e.free(*held))))
     return sorted(found, key=lambda s: (s.effect, s.at, s.kind, not s.instead))
 
