@@ -34,12 +34,18 @@ def cause(c: Cause) -> dict:
     return {
         "effect": c.effect,
         "at": c.at,
+        "kind": c.kind,
         "sentence": c.sentence,
-        "parameters": {e.parameter: estimate(e) for e in c.parameters},
+        "parameters": {e.parameter: estimate(e) | was(c, e) for e in c.parameters},
         "share": {IDENTIFICATION: number(c.share_identification), VALIDATION: number(c.share_validation)},
         "rivals": list(c.rivals),
         "experiment": c.experiment,
     }
+
+
+def was(c: Cause, e: Estimate) -> dict:
+    """Return the value that a corrected parameter was declared with."""
+    return {"was": number(c.was[e.parameter])} if e.parameter in c.was else {}
 
 
 def by_name(fit: Fit) -> list[Estimate]:

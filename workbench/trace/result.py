@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 
 from workbench.finding import Finding
 from workbench.identify.result import Estimate, Fit
+from workbench.trace.candidates import ADDITION
 from workbench.trace.smallest import Smallest
 
 CAUSE, NOTHING, UNKNOWN = "cause", "nothing_missing", "unknown"
@@ -33,7 +34,12 @@ class Candidate:
 
 @dataclass(frozen=True)
 class Cause:
-    """One effect that was added: where it acts, its parameters, and the share of the residual's power that it explains."""
+    """One effect that was added, or corrected: where it acts, its parameters, and the share of the residual's power that
+    it explains.
+
+    kind: "addition", or "correction" of what was declared fixed. was: outside parameter -> the value (SI) that it was held at
+    before a correction.
+    """
 
     effect: str
     at: str
@@ -43,6 +49,8 @@ class Cause:
     share_validation: float
     rivals: tuple[str, ...] = ()
     experiment: str = ""
+    kind: str = ADDITION
+    was: Mapping[str, float] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, eq=False)

@@ -5,8 +5,9 @@ from collections.abc import Sequence
 from workbench.effect import find
 from workbench.finding import Finding, capital, title
 from workbench.identify.result import Fit
+from workbench.plant import Plant
 from workbench.record import IDENTIFICATION, VALIDATION
-from workbench.trace.candidates import ADDITION
+from workbench.trace.candidates import ADDITION, CORRECTION
 from workbench.trace.place import WAYS, Place
 from workbench.trace.result import CAUSE, UNKNOWN, Candidate, Cause
 from workbench.trace.unexplained import Unexplained
@@ -38,7 +39,15 @@ def cause(candidate: Candidate, before: Fit, here: Fit, last: Fit, *, credited: 
             " Alone its gain was not certain, because another effect was missing too; with the others in place it takes away "
             f"{100 * candidate.gain:.1f} % of the held-out residual power (standard error {100 * candidate.scatter:.1f} %)."
         )
-    return Cause(candidate.effect, candidate.at, sentence, estimates, identification, validation)
+    return Cause(
+        candidate.effect, candidate.at, sentence, estimates, identification, validation, kind=candidate.kind,
+        was=held(before.plant, candidate) if candidate.kind == CORRECTION else {},
+    )  # fmt: skip
+
+
+def held(plant: Plant, candidate: Candidate) -> dict[str, float]:
+    """Return outside parameter -> the value that a plant holds it at, of the effect that a candidate corrects."""
+    return {n: p.value for n, p in plant[f"{candidate.effect}@{candidate.at}"].outside.items() if p.fixed}
 
 
 def not_carried(causes: Sequence[Cause]):
@@ -78,17 +87,33 @@ def lives(place: Place, displacement: str) -> str:
     return f"{name} from {spans}{unit and f' {unit}'}{more}{way}"
 
 
+def what_of(causes: Sequence[Cause], plant: Plant) -> str:
+    """Return "a and b are missing, and c is declared with a wrong value". plant: with all causes in it."""
+    parts = []
+    for kind, one, many in (
+        (ADDITION, "is missing", "are missing"),
+        (CORRECTION, "is declared with a wrong value", "are declared with wrong values"),
+    ):
+        names = [name_of(c, plant) for c in causes if c.kind == kind]
+        if names:
+            parts.append(f"{' and '.join(names)} {one if len(names) == 1 else many}")
+    return ", and ".join(parts)
+
+
+def name_of(c: Cause, plant: Plant) -> str:
+    """Return the name of a cause, with its place where the plant has another effect of this name."""
+    alike = [e for e in plant.effects if e.named == c.effect]
+    return f"{title(c.effect)} at the {c.at}" if len(alike) > 1 else title(c.effect)
+
+
 def verdict_sentence(
     verdict: str, causes: Sequence[Cause], before: Fit, after: Fit, floor, unexplained: Unexplained | None = None
 ) -> str:
     """Return the verdict as a person reads it, with the errors before and after."""
     if verdict == CAUSE:
-        names = " and ".join(title(c.effect) for c in causes)
-        is_are = "is" if len(causes) == 1 else "are"
-        what = "missing" if len(causes) > 1 or "missing" in causes[0].sentence else "declared with a wrong value"
         falls = "falls" if after.validation < 0.99 * before.validation else "goes"
         return (
-            f"{capital(names)} {is_are} {what}. With {'it' if len(causes) == 1 else 'them'}, the validation error {falls} from "
+            f"{capital(what_of(causes, after.plant))}. With {'it' if len(causes) == 1 else 'them'}, the validation error {falls} from "
             f"{100 * before.validation:.2f} % to {100 * after.validation:.2f} % and the identification error from "
             f"{100 * before.identification:.2f} % to {100 * after.identification:.2f} % "
             f"(noise floor {100 * floor[IDENTIFICATION]:.2g} %)."
