@@ -42,7 +42,8 @@ class Border:
 class Effect:
     """See the module. motions: kinds of axis on which it exists. `linear` parameters enter the output linearly and no state;
     this is checked when steps are built. traced: offered as what a model may lack (False: another spelling of an effect
-    that is, or one that a study has to offer). rare: where it explains no more than another effect as simple, a trace names the
+    that is, or one that a study has to offer). stated: places at which it is declared and not offered, because another effect
+    is traced there that says the same. rare: where it explains no more than another effect as simple, a trace names the
     other one. label: tells effects of one name at one place apart, as two resonances. An effect that can be at a joint and at a sensor is the same map of both, and takes its port from `at`.
     """
 
@@ -65,6 +66,7 @@ class Effect:
     at: str = "axis"
     border: Border | None = None
     traced: bool = True
+    stated: tuple[str, ...] = ()
     rare: bool = False
     label: str = ""
 

@@ -61,7 +61,7 @@ def suspects(plant: Plant, own: Collection[Effect] = (), declared: Collection[st
         if motion not in effect.motions:
             continue
         for place in places(plant.kind, effect):
-            if not offered(effect, place, plant):
+            if place in effect.stated or not offered(effect, place, plant):
                 continue
             if not all(s in plant_signals(plant) for s in effect.reads):
                 continue
