@@ -15,7 +15,7 @@ from workbench import effect as fx
 from workbench.identify.command import command_maps
 from workbench.identify.passes import Passes
 from workbench.parameter import Parameter
-from workbench.plant import Plant
+from workbench.plant import Plant, reads_load
 
 LOGARITHMIC = ("speed", "stroke", "rate")
 STEP = 1e-4  # relative step of the directional derivative of a pass
@@ -56,9 +56,11 @@ def stacked(balances: np.ndarray, keep: slice) -> np.ndarray:
 def needed_by(plant: Plant, key: str) -> Plant:
     """Return what of a plant a change of one effect shows in: all of it, unless that is a force from which no other one reads.
 
-    Such a force needs the maps, and what gives the direction of motion at its place.
+    Such a force needs the maps, and what gives the direction of motion at its place. What follows the load reads them all.
     """
     changed = plant[key]
+    if any(reads_load(e) for e in plant.effects):
+        return plant
     if changed.port != fx.FORCE or changed.provides:
         return plant
     kept = (e for e in plant.effects if e.port != fx.FORCE or e.key == key or (e.at == changed.at and e.provides))
@@ -70,6 +72,7 @@ class Problem:
 
     def __init__(self, plant: Plant, passes: Sequence[Passes]):
         self.plant = plant
+        self.present = plant  # whose linear values make the load that forces follow
         self.passes = tuple(passes)
         self.free_linear: list[Name] = []
         self.fixed_linear: list[Name] = []
@@ -103,7 +106,16 @@ class Problem:
         values: dict[str, dict[str, float]] = {}
         for n, value in zip(self.free_shape, theta, strict=True):
             values.setdefault(n.key, {})[n.parameter] = from_search(self.parameter(n), value)
-        return self.plant.with_values(values)
+        return self.present.with_values(values)
+
+    @property
+    def follows_load(self) -> bool:
+        """Whether a force follows the load, which the linear parameters make: columns then depend on their values."""
+        return any(reads_load(e) for e in self.plant.effects)
+
+    def carry(self, c: np.ndarray) -> None:
+        """From now on the load is that of these linear values."""
+        self.present = self.with_linear(self.present, c[: len(self.free_linear)])
 
     def with_linear(self, plant: Plant, c: np.ndarray) -> Plant:
         """Return `plant` with the free linear parameters set."""
