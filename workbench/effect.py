@@ -22,7 +22,8 @@ PORTS = (FORCE, ANGLE, COMMAND, SENSOR, TIME)
 SIGNALS = (
     "q dq v a dt t u tau tau_inertia dir motor_q load_q ratio pole_pairs locked temperature normal".split()
 )  # fixed: an effect reads these and no others
-PLACES = ("axis", "motor", "joint", "load", "command", "sensor")
+PLACES = ("axis", "motor", "joint", "load", "command", "sensor", "drive")
+DRIVE_CHANNELS = ("sensor.torque", "sensor.force")
 
 
 @dataclass(frozen=True)
@@ -77,6 +78,9 @@ class Effect:
             raise WorkbenchError(f"effect '{self.name}': label '{self.label}' must be letters, digits, '-' or '_'.")
         if {"joint", "sensor"} <= set(self.places):
             object.__setattr__(self, "port", SENSOR if self.at.startswith("sensor") else ANGLE)
+        if self.at in DRIVE_CHANNELS:  # a map of what is a torque or a force there
+            there = {n: replace(p, unit=re.sub(r"\bx\b", "F", p.unit)) for n, p in self.parameters.items()}
+            object.__setattr__(self, "parameters", there)
         held = {
             n: replace(self.parameters[n], fixed=True) for n, places in self.free_at.items() if self.at not in places
         }

@@ -15,7 +15,7 @@ from workbench.effect import Effect, catalogue
 from workbench.effects.direction import in_parallel, stop_direction
 from workbench.errors import WorkbenchError
 from workbench.identify.bodies import ACCELERATION, CHANNEL, INCREMENT, POSITION, VELOCITY, Bodies, path_of, rows
-from workbench.identify.command import Command, command_maps
+from workbench.identify.command import Command, drive_maps
 from workbench.kernel.step import build
 from workbench.motion import Motion
 from workbench.plant import PLACES, TWO_MASS, Plant, carried, reads_load
@@ -51,7 +51,7 @@ class Passes:
 
     def filtered_drive(self, plant: Plant) -> np.ndarray:
         """Return F(u') (rows, n): the drive, and nothing on the load's side."""
-        path = path_of(command_maps(plant))
+        path = path_of(drive_maps(plant))
         drive = self._keep(("drive", path), lambda: self.motion.filter(self.command.applied(plant)))
         return np.stack([drive, np.zeros_like(drive)][: self.rows(plant)])
 
