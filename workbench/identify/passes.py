@@ -5,7 +5,7 @@ forces; those that follow the load, which the others make (`plant.carried`). No 
 """
 
 from collections import OrderedDict
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -16,6 +16,7 @@ from workbench.effects.direction import in_parallel, stop_direction
 from workbench.errors import WorkbenchError
 from workbench.identify.bodies import ACCELERATION, CHANNEL, INCREMENT, POSITION, VELOCITY, Bodies, path_of, rows
 from workbench.identify.command import Command, drive_maps
+from workbench.identify.zeros import closed
 from workbench.kernel.step import build
 from workbench.motion import Motion
 from workbench.plant import PLACES, TWO_MASS, Plant, carried, reads_load
@@ -65,7 +66,8 @@ class Passes:
         The first row is what the drive feels (one body, or the motor's balance), the second the load's balance.
         """
         for e, outputs, (_, lever), _ in self._forces(plant):
-            for name, column in zip(e.linear or ("",), entering(outputs, lever), strict=False):
+            columns = entering(outputs, lever)
+            for name, column in zip(e.linear or ("",), self._closed(plant, columns, columns), strict=False):
                 yield e, name, column
 
     def direction(self, plant: Plant, place: str) -> np.ndarray:
@@ -84,8 +86,15 @@ class Passes:
             else:
                 kept = ("filtered", *key, path, len(lever))
                 smooth = self._keep(kept, lambda o=outputs, by=lever: self.motion.filter(entering(o, by)))
+            smooth = self._closed(plant, smooth, lambda o=outputs, by=lever: entering(o, by))
             for name, column in zip(e.linear or ("",), smooth, strict=False):
                 yield e, name, column
+
+    def _closed(self, plant: Plant, change: np.ndarray, of: np.ndarray | Callable[[], np.ndarray]) -> np.ndarray:
+        """Return `change` with the joint's mean torque where it closes the load's balance, if the encoders' zeros are free."""
+        if self.motion.record.zero is None or self.rows(plant) < 2:
+            return change
+        return closed(change, of() if callable(of) else of, self.motion.keep)
 
     def moved(self, plant: Plant, other: Plant) -> np.ndarray:
         """Return by how much `other` leaves more of the drive than `plant`, filtered, (rows, n); zeros where nothing differs.
@@ -105,7 +114,7 @@ class Passes:
             differs = True
             values = np.array(_linear(e))
             more -= (values @ after) * by - (values @ before) * lever
-        return self.motion.filter(more) if differs else more
+        return self.motion.filter(self._closed(plant, more, more)) if differs else more
 
     def _forces(self, plant: Plant):
         """Yield (effect, outputs (columns, n), (path, lever), key), place by place, those that provide the direction first."""
