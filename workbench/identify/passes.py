@@ -92,7 +92,7 @@ class Passes:
 
     def _closed(self, plant: Plant, change: np.ndarray, of: np.ndarray | Callable[[], np.ndarray]) -> np.ndarray:
         """Return `change` with the joint's mean torque where it closes the load's balance, if the encoders' zeros are free."""
-        if self.motion.record.zero is None or self.rows(plant) < 2:
+        if self.rows(plant) < 2 or self.motion.record.zero is None:
             return change
         return closed(change, of() if callable(of) else of, self.motion.keep)
 

@@ -148,9 +148,11 @@ class Problem:
         return (y, phi) if factor == 1.0 else (y * factor, phi * factor)
 
     def command_scale(self, plant: Plant) -> float:
-        """Return rms of the command over rms of what command maps make of it, both filtered; 1 without such maps.
+        """Return rms of the command over rms of what command maps make of it, both filtered and about each record's mean; 1
+        without such maps.
 
-        Residuals are compared as commands: else a map that attenuates everything would explain everything.
+        Residuals are compared as commands: else a map that attenuates everything would explain everything. A mean may be a
+        weight's; a map that leaves nothing but that would explain everything still.
         """
         if not command_maps(plant):
             return 1.0
@@ -159,7 +161,7 @@ class Problem:
         for p in self.passes:
             for k, q in enumerate((bare, plant)):
                 drive = p.filtered_drive(q)[0][p.motion.keep]
-                power[k] += float(drive @ drive)
+                power[k] += float(drive.size * np.var(drive))
         return float(np.sqrt(power[0] / power[1])) if power[1] > 0.0 else np.inf
 
     def tangents(self, theta: np.ndarray, c: np.ndarray, y: np.ndarray, phi: np.ndarray) -> np.ndarray:
