@@ -62,26 +62,42 @@ def substep(kind: str, effects: tuple[Effect, ...], symbols: Symbols, *, speed_l
         if outer:
             mass, rest = mass + symbols.constant("load_inertia"), rest + symbols.constant("load")
         if kind == ONE_MASS:
-            still, moving = (summed(effects, parts, part) for part in carried(kind, place, effects))
-            drawn, inertial = still + symbols.constant("load"), moving + (mass - ca.jacobian(moving, a)) * a
+            drawn, inertial = load_of(effects, place, parts, mass, a, symbols)
         load = {"tau": drawn, "tau_inertia": inertial}
         more, follows = following(effects, place, signals | load, symbols)
         moved |= more
-        if not ca.depends_on(follows, a):
-            rest = rest + follows
-        # A mass that is the same in every step is divided by once a run, outside the loop.
-        if ca.depends_on(mass, ca.vertcat(*symbols.states.values(), *symbols.clocks.values())):
-            acceleration = (push - rest) / mass
-            acceleration = acceleration if driven else acceleration * (1.0 - symbols.constant("locked"))
-        else:
-            acceleration = (push - rest) * symbols.constant(f"{prefix}per_mass")
-        if ca.depends_on(follows, a):
-            acceleration = balanced(mass * a + rest + follows - push, a, acceleration)
+        acceleration = accelerated(a, push, rest, mass, follows, prefix, symbols)
         v_after = v + acceleration * h
         after |= {f"{prefix}q": q + v_after * h, f"{prefix}v": v_after}
         after |= {n: ca.substitute(x, a, acceleration) for n, x in moved.items()}
         masses[f"{prefix}mass"] = mass
     return after, masses
+
+
+def load_of(
+    effects: tuple[Effect, ...], place: str, parts: Mapping[str, ca.SX], mass: ca.SX, a: ca.SX, symbols: Symbols
+):
+    """Return (tau, tau_inertia) of one mass, a scenario's load and inertias with them: see `plant.carried`."""
+    still, moving = (summed(effects, parts, part) for part in carried(ONE_MASS, place, effects))
+    return still + symbols.constant("load"), moving + (mass - ca.jacobian(moving, a)) * a
+
+
+def accelerated(
+    a: ca.SX, push: ca.SX, rest: ca.SX, mass: ca.SX, follows: ca.SX, prefix: str, symbols: Symbols
+) -> ca.SX:
+    """Return the acceleration of a body: mass a + rest + follows(a) = push. follows: what friction by load adds."""
+    implicit = ca.depends_on(follows, a)
+    left = push - rest if implicit else push - (rest + follows)
+    free = 1.0 if prefix == "" else 1.0 - symbols.constant("locked")
+    # A mass that is the same in every step is divided by once a run, outside the loop.
+    if ca.depends_on(mass, ca.vertcat(*symbols.states.values(), *symbols.clocks.values())):
+        acceleration = left / mass
+        acceleration = acceleration if prefix == "" else acceleration * free
+    else:
+        acceleration = left * symbols.constant(f"{prefix}per_mass")
+    if not implicit:
+        return acceleration
+    return balanced(mass * a + follows - left, a, acceleration) * free
 
 
 def drive(effects: tuple[Effect, ...], symbols: Symbols, *, speed_limited: bool) -> tuple[ca.SX, dict[str, ca.SX]]:
