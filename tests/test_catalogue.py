@@ -68,6 +68,16 @@ def test_other_spellings_are_no_candidates():
     assert {n for n, e in catalogue().items() if not e.traced} == set(catalogue()) - set(NAMES)
 
 
+def test_a_spring_to_ground_may_be_declared_as_a_stiffness_of_the_axis_and_is_offered_as_a_cable_spring():
+    plant = Plant(ONE_MASS, (find("inertia")(inertia=1.0),))
+    assert {s.effect for s in suspects(plant)} & {"linear_stiffness", "cable_spring"} == {"cable_spring"}
+    spring = plant + find("linear_stiffness")(at="axis", stiffness=3.0)
+    assert spring["linear_stiffness"].at == "axis"
+    assert "cable_spring" in {s.effect for s in suspects(spring)}  # it may rest elsewhere
+    x = np.linspace(-1.0, 1.0, 5)
+    np.testing.assert_array_equal(output(spring["linear_stiffness"], q=x), 3.0 * x)
+
+
 def test_one_source_of_direction_is_enough():
     """A second one would change what other effects read, though its amplitude be zero."""
     plant = Plant(ONE_MASS, (find("inertia")(inertia=1.0), find("presliding_hysteresis")(h0=1.0)))

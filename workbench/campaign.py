@@ -87,7 +87,7 @@ def _plant(top: Table, kind: str, rotary: bool, notes: dict[str, str]) -> Plant:
     plant = Plant(kind, (), rotary, geometry, Limits(**limits))
     for one in top.tables("effects", "effect", ("effect", "at"), ("law", "parameters", "label")):
         effect = fx.find(one.text("effect"), one.path("effect"))
-        effect = _declared(effect, one, rotary)
+        effect = _declared(replace(effect, at=one.text("at")), one, rotary)
         try:
             plant = plant + replace(effect, at=one.text("at"), label=one.text("label"))
         except WorkbenchError as e:

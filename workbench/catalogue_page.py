@@ -19,8 +19,9 @@ Generated from `workbench/effects/` by `python -m workbench.catalogue_page`; do 
 
 `F` stands for N*m on a rotary axis and for N on a linear one, `x` for rad and m; `q` is position, `v` velocity, `a`
 acceleration, `dq` the increment of position behind a dead band of one encoder count, `t` the bench clock, `u` the drive,
-`tau` the torque carried, `dir` the smooth direction of motion. A *linear* parameter enters a least squares, a *searched* one
-is found by its start (in brackets what gives it), a *held* one is left as declared unless it is set free.
+`tau` the torque that a contact carries and `tau_inertia` that of inertia beside it, both by the model, `dir` the smooth
+direction of motion. A *linear* parameter enters a least squares, a *searched* one is found by its start (in brackets what
+gives it), a *held* one is left as declared unless it is set free.
 """
 PORTS = {
     "force": "a force that resists motion",

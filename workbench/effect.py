@@ -20,9 +20,10 @@ from workbench.parameter import Parameter
 FORCE, ANGLE, COMMAND, SENSOR, TIME = "force", "angle", "command", "sensor", "time"
 PORTS = (FORCE, ANGLE, COMMAND, SENSOR, TIME)
 SIGNALS = (
-    "q dq v a dt t u tau dir motor_q load_q ratio pole_pairs locked temperature normal".split()
+    "q dq v a dt t u tau tau_inertia dir motor_q load_q ratio pole_pairs locked temperature normal".split()
 )  # fixed: an effect reads these and no others
-PLACES = ("axis", "motor", "joint", "load", "command", "sensor")
+PLACES = ("axis", "motor", "joint", "load", "command", "sensor", "drive")
+DRIVE_CHANNELS = ("sensor.torque", "sensor.force")
 
 
 @dataclass(frozen=True)
@@ -42,7 +43,9 @@ class Border:
 class Effect:
     """See the module. motions: kinds of axis on which it exists. `linear` parameters enter the output linearly and no state;
     this is checked when steps are built. traced: offered as what a model may lack (False: another spelling of an effect
-    that is, or one that a study has to offer). rare: where it explains no more than another effect as simple, a trace names the
+    that is, or one that a study has to offer). stated: places at which it is declared and not offered, because another effect
+    is traced there that says the same. free_at: parameter -> places at which it may be free; elsewhere it is held, because it
+    changes nothing there. rare: where it explains no more than another effect as simple, a trace names the
     other one. label: tells effects of one name at one place apart, as two resonances. An effect that can be at a joint and at a sensor is the same map of both, and takes its port from `at`.
     """
 
@@ -65,6 +68,8 @@ class Effect:
     at: str = "axis"
     border: Border | None = None
     traced: bool = True
+    stated: tuple[str, ...] = ()
+    free_at: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     rare: bool = False
     label: str = ""
 
@@ -73,7 +78,14 @@ class Effect:
             raise WorkbenchError(f"effect '{self.name}': label '{self.label}' must be letters, digits, '-' or '_'.")
         if {"joint", "sensor"} <= set(self.places):
             object.__setattr__(self, "port", SENSOR if self.at.startswith("sensor") else ANGLE)
-        for name in ("parameters", "states"):
+        if self.at in DRIVE_CHANNELS:  # a map of what is a torque or a force there
+            there = {n: replace(p, unit=re.sub(r"\bx\b", "F", p.unit)) for n, p in self.parameters.items()}
+            object.__setattr__(self, "parameters", there)
+        held = {
+            n: replace(self.parameters[n], fixed=True) for n, places in self.free_at.items() if self.at not in places
+        }
+        object.__setattr__(self, "parameters", {**self.parameters, **held})
+        for name in ("parameters", "states", "free_at"):
             object.__setattr__(self, name, MappingProxyType(dict(getattr(self, name))))
         if self.port not in PORTS:
             raise WorkbenchError(f"effect '{self.name}': unknown port '{self.port}'; {nearest(self.port, PORTS)}")

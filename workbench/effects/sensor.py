@@ -6,7 +6,7 @@ from workbench.parameter import Parameter
 
 @effect
 def sensor_trend() -> Effect:
-    """y = q + r t, t on the bench clock."""
+    """y = q + r t, t on the bench clock. At the drive's channel q is the torque or force that it reports."""
 
     def step(s, z, p):
         return {}, s.q + p.rate * s.t
@@ -20,7 +20,7 @@ def sensor_trend() -> Effect:
         parameters={"rate": Parameter(0.0, "x/s", "drift of the reading")},
         reads=("q", "t"),
         step=step,
-        places=("sensor",),
+        places=("sensor", "drive"),
         at="sensor.position",
     )
 

@@ -1,4 +1,4 @@
-"""Stiffness of a joint, in its deflection."""
+"""Stiffness: of a joint in its deflection, or of a spring to ground in the axis' position."""
 
 from workbench.effect import FORCE, Effect, effect
 from workbench.effects.elementary import clip
@@ -7,14 +7,17 @@ from workbench.parameter import Parameter
 
 @effect
 def linear_stiffness() -> Effect:
-    """T = k x."""
+    """T = k x: x the joint's deflection; of one mass its position, against a spring to ground that is relaxed at zero.
+
+    On one mass a trace offers `cable_spring`, which is the same with a rest position.
+    """
 
     def step(s, z, p):
         return {}, p.stiffness * s.q
 
     return Effect(
         name="linear_stiffness",
-        cause="elastic wind-up of the flexspline, coupling or belt",
+        cause="elastic wind-up of the flexspline, coupling or belt; on one mass a spring to ground",
         formula="T = k x",
         source="Hooke's law",
         port=FORCE,
@@ -23,7 +26,8 @@ def linear_stiffness() -> Effect:
         reads=("q",),
         step=step,
         holds=("conservative", "odd"),
-        places=("joint",),
+        places=("axis", "joint"),
+        stated=("axis",),
         at="joint",
     )
 

@@ -53,7 +53,11 @@ SAME = ("q", "motor_q", "load_q")  # of a sensor's map: the position of the body
 
 @lru_cache(maxsize=64)
 def inverse(definition: Definition) -> Program:
-    """Program of the true value from a sensor's reading, by Newton steps on the map's own expression."""
+    """Program of the true value from a sensor's reading, by Newton steps on the map's own expression.
+
+    What the map adds where everything it reads is zero is taken off: there the encoder was set to zero. Left in, a disc off
+    its axis would wind up a joint that is relaxed.
+    """
     effect = definition.effect
     s, z, p = symbols(effect)
     if z.numel():
@@ -61,7 +65,8 @@ def inverse(definition: Definition) -> Program:
     target, q = ca.SX.sym("target"), ca.SX.sym("q")
     named = {n: q if n in SAME else symbol for n, symbol in view(effect.reads, s).items()}
     _, forward, _ = apply(effect, named, z, fx.namespace(**view(effect.parameters, p)))
-    slope = ca.jacobian(forward, q)
+    at_zero = ca.substitute(forward, ca.vertcat(q, s), ca.SX.zeros(1 + s.numel()))
+    forward, slope = forward - at_zero, ca.jacobian(forward, q)
     guess = target
     for _ in range(NEWTON):
         value, rate = ca.substitute([forward, slope], [q], [guess])

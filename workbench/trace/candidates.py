@@ -70,8 +70,8 @@ def suspects(
     for effect in (*traced, *own):
         if motion not in effect.motions:
             continue
-        for place in places(plant.kind, effect):
-            if not offered(effect, place, plant):
+        for place in places(plant.kind, effect, plant.rotary):
+            if place in effect.stated or not offered(effect, place, plant):
                 continue
             if not all(s in plant_signals(plant) for s in effect.reads):
                 continue
@@ -91,7 +91,7 @@ def suspects(
                 found.append(Suspect(another.named, place, ADDITION, plant + another))
     for e in plant.effects:
         # a parameter held by definition (the exponent of a virgin curve) is no value from a data sheet
-        default = catalogue().get(e.name)
+        default = catalogue()[e.name](at=e.at) if e.name in catalogue() else None
         held = [n for n, p in e.parameters.items() if p.fixed and not (default and default.parameters[n].fixed)]
         # what an instrument told (a clock, by the angle between encoders) was measured, and is no value from a data sheet either
         if held and (not declared or e.key in declared):
@@ -130,7 +130,7 @@ def offered(effect: Effect, place: str, plant: Plant) -> bool:
 
 def plant_signals(plant: Plant) -> set[str]:
     """Signals that every record of such a plant has."""
-    return set("q dq v a dt t u tau dir motor_q load_q ratio pole_pairs locked".split())
+    return set("q dq v a dt t u tau tau_inertia dir motor_q load_q ratio pole_pairs locked".split())
 
 
 def without(plant: Plant, suspect: Suspect, declared: Plant) -> Plant:

@@ -46,10 +46,7 @@ def cause(c: Cause) -> dict:
         "kind": c.kind,
         "law": c.law,
         "sentence": c.sentence,
-        "parameters": {
-            e.parameter: estimate(e) | ({"was": number(c.was[e.parameter])} if e.parameter in c.was else {})
-            for e in c.parameters
-        },
+        "parameters": {e.parameter: estimate(e) | was(c, e) for e in c.parameters},
         "size": number(c.size),
         "share": {IDENTIFICATION: number(c.share_identification), VALIDATION: number(c.share_validation)},
         "rivals": list(c.rivals),
@@ -66,6 +63,11 @@ def refinement(r: Refinement) -> dict:
         "size": number(r.size),
         "parameters": {e.parameter: estimate(e) for e in r.parameters},
     }
+
+
+def was(c: Cause, e: Estimate) -> dict:
+    """Return the value that a corrected parameter was declared with."""
+    return {"was": number(c.was[e.parameter])} if e.parameter in c.was else {}
 
 
 def by_name(fit: Fit) -> list[Estimate]:

@@ -56,13 +56,10 @@ def cause(
             " Alone its gain was not certain, because another effect was missing too; with the others in place it takes away "
             f"{100 * candidate.gain:.1f} % of the held-out residual power (standard error {100 * candidate.scatter:.1f} %)."
         )
-    was = {}
-    if candidate.kind != ADDITION:
-        old = declared[f"{candidate.effect}@{candidate.at}"]
-        was = {n: p.value for n, p in old.outside.items()}
     return Cause(
         candidate.effect, candidate.at, sentence, estimates, identification, validation,
-        kind=candidate.kind, was=was, law=weight.law, size=weight.size(IDENTIFICATION),
+        kind=candidate.kind,
+        was=held(declared, candidate) if candidate.kind == CORRECTION else {}, law=weight.law, size=weight.size(IDENTIFICATION),
     )  # fmt: skip
 
 
@@ -102,6 +99,11 @@ def findings_of(verdict: Verdict, evidence: Evidence, causes: Sequence[Cause], p
         )  # fmt: skip
 
 
+def held(plant: Plant, candidate: Candidate) -> dict[str, float]:
+    """Return outside parameter -> the value that a plant holds it at, of the effect that a candidate corrects."""
+    return {n: p.value for n, p in plant[f"{candidate.effect}@{candidate.at}"].outside.items() if p.fixed}
+
+
 def not_carried(causes: Sequence[Cause]):
     """Yield a finding for each cause that explains much less on validation than on identification."""
     for c in causes:
@@ -127,6 +129,25 @@ def lives(place: Place, displacement: str) -> str:
     return f"{name} from {spans}{unit and f' {unit}'}{more}{way}"
 
 
+def what_of(causes: Sequence[Cause], plant: Plant) -> str:
+    """Return "a and b are missing, and c is declared with a wrong value". plant: with all causes in it."""
+    parts = []
+    for kind, one, many in (
+        (ADDITION, "is missing", "are missing"),
+        (CORRECTION, "is declared with a wrong value", "are declared with wrong values"),
+    ):
+        names = [name_of(c, plant) for c in causes if c.kind == kind]
+        if names:
+            parts.append(f"{' and '.join(names)} {one if len(names) == 1 else many}")
+    return ", and ".join(parts)
+
+
+def name_of(c: Cause, plant: Plant) -> str:
+    """Return the name of a cause, with its place where the plant has another effect of this name."""
+    alike = [e for e in plant.effects if e.named == c.effect]
+    return f"{title(c.effect)} at the {c.at}" if len(alike) > 1 else title(c.effect)
+
+
 def verdict_sentence(
     verdict: str,
     causes: Sequence[Cause],
@@ -140,7 +161,7 @@ def verdict_sentence(
     if verdict == CAUSE:
         falls = "falls" if after.validation < 0.99 * before.validation else "goes"
         return (
-            f"{capital(named_by_kind(causes))}. With {'it' if len(causes) == 1 else 'them'}, the validation error {falls} from "
+            f"{capital(what_of(causes, after.plant))}. With {'it' if len(causes) == 1 else 'them'}, the validation error {falls} from "
             f"{100 * before.validation:.2f} % to {100 * after.validation:.2f} % and the identification error from "
             f"{100 * before.identification:.2f} % to {100 * after.identification:.2f} % "
             f"(noise alone would leave {100 * evidence.floor[IDENTIFICATION]:.2g} % or more)."
@@ -164,15 +185,3 @@ def verdict_sentence(
         f"{'nothing' if size.size == 0.0 else f'no more than {100 * size.size:.2f} %'} of it could be predicted from "
         "outside the loop; the rest is noise and disturbance."
     )
-
-
-def named_by_kind(causes: Sequence[Cause]) -> str:
-    """Return "a and b are missing; c is declared with a wrong value": what is missing before what is wrong."""
-    parts = []
-    for kind, verb in ((ADDITION, "missing"), (CORRECTION, "declared with a wrong value")):
-        chosen = [c for c in causes if c.kind == kind]
-        alike = len({c.effect for c in chosen}) < len(chosen)
-        names = [f"{title(c.effect)} at the {c.at}" if alike else title(c.effect) for c in chosen]
-        if names:
-            parts.append(f"{' and '.join(names)} {'is' if len(names) == 1 else 'are'} {verb}")
-    return "; ".join(parts)

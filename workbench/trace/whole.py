@@ -72,12 +72,14 @@ def borne_out(before: Fit, after: Fit, share: float = 0.05) -> bool:
 
 
 def valued(plant: Plant, other: Plant) -> Plant:
-    """Return `plant` with the values that its free parameters have in `other`; what is fixed stays as it is declared."""
+    """Return `plant` with the values that its free parameters have in `other`.
+
+    What is fixed in `plant` stays as it was declared: `other` may have set it free, which is a cause of its own.
+    """
     known = {e.key: e.parameters for e in other.effects}
-    return plant.with_values(
-        {
-            e.key: {n: known[e.key][n].value for n, p in e.parameters.items() if not p.fixed and n in known[e.key]}
-            for e in plant.effects
-            if e.key in known
-        }
-    )
+    values = {
+        e.key: {n: known[e.key][n].value for n, p in e.parameters.items() if not p.fixed}
+        for e in plant.effects
+        if e.key in known
+    }
+    return plant.with_values(values)
