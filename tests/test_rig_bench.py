@@ -144,8 +144,8 @@ def test_a_disturbance_has_its_rms_and_its_colour(kind, corner):
     power = np.abs(np.fft.rfft(x)) ** 2
     f = np.fft.rfftfreq(x.size, 1 / 4000.0)
     share = power[f < corner].sum() / power.sum()
-    # of first order, 2/pi atan(1) of the power lies below the corner; the broadband's filter is symmetric about its own
-    assert share == pytest.approx(0.5 if kind == FIRST else 0.965, abs=0.03)
+    # of first order, 2/pi atan(1) of the power lies below the corner; of the steep filter nearly all
+    assert share == pytest.approx(0.5 if kind == FIRST else 0.97, abs=0.03)
 
 
 def test_what_pushes_the_body_moves_it_and_is_not_in_the_reported_drive():
@@ -247,7 +247,7 @@ def test_the_rigs_benches_lack_nothing_that_a_trace_cannot_name():
 def test_a_campaign_loads_states_its_truth_and_is_off_by_its_tolerance(tmp_path):
     from workbench.campaign import load
 
-    truth = campaign(tmp_path, 3, ("gravity",), kind="gimbal")
+    truth = campaign(tmp_path, 5, ("gravity",), kind="gimbal")
     loaded = load(tmp_path)
     assert truth["missing"] == ["gravity"] and truth["at"] == ["axis"] and 0.015 <= truth["sizes"][0] < 0.16
     assert truth["nrmse_true_identification"] < truth["nrmse_declared_identification"]

@@ -97,7 +97,8 @@ def coloured(rng, n: int, rate: float, kind: str, corner: float) -> np.ndarray:
         white = rng.standard_normal(n)
         f = np.fft.rfftfreq(n, 1 / rate)
         x = np.fft.irfft(np.fft.rfft(white) / (1 + (f / corner) ** 8), n)
-        return x / np.sqrt(2 * corner / rate)
+        # of 1/(1 + x^8)^2 the integral over all x > 0 is (1 - 1/8) (pi/8)/sin(pi/8)
+        return x / np.sqrt(2 * corner / rate * 7 / 8 * (np.pi / 8) / np.sin(np.pi / 8))
     keep = np.exp(-2 * np.pi * corner / rate)
     begun = lfilter([np.sqrt(1 - keep**2)], [1.0, -keep], rng.standard_normal(n), zi=[keep * rng.standard_normal()])[0]
     return begun
