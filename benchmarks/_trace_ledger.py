@@ -1,6 +1,7 @@
 """The ledger of a run, as a table in Markdown: a row a family, counts with exact 95 % intervals, and what was wrong."""
 
 from collections.abc import Callable, Sequence
+from statistics import median
 
 from benchmarks._trace_draw import NONE, OUTSIDE, PAIR, SINGLE
 from benchmarks._trace_table import interval
@@ -71,6 +72,18 @@ def peers(results: Sequence[dict]) -> list[str]:
     return ["", *markdown(head, rows)] if rows else []
 
 
+def costs(results: Sequence[dict]) -> list[str]:
+    """CPU seconds and memory of a trace, over all that were traced."""
+    said = [r["said"] for r in results if "judged" in r]
+    if not said:
+        return []
+    seconds, memory = [s["seconds"] for s in said], [s["megabytes"] for s in said]
+    return [
+        "",
+        f"A trace takes {median(seconds):.1f} s of CPU in the median, {max(seconds):.1f} at most, and {max(memory):.0f} MB at most.",
+    ]
+
+
 def axes(results: Sequence[dict]) -> list[str]:
     """Measured axes, one by one."""
     rows = [
@@ -117,4 +130,4 @@ def ledger(results: Sequence[dict]) -> str:
     if measured:
         good = sum("judged" in r and r["judged"]["right"] for r in measured)
         table += ["", f"Measured axes right: {share(good, len(measured))}."]
-    return "\n".join([*table, *axes(results), *peers(results), *wrong(results)])
+    return "\n".join([*table, *axes(results), *costs(results), *peers(results), *wrong(results)])
