@@ -17,7 +17,7 @@ from rig.bench.writing import declaration, line, units
 
 SIZES = (0.02, 0.12)  # of the drive's rms: what the declared model cannot absorb of a cause, even in the logarithm
 SOUND = 0.025  # of the drive: what the declared laws may leave of a machine that lacks nothing, before nuisances
-LEAST, CLOSE, ROUNDS, DRAWS = 0.015, 0.25, 6, 12
+LEAST, CLOSE, ROUNDS, DRAWS = 0.015, 0.25, 6, 30
 IDENTIFICATION, VALIDATION = "identification", "validation"
 
 
@@ -164,12 +164,15 @@ def bench(rng, seed: int, kind: str, tolerance: float) -> Bench:
         rates = measuring.rated(rng)
         s = drawn(rng, kind, rates.log, rates.band)
         b = Bench(s, rates, planned(rng, s, rates), measuring.drawn(rng, s, rates, tolerance), seed)
-        logs = b.logs(s.machine, IDENTIFICATION, bare=True)
-        if not followed(b, logs):
+        logs = {role: b.logs(s.machine, role, bare=True) for role in (IDENTIFICATION, VALIDATION)}
+        if not all(followed(b, found) for found in logs.values()):
             continue
-        plain = balance.left(s, s.declared, values(s.declared), logs, rates.band)
-        if plain.whole(plain.fitted()) < SOUND:
-            return replace(b, drive=plain.drive)
+        plain = {
+            role: balance.left(s, s.declared, values(s.declared), found, rates.band) for role, found in logs.items()
+        }
+        weights = plain[IDENTIFICATION].fitted()
+        if all(part.whole(weights) < SOUND for part in plain.values()):
+            return replace(b, drive=plain[IDENTIFICATION].drive)
     raise RuntimeError(f"no {kind} of seed {seed} follows its motions.")
 
 
