@@ -23,6 +23,7 @@ SIGNALS = (
     "q dq v a dt t u tau dir motor_q load_q ratio pole_pairs locked temperature normal".split()
 )  # fixed: an effect reads these and no others
 PLACES = ("axis", "motor", "joint", "load", "command", "sensor")
+TWO_COUNTS = "two counts"  # of the encoder: a length below which no record tells an operator's memory from none
 
 
 @dataclass(frozen=True)
@@ -44,6 +45,10 @@ class Effect:
     this is checked when steps are built. traced: offered as what a model may lack (False: another spelling of an effect
     that is, or one that a study has to offer). rare: where it explains no more than another effect as simple, a trace names the
     other one. label: tells effects of one name at one place apart, as two resonances. An effect that can be at a joint and at a sensor is the same map of both, and takes its port from `at`.
+    family: class of causes, of which the law is a second question (docs/architecture.md has the list). reduces: parameter ->
+    (neutral value, name of the simpler effect that it then is, "" for none): a number, or TWO_COUNTS for a length of no more
+    than that. parts: names of the simpler effects that a composite joins. knots: parameters that are held by definition, as
+    where a table has its values; no data sheet gave them, so none is wrong.
     """
 
     name: str
@@ -67,24 +72,29 @@ class Effect:
     traced: bool = True
     rare: bool = False
     label: str = ""
+    family: str = ""
+    reduces: Mapping[str, tuple[float | str, str]] = field(default_factory=dict)
+    parts: tuple[str, ...] = ()
+    knots: tuple[str, ...] = ()
 
     def __post_init__(self):
         if not re.fullmatch(r"[\w-]*", self.label):
             raise WorkbenchError(f"effect '{self.name}': label '{self.label}' must be letters, digits, '-' or '_'.")
         if {"joint", "sensor"} <= set(self.places):
             object.__setattr__(self, "port", SENSOR if self.at.startswith("sensor") else ANGLE)
-        for name in ("parameters", "states"):
+        for name in ("parameters", "states", "reduces"):
             object.__setattr__(self, name, MappingProxyType(dict(getattr(self, name))))
         if self.port not in PORTS:
             raise WorkbenchError(f"effect '{self.name}': unknown port '{self.port}'; {nearest(self.port, PORTS)}")
         for signal in (*self.reads, *self.provides):
             if signal not in SIGNALS:
                 raise WorkbenchError(f"effect '{self.name}': unknown signal '{signal}'; {nearest(signal, SIGNALS)}")
-        for name in self.linear:
-            if name not in self.parameters:
-                raise WorkbenchError(
-                    f"effect '{self.name}': linear parameter '{name}' is not declared; {nearest(name, self.parameters)}"
-                )
+        for what, names in {"linear": self.linear, "reducing": self.reduces, "held": self.knots}.items():
+            for name in names:
+                if name not in self.parameters:
+                    raise WorkbenchError(
+                        f"effect '{self.name}': {what} parameter '{name}' is not declared; {nearest(name, self.parameters)}"
+                    )
 
     @cached_property
     def key(self) -> str:
@@ -156,6 +166,20 @@ class Effect:
                 )
             parameters[name] = replace(p.at(inside[name], where=f"{where}: {self.name}.{name}"), fixed=hold)
         return replace(self, parameters=parameters)
+
+
+def simpler(effect: Effect, intervals: Mapping[str, tuple[float, float]], counts: float) -> str | None:
+    """Return the name of the simpler effect that this one is, "" where it is none at all, None where it is itself.
+
+    intervals: inside parameter -> (low, high), SI; a parameter without one stands at its value. counts: the encoder's step, SI.
+    A parameter is neutral where its interval holds the neutral value or, of TWO_COUNTS, reaches down to two counts.
+    """
+    for name, (neutral, left) in effect.reduces.items():
+        value = effect.parameters[name].value
+        low, high = intervals.get(name, (value, value))
+        if low <= 2.0 * counts if neutral == TWO_COUNTS else low <= neutral <= high:
+            return left
+    return None
 
 
 def namespace(**values) -> SimpleNamespace:

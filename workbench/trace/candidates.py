@@ -80,7 +80,8 @@ def suspects(plant: Plant, own: Collection[Effect] = (), declared: Collection[st
     for e in plant.effects:
         # a parameter held by definition (the exponent of a virgin curve) is no value from a data sheet
         default = catalogue().get(e.name)
-        held = [n for n, p in e.parameters.items() if p.fixed and not (default and default.parameters[n].fixed)]
+        by_definition = {n for n, p in default.parameters.items() if p.fixed} if default else set()
+        held = [n for n, p in e.parameters.items() if p.fixed and n not in by_definition and n not in e.knots]
         if held:
             found.append(Suspect(e.named, e.at, CORRECTION, plant.swap(e.free(*held))))
     return sorted(found, key=lambda s: (s.effect, s.at, s.kind, not s.instead))
