@@ -25,7 +25,7 @@ NAMES = (
     "coulomb_asymmetry load_dependent_friction friction_drift lugre_friction cyclic_friction cogging kinematic_error "
     "encoder_eccentricity linear_stiffness linear_damping cubic_stiffness piecewise_stiffness multi_body_compliance "
     "backlash creep fading_memory cable_spring gravity constant_offset sensor_trend transport_delay actuator_lag "
-    "torque_constant_saturation flexible_mode clock_skew"
+    "torque_constant_saturation flexible_mode clock_skew friction_behind_gap"
 ).split()
 
 

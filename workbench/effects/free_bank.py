@@ -84,26 +84,49 @@ def hysteresis_bank(slips: Sequence[float], heights: Sequence[float], height: fl
     )
 
 
+def direction_of(effect: Effect | None, slips: Sequence[float]) -> list[float]:
+    """Return the normalised virgin curve of a friction at slips (n,): of its presliding length, else of a stop of slips[1]."""
+    values = {n: p.value for n, p in effect.parameters.items()} if effect is not None else {}
+    if "x0" in values:
+        curve = [1.0 - exp(-((s / values["x0"]) ** values.get("d", 1.0))) for s in slips]
+        return [*curve[:-1], 1.0]
+    return [min(s / slips[1], 1.0) for s in slips]
+
+
+def height_of(effect: Effect | None) -> float:
+    """Return a friction's force when sliding, F."""
+    values = {n: p.value for n, p in effect.parameters.items()} if effect is not None else {}
+    heights = [values[n] for n in ("coulomb", "h0", "h") if n in values]
+    return heights[0] if heights else values.get("sigma0", 0.0) * values.get("x0", 0.0)
+
+
+def bank_beside(slips: Sequence[float], declared: Sequence[Effect] = (), at: str = "axis") -> Effect:
+    """Return the bank of these slips that takes the place of the friction declared at a place, with its height and direction."""
+    there = [e for e in declared if e.at == at and (e.name == "coulomb_friction" or ("dir" in e.provides and e.linear))]
+    giver = next((e for e in there if e.provides), there[0] if there else None)
+    return hysteresis_bank(slips, direction_of(giver, slips), height_of(giver), at)
+
+
+def slips_of(effect: Effect, counts: float = 0.0) -> tuple[float, ...]:
+    """Return the slips of a bank in the place of a friction: 1 to 100 encoder counts of Coulomb's, else 0.01 to 30 x0."""
+    if effect.name == "coulomb_friction":
+        if not counts > 0.0:
+            raise WorkbenchError(
+                "a bank in the place of Coulomb friction has its slips in encoder counts; state the encoder's resolution."
+            )
+        return tuple(counts * c for c in COUNTS)
+    if "x0" not in effect.parameters:
+        raise WorkbenchError(
+            f"effect '{effect.name}' has no presliding length 'x0', so there is no bank of held slips in its place; "
+            "known: coulomb_friction, presliding_hysteresis, fading_memory, lugre_friction."
+        )
+    return tuple(effect.parameters["x0"].value * c for c in LENGTHS)
+
+
 def free_bank(effect: Effect, counts: float = 0.0) -> Effect:
     """Return the bank that takes a declared friction's place, with its height, and its direction for others to read.
 
     effect: Coulomb friction (slips of 1 to 100 encoder counts) or one with a presliding length x0 (slips of 0.01 to 30 x0).
     counts: the encoder's step, SI. Direction is exact for Coulomb's two counts, else within 2 % of the declared one.
     """
-    values = {n: p.value for n, p in effect.parameters.items()}
-    if effect.name == "coulomb_friction":
-        if not counts > 0.0:
-            raise WorkbenchError(
-                "a bank in the place of Coulomb friction has its slips in encoder counts; state the encoder's resolution."
-            )
-        slips = [counts * c for c in COUNTS]
-        return hysteresis_bank(slips, [min(0.5 * c, 1.0) for c in COUNTS], values["coulomb"], effect.at)
-    if "x0" not in values:
-        raise WorkbenchError(
-            f"effect '{effect.name}' has no presliding length 'x0', so there is no bank of held slips in its place; "
-            "known: coulomb_friction, presliding_hysteresis, fading_memory, lugre_friction."
-        )
-    d = values.get("d", 1.0)
-    height = values.get("h0", values.get("h", values.get("sigma0", 0.0) * values["x0"]))
-    curve = [1.0 - exp(-(c**d)) for c in LENGTHS]
-    return hysteresis_bank([values["x0"] * c for c in LENGTHS], [*curve[:-1], 1.0], height, effect.at)
+    return bank_beside(slips_of(effect, counts), (effect,), effect.at)
