@@ -21,7 +21,7 @@ from workbench.identify.passes import Passes, predicted
 from workbench.identify.problem import Name
 from workbench.kernel.step import build
 from workbench.motion import motion
-from workbench.plant import Plant
+from workbench.plant import Geometry, Plant
 from workbench.record import Record, Source
 from workbench.simulate import Loop, Scenario, simulate
 from workbench.trace.candidates import CORRECTION, suspects
@@ -34,6 +34,8 @@ MADE = (
     curves.force_over_position((-0.8, -0.2, 0.3, 0.9)),
     replace(curves.force_over_position((-0.8, 0.0, 0.9), at="joint"), name="stiffness_curve"),
     curves.friction_over_position((-0.8, -0.2, 0.3, 0.9)),
+    replace(curves.force_over_position((-0.8, 0.3, 0.9), orders=(11.0, 17.5)), name="force_with_waves"),
+    replace(curves.friction_over_position((-0.8, 0.3, 0.9), orders=(11.0,)), name="friction_with_waves"),
     curves.friction_over_time((0.5, 2.0, 5.0)),
     curves.force_over_time((0.5, 2.0, 5.0)),
     curves.friction_over_load((0.1, 0.3, 0.8)),
@@ -309,7 +311,7 @@ def test_a_bank_needs_a_length():
 def test_each_family_is_offered_where_it_could_act_with_knots_from_the_records():
     passes = driven(PLAIN)
     found = {f.family: f for f in free_forms(PLAIN, [passes])}
-    assert set(found) == set(FREE_FORMS) - {"joint stiffness"}
+    assert set(found) == set(FREE_FORMS) - {"joint stiffness", "angle over angle"}  # no turn of a motor was seen
     bank = found["friction with memory"]
     assert bank.suspect.instead == ("coulomb_friction@axis",) and bank.effect.name == "hysteresis_bank"
     assert all(not f.suspect.instead for f in found.values() if f is not bank)
@@ -317,9 +319,27 @@ def test_each_family_is_offered_where_it_could_act_with_knots_from_the_records()
     top = np.abs(passes.motion.v[passes.motion.keep]).max()
     assert speed.parameters["knot11"].value == pytest.approx(top)
     assert speed.parameters["odd1"].fixed and speed.parameters["odd11"].fixed and not speed.parameters["odd5"].fixed
-    assert found["angle over angle"].effect.at == "sensor.position"
+    turning = replace(PLAIN, geometry=Geometry(gear_ratio=20.0))
+    (angle,) = free_forms(turning, [passes], ["angle over angle"])
+    assert angle.effect.at == "sensor.position" and angle.effect.parameters["order"].value == 20.0
     for f in found.values():
         assert f.effect.family == f.family and identify(f.suspect.plant, [passes]).identification < 0.01
+
+
+@pytest.mark.parametrize("name", ["cogging", "cyclic_friction"])
+def test_waves_of_no_common_order_are_found_in_the_residual(name):
+    """Two orders that are no multiples of each other: a law of one order has the larger, the free form both."""
+    a, b = ({"s1": 0.05}, {"s1": 0.03}) if name == "cogging" else ({"sine": 0.05}, {"sine": 0.03})
+    passes = driven(PLAIN + find(name)(order=47.0, **a) + find(name)(order=75.3, label="second", **b))
+    before = identify(PLAIN, [passes])
+    left = passes.motion.filter(passes.motion.u) - before.series["moves"].predicted
+    left[: passes.motion.keep.start] = left[passes.motion.keep.stop :] = 0.0
+    family = "force over position" if name == "cogging" else "friction over position"
+    (free,) = free_forms(PLAIN, [passes], [family], [left])
+    found = sorted(p.value for n, p in free.effect.parameters.items() if n.startswith("order"))
+    for order in (47.0, 75.3):
+        assert min(abs(k - order) for k in found) < 0.5
+    assert identify(free.suspect.plant, [passes]).identification < 0.2 * before.identification
 
 
 def test_on_two_masses_a_force_over_the_deflection_is_the_joints_stiffness():

@@ -10,7 +10,19 @@ from functools import cache
 
 from workbench.effect import FORCE, Effect
 from workbench.effects.elementary import absolute
-from workbench.effects.table import SOURCE, free, free_level, held_knots, increasing, levels, names, table, without
+from workbench.effects.table import (
+    SOURCE,
+    free,
+    free_level,
+    held_knots,
+    increasing,
+    levels,
+    names,
+    table,
+    wave_parameters,
+    waves,
+    without,
+)
 from workbench.parameter import Parameter
 
 ANYWHERE = ("axis", "motor", "load", "joint")
@@ -61,58 +73,67 @@ def friction_over_speed(speeds: Sequence[float], declared: Sequence[Effect] = ()
 
 
 @cache
-def _of_position(count: int):
+def _of_position(count: int, orders: int):
     def step(s, z, p):
-        return {}, table(p, s.q, "force", count)
+        return {}, table(p, s.q, "force", count) + waves(p, s.q, orders)
 
     return step
 
 
-def force_over_position(positions: Sequence[float], declared: Sequence[Effect] = (), at: str = "axis") -> Effect:
-    """T = f(q), a table over the travel; at a joint over its deflection, the stiffness curve. positions (n >= 3,): x."""
+def force_over_position(
+    positions: Sequence[float], declared: Sequence[Effect] = (), at: str = "axis", orders: Sequence[float] = ()
+) -> Effect:
+    """T = f(q) + sum_i A_i sin(k_i q + p_i): a table over the travel, and waves too short for it. At a joint, over its deflection.
+
+    positions (n >= 3,): x. orders: k_i in 1/x, held: of a travel of many periods a table would need many knots a period.
+    """
     knots = increasing(positions, "positions", False)
-    n = len(knots)
-    joint = at == "joint"
+    n, joint = len(knots), at == "joint"
+    force, whole = names("force", n), held_knots(knots, "x", "stroke")
+    periodic = wave_parameters(orders)
     made = Effect(
         name="force_over_position",
-        cause="a joint whose torque depends on its deflection by no catalogued law"
-        if joint
-        else "a force that depends on position by no catalogued law",
-        formula="T = f(q)",
+        cause=("a joint whose torque depends on its deflection" if joint else "a force that depends on position")
+        + " by no catalogued law",
+        formula="T = f(q) + sum Ai sin(ki q + pi)" if orders else "T = f(q)",
         source=SOURCE,
         port=FORCE,
         family="joint stiffness" if joint else "force over position",
-        parameters=levels("force", n, "force") | held_knots(knots, "x", "stroke"),
-        linear=names("force", n),
+        parameters=levels("force", n, "force") | periodic | whole,
+        linear=(*force, *(w for w in periodic if not w.startswith("order"))),
         reads=("q",),
-        step=_of_position(n),
+        step=_of_position(n, len(orders)),
         holds=("conservative",),
         places=ANYWHERE,
         at=at,
         traced=False,
-        knots=names("knot", n),
+        knots=(*whole, *names("order", len(orders))),
     )
-    force = names("force", n)
     zero = [force[0]] if free(declared, at, OFFSET, ("cable_spring", "preload")) else []
     zero += [force[-1]] if free(declared, at, ("cable_spring", "stiffness"), ("linear_stiffness", "stiffness")) else []
     return without(made, zero)
 
 
 @cache
-def _of_position_and_way(count: int):
+def _of_position_and_way(count: int, orders: int):
     def step(s, z, p):
-        return {}, table(p, s.q, "friction", count) * s.dir
+        return {}, (table(p, s.q, "friction", count) + waves(p, s.q, orders)) * s.dir
 
     return step
 
 
-def friction_over_position(positions: Sequence[float], declared: Sequence[Effect] = (), at: str = "axis") -> Effect:
-    """T = f(q) dir, a table over the travel, at a joint over its deflection. positions (n >= 3,): x."""
+def friction_over_position(
+    positions: Sequence[float], declared: Sequence[Effect] = (), at: str = "axis", orders: Sequence[float] = ()
+) -> Effect:
+    """T = (f(q) + sum_i A_i sin(k_i q + p_i)) dir, as force_over_position."""
     knots = increasing(positions, "positions", False)
-    return _friction(
-        "friction_over_position", "friction that depends on position by no catalogued law", "T = f(q) dir",
-        "friction over position", held_knots(knots, "x", "stroke"), ("q", "dir"), _of_position_and_way, declared, at,
+    made = _friction(
+        "friction_over_position", "friction that depends on position by no catalogued law",
+        "T = (f(q) + sum Ai sin(ki q + pi)) dir" if orders else "T = f(q) dir", "friction over position",
+        held_knots(knots, "x", "stroke"), ("q", "dir"), _of_position_and_way(len(knots), len(orders)), declared, at,
+        wave_parameters(orders),
     )  # fmt: skip
+    return made
 
 
 @cache
@@ -128,7 +149,7 @@ def friction_over_time(times: Sequence[float], declared: Sequence[Effect] = (), 
     knots = increasing(times, "times", False)
     return _friction(
         "friction_over_time", "friction whose level changes while the axis is measured", "T = f(t) dir",
-        "friction over time", held_knots(knots, "s"), ("t", "dir"), _of_time_and_way, declared, at,
+        "friction over time", held_knots(knots, "s"), ("t", "dir"), _of_time_and_way(len(knots)), declared, at,
     )  # fmt: skip
 
 
@@ -145,14 +166,18 @@ def friction_over_load(loads: Sequence[float], declared: Sequence[Effect] = (), 
     knots = increasing(loads, "loads", True)
     made = _friction(
         "friction_over_load", "friction that depends on the load carried by no catalogued law", "T = f(|tau|) dir",
-        "friction over load", held_knots(knots, "F"), ("tau", "dir"), _of_load, declared, at,
+        "friction over load", held_knots(knots, "F"), ("tau", "dir"), _of_load(len(knots)), declared, at,
     )  # fmt: skip
-    return without(made, made.linear[-1:] if free(declared, at, ("load_dependent_friction", "mu")) else ())
+    return without(
+        made, names("friction", len(knots))[-1:] if free(declared, at, ("load_dependent_friction", "mu")) else ()
+    )
 
 
-def _friction(name, cause, formula, family, knots: dict[str, Parameter], reads, step, declared, at) -> Effect:
+def _friction(
+    name, cause, formula, family, knots: dict[str, Parameter], reads, step, declared, at, more=None
+) -> Effect:
     """A table times the direction; its first level is a free declared friction's."""
-    n = len(knots)
+    n, more = len(knots), more or {}
     made = Effect(
         name=name,
         cause=cause,
@@ -160,14 +185,14 @@ def _friction(name, cause, formula, family, knots: dict[str, Parameter], reads, 
         source=SOURCE,
         port=FORCE,
         family=family,
-        parameters=levels("friction", n, "friction") | knots,
-        linear=names("friction", n),
+        parameters=levels("friction", n, "friction") | more | knots,
+        linear=(*names("friction", n), *(w for w in more if not w.startswith("order"))),
         reads=reads,
-        step=step(n),
+        step=step,
         places=ANYWHERE,
         at=at,
         traced=False,
-        knots=tuple(knots),
+        knots=(*knots, *(w for w in more if w.startswith("order"))),
     )
     return without(made, made.linear[:1] if free_level(declared, at) else ())
 

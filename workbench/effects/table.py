@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from workbench.effect import Effect
-from workbench.effects.elementary import clip, maximum, minimum
+from workbench.effects.elementary import clip, cos, maximum, minimum, sin
 from workbench.errors import WorkbenchError
 from workbench.parameter import Parameter
 
@@ -38,6 +38,28 @@ def table(p, x, word: str, count: int):
     """sum word_i hat_i(x) over the knots of a step's namespace."""
     terms = [c * h for c, h in zip(at(p, word, count), hats(x, at(p, "knot", count)), strict=True)]
     return sum(terms[1:], terms[0])
+
+
+def waves(p, x, count: int):
+    """sum sine_i sin(order_i x) + cosine_i cos(order_i x) of a step's namespace; 0 of none."""
+    total = 0.0
+    for a, b, k in zip(at(p, "sine", count), at(p, "cosine", count), at(p, "order", count), strict=True):
+        total = total + a * sin(k * x) + b * cos(k * x)
+    return total
+
+
+def wave_parameters(orders: Sequence[float]) -> dict[str, Parameter]:
+    """Amplitudes, linear, in F, and held orders in 1/x; WorkbenchError for an order that is not above 0."""
+    wrong = [k for k in orders if not k > 0.0]
+    if wrong:
+        raise WorkbenchError(f"an order is a number of waves in 2 pi of displacement, above 0; given: {wrong[0]:g}.")
+    found = {}
+    for word in ("sine", "cosine"):
+        for i, n in enumerate(names(word, len(orders)), 1):
+            found[n] = Parameter(0.0, "F", f"{word} amplitude of order {i}")
+    for i, (n, k) in enumerate(zip(names("order", len(orders)), orders, strict=True), 1):
+        found[n] = Parameter(k, "1/x", f"order {i}", lower=1e-9, fixed=True, scale="order")
+    return found
 
 
 def increasing(knots: Sequence[float], what: str, positive: bool) -> tuple[float, ...]:

@@ -8,13 +8,17 @@ import numpy as np
 from workbench.effect import Effect
 from workbench.effects.families import FREE_FORMS, FreeForm, family_of, knots_of
 from workbench.effects.free_bank import slips_of
+from workbench.effects.free_maps import angle_over_angle
 from workbench.errors import WorkbenchError
 from workbench.identify.bodies import POSITION, VELOCITY
 from workbench.identify.passes import Passes
 from workbench.plant import Plant, places
 from workbench.trace.candidates import ADDITION, Suspect, needless
+from workbench.trace.starts import order_spectrum, peaks, resolved
 
 MEMORY = "friction with memory"
+PERIODIC = ("force over position", "friction over position")
+HARMONICS = 4  # of a motor's turn: teeth and waves of a gear, and the second of each
 FASTEST = 0.25  # of the evaluation bandwidth, of a relaxation: what relaxes faster is viscous friction in the band
 
 
@@ -30,10 +34,16 @@ class Free:
         return self.suspect.plant[self.suspect.key]
 
 
-def free_forms(plant: Plant, passes: Sequence[Passes], families: Sequence[str] | None = None) -> list[Free]:
+def free_forms(
+    plant: Plant,
+    passes: Sequence[Passes],
+    families: Sequence[str] | None = None,
+    residuals: Sequence[np.ndarray] = (),
+) -> list[Free]:
     """Return the free-form law of each family (of these, all where None) at every place of a plant where it could act.
 
-    passes: of the identification records, from which the knots come. A family is left out where the records do not cover its
+    passes: of the identification records, from which the knots come. residuals: (n,) each, zero where nothing counts, whose
+    peaks over position are the orders of what is periodic; none where they are not given. A family is left out where the records do not cover its
     coordinate (a travel of nothing, a bank without a friction that it could take the place of).
     """
     found = []
@@ -43,7 +53,7 @@ def free_forms(plant: Plant, passes: Sequence[Passes], families: Sequence[str] |
         for place in places(plant.kind, sample(form)):
             if family != MEMORY and family_of(sample(form)(at=place)) != family:
                 continue
-            made = made_for(form, family, plant, passes, place)
+            made = made_for(form, family, plant, passes, place, residuals)
             if made is None or made.key in (e.key for e in plant.effects):
                 continue
             instead = needless(made, plant) or replaced(made, plant)
@@ -66,17 +76,50 @@ def replaced(made: Effect, plant: Plant) -> tuple[str, ...]:
     return tuple(e.key for e in plant.effects if e.at == made.at and "dir" in e.provides)
 
 
-def made_for(form: FreeForm, family: str, plant: Plant, passes: Sequence[Passes], place: str) -> Effect | None:
+def made_for(
+    form: FreeForm,
+    family: str,
+    plant: Plant,
+    passes: Sequence[Passes],
+    place: str,
+    residuals: Sequence[np.ndarray] = (),
+) -> Effect | None:
     """Return the free-form law at a place with knots from the records; None where they do not cover its coordinate."""
+    if family == "angle over angle":
+        return of_angle(plant, passes, place)
     if family == MEMORY:
         knots = slips(plant, passes, place)
-    elif family == "angle over angle":
-        knots = (plant.geometry.gear_ratio,)  # once a turn of the motor, and its harmonics
     elif family == "creep":
         knots = rates(passes, form.count)
     else:
         knots = knots_of([values(form, plant, p, place) for p in passes], form)
-    return form.make(knots, plant.effects, place) if knots else None
+    if not knots:
+        return None
+    if family in PERIODIC and place != "joint" and len(residuals):
+        signed = [np.sign(p.motion.v) * r for p, r in zip(passes, residuals, strict=True)]
+        waves = orders(passes, signed if family == "friction over position" else residuals)
+        return form.make(knots, plant.effects, place, orders=waves)
+    return form.make(knots, plant.effects, place)
+
+
+def of_angle(plant: Plant, passes: Sequence[Passes], place: str) -> Effect | None:
+    """Return the gear's error over its motor's turn, of the harmonics that the records show; None where they show no turn."""
+    order = plant.geometry.gear_ratio
+    travel = max(float(np.ptp(p.motion.q)) for p in passes)
+    harmonics = min(HARMONICS, int(resolved(passes) / order))
+    return angle_over_angle(order, harmonics, place) if harmonics and order * travel > 2.0 * np.pi else None
+
+
+def orders(passes: Sequence[Passes], residuals: Sequence[np.ndarray]) -> tuple[float, ...]:
+    """Return the orders of the largest peaks of residuals over position, each at the top of the parabola through its peak."""
+    found, amplitude = order_spectrum(passes, residuals)
+    travel = max(float(np.ptp(p.motion.q)) for p in passes)
+    tops = []
+    for k in peaks(found, amplitude, travel, resolved(passes)):
+        i = int(np.searchsorted(found, k))
+        a, b, c = amplitude[i - 1 : i + 2]
+        tops.append(k + 0.5 * (a - c) / min(a - 2.0 * b + c, -1e-300) * (found[1] - found[0]))
+    return tuple(float(k) for k in tops)
 
 
 def values(form: FreeForm, plant: Plant, passes: Passes, place: str) -> np.ndarray:
