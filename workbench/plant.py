@@ -178,5 +178,5 @@ def freed(plant: Plant) -> Plant:
     known = catalogue()
     for e in plant.effects:
         by_definition = {n for n, p in known[e.name].parameters.items() if p.fixed} if e.name in known else set()
-        plant = plant.swap(e.free(*(n for n in e.parameters if n not in by_definition)))
+        plant = plant.swap(e.free(*(n for n in e.parameters if n not in by_definition and n not in e.knots)))
     return plant

@@ -23,6 +23,8 @@ def load_dependent_friction() -> Effect:
         formula="T = mu |tau + share tau_inertia| dir",
         source="Bittencourt and Gunnarsson 2012; Amontons' law",
         port=FORCE,
+        family="friction over load",
+        reduces={"mu": (0.0, "")},
         parameters={
             "mu": Parameter(0.0, "1", "friction per torque carried", lower=0.0, upper=1.0),
             "share": Parameter(0.5, "1", "share of inertia behind the contact", lower=0.0, upper=1.0, scale="number"),
@@ -51,6 +53,8 @@ def friction_drift() -> Effect:
         formula="T = r t dir",
         source="Simoni, Beschi, Legnani, Visioli 2015 (friction and temperature)",
         port=FORCE,
+        family="friction over time",
+        reduces={"rate": (0.0, "")},
         parameters={"rate": Parameter(0.0, "F/s", "change of Coulomb friction per time")},
         linear=("rate",),
         reads=("t", "dir"),

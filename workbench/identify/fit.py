@@ -92,7 +92,7 @@ def seen(problem: Problem, solution: Solution, passes: Sequence[Passes]) -> Fit:
         predictions=predictions,
         findings=tuple(said),
         condition=condition,
-        details={"theta": solution.theta, "cost": solution.cost},
+        details={"theta": solution.theta, "cost": solution.cost, "covariance": (names, cov, t)},
         spread=spread(plant, linear, owns),
     )
 

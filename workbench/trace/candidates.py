@@ -92,7 +92,8 @@ def suspects(
     for e in plant.effects:
         # a parameter held by definition (the exponent of a virgin curve) is no value from a data sheet
         default = catalogue()[e.name](at=e.at) if e.name in catalogue() else None
-        held = [n for n, p in e.parameters.items() if p.fixed and not (default and default.parameters[n].fixed)]
+        by_definition = {n for n, p in default.parameters.items() if p.fixed} if default else set()
+        held = [n for n, p in e.parameters.items() if p.fixed and n not in by_definition and n not in e.knots]
         # what an instrument told (a clock, by the angle between encoders) was measured, and is no value from a data sheet either
         if held and (not declared or e.key in declared):
             found.append(Suspect(e.named, e.at, CORRECTION, plant.swap(e.free(*held))))

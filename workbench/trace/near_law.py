@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from workbench.effect import FORCE, Effect
-from workbench.effects.free_bank import NAME, virgin_curve_friction
+from workbench.effects.free_bank import LENGTHS, NAME, hysteresis_bank
 from workbench.effects.hysteresis import maxwell_slip
 from workbench.identify.bodies import CHANNEL
 from workbench.identify.passes import Passes
@@ -19,10 +19,10 @@ from workbench.identify.problem import Problem
 from workbench.identify.solve import NoValue, solve
 from workbench.plant import Plant
 
-# Slips of the free curve. Of Coulomb friction in encoder counts, from what no count shows; of a declared virgin curve over its
-# own length, from its first asperities to sliding. Half or twice as many change the curve's residual by less than 2 %.
+# Slips of the free curve of Coulomb friction, in encoder counts: from what no count shows, because a dead band of one count
+# lies before it. Half or twice as many change the curve's residual by less than 2 %.
 COUNTS = tuple(np.geomspace(0.3, 100.0, 9))
-LENGTHS = tuple(np.geomspace(0.01, 30.0, 14))
+LEAST = 3  # elements of a curve
 UNSEEN = 1e-6  # of the travel: stands for a count where none is known
 KEPT = 1e-3  # of the curve's height, below which an element is left out
 
@@ -95,11 +95,17 @@ def freed(plant: Plant, known: Sequence[Law], passes: Sequence[Passes]) -> Plant
     for law in here:
         springs = solved[bank(law).key].parameters
         heights = np.array([springs[f"k{i}"].value * d for i, d in enumerate(law.slips, 1)])
-        kept = heights > KEPT * heights.sum()
-        if kept.any():
-            curve = virgin_curve_friction(np.array(law.slips)[kept], heights[kept])(at=law.declared.at)
-            plant = plant.without(law.declared.key) + curve
+        if heights.sum() > 0.0:
+            plant = plant.without(law.declared.key) + curve(law, heights)
     return plant
+
+
+def curve(law: Law, heights: np.ndarray) -> Effect:
+    """Return the free virgin curve whose elements hold these heights (slips,), those that hold nothing left out."""
+    kept = np.sort(np.argsort(-heights, kind="stable")[: max(LEAST, np.count_nonzero(heights > KEPT * heights.sum()))])
+    slips, held = np.array(law.slips)[kept], heights[kept]
+    virgin = np.minimum(slips[:, None] / slips, 1.0) @ held
+    return hysteresis_bank(slips, virgin / virgin[-1], virgin[-1], law.declared.at)
 
 
 def bank(law: Law) -> Effect:
