@@ -17,7 +17,7 @@ AGAIN = "2"  # label of a periodic effect beside the declared one
 class Suspect:
     """effect, at: what would be added, or whose fixed parameters would be set free. plant: the plant with it.
 
-    instead: keys of declared effects that an addition takes the place of.
+    instead: keys of declared effects that an addition takes the place of. stands: name of the nearest formula, of a free form.
     """
 
     effect: str
@@ -25,6 +25,12 @@ class Suspect:
     kind: str
     plant: Plant
     instead: tuple[str, ...] = ()
+    stands: str = ""
+
+    @property
+    def name(self) -> str:
+        """What it is called: of a free form its class' nearest formula."""
+        return self.stands or self.effect
 
     @property
     def key(self) -> str:

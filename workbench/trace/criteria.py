@@ -36,6 +36,8 @@ class Criteria:
     tolerance: relative error of a fixed value, where the campaign states none; a correction within it is a refinement.
     near: share of what a free-form law takes, from which a law of the catalogue says it as well. Halved, a wrong formula of the
         class is named; doubled (1.0 at most), only exact laws are.
+    resembles: share of what a free-form law takes, that the nearest formula must take for the free form to bear its name. Halved,
+        friction in a window is called cyclic; doubled, it is `near`.
     line: power of a spectral line over the median about it, from which it is one. White noise of 1e5 samples reaches 20.
     burst: robust standard deviations from which a sample is part of a burst.
     local: share of the excess in a window less its share of samples, from which the residual lives there.
@@ -55,6 +57,7 @@ class Criteria:
     carried: float = 0.1
     tolerance: float = 0.01
     near: float = 0.8
+    resembles: float = 0.5
     line: float = 50.0
     burst: float = 5.0
     local: float = 0.55

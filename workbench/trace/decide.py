@@ -2,6 +2,7 @@
 
 | question, in this order | answer |
 |---|---|
+| does the angle between two encoders say that one is late? | cause, whatever else |
 | a correction within the fixed value's tolerance, or an effect below the practical size? | refinement |
 | does the error grow on validation, or does the effect explain nearly nothing there? | not borne out |
 | does a free form of the declared laws take what it takes? | refinement: the declared law is nearly right |
@@ -39,9 +40,9 @@ def decide(evidence: Evidence, criteria: Criteria) -> Verdict:
     if causes and (evidence.place_instead or not answers(evidence, causes, criteria)):
         roles = tuple(DRESSING if r == CAUSE else r for r in roles)
         causes = []
-    if causes:
+    if causes or evidence.clock:
         size = evidence.after.size
-        more = size >= criteria.beside and size >= 0.5 * evidence.before.size
+        more = size >= criteria.beside and size >= 0.5 * evidence.before.size and not evidence.idle
         return Verdict(CAUSE, roles, more, alarms(evidence, roles))
     missing = evidence.before.size >= criteria.explainable
     return Verdict(UNKNOWN if missing else NOTHING, roles, False, alarms(evidence, roles))

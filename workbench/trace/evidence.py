@@ -79,7 +79,8 @@ class Evidence:
     after: Explainable
     added: tuple[Weighed, ...] = ()
     place_instead: bool = False
-    angle: str = ""
+    clock: bool = False
+    idle: bool = False
 
     def as_dict(self) -> dict[str, object]:
         """Return plain data, from which `evidence_of` makes it again."""
@@ -90,5 +91,5 @@ def evidence_of(data: Mapping[str, object]) -> Evidence:
     """Return the evidence that `as_dict` wrote, so that a decision can be taken again without the records."""
     return Evidence(
         data["declared"], data["floor"], Explainable(**data["before"]), Explainable(**data["after"]),
-        tuple(Weighed(**a) for a in data["added"]), data["place_instead"], data["angle"],
+        tuple(Weighed(**a) for a in data["added"]), data["place_instead"], data["clock"], data["idle"],
     )  # fmt: skip

@@ -8,6 +8,7 @@ from workbench.trace.candidates import Offer
 from workbench.trace.counted import by_counts, of_counts
 from workbench.trace.criteria import Criteria
 from workbench.trace.floor import levels, steadied
+from workbench.trace.free_law import free_law
 from workbench.trace.judge import Judgement, Progress, lighter, step
 from workbench.trace.state import State
 from workbench.trace.unexplained import PLAIN, noise_alone
@@ -53,6 +54,8 @@ def extended(
             spurious = of_counts(best.suspect, state, whole)
             if best.candidate.gain - spurious <= least:
                 judgements[0], best = replace(best, candidate=by_counts(best.candidate, spurious)), None
+        if best is not None and (free := free_law(state, judgements, best, criteria)) is not None:
+            judgements, best = [free, *judgements], free
         if best is None and credit is None and not noise_alone(state, level, PLAIN):
             best = credit = promised(judgements, criteria)
         found.append(Step(lighter(judgements, best), best, best is not None and best is credit))

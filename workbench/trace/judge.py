@@ -88,6 +88,15 @@ def refitted(state: State, j: Judgement, criteria: Criteria) -> dict:
     return {"candidate": candidate, "errors": after.errors, "fit": (after.solution.theta, after.solution.c)}
 
 
+def refitted_as(state: State, j: Judgement, criteria: Criteria) -> Judgement:
+    """Return a judgement fitted with everything free, with the state that it ended in; as it is where that has no value."""
+    more = refitted(state, j, criteria)
+    if not more:
+        return j
+    fit = Refitted(free_of(state, j), *more.pop("fit"))
+    return replace(j, refitted=fit, state=fit.state, **more)
+
+
 def free_of(state: State, j: Judgement) -> Problem:
     """Return the problem of a suspect beside the present model with everything free."""
     return suspected(j.suspect, state.problem, state.solution).free

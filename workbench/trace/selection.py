@@ -159,6 +159,8 @@ def revised(
     """
     for i in range(len(answer.added) - 1):
         present = answer.added[i]
+        if present.suspect.stands:
+            continue  # no formula comes near to a free form: that was asked
         progress(f"asking again for {present.suspect.key}")
         rest = [j for k, j in enumerate(answer.added) if k != i]
         try:

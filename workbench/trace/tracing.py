@@ -5,11 +5,13 @@ from dataclasses import dataclass, replace
 
 from workbench.effect import Effect
 from workbench.errors import WorkbenchError
+from workbench.finding import Finding
+from workbench.identify.carrying import idle
 from workbench.identify.fit import fitted_on, identify
 from workbench.identify.passes import Passes
-from workbench.identify.result import Fit
+from workbench.identify.result import Estimate, Fit
 from workbench.identify.solve import NoValue
-from workbench.plant import Plant
+from workbench.plant import TWO_MASS, Plant
 from workbench.threads import one_thread
 from workbench.trace.calibration import withheld
 from workbench.trace.candidates import Offer
@@ -24,11 +26,12 @@ from workbench.trace.near_law import Law, as_declared
 from workbench.trace.result import Candidate, Cause, Refinement, Trace
 from workbench.trace.rivals import experiment, rivals
 from workbench.trace.selection import Answer, Selection, select
+from workbench.trace.skew import Skew, skew_of
 from workbench.trace.smallest import named
 from workbench.trace.state import State
 from workbench.trace.thin import thin
 from workbench.trace.unexplained import Unexplained, described, instead, unexplained
-from workbench.trace.verdict import cause, findings_of, verdict_sentence
+from workbench.trace.verdict import cause, clock, findings_of, verdict_sentence
 from workbench.trace.weighing import curve_of, weighed
 from workbench.trace.whole import in_turn
 
@@ -61,21 +64,45 @@ def trace(
     whole = fitted_on(passes)
     progress("fitting the declared model")
     try:
-        declared = State(plant, thin(whole))
+        late = late_encoder(plant, passes, only)
+        declared = State(late.plant, thin(whole))
     except NoValue:
         raise WorkbenchError(
             "the declared model has no value on these records: a shape parameter lies far from them; check it and its unit."
         ) from None
-    offer = Offer(only, own, [e.key for e in plant.effects])
+    offer = Offer(() if late.idle else only, own, [e.key for e in plant.effects])
     selected = select(declared, whole, offer, criteria, progress)
     progress("fitting the extended model")
     found = as_declared(selected.answer.last.plant, selected.laws)
-    added, fits = in_turn(plant, selected.answer.added, found, passes)
+    added, fits = in_turn(late.plant, selected.answer.added, found, passes)
     confirmed = Confirmed(added, fits, levels(passes, fits[-1].plant))
     progress("weighing the evidence")
     evidence, place = evidence_of(selected, confirmed, passes, criteria)
+    evidence = replace(evidence, clock=late.skew is not None, idle=late.idle is not None)
     verdict = decide(evidence, criteria)
-    return reported(plant, passes, selected, confirmed, evidence, verdict, place, criteria, progress)
+    return reported(late, passes, selected, confirmed, evidence, verdict, place, criteria, progress)
+
+
+@dataclass(frozen=True, eq=False)
+class Declared:
+    """declared: the plant as declared. plant: with the clock that the angle between two encoders says is late, held. before:
+    the fit of the declared plant, where there is such a clock. idle: a finding that the fit lets the joint carry nothing."""
+
+    declared: Plant
+    plant: Plant
+    skew: Skew | None = None
+    before: Fit | None = None
+    idle: Finding | None = None
+
+
+def late_encoder(plant: Plant, passes: Sequence[Passes], only: Collection[str] | None) -> Declared:
+    """Ask the angle between two encoders before anything in torque, and whether the joint then carries anything."""
+    if plant.kind != TWO_MASS:
+        return Declared(plant, plant)
+    skew = skew_of(thin(fitted_on(passes)), plant) if only is None or "clock_skew" in only else None
+    here = skew.suspect.plant if skew else plant
+    before = identify(plant, passes) if skew else None
+    return Declared(plant, here, skew, before, idle(passes, identify(here, passes).plant))
 
 
 def evidence_of(
@@ -102,7 +129,7 @@ def evidence_of(
 
 
 def reported(
-    plant: Plant,
+    late: Declared,
     passes: Sequence[Passes],
     selected: Selection,
     confirmed: Confirmed,
@@ -113,7 +140,7 @@ def reported(
     progress: Progress,
 ) -> Trace:
     """Return what a decision comes to: causes, refinements, the final fit, and the sentences."""
-    added = confirmed.added
+    plant, added = late.plant, confirmed.added
     roles = dict(zip((j.suspect.key for j in added), verdict.roles, strict=True))
     taken = verdict.verdict == CAUSE
     kept = [j for j in added if roles[j.suspect.key] == CAUSE or (taken and stays(j, roles))]
@@ -122,9 +149,10 @@ def reported(
         kept, fits = in_turn(plant, kept, as_declared(selected.answer.last.plant, selected.laws), passes)
     after = refined(fits[-1], selected, passes, criteria) if selected.refined else fits[-1]
     known = {j.suspect.key: i for i, j in enumerate(added)}
-    causes, refinements = [], []
+    causes = [clock(late.skew, late.before, fits[0])] if late.skew else []
+    refinements = []
     for i, j in enumerate(kept):
-        made = cause(j.candidate, evidence.added[known[j.suspect.key]], fits[i], fits[i + 1], after, plant, credited=j.suspect.key in selected.credited)  # fmt: skip
+        made = cause(j, evidence.added[known[j.suspect.key]], fits[i], fits[i + 1], after, plant, credited=j.suspect.key in selected.credited)  # fmt: skip
         if roles[j.suspect.key] == CAUSE:
             causes.append(described_rivals(made, j, selected, plant, passes, confirmed, criteria, progress))
         else:
@@ -136,15 +164,38 @@ def reported(
         calm = {p.motion.record.name: max(selected.base.steady, 1e-300) for p in passes}
         lives = place or unexplained(selected.base, calm)
     after = withheld(after, causes, passes)
-    sentence = verdict_sentence(verdict, causes, fits[0], after, evidence, lives)
+    if late.skew:
+        after = replace(after, estimates=with_clock(after.estimates, late.skew))
+    before = late.before or fits[0]
+    sentence = verdict_sentence(verdict.verdict, causes, before, after, evidence, lives)
     shows = shown(selected.steps[0].judgements)
     return Trace(
         verdict.verdict, sentence + (named(shows) if verdict.verdict == NOTHING else ""),
-        ranked([j.candidate for j in kept if roles[j.suspect.key] == CAUSE], [j.candidate for j in selected.steps[0].judgements]),
-        tuple(tuple(j.candidate for j in s.judgements) for s in selected.steps), tuple(causes), fits[0], after, evidence.floor,
-        tuple(findings_of(verdict, evidence, causes, plant)), described(lives, evidence), shows,
+        ranked(
+            [*([candidate_of(late.skew, fits[0])] if late.skew else []), *(named_as(j) for j in kept if roles[j.suspect.key] == CAUSE)],
+            [named_as(j) for j in selected.steps[0].judgements],
+        ),
+        tuple(tuple(j.candidate for j in s.judgements) for s in selected.steps), tuple(causes), before, after, evidence.floor,
+        (*([late.idle] if late.idle else []), *findings_of(verdict, evidence, causes, plant)), described(lives, evidence), shows,
         refinements=tuple(refinements), evidence=evidence, criteria=criteria,
     )  # fmt: skip
+
+
+def named_as(j: Judgement) -> Candidate:
+    """Return a candidate under the name that it bears: of a free form that of its class' nearest formula."""
+    return replace(j.candidate, effect=j.suspect.name)
+
+
+def candidate_of(skew: Skew, fit: Fit) -> Candidate:
+    """Return the late clock as the first of the candidates: what the angle says of it is its gain."""
+    s = skew.late.measured
+    return Candidate(skew.suspect.effect, skew.suspect.at, skew.suspect.kind, s.share, 0.0, fit.identification, fit.identification, True, skew.sentence)  # fmt: skip
+
+
+def with_clock(estimates: Sequence[Estimate], skew: Skew) -> tuple[Estimate, ...]:
+    """Return estimates with the clock's as the angle gives them."""
+    key = (skew.suspect.effect, skew.suspect.at)
+    return (*(e for e in estimates if (e.effect, e.at) != key), *skew.parameters)
 
 
 def stays(j: Judgement, roles: Mapping[str, str]) -> bool:

@@ -3,14 +3,17 @@
 from collections.abc import Sequence
 
 from workbench.effect import find
+from workbench.effects.families import family_of
 from workbench.finding import Finding, capital, title
 from workbench.identify.result import Fit
 from workbench.plant import Plant
 from workbench.record import IDENTIFICATION, VALIDATION
 from workbench.trace.decide import CAUSE, DRESSING, NOT_BORNE_OUT, UNKNOWN, Verdict
 from workbench.trace.evidence import ADDITION, CORRECTION, Evidence, Weighed
+from workbench.trace.judge import Judgement
 from workbench.trace.place import WAYS, Place
 from workbench.trace.result import Candidate, Cause
+from workbench.trace.skew import Skew
 from workbench.trace.unexplained import Unexplained
 
 SPANS = 6  # that are told in words
@@ -24,7 +27,7 @@ FROM = {
 
 
 def cause(
-    candidate: Candidate,
+    judgement: Judgement,
     weight: Weighed,
     before: Fit,
     here: Fit,
@@ -38,17 +41,21 @@ def cause(
     weight: what whole records say of it. declared: the plant as declared, whose fixed values a correction moved. credited: it
     was not certain alone, and the candidate is what it came to with the others in place.
     """
-    effect = find(candidate.effect.partition(" ")[0])  # without its label
+    candidate, name = judgement.candidate, judgement.suspect.name
+    effect = find(name.partition(" ")[0])  # without its label
     estimates = tuple(e for e in last.estimates if (e.effect, e.at) == (candidate.effect, candidate.at))
     identification, validation = (
         1.0 - (here.rms[r] / before.rms[r]) ** 2 if before.rms[r] > 0.0 else 0.0 for r in (IDENTIFICATION, VALIDATION)
     )
     verb = "is declared with a wrong value" if candidate.kind != ADDITION else "is missing"
     sentence = (
-        f"{capital(title(candidate.effect))} at the {candidate.at} {verb}: {effect.cause}. It explains "
+        f"{capital(title(name))} at the {candidate.at} {verb}: {effect.cause}. It explains "
         f"{100 * identification:.1f} % of the residual power on the identification records and {100 * validation:.1f} % "
         "on the validation record."
     )
+    if judgement.suspect.stands:
+        family = family_of(last.plant[judgement.suspect.key])
+        sentence += f" It is {family}, of no catalogued law: its curve is in the parameters, and the name is that of the nearest law."
     if weight.implausible:
         sentence += f" Doubt it: {weight.implausible}."
     if credited:
@@ -57,9 +64,20 @@ def cause(
             f"{100 * candidate.gain:.1f} % of the held-out residual power (standard error {100 * candidate.scatter:.1f} %)."
         )
     return Cause(
-        candidate.effect, candidate.at, sentence, estimates, identification, validation,
+        name, candidate.at, sentence, estimates, identification, validation,
         kind=candidate.kind,
         was=held(declared, candidate) if candidate.kind == CORRECTION else {}, law=weight.law, size=weight.size(IDENTIFICATION),
+    )  # fmt: skip
+
+
+def clock(skew: Skew, before: Fit, here: Fit) -> Cause:
+    """Return the cause that a late clock is, as the angle between two encoders tells it; shares are of the drive."""
+    identification, validation = (
+        1.0 - (here.rms[r] / before.rms[r]) ** 2 if before.rms[r] > 0.0 else 0.0 for r in (IDENTIFICATION, VALIDATION)
+    )
+    power = max(before.identification**2 - here.identification**2, 0.0)
+    return Cause(
+        skew.suspect.effect, skew.suspect.at, skew.sentence, skew.parameters, identification, validation, size=power**0.5,
     )  # fmt: skip
 
 

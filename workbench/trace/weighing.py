@@ -25,13 +25,14 @@ def weighed(
         present = j.suspect.key in {e.key for e in last.effects}
         found.append(
             Weighed(
-                effect=j.candidate.effect,
+                effect=j.suspect.name,
                 at=j.candidate.at,
                 kind=j.suspect.kind,
                 before={r: getattr(before, r) for r in ROLES},
                 after={r: getattr(after, r) for r in ROLES},
                 changed=change(declared, last, j.suspect.key) if j.suspect.kind == CORRECTION and present else 0.0,
                 tolerance=criteria.tolerance,
+                law="free form" if j.suspect.stands else "catalogue",
                 implausible=implausible(last[j.suspect.key], last, declared, selected.declared.passes)
                 if present
                 else "",
