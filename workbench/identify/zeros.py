@@ -5,7 +5,8 @@ record to record where one of them is incremental. It is read off the angle betw
 
     q_m - q_l = x0 + c1 a_l + c2 v_l + c3 sign(v_l)        x0 of each record, c of all: what drives the load, and lateness
 
-x0 takes the mean of what the joint carries (a weight) with it. So where zeros are free the joint's mean torque is no reading
+Where the zeros lie apart by less, a record's first reading tells: it starts at rest, the joint relaxed but for a weight. Both
+take with them what the joint carries then (x0 its mean). So where zeros are free the joint's mean torque is no reading
 either: it is what closes the load's balance over the record (`closed`), in a fit and in a prediction alike.
 """
 
@@ -22,6 +23,7 @@ from workbench.record import Record
 # their zeros are free. It is 1.6 and more on axes with separate zeros, and 0.11 at most on others; half of it and twice
 # as much change neither.
 APART = 0.5
+STARTS = 8.0  # coarser counts between the first readings, from which they are not one: at most 2 where encoders have one zero
 
 
 def angles(records: Sequence[Record], bandwidth: float) -> tuple[np.ndarray, np.ndarray] | None:
@@ -48,14 +50,31 @@ def angles(records: Sequence[Record], bandwidth: float) -> tuple[np.ndarray, np.
 def relaxed(records: Sequence[Record], bandwidth: float) -> tuple[Record, ...]:
     """Return the records with the zeros of their load encoders where the motors' are, if they lie apart anywhere.
 
-    Records whose load is held, and those without a second encoder, stay as they are.
+    Records without a second encoder stay as they are, and those whose load is held where motion has to tell.
     """
-    both = [r for r in records if "load_position" in r.channels and not r.locked]
-    found = angles(both, bandwidth) if both else None
-    if found is None or not np.max(np.abs(found[0])) > APART * found[1]:
+    both = [r for r in records if "load_position" in r.channels]
+    free = [r for r in both if not r.locked]
+    found = angles(free, bandwidth) if free else None
+    if found is None:
         return tuple(records)
-    zero = dict(zip((r.name for r in both), found[0].tolist(), strict=True))
+    if np.max(np.abs(found[0])) > APART * found[1]:
+        zero = dict(zip((r.name for r in free), found[0].tolist(), strict=True))
+    elif any(abs(first(r)) > STARTS * coarser(r) > 0.0 for r in both):
+        zero = {r.name: first(r) for r in both}
+    else:
+        return tuple(records)
     return tuple(shifted(r, zero[r.name]) if r.name in zero else r for r in records)
+
+
+def first(record: Record) -> float:
+    """Return the angle between the encoders' first readings."""
+    return float(record.channels["position"][0] - record.channels["load_position"][0])
+
+
+def coarser(record: Record) -> float:
+    """Return the larger count of the two encoders, 0 where one is unknown."""
+    counts = [record.resolution.get(n, 0.0) for n in ("position", "load_position")]
+    return max(counts) if min(counts) > 0.0 else 0.0
 
 
 def shifted(record: Record, zero: float) -> Record:
@@ -80,7 +99,7 @@ def findings(records: Sequence[Record], displacement: str) -> list[Finding]:
         return []
     told = ", ".join(f"{x:.3g} {displacement} in '{name}'" for name, x in free.items())
     sentence = (
-        f"The two encoders were not set to zero together: between them lie {told}, more than the joint gives way. It was taken "
+        f"The two encoders were not set to zero together: between them lie {told}. It was taken "
         "off, and what the joint carries in the mean is what the load's balance asks for."
     )
     remedy = "set both encoders to zero with the joint relaxed, and record again"
