@@ -8,13 +8,15 @@ import numpy as np
 import pytest
 
 from workbench.conformance import checks
-from workbench.control import fixed_pd
+from workbench.control import FeedForward, fixed_pd
+from workbench.describe import first_harmonic
 from workbench.effect import TWO_COUNTS, catalogue, find, simpler
 from workbench.effects import curves, free_maps
 from workbench.effects.families import FAMILIES, FREE_FORMS, family_of, knots_of
 from workbench.effects.free_bank import free_bank, hysteresis_bank, slips_of
 from workbench.effects.table import hats
 from workbench.errors import WorkbenchError
+from workbench.export.feed_forward import export_feed_forward
 from workbench.identify.curves import curve, curve_of
 from workbench.identify.fit import identify
 from workbench.identify.passes import Passes, predicted
@@ -177,9 +179,9 @@ def test_a_band_is_the_square_root_of_the_covariance_along_the_hats():
     table = curves.force_over_position((0.0, 1.0, 2.0))(force1=1.0, force2=3.0, force3=2.0)
     names = [Name(table.key, f"force{i}") for i in (1, 2, 3)]
     cov = np.array([[4.0, 1.0, 0.0], [1.0, 9.0, 0.0], [0.0, 0.0, 1.0]])
-    found = curve((table,), np.array([0.0, 0.5, 2.0, 7.0]), (names, cov, 2.0))
-    np.testing.assert_allclose(found.value, [1.0, 2.0, 2.0, 2.0])
-    np.testing.assert_allclose(found.high - found.value, 2.0 * np.array([2.0, 0.5 * np.sqrt(15.0), 1.0, 1.0]))
+    found = curve((table,), np.array([0.0, 0.5, 2.0, 4.0]), (names, cov, 2.0))
+    np.testing.assert_allclose(found.value, [1.0, 2.0, 2.0, 3.0])  # beyond the last knot along the chord, 1/2 a unit
+    np.testing.assert_allclose(found.high - found.value, 2.0 * np.array([2.0, 0.5 * np.sqrt(15.0), 1.0, np.sqrt(8.0)]))
     np.testing.assert_allclose(found.value - found.low, found.high - found.value)
 
 
@@ -375,6 +377,16 @@ def test_a_table_simulates_as_the_law_that_it_holds():
     ]
     a, b = (np.asarray(r.trajectories["q"]) for r in runs)
     assert np.abs(a).max() > 0.1 and np.abs(a - b).max() < 0.01 * np.abs(a).max()
+
+
+def test_a_table_is_described_and_exported_as_any_other_effect(tmp_path):
+    table = curves.friction_over_speed((0.01, 0.1, 1.0))(odd1=0.3, odd2=0.3, odd3=0.3)
+    found = first_harmonic(table, [1e-3, 0.1], 2.0)
+    same = first_harmonic(COULOMB(coulomb=0.3), [1e-3, 0.1], 2.0)
+    np.testing.assert_allclose(found.loss, same.loss, rtol=1e-6)
+    known = FeedForward(0.02, np.array([0.01, 1.0]), np.array([0.3, 0.3]))
+    header, _ = export_feed_forward(known, PLAIN + table, tmp_path)
+    assert "friction_over_speed@axis.odd2 0.3" in header.read_text(encoding="utf-8")
 
 
 def test_what_a_table_is_changes_the_digest_of_the_plant():

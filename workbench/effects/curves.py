@@ -75,7 +75,7 @@ def friction_over_speed(speeds: Sequence[float], declared: Sequence[Effect] = ()
 @cache
 def _of_position(count: int, orders: int):
     def step(s, z, p):
-        return {}, table(p, s.q, "force", count) + waves(p, s.q, orders)
+        return {}, table(p, s.q, "force", count, onward=True) + waves(p, s.q, orders)
 
     return step
 
@@ -85,7 +85,7 @@ def force_over_position(
 ) -> Effect:
     """T = f(q) + sum_i A_i sin(k_i q + p_i): a table over the travel, and waves too short for it. At a joint, over its deflection.
 
-    positions (n >= 3,): x. orders: k_i in 1/x, held: of a travel of many periods a table would need many knots a period.
+    positions (n >= 3,): x; beyond them f goes on along its chord. orders: k_i in 1/x, held: of a travel of many periods a table would need many knots a period.
     """
     knots = increasing(positions, "positions", False)
     n, joint = len(knots), at == "joint"
@@ -156,13 +156,13 @@ def friction_over_time(times: Sequence[float], declared: Sequence[Effect] = (), 
 @cache
 def _of_load(count: int):
     def step(s, z, p):
-        return {}, table(p, absolute(s.tau), "friction", count) * s.dir
+        return {}, table(p, absolute(s.tau), "friction", count, onward=True) * s.dir
 
     return step
 
 
 def friction_over_load(loads: Sequence[float], declared: Sequence[Effect] = (), at: str = "axis") -> Effect:
-    """T = f(|tau|) dir, a table over the load that the contact carries. loads (n >= 3,): above 0, F."""
+    """T = f(|tau|) dir, a table over the load that the contact carries, beyond it along its chord. loads (n >= 3,): above 0, F."""
     knots = increasing(loads, "loads", True)
     made = _friction(
         "friction_over_load", "friction that depends on the load carried by no catalogued law", "T = f(|tau|) dir",

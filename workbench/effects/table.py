@@ -1,7 +1,7 @@
 """What tables of linear parameters are made of: hat functions, their knots, and what is held where a declared effect is free.
 
 Between knots a table is a straight line, sum_i c_i hat_i(x) with the hats of de Boor (A Practical Guide to Splines, 1978);
-beyond the first and the last knot it is held, since a line through two noisy knots goes anywhere.
+beyond the first and the last knot it is held or, where springs and loads are meant, goes on along the chord of the whole.
 """
 
 from collections.abc import Sequence
@@ -34,9 +34,16 @@ def at(p, word: str, count: int) -> list:
     return [getattr(p, n) for n in names(word, count)]
 
 
-def table(p, x, word: str, count: int):
-    """sum word_i hat_i(x) over the knots of a step's namespace."""
-    terms = [c * h for c, h in zip(at(p, word, count), hats(x, at(p, "knot", count)), strict=True)]
+def table(p, x, word: str, count: int, onward: bool = False):
+    """sum word_i hat_i(x) over the knots of a step's namespace. onward: beyond the ends it goes on along the chord of the whole.
+
+    The chord, and not the last piece: through two noisy knots a line goes anywhere, and a spring that is held is none.
+    """
+    values, knots = at(p, word, count), at(p, "knot", count)
+    terms = [c * h for c, h in zip(values, hats(x, knots), strict=True)]
+    if onward:
+        first, last = knots[0], knots[-1]
+        terms.append((values[-1] - values[0]) * ((x - clip(x, first, last)) / (last - first)))
     return sum(terms[1:], terms[0])
 
 
