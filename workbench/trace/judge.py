@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from workbench.effect import simpler
 from workbench.effects.free_bank import NAME as FREE_CURVE
 from workbench.finding import capital, title
 from workbench.identify.problem import Problem
@@ -25,6 +26,7 @@ LOST = 0.4  # of a first fit's gain, lost on held-out blocks, from which its fol
 COMPARED = 1e-4  # relative decrease of the cost at which these fits are as good as they are compared
 FURTHER = 12  # steps of these fits: where more would be wanted, shape parameters are hard to tell apart
 BEHIND = 0.4  # of the best one's gain, below which a candidate is not
+NEUTRAL = 0.05  # relative distance within which a parameter stands at the value of a simpler law
 EQUAL = 0.1  # standard errors of a gain within which two effects as simple explain the same
 
 Progress = Callable[[str], None]
@@ -136,7 +138,7 @@ def step(state: State, progress: Progress, offer: Offer = WHOLE, criteria: Crite
         if more:
             fit = Refitted(free_of(state, leaders[i]), *more.pop("fit"))
             judgements[judgements.index(leaders[i])] = replace(leaders[i], refitted=fit, **more)
-    judgements = simplest_first(judgements, criteria, state)
+    judgements = plainest_first(simplest_first(judgements, criteria, state), criteria, state)
     if judgements and (first := judgements[0]).refitted:
         judgements[0] = replace(first, state=first.refitted.state)
     return judgements
@@ -173,6 +175,33 @@ def simplest_first(judgements: Sequence[Judgement], criteria: Criteria, state: S
     equal = [j for j in level if j.freedom == first.freedom and j.candidate.gain >= least]
     simplest = next((j for j in equal if not j.suspect.plant[j.suspect.key].rare), first)
     return [simplest, *(j for j in judgements if j is not simplest)]
+
+
+def plainest_first(judgements: Sequence[Judgement], criteria: Criteria, state: State) -> list[Judgement]:
+    """Let a simpler effect lead in the place of one that it then is: a parameter stands where the law is another one's.
+
+    LuGre without presliding is Stribeck's friction, a kinematic error of order 1 an eccentricity. The simpler one leads where it
+    takes `near` of what the other takes.
+    """
+    for _ in range(len(judgements[:1])):
+        first = judgements[0]
+        if not first.refitted or first.suspect.kind != ADDITION:
+            break
+        effect = first.refitted.plant[first.suspect.key]
+        counts = max(p.motion.counts for p in state.passes)
+        around = {
+            n: tuple(sorted((p.value * (1.0 - NEUTRAL), p.value * (1.0 + NEUTRAL))))
+            for n, p in effect.parameters.items()
+        }
+        name = simpler(effect, around, counts)
+        other = next(
+            (j for j in judgements if j.suspect.effect == name and j.candidate.earns and j.theta is not None), None
+        )
+        whole = state.errors.total
+        if other and whole - other.errors.total >= criteria.near * (whole - first.errors.total):
+            other = other if other.refitted else refitted_as(state, other, criteria)
+            judgements = [other, *(j for j in judgements if j.suspect is not other.suspect)]
+    return judgements
 
 
 def absurd(j: Judgement, state: State) -> bool:

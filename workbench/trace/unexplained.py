@@ -16,6 +16,7 @@ PLAIN = 2.0  # residual over floor from which something is plainly left
 NOISE = 1.1  # residual over floor up to which only noise is left
 LEFT = 1.4  # residual over floor up to which effects that were added have explained what there was
 EXPLAINED = 0.9  # share of the excess power from which added effects are the answer
+STAYS = 0.5  # of the rms inside a place, that must stay there with the effects
 BRIEF = 0.1  # share of the samples below which moments are a place: more of them are a way of moving
 ALONE = 4.0  # rms inside a place over rms outside, from which there is little but what lives in the place
 
@@ -43,7 +44,10 @@ def instead(declared: State, last: State, level: Mapping[str, float]) -> Place |
         return stays
     brief = local(place) and (place.coordinate != "time" or place.covered < BRIEF)
     alone = brief and place.inside > ALONE * place.outside
-    return place if alone and weighed(place, last.solution.residual, known).inside > LEFT else None
+    if not alone:
+        return None
+    left = weighed(place, last.solution.residual, known).inside
+    return place if left > max(LEFT, STAYS * weighed(place, declared.solution.residual, known).inside) else None
 
 
 def unexplained(state: State, level: Mapping[str, float]) -> Unexplained:
