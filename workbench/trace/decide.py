@@ -37,7 +37,8 @@ def decide(evidence: Evidence, criteria: Criteria) -> Verdict:
     """Return the verdict on this evidence."""
     roles = tuple(role(a, criteria) for a in evidence.added)
     causes = [a for a, r in zip(evidence.added, roles, strict=True) if r == CAUSE]
-    if causes and (evidence.place_instead or not answers(evidence, causes, criteria)):
+    spread = evidence.place_instead and not little_left(evidence, criteria)
+    if causes and (spread or not answers(evidence, causes, criteria)):
         roles = tuple(DRESSING if r == CAUSE else r for r in roles)
         causes = []
     if causes or evidence.clock:
@@ -65,8 +66,12 @@ def answers(evidence: Evidence, causes: list[Weighed], criteria: Criteria) -> bo
     taken = sum(max(a.before[VALIDATION] ** 2 - a.after[VALIDATION] ** 2, 0.0) for a in causes)
     if declared > 0.0 and taken >= criteria.held * declared:
         return True
-    before, after = evidence.before.size**2, evidence.after.size**2
-    return before >= criteria.explainable**2 and after <= criteria.left * before
+    return evidence.before.size >= criteria.explainable and little_left(evidence, criteria)
+
+
+def little_left(evidence: Evidence, criteria: Criteria) -> bool:
+    """Whether what was added leaves little of what could be explained."""
+    return evidence.after.size**2 <= criteria.left * evidence.before.size**2
 
 
 def alarms(evidence: Evidence, roles: tuple[str, ...]) -> tuple[str, ...]:
