@@ -172,9 +172,9 @@ def revised(
         looked.append(lighter(judgements, best))
         if best is not None and best.suspect.key == present.suspect.key and present.candidate.earns:
             continue  # else what it comes to now is its evidence
-        worse = best is not None and best.suspect.key != present.suspect.key and poorer(best, answer.last, criteria)
-        if worse and present.candidate.earns:
-            continue
+        if best is not None and best.suspect.key != present.suspect.key and present.candidate.earns:
+            if not better(best, present, answer.last, criteria):
+                continue
         if best is None:
             fewer = Answer(rest, answer.declared, reduced)
             return revised(fewer, declared, looked, progress, offer, criteria) if len(rest) > 1 else fewer
@@ -184,9 +184,11 @@ def revised(
     return answer
 
 
-def poorer(other: Judgement, present: State, criteria: Criteria) -> bool:
-    """Whether another effect leaves plainly more than the present state: by more than what is of practical size."""
-    return other.errors.total - present.errors.total > criteria.practical**2 * present.power
+def better(other: Judgement, present: Judgement, last: State, criteria: Criteria) -> bool:
+    """Whether another effect is the better answer: it leaves less by more than is of practical size, or no more and is simpler."""
+    less = last.errors.total - other.errors.total
+    small = criteria.practical**2 * last.power
+    return less > small or (other.freedom < present.freedom and less > -small)
 
 
 def promising(looked: Sequence[Sequence[Judgement]]) -> set[str]:

@@ -51,17 +51,19 @@ def trace(
     plant: Plant,
     passes: Sequence[Passes],
     progress: Progress = lambda _: None,
+    most: int | None = None,
     only: Collection[str] | None = None,
     own: Collection[Effect] = (),
     criteria: Criteria = STANDARD,
 ) -> Trace:
     """Trace the residual of `plant` on the identification records among `passes`.
 
-    only: names of the effects that are judged, all where absent. own: effects that are judged beside those of the catalogue.
+    most: effects added at most, as the criteria say where absent. only: names of the effects that are judged, all where absent. own: effects that are judged beside those of the catalogue.
     criteria: what decides. Returns the verdict with its evidence. Validation records choose no effect; they decide whether what
     was found is borne out.
     """
     whole = fitted_on(passes)
+    criteria = criteria if most is None else replace(criteria, steps=most)
     progress("fitting the declared model")
     try:
         late = late_encoder(plant, passes, only)

@@ -30,7 +30,7 @@ def weighed(
                 kind=j.suspect.kind,
                 before={r: getattr(before, r) for r in ROLES},
                 after={r: getattr(after, r) for r in ROLES},
-                changed=change(declared, last, j.suspect.key) if j.suspect.kind == CORRECTION and present else 0.0,
+                changed=change(declared, fits[-1], j.suspect.key) if j.suspect.kind == CORRECTION and present else 0.0,
                 tolerance=criteria.tolerance,
                 law="free form" if j.suspect.stands else "catalogue",
                 implausible=implausible(last[j.suspect.key], last, declared, selected.declared.passes)
@@ -41,15 +41,21 @@ def weighed(
     return tuple(found)
 
 
-def change(declared: Plant, plant: Plant, key: str) -> float:
-    """Return the largest relative change of an effect's fixed values; of one that was declared as zero, 1."""
-    new = plant[key].parameters
-    changes = [
-        abs(new[n].value / p.value - 1.0) if p.value != 0.0 else float(new[n].value != 0.0)
-        for n, p in declared[key].parameters.items()
-        if p.fixed
-    ]
-    return max(changes, default=0.0)
+def change(declared: Plant, fit: Fit, key: str) -> float:
+    """Return by how much a fixed value is off for certain: the largest relative distance from it to its new 95 % interval.
+
+    Of one that was declared as zero, 1.
+    """
+    found = {(e.effect, e.at, e.parameter): e for e in fit.estimates}
+    effect = declared[key]
+    changes = [0.0]
+    for n, p in effect.outside.items():
+        new = found.get((effect.named, effect.at, n))
+        if not p.fixed or new is None:
+            continue
+        off = max(new.low - p.value, p.value - new.high, 0.0) if new.low <= new.high else abs(new.value - p.value)
+        changes.append(off / abs(p.value) if p.value != 0.0 else float(off > 0.0))
+    return max(changes)
 
 
 def curve_of(selected: Selection, before: Fit, after: Fit) -> list[Refinement]:
