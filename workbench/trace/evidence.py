@@ -5,7 +5,7 @@ Sizes are rms over the rms of the filtered drive: identification records pooled,
 
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
-from math import sqrt
+from math import copysign, sqrt
 
 ADDITION, CORRECTION = "addition", "correction"
 
@@ -58,13 +58,13 @@ class Weighed:
     near_law: bool = False
 
     def size(self, role: str) -> float:
-        """Return what it takes away, over the drive's rms; negative where the error grows."""
+        """Return what it takes away, over the drive's rms; negative where the error grows, NaN without such a record."""
         less = self.before[role] ** 2 - self.after[role] ** 2
-        return sqrt(less) if less >= 0.0 else -sqrt(-less)
+        return copysign(sqrt(abs(less)), less)
 
     def share(self, role: str) -> float:
         """Return the share of the residual's power that it takes away."""
-        return 1.0 - (self.after[role] / self.before[role]) ** 2 if self.before[role] > 0.0 else 0.0
+        return 1.0 - (self.after[role] / self.before[role]) ** 2 if self.before[role] != 0.0 else 0.0
 
 
 @dataclass(frozen=True)

@@ -163,8 +163,8 @@ def reported(
     progress("looking for where the residual lives")
     lives = None
     if verdict.verdict == UNKNOWN:
-        calm = {p.motion.record.name: max(selected.base.steady, 1e-300) for p in passes}
-        lives = place or unexplained(selected.base, calm)
+        calm = {p.motion.record.name: max(selected.declared.steady, 1e-300) for p in passes}
+        lives = place or unexplained(selected.declared, calm)
     after = withheld(after, causes, passes)
     if late.skew:
         after = replace(after, estimates=with_clock(after.estimates, late.skew))
