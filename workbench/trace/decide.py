@@ -57,7 +57,7 @@ def role(a: Weighed, criteria: Criteria) -> str:
     # without a validation record both are NaN, and say nothing
     if a.size(VALIDATION) < 0.0 or a.share(VALIDATION) < criteria.carried * a.share(IDENTIFICATION):
         return NOT_BORNE_OUT
-    if a.size(IDENTIFICATION) < criteria.practical or a.near_law:
+    if a.size(IDENTIFICATION) < criteria.practical:
         return REFINEMENT
     return CAUSE
 
@@ -70,6 +70,8 @@ def answers(evidence: Evidence, causes: list[Weighed], criteria: Criteria) -> bo
     """
     judge = VALIDATION if isfinite(evidence.declared[VALIDATION]) else IDENTIFICATION
     if share_of(causes, evidence, judge) >= criteria.held:
+        return True
+    if any(a.behind and a.share(judge) >= criteria.held for a in causes):
         return True
     if evidence.before.size >= criteria.explainable:
         return little_left(evidence, criteria)

@@ -124,7 +124,7 @@ def evidence_of(
         floor=noise_floor(passes, steady),
         before=before,
         after=after,
-        added=weighed(selected, confirmed.added, confirmed.fits, criteria),
+        added=weighed(selected, confirmed.added, confirmed.fits, passes, criteria),
         place_instead=place is not None,
     )
     return evidence, Unexplained(place, base.solution.cost**0.5) if place else None
