@@ -240,7 +240,7 @@ def on_the_way(declared: Plant, found: Trace) -> dict[str, Plant]:
     for cause in found.causes[:-1]:
         if cause.effect in found.after.plant and cause.effect not in plant:
             plant = plant + found.after.plant[cause.effect]
-            models[f"and {title(cause.effect)}"] = plant
+            models[f"traced up to {title(cause.effect)}"] = plant
     return models | {"as traced": found.after.plant}
 
 
@@ -450,7 +450,7 @@ def protocols_chapter(study: Study, figures: dict[str, float], closed, free: lis
     text = (
         "Errors on this benchmark are published by three protocols, and no publication that we know reports all of them. Two "
         "are of the force, |e|/|F|: of the force that the measured motion needs (filtered, every 10 ms), and of the force in a "
-        "simulated loop. The benchmark's own is of the position: the recorded force alone moves the model, from the place and "
+        "simulated loop (not filtered). The benchmark's own is of the position: the recorded force alone moves the model, from the place and "
         f"speed that the first {START} samples show, and the error is rms. All models are fitted to DATA_EMPS alone, but for the "
         "last two rows, which say what a model could do that knew the friction of the other day."
     )
