@@ -9,7 +9,6 @@ from workbench.campaign import load
 from workbench.identify.angle import Ends
 from workbench.identify.blocks import Blocks
 from workbench.identify.deflection import deflection_of, zeros
-from workbench.identify.fit import passes_of
 from workbench.identify.passes import Passes
 from workbench.motion import motion
 
@@ -77,7 +76,7 @@ def test_zeros_and_compliance_come_with_their_intervals():
         assert found.zeros[name].value == pytest.approx(zero, abs=3e-5)
     assert found.compliance.value == pytest.approx(1 / K, rel=0.1)
     assert found.inertial.value == pytest.approx(JL / K, rel=0.05)
-    assert zeros(passes_of(records, BAND), jointed()) == pytest.approx({"r1": 1.4e-3, "r2": -1e-3}, abs=3e-5)
+    assert zeros(raw(records, BAND), jointed()) == pytest.approx({"r1": 1.4e-3, "r2": -1e-3}, abs=3e-5)
 
 
 def test_each_record_says_it_for_itself():
@@ -91,7 +90,7 @@ def test_no_second_encoder_says_nothing():
     alone = type(record)(
         "one", "identification", record.time, {n: record.channels[n] for n in ("torque", "position")}, {}, record.source
     )
-    assert zeros(passes_of([alone], BAND), jointed()) == {}
+    assert zeros(raw([alone], BAND), jointed()) == {}
 
 
 def test_what_is_known_bounds_friction_behind_the_joint():
