@@ -16,6 +16,8 @@ from workbench.verify.design import Designed, steps_of, two_modes
 from workbench.verify.families import Family
 from workbench.verify.line_up import REACHED, LineUp, line_up
 from workbench.verify.margin import AgainstMargin, Asked
+from workbench.verify.polish import Polished
+from workbench.verify.promise import Promise
 from workbench.verify.task import Task
 
 FROZEN, PAPER = "scheduled PD (frozen)", "scheduled PD (following)"
@@ -23,6 +25,8 @@ ERROR, PROFILE = "scheduled PD (error)", "scheduled PD (error, profile)"
 FIXED, CASCADE, SOFT = "fixed PD", "PI cascade", "soft cascade"
 BEST, FED = "profile with PI", "profile with PI, fed forward"
 NOMINAL = "scheduled PD (following), no spread"  # for no load and the disc alone
+SMALL = 0.9e-3  # rad: up to here friction is a spring
+TIMES = ("simulated_time_small", "simulated_time_4mrad", "simulated_time_21mrad", "simulated_time_104mrad", "promised_time_deviation")  # fmt: skip
 SHORT = (PAPER, ERROR, CASCADE, BEST)  # of the second actuator
 
 
@@ -119,6 +123,15 @@ def asked_for(found: Contest, margins: AgainstMargin) -> tuple[Asked, ...]:
             paper["error"] / fixed["error"], "1", one,
         ),
     )  # fmt: skip
+
+
+def figures_of_steps(polished: Polished, held: Promise) -> dict[str, float]:
+    """Return the simulated 1 % times of the nominal optimum, at small amplitudes and at those of TIMES, and the promise's."""
+    a, time = polished.linear.amplitude, polished.nominal.nominal.time
+    at = np.exp(np.interp(np.log([4.3e-3, 0.021, 0.104]), np.log(a), np.log(time)))
+    return dict(zip(TIMES, (float(time[a <= SMALL].max()), *map(float, at), held.deviation), strict=True)) | {
+        "price_of_robustness": float(np.median(polished.price))
+    }
 
 
 def figures_of(found: Contest) -> tuple[dict[str, float], dict[str, str]]:

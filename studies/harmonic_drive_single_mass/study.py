@@ -14,6 +14,8 @@ from workbench.report import control as control_chapters
 from workbench.report.checks import checks_chapter
 from workbench.report.contents import Chapter, Paragraph
 from workbench.report.contest import asked_table, contest_chapter, margin_figure, standings_table
+from workbench.report.polish import as_table as gains_table
+from workbench.report.polish import polish_chapter
 from workbench.report.reproduction import as_table, counted
 from workbench.study import standard
 from workbench.study.configuration import Study
@@ -25,6 +27,8 @@ from workbench.study.series import robustness
 from workbench.trace.tracing import trace
 from workbench.verify.contest import as_table as contest_table
 from workbench.verify.margin import against_margin
+from workbench.verify.polish import polish
+from workbench.verify.promise import promise
 
 from . import controllers, description, paper, records
 from .controllers import BEST as PROFILE_PI
@@ -69,6 +73,8 @@ def contested(study: Study, control: Control, model: Plant, known: Plant, fitted
     """Everything about controllers on the first actuator."""
     made, held = controllers.held(study, control, model, known, say=say)
     designed, checks = controllers.designed(made, held, control, model)
+    polished = polish(model, made.equivalent, made.gains, made.goal, held.task, say)
+    kept = promise(known, polished, held.task)
     say("error against margin")
     asked = study.table.table("contest", ("seeds", "tuning_time"), ("margins", "soft_cascade"))
     margins = against_margin(
@@ -99,12 +105,17 @@ def contested(study: Study, control: Control, model: Plant, known: Plant, fitted
             **figures,
             **{f"{m.name}_at_loosest_margin": float(m.values[-1]) for m in missed},
             **counted(printed),
+            **controllers.figures_of_steps(polished, kept),
             "knots": float(made.schedule.knots.size),
             **controllers.figures_of_checks(checks),
         },
-        units=units | {"phase_margin": "rad"} | {f"{m.name}_at_loosest_margin": m.unit for m in missed},
+        units=units
+        | dict.fromkeys(controllers.TIMES, "s")
+        | {"phase_margin": "rad"}
+        | {f"{m.name}_at_loosest_margin": m.unit for m in missed},
         chapters=(
             control_chapters.schedule_chapter(designed, control.rule),
+            polish_chapter(polished, kept, model),
             *(checks_chapter(c, control.goal.sensitivity, model, rule) for rule, c in checks.items()),
             *steps,
             against,
@@ -112,6 +123,7 @@ def contested(study: Study, control: Control, model: Plant, known: Plant, fitted
         ),
         tables={
             "contest": contest_table(held),
+            "gains": gains_table(polished),
             "reproduction": as_table(printed),
             "error_against_margin": {"limits": margins.limits, **margins.values},
             "asked": [{**vars(m), "had_at": m.had_at(margins.limits)} for m in missed],

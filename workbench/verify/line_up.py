@@ -28,6 +28,7 @@ class LineUp:
     feed_forward: of the model. families: of every controller that is tuned."""
 
     plant: Plant
+    goal: TuningGoal
     equivalent: Equivalent
     gains: Gains
     schedule: Schedule
@@ -78,4 +79,4 @@ def line_up(
         profile_family(linear, (kv, kd, ki, braking), speed, step),
         profile_family(linear, (kv, kd, ki, braking), speed, step, known),
     )
-    return LineUp(plant, equivalent, gains, schedule, linear, known, families)
+    return LineUp(plant, goal, equivalent, gains, schedule, linear, known, families)
