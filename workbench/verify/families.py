@@ -19,7 +19,7 @@ class Family:
     """name: as the report says it. numbers: names of what is searched. lower, upper, start: on the natural scale.
 
     controller(points, lanes): one controller whose numbers vary over points, each repeated for `lanes` scenarios.
-    sensitivity(points): largest Ms over linearisations, (points,).
+    sensitivity(points): largest Ms over linearisations, (points,). settled(points): points whose numbers all act.
     """
 
     name: str
@@ -29,6 +29,7 @@ class Family:
     start: np.ndarray
     controller: Callable[[np.ndarray, int], Controller]
     sensitivity: Callable[[np.ndarray], np.ndarray]
+    settled: Callable[[np.ndarray], np.ndarray] = lambda points: points
 
 
 def repeated(values: np.ndarray, lanes: int) -> np.ndarray:
