@@ -6,18 +6,18 @@ import numpy as np
 
 from workbench.control import pi_cascade
 from workbench.plant import Plant
-from workbench.schedule import Schedule
 from workbench.study.configuration import Study
 from workbench.study.controlling import Control
 from workbench.study.controlling import numbers as numbers_of
 from workbench.verify.checks import Checks, checked
 from workbench.verify.contest import Contest, contest, entered
-from workbench.verify.design import Designed, steps_of, two_modes
+from workbench.verify.design import Designed, two_modes
 from workbench.verify.families import Family
 from workbench.verify.line_up import REACHED, LineUp, line_up
 from workbench.verify.margin import AgainstMargin, Asked
-from workbench.verify.polish import Polished
+from workbench.verify.polish import Polished, polish
 from workbench.verify.promise import Promise
+from workbench.verify.tabled import Tabled, tabled
 from workbench.verify.task import Task
 
 FROZEN, PAPER = "scheduled PD (frozen)", "scheduled PD (following)"
@@ -71,25 +71,32 @@ def for_margin(control: Control, model: Plant, task: Task, limit: float, names: 
     return {n: made.family(n) for n in names}
 
 
-def designed(made: LineUp, found: Contest, control: Control, plant: Plant) -> tuple[Designed, dict[str, Checks]]:
-    """Return the scheduled PD of the paper's rule as the chapter on gains and the export take it, and rule -> checks of the
-    schedule with which the simulated loop ended under it."""
+def designed(
+    made: LineUp, found: Contest, control: Control, plant: Plant, say=lambda _: None
+) -> tuple[Designed, dict[str, Checks], Tabled]:
+    """Return the table of the study's rule as the chapter on gains and the export take it, rule -> checks of a schedule, and the
+    search that the table comes from: gains and table are those of `plant`, which was identified.
 
-    def final(name: str, rule: str) -> Schedule:
-        return two_modes(made.schedule, found[name].tuned.median, rule)
-
-    kept = {"following": final(PAPER, "following"), "frozen": final(FROZEN, "frozen"), "error": final(ERROR, "error")}
-    ended = {"following": kept["following"], "error": final(ERROR, "following")}
+    Checked are the table, and the schedule of two modes with which the contest ended under the paper's rule.
+    """
+    own = found.task.on(plant)
+    polished = polish(plant, made.equivalent, made.gains, made.goal, own, say)
+    table = tabled(
+        polished, made.linear, made.goal, own, control.rule, per_octave=control.per_octave, tolerance=control.tolerance,
+        load=control.load, seeds=control.seeds, say=say,
+    )  # fmt: skip
+    paper = two_modes(made.schedule, found[PAPER].tuned.median, "following")
     checks = {
-        rule: checked(plant, made.equivalent, made.gains, schedule, control.goal, control.loop)
-        for rule, schedule in ended.items()
+        rule: checked(
+            plant, made.equivalent, made.gains, replace(schedule, rule="following"), control.goal, control.loop
+        )
+        for rule, schedule in (("following", paper), (control.rule, table.schedule))
     }
     tuned = {n: s.tuned.median for n, s in found.standings.items() if s.tuned}
-    simulated = steps_of(plant, made.gains, found.task)
-    between = checks["following"].between
+    final, between = {control.rule: table.schedule}, checks[control.rule].between
     return Designed(
-        plant, made.equivalent, made.gains, made.schedule, simulated, between, tuned, kept, ()
-    ), checks  # fmt: skip
+        plant, made.equivalent, made.gains, table.interpolated, polished, between, tuned, final, table.climbed, ()
+    ), checks, table  # fmt: skip
 
 
 def figures_of_checks(checks: dict[str, Checks]) -> dict[str, float]:

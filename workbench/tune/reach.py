@@ -10,6 +10,7 @@ import numpy as np
 
 from workbench.tune import sampled
 from workbench.tune.axis import Axis
+from workbench.tune.start import FLOOR, stable_box
 
 LINES = 600  # frequencies; the peak between two of them is larger by 1e-4 at most
 LOWEST = 1e-3  # rad a sample
@@ -26,9 +27,10 @@ def stiffest(axis: Axis, ratio: np.ndarray, sensitivity: float) -> np.ndarray:
     motion = sampled.steps(axis.stiffness, np.full(axis.amplitude.size, axis.damping), axis.clock)
     position, rate = sampled.response(theta, motion, axis.clock), sampled.difference(theta, axis.clock)
     own = np.sqrt(axis.stiffness)
-    return np.stack(
-        [_one(p, 1.0 + rate / r[:, None], theta > w, sensitivity) for p, r, w in zip(position, ratio, own, strict=True)]
-    )
+    rows = zip(position, ratio, own, strict=True)
+    most = np.stack([_one(p, 1.0 + rate / r[:, None], theta > w, sensitivity) for p, r, w in rows])
+    border = stable_box(axis)[0][:, None]  # of a slow loop no line may meet |S| below the Nyquist frequency
+    return np.clip(np.where(np.isfinite(most), most, border), FLOOR * border, border)
 
 
 def _one(position: np.ndarray, law: np.ndarray, above: np.ndarray, sensitivity: float) -> np.ndarray:

@@ -6,10 +6,11 @@ shrinks without (Rechenberg's rule). Starts and seeds differ; every run is kept,
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
+from workbench.control import Controller
 from workbench.verify.families import Family
 from workbench.verify.ladder import Ladder, all_rungs, climbed
 from workbench.verify.regret import References, Regret, cost, raised, references, regret
@@ -23,15 +24,22 @@ ALONE = 0.3  # share of the numbers that every other generation moves
 
 @dataclass(frozen=True, eq=False)
 class Climb:
-    """One run. point: its numbers. value: its cost. figures (rungs, 2, 3)."""
+    """One run. point: its numbers. value: its cost. figures (rungs, 2, 3). evaluations: points tried."""
 
     family: Family
     seed: int
     point: np.ndarray
     value: float
     figures: np.ndarray
+    evaluations: int = 0
 
-    def controller(self, lanes: int = 1):
+    @property
+    def numbers(self) -> dict[str, float]:
+        """Name -> value, SI."""
+        return dict(zip(self.family.numbers, map(float, self.point), strict=True))
+
+    def controller(self, lanes: int = 1) -> Controller:
+        """Return the controller, the same in every one of `lanes` scenarios."""
         return self.family.controller(self.point[None, :], lanes)
 
 
@@ -79,7 +87,7 @@ def climb(
     known = raised(on, known, best.family, best.point)
     values = [float(cost(of(on, r.figures, known))[0]) for r in runs]
     order = np.argsort(values)
-    kept = tuple(Climb(runs[i].family, first[i].seed, runs[i].point, values[i], runs[i].figures) for i in order)
+    kept = tuple(replace(runs[i], seed=first[i].seed, value=values[i]) for i in order)
     return Climbed(on, kept, known, regret(on, kept[0].figures, known))
 
 
@@ -113,4 +121,4 @@ def evolved(
         width *= GROW if better else SHRINK
         if better:
             point, value, figures = points[i], float(costs[i]), tried[i]
-    return Climb(family, seed, point, value, figures)
+    return Climb(family, seed, point, value, figures, 1 + generations * OFFSPRING)

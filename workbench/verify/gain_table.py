@@ -17,7 +17,7 @@ from workbench.tune.reach import stiffest
 from workbench.verify.families import Blend, Family
 from workbench.verify.linear import Linear
 
-NODES = 8  # ratios that are free, even in log amplitude: three in two decades. Six leave a regret of 3 % more, twelve one within 1 %
+NODES = 8  # ratios that are free, even in log amplitude: three in two decades. Six leave a regret of 3 % more, twelve change little
 EDGE = 240  # ratios at which the stiffest Kp is computed; between them it is interpolated to 1e-4
 SAFE = 0.999  # of the stiffest Kp: what interpolation between them and between knots may cost of |S|
 FREE = 3.0  # a ratio is sought within this factor of the tuned gains' range

@@ -18,12 +18,16 @@ SHARE = 1e-5  # of the step: the smallest size where the encoder has no counts
 COUNTS = 2.0  # of the encoder: what no error, overshoot or band is asked to be below
 HOLD = 0.06  # s, at rest before the first step: the load's deflection dies out in a third of it
 REST, LASTS = 0.1, 1.5  # s, and of the time-optimal bound: how long each step is given
+ANSWERED = (
+    0.5  # of a step that a response has to go: one that hardly moves is in the band of its own final value at once
+)
 LAST = 0.1  # of each step's time, over which the error is the largest that is left
 SINE, PERIOD = (
     10.0,
     1.0,
 )  # amplitude over the smallest step, and s: slow enough that friction, not inertia, sets the error
 LOAD = 0.05  # of the drive's limit: the load, where a study states none
+PHASES = 1  # of the encoder that every scenario is met at
 GROUPS = 3  # of rungs of like duration, each one run
 GOLDEN = 0.6180339887498949
 FIGURES = ("time", "error", "overshoot")
@@ -101,7 +105,7 @@ def ladder(task: Task, load: float | None = None, *, scenarios=None, sizes: int 
                 half.append(long)
     rungs += [(Move("load", 0.0, load),), (Move("sine", SINE * least, 0.0),)]
     half += [samples(least), int(round(PERIOD / 2.0 / task.loop.sample_time))]
-    return Ladder(task, tuple(rungs), scenarios or corners(task), np.array(half))
+    return Ladder(task, tuple(rungs), scenarios or corners(task) * PHASES, np.array(half))
 
 
 def corners(task: Task) -> tuple[tuple[float, float], ...]:
@@ -109,6 +113,11 @@ def corners(task: Task) -> tuple[tuple[float, float], ...]:
     ends = ((min(v), max(v)) for v in (task.frictions, task.inertias))
     frictions, inertias = (tuple(dict.fromkeys(e)) for e in ends)
     return tuple(dict.fromkeys(((1.0, 1.0), *((f, i) for f in frictions for i in inertias))))
+
+
+def timed(on: Ladder) -> np.ndarray:
+    """Return which moves have a time, (rungs, 2)."""
+    return np.array([[moves[0].kind == "step"] * 2 for moves in on.rungs])
 
 
 def all_rungs(on: Ladder, points: np.ndarray) -> np.ndarray:
@@ -181,5 +190,6 @@ def step_figures(q: np.ndarray, target: float, size: float, count: float, dt: fl
         error = np.abs(target - q[-end:]).max(axis=0)
         beyond = np.max(way * (q - final), axis=0)
         over = np.where(beyond > COUNTS * count, beyond / abs(size), 0.0)
-        fine = np.isfinite(q).all(axis=0) & (last < samples - end)
+        answered = way * (final - q[0]) >= ANSWERED * abs(size)
+        fine = np.isfinite(q).all(axis=0) & (last < samples - end) & answered
         return np.stack([np.where(fine, v, np.inf) for v in (time, error, over)], axis=1)
