@@ -10,6 +10,7 @@ from workbench.study.configuration import Study
 from workbench.study.controlling import Control
 from workbench.study.controlling import numbers as numbers_of
 from workbench.verify.checks import Checks, checked
+from workbench.verify.compare import PHASES
 from workbench.verify.contest import Contest, contest, entered
 from workbench.verify.design import Designed, two_modes
 from workbench.verify.families import Family
@@ -20,6 +21,8 @@ from workbench.verify.promise import Promise
 from workbench.verify.tabled import Tabled, tabled
 from workbench.verify.task import Task
 
+from .records import assumed
+
 FROZEN, PAPER = "scheduled PD (frozen)", "scheduled PD (following)"
 ERROR, PROFILE = "scheduled PD (error)", "scheduled PD (error, profile)"
 FIXED, CASCADE, SOFT = "fixed PD", "PI cascade", "soft cascade"
@@ -27,12 +30,13 @@ BEST, FED = "profile with PI", "profile with PI, fed forward"
 NOMINAL = "scheduled PD (following), no spread"  # for no load and the disc alone
 SMALL = 0.9e-3  # rad: up to here friction is a spring
 TIMES = ("simulated_time_small", "simulated_time_4mrad", "simulated_time_21mrad", "simulated_time_104mrad", "promised_time_deviation")  # fmt: skip
+FIT_KEYS = ("actuator", "friction")
 SHORT = (PAPER, ERROR, CASCADE, BEST)  # of the second actuator
 
 
 def soft(study: Study, plant: Plant, speed: float):
     """Return the maker of the stated cascade: kv, ki and kvp as study.toml says."""
-    one = study.table.table("contest", optional=("seeds", "tuning_time", "margins", "soft_cascade")).table(
+    one = study.table.table("contest", optional=("seeds", "tuning_time", "margins", "soft_cascade", "fits")).table(
         "soft_cascade", ("kv", "ki", "ratio")
     )
     kv, ki = (one.quantity(k, "1/s", above=0.0) for k in ("kv", "ki"))
@@ -40,11 +44,42 @@ def soft(study: Study, plant: Plant, speed: float):
     return lambda lanes: pi_cascade(kv, kvp, ki * kvp, speed)
 
 
+def fitted(study: Study, made: LineUp, found: Contest) -> dict[str, dict[str, float]]:
+    """Return what the stated fits to Table I come to: "scheduled" and "cascade" -> figure of a standing.
+
+    Each has its actuator, one factor on friction, and the numbers of its law; the scheduled one those of two modes.
+    """
+    top = study.table.table("contest", ("seeds", "tuning_time"), ("margins", "soft_cascade", "fits"))
+    both = top.table("fits", ("scheduled", "cascade"))
+    family = made.family(PAPER)
+    point = np.array([both.table("scheduled", (*FIT_KEYS, "numbers")).values["numbers"]])
+
+    def cascade(lanes):
+        return pi_cascade(*both.table("cascade", (*FIT_KEYS, "numbers")).values["numbers"])
+
+    makers = {"scheduled": lambda lanes: family.controller(point, lanes), "cascade": cascade}
+    out = {}
+    for name, maker in makers.items():
+        one = both.table(name, (*FIT_KEYS, "numbers"))
+        friction = one.number("friction", above=0.0)
+        task = found.task.on(assumed(study, one.text("actuator")))
+        seen = [
+            task.run(maker(PHASES), task.scenarios((load,), (friction,), (1.0,), PHASES))
+            for load in (task.load_inertias[0], task.load_inertias[-1])
+        ]
+        out[name] = {
+            f"{n}{suffix}": float(np.max(getattr(m, field)))
+            for m, suffix in zip(seen, ("", "_loaded"), strict=True)
+            for n, field in (("time", "time_1pct"), ("error", "final_error"))
+        }
+    return out
+
+
 def held(
     study: Study, control: Control, model: Plant, known: Plant, names=None, say=lambda _: None
 ) -> tuple[LineUp, Contest]:
     """Make every controller from the model, and tune and judge it on the known plant. names: of families, all where absent."""
-    asked = study.table.table("contest", ("seeds", "tuning_time"), ("margins", "soft_cascade"))
+    asked = study.table.table("contest", ("seeds", "tuning_time"), ("margins", "soft_cascade", "fits"))
     goal = replace(control.goal, drive=known.limits.drive, speed=known.limits.speed)
     task = control.task.on(known)
     made = line_up(model, control.amplitudes, goal, task, per_octave=control.per_octave, tolerance=control.tolerance)

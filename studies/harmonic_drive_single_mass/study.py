@@ -66,18 +66,18 @@ def run(study: Study, say) -> Outcome:
         chapters=(curve, described),
         findings=(*found.findings, *found.after.findings),
     )
-    outcome = with_part(outcome, contested(study, control, model, known, fitted, say))
+    outcome = with_part(outcome, contested(study, control, model, known, say))
     return with_part(outcome, second(study, control, say))
 
 
-def contested(study: Study, control: Control, model: Plant, known: Plant, fitted, say) -> Part:
+def contested(study: Study, control: Control, model: Plant, known: Plant, say) -> Part:
     """Everything about controllers on the first actuator."""
     made, held = controllers.held(study, control, model, known, say=say)
     designed, checks, table = controllers.designed(made, held, control, model, say)
     polished, regret = designed.polished, table.regret_on(held.task)
     kept = promise(known, polished, held.task)
     say("error against margin")
-    asked = study.table.table("contest", ("seeds", "tuning_time"), ("margins", "soft_cascade"))
+    asked = study.table.table("contest", ("seeds", "tuning_time"), ("margins", "soft_cascade", "fits"))
     margins = against_margin(
         held.task,
         numbers(asked, "margins", (2.0,)),
@@ -88,7 +88,8 @@ def contested(study: Study, control: Control, model: Plant, known: Plant, fitted
     )
     missed = controllers.asked_for(held, margins)
     disc = held.task.load_inertias[-1]
-    printed = paper.rows(held, fitted, disc)
+    fits = controllers.fitted(study, made, held)
+    printed = paper.rows(held, fits)
     figures, units = controllers.figures_of(held)
     loaded = replace(held.task, load_inertias=(disc,))
     steps = (
@@ -130,6 +131,7 @@ def contested(study: Study, control: Control, model: Plant, known: Plant, fitted
             "gains": gains_table(polished),
             "ladder": ladder_table(table.climbed, regret),
             "reproduction": as_table(printed),
+            "fits": fits,
             "error_against_margin": {"limits": margins.limits, **margins.values},
             "asked": [{**vars(m), "had_at": m.had_at(margins.limits)} for m in missed],
         },
