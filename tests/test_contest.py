@@ -201,3 +201,14 @@ def test_a_record_that_a_study_makes_says_so():
     assert "simulated" in made[0].motion and made[0].source.reader == "simulated by this study"
     assert made[0].source.sha256 == made[1].source.sha256 != made[2].source.sha256
     assert made[0].units == {"torque": "N*m", "position": "rad"} and not made[0].locked
+
+
+def test_a_filter_of_its_own_gives_a_cascade_beyond_the_joint_a_margin_that_the_loops_filter_does_not():
+    on_load = masses(440.0, motor_speed=False)
+    family = cascade_family(on_load, (50.0, 5.0, 25.0), 12.0, filtered=True)
+    quick, slow = family.sensitivity(np.array([[50.0, 1.0, 19.0, 2.5e-4], [50.0, 1.0, 19.0, 4e-3]]))
+    plain = cascade_family(on_load, (50.0, 5.0, 25.0), 12.0).sensitivity(np.array([[50.0, 1.0, 19.0]]))[0]
+    assert quick == pytest.approx(plain, rel=1e-9) and slow < 0.5 * quick
+    assert family.numbers[-1] == "velocity_filter" and family.controller(
+        family.start[None, :], 2
+    ).velocity_filter.shape == (2,)

@@ -4,6 +4,8 @@ import json
 from collections.abc import Mapping
 from pathlib import Path
 
+import numpy as np
+
 from workbench.errors import WorkbenchError
 from workbench.export.numbers import export_numbers
 from workbench.export.whole import write_together
@@ -11,7 +13,7 @@ from workbench.plant import Plant
 
 UNITS = {  # of the numbers of every law; F and x are the plant's own
     "kp": "F/x", "kd": "F*s/x", "kv": "1/s", "kvp": "F*s/x", "ki": "F/x", "speed_limit": "x/s", "deceleration": "x/s^2",
-    "gate": "x", "mass": "F*s^2/x", "velocity_filter": "s",
+    "gate": "x", "mass": "F*s^2/x",
 }  # fmt: skip
 LAWS = {
     "fixed_pd": "u = kp (r - y) - kd vh",
@@ -62,4 +64,6 @@ def numbers_of(controller, plant: Plant) -> dict[str, tuple[float, str]]:
             )
         unit = UNITS[name].replace("F", plant.effort).replace("x", plant.displacement)
         out[name] = (float(value if getattr(value, "ndim", 0) == 0 else value[0]), unit)
+    if controller.velocity_filter is not None:
+        out["velocity_filter"] = (float(np.ravel(controller.velocity_filter)[0]), "s")
     return out
