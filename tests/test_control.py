@@ -70,3 +70,27 @@ def test_every_law_of_the_package_is_known_by_its_own_name():
     assert written <= {id(x) for x in every().values()} and law(made.name) is made
     with pytest.raises(WorkbenchError, match="pi_cascade"):
         law("pi_cascad")
+
+
+def test_a_controllers_own_velocity_filter_takes_the_place_of_the_loops():
+    from dataclasses import replace
+
+    from workbench.effect import find
+    from workbench.plant import ONE_MASS, Plant
+    from workbench.simulate import Loop, ScenarioArrays, simulate
+
+    plant = Plant(ONE_MASS, (find("inertia")(inertia=0.01),))
+    slow = Loop(2.5e-4, 4, 2.5e-4, 4e-3)
+    lanes, law = ScenarioArrays(2, target=0.01), fixed_pd(10.0, 0.8)
+    of_loop = simulate(plant, slow, law, lanes, 0.1, ("vh",)).trajectories["vh"]
+    quick = replace(slow, velocity_filter=2.5e-4)
+    own = simulate(
+        plant, quick, replace(law, velocity_filter=np.array([4e-3, 2.5e-4])), lanes, 0.1, ("vh",)
+    ).trajectories["vh"]
+    plain = simulate(plant, quick, law, lanes, 0.1, ("vh",)).trajectories["vh"]
+    np.testing.assert_allclose(own, np.stack([of_loop[:, 0], plain[:, 1]], axis=1), rtol=1e-9, atol=1e-12)
+    assert not np.allclose(own[:, 0], own[:, 1])
+    with pytest.raises(WorkbenchError, match="velocity filter"):
+        replace(law, velocity_filter=-1.0)
+    with pytest.raises(WorkbenchError, match="velocity_filter has shape"):
+        simulate(plant, quick, replace(law, velocity_filter=np.ones(3)), lanes, 0.1)

@@ -20,7 +20,7 @@ FEASIBLE = 1e-3  # the lowest amplitude that allows any gains
 
 def asked(raised: bool) -> Control:
     amplitudes = np.geomspace(1e-5, 1.0, 20)
-    return Control(None, None, amplitudes, raised, 2, 0.02, "following", None, inf, None, 1)
+    return Control(None, None, amplitudes, raised, 2, 0.02, "following", None, inf, None, None, (1,))
 
 
 @pytest.fixture

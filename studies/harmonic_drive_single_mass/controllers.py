@@ -6,29 +6,37 @@ import numpy as np
 
 from workbench.control import pi_cascade
 from workbench.plant import Plant
-from workbench.schedule import Schedule
 from workbench.study.configuration import Study
 from workbench.study.controlling import Control
 from workbench.study.controlling import numbers as numbers_of
 from workbench.verify.checks import Checks, checked
+from workbench.verify.compare import PHASES
 from workbench.verify.contest import Contest, contest, entered
-from workbench.verify.design import Designed, steps_of, two_modes
+from workbench.verify.design import Designed, two_modes
 from workbench.verify.families import Family
 from workbench.verify.line_up import REACHED, LineUp, line_up
 from workbench.verify.margin import AgainstMargin, Asked
+from workbench.verify.polish import Polished, polish
+from workbench.verify.promise import Promise
+from workbench.verify.tabled import Tabled, tabled
 from workbench.verify.task import Task
+
+from .records import assumed
 
 FROZEN, PAPER = "scheduled PD (frozen)", "scheduled PD (following)"
 ERROR, PROFILE = "scheduled PD (error)", "scheduled PD (error, profile)"
 FIXED, CASCADE, SOFT = "fixed PD", "PI cascade", "soft cascade"
 BEST, FED = "profile with PI", "profile with PI, fed forward"
 NOMINAL = "scheduled PD (following), no spread"  # for no load and the disc alone
+SMALL = 0.9e-3  # rad: up to here friction is a spring
+TIMES = ("simulated_time_small", "simulated_time_4mrad", "simulated_time_21mrad", "simulated_time_104mrad", "promised_time_deviation")  # fmt: skip
+FIT_KEYS = ("actuator", "friction")
 SHORT = (PAPER, ERROR, CASCADE, BEST)  # of the second actuator
 
 
 def soft(study: Study, plant: Plant, speed: float):
     """Return the maker of the stated cascade: kv, ki and kvp as study.toml says."""
-    one = study.table.table("contest", optional=("seeds", "tuning_time", "margins", "soft_cascade")).table(
+    one = study.table.table("contest", optional=("seeds", "tuning_time", "margins", "soft_cascade", "fits")).table(
         "soft_cascade", ("kv", "ki", "ratio")
     )
     kv, ki = (one.quantity(k, "1/s", above=0.0) for k in ("kv", "ki"))
@@ -36,11 +44,42 @@ def soft(study: Study, plant: Plant, speed: float):
     return lambda lanes: pi_cascade(kv, kvp, ki * kvp, speed)
 
 
+def fitted(study: Study, made: LineUp, found: Contest) -> dict[str, dict[str, float]]:
+    """Return what the stated fits to Table I come to: "scheduled" and "cascade" -> figure of a standing.
+
+    Each has its actuator, one factor on friction, and the numbers of its law; the scheduled one those of two modes.
+    """
+    top = study.table.table("contest", ("seeds", "tuning_time"), ("margins", "soft_cascade", "fits"))
+    both = top.table("fits", ("scheduled", "cascade"))
+    family = made.family(PAPER)
+    point = np.array([both.table("scheduled", (*FIT_KEYS, "numbers")).values["numbers"]])
+
+    def cascade(lanes):
+        return pi_cascade(*both.table("cascade", (*FIT_KEYS, "numbers")).values["numbers"])
+
+    makers = {"scheduled": lambda lanes: family.controller(point, lanes), "cascade": cascade}
+    out = {}
+    for name, maker in makers.items():
+        one = both.table(name, (*FIT_KEYS, "numbers"))
+        friction = one.number("friction", above=0.0)
+        task = found.task.on(assumed(study, one.text("actuator")))
+        seen = [
+            task.run(maker(PHASES), task.scenarios((load,), (friction,), (1.0,), PHASES))
+            for load in (task.load_inertias[0], task.load_inertias[-1])
+        ]
+        out[name] = {
+            f"{n}{suffix}": float(np.max(getattr(m, field)))
+            for m, suffix in zip(seen, ("", "_loaded"), strict=True)
+            for n, field in (("time", "time_1pct"), ("error", "final_error"))
+        }
+    return out
+
+
 def held(
     study: Study, control: Control, model: Plant, known: Plant, names=None, say=lambda _: None
 ) -> tuple[LineUp, Contest]:
     """Make every controller from the model, and tune and judge it on the known plant. names: of families, all where absent."""
-    asked = study.table.table("contest", ("seeds", "tuning_time"), ("margins", "soft_cascade"))
+    asked = study.table.table("contest", ("seeds", "tuning_time"), ("margins", "soft_cascade", "fits"))
     goal = replace(control.goal, drive=known.limits.drive, speed=known.limits.speed)
     task = control.task.on(known)
     made = line_up(model, control.amplitudes, goal, task, per_octave=control.per_octave, tolerance=control.tolerance)
@@ -67,25 +106,32 @@ def for_margin(control: Control, model: Plant, task: Task, limit: float, names: 
     return {n: made.family(n) for n in names}
 
 
-def designed(made: LineUp, found: Contest, control: Control, plant: Plant) -> tuple[Designed, dict[str, Checks]]:
-    """Return the scheduled PD of the paper's rule as the chapter on gains and the export take it, and rule -> checks of the
-    schedule with which the simulated loop ended under it."""
+def designed(
+    made: LineUp, found: Contest, control: Control, plant: Plant, say=lambda _: None
+) -> tuple[Designed, dict[str, Checks], Tabled]:
+    """Return the table of the study's rule as the chapter on gains and the export take it, rule -> checks of a schedule, and the
+    search that the table comes from: gains and table are those of `plant`, which was identified.
 
-    def final(name: str, rule: str) -> Schedule:
-        return two_modes(made.schedule, found[name].tuned.median, rule)
-
-    kept = {"following": final(PAPER, "following"), "frozen": final(FROZEN, "frozen"), "error": final(ERROR, "error")}
-    ended = {"following": kept["following"], "error": final(ERROR, "following")}
+    Checked are the table, and the schedule of two modes with which the contest ended under the paper's rule.
+    """
+    own = found.task.on(plant)
+    polished = polish(plant, made.equivalent, made.gains, made.goal, own, say)
+    table = tabled(
+        polished, made.linear, made.goal, own, control.rule, per_octave=control.per_octave, tolerance=control.tolerance,
+        load=control.load, seeds=control.seeds, say=say,
+    )  # fmt: skip
+    paper = two_modes(made.schedule, found[PAPER].tuned.median, "following")
     checks = {
-        rule: checked(plant, made.equivalent, made.gains, schedule, control.goal, control.loop)
-        for rule, schedule in ended.items()
+        rule: checked(
+            plant, made.equivalent, made.gains, replace(schedule, rule="following"), control.goal, control.loop
+        )
+        for rule, schedule in (("following", paper), (control.rule, table.schedule))
     }
     tuned = {n: s.tuned.median for n, s in found.standings.items() if s.tuned}
-    simulated = steps_of(plant, made.gains, found.task)
-    between = checks["following"].between
+    final, between = {control.rule: table.schedule}, checks[control.rule].between
     return Designed(
-        plant, made.equivalent, made.gains, made.schedule, simulated, between, tuned, kept, ()
-    ), checks  # fmt: skip
+        plant, made.equivalent, made.gains, table.interpolated, polished, between, tuned, final, table.climbed, ()
+    ), checks, table  # fmt: skip
 
 
 def figures_of_checks(checks: dict[str, Checks]) -> dict[str, float]:
@@ -119,6 +165,15 @@ def asked_for(found: Contest, margins: AgainstMargin) -> tuple[Asked, ...]:
             paper["error"] / fixed["error"], "1", one,
         ),
     )  # fmt: skip
+
+
+def figures_of_steps(polished: Polished, held: Promise) -> dict[str, float]:
+    """Return the simulated 1 % times of the nominal optimum, at small amplitudes and at those of TIMES, and the promise's."""
+    a, time = polished.linear.amplitude, polished.nominal.nominal.time
+    at = np.exp(np.interp(np.log([4.3e-3, 0.021, 0.104]), np.log(a), np.log(time)))
+    return dict(zip(TIMES, (float(time[a <= SMALL].max()), *map(float, at), held.deviation), strict=True)) | {
+        "price_of_robustness": float(np.median(polished.price))
+    }
 
 
 def figures_of(found: Contest) -> tuple[dict[str, float], dict[str, str]]:

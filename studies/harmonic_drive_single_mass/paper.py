@@ -1,28 +1,12 @@
 """What the paper printed beside what this study obtains, and what is wrong with, or missing from, the print."""
 
-from math import pi
+from collections.abc import Mapping
 
 from workbench.report.contents import Chapter, Heading, Items, Paragraph
-from workbench.report.reproduction import Printed, places_table, reproduction_table
+from workbench.report.reproduction import FIT, Printed, places_table, reproduction_table
 from workbench.verify.contest import Contest
 
-from .controllers import NOMINAL, PAPER, SOFT
-
-COUNT = 2 * pi / 1_296_000
-ERRORS = {  # rad, Tables I and II
-    "scheduled, no load": 0.388e-4,
-    "cascade, no load": 1.131e-4,
-    "scheduled, loaded": 0.969e-4,
-    "cascade, loaded": 8.870e-4,
-    "second approach, no load": 2.404e-4,
-    "second approach, loaded": 2.230e-4,
-}
-WHOLE = 1e-3  # relative distance from a whole number that four printed digits allow
-NOT_WHOLE = "it is no whole count, so it is no single reading at rest"
-NO_GAINS = (
-    "the paper states neither the cascade's gains nor which encoder closes it; the cascade stated here has another tail"
-)
-SMALL_LOAD = "the disc adds 7 % to the inertia, and the stated cascade's error grows about as much; eightfold is not in this model"
+from .controllers import NOMINAL, PAPER
 
 PLACES = (
     ("Figs. 5 and 6, model and virgin curve", "Virgin curve from slow sines"),
@@ -34,43 +18,41 @@ PLACES = (
 )
 
 
-def rows(found: Contest, fit: dict[str, float], disc: float) -> list[Printed]:
-    """Return the reproduction table's rows. fit: h0 and a as identified. disc: load inertia assumed, kg*m^2."""
-    ours, soft, narrow = found[PAPER], found[SOFT], found[NOMINAL]
+CASES = (("no load", ""), ("loaded", "_loaded"))
+TABLE = {  # Table I: 1 % time in s, error in rad
+    ("scheduled", "no load"): (0.24, 0.388e-4),
+    ("scheduled", "loaded"): (0.25, 0.969e-4),
+    ("cascade", "no load"): (0.28, 1.131e-4),
+    ("cascade", "loaded"): (0.29, 8.870e-4),
+}
+FACTOR = 1.5  # for errors, which are single readings
+TRUSTED = 12.0  # up to this factor half to one and a half times inertia and friction in the tuning explain an error
+
+
+def rows(found: Contest, fits: Mapping[str, Mapping[str, float]]) -> list[Printed]:
+    """Return the reproduction table's rows: Table I by the contest's controllers, and by fits. fits: "scheduled" and "cascade" ->
+    figure as a standing has it."""
+    ours, narrow = found[PAPER], found[NOMINAL]
     trust = (
         f"the same law with the same margin leaves {1e6 * narrow.median('error'):.0f} µrad where it is tuned for these two loads "
-        f"alone, and {1e6 * ours.median('error'):.0f} µrad where inertia and friction may be off by half: the figure says how far "
-        "a tuning trusts its plant, which is not printed"
+        f"alone, and {1e6 * ours.median('error'):.0f} µrad where inertia and friction may be off by half"
     )
-    made = 0.5 * 2700.0 * pi * 0.06**4 * 0.01  # of an aluminium disc 120 mm by 10 mm
-    return [
-        Printed("Fig. 6: h0", 0.15, fit["h0"], 0.02, "N*m"),
-        Printed("Fig. 6: a", 636.0, fit["a"], 0.05, "1/rad"),
-        Printed("step, 0.4 turns", 2.513, found.task.step, 2e-4, "rad"),
-        Printed(
-            "disc's inertia", 5.3e-4, made, 0.01, "kg*m^2",
-            "an aluminium disc (2700 kg/m³) of that size has 5.5e-4; the printed value was used",
-        ),
-        Printed("Table I: scheduled, no load, 1 % time", 0.24, ours.median("time"), 0.05, "s"),
-        Printed("Table I: scheduled, loaded, 1 % time", 0.25, ours.median("time_loaded"), 0.05, "s"),
-        Printed("Table I: scheduled, no load, error", 0.388e-4, ours.median("error"), 0.5, "rad", trust),
-        Printed("Table I: scheduled, loaded, error", 0.969e-4, ours.median("error_loaded"), 0.5, "rad", trust),
-        Printed("Table I: cascade, no load, 1 % time", 0.28, soft.median("time"), 0.05, "s"),
-        Printed("Table I: cascade, loaded, 1 % time", 0.29, soft.median("time_loaded"), 0.05, "s"),
-        Printed("Table I: cascade, no load, error", 1.131e-4, soft.median("error"), 0.5, "rad", NO_GAINS),
-        Printed("Table I: cascade, loaded, error", 8.870e-4, soft.median("error_loaded"), 0.5, "rad", NO_GAINS),
-        Printed(
-            "Table I: cascade, error loaded over not", 8.870 / 1.131, soft.median("error_loaded") / soft.median("error"),
-            0.5, "1", SMALL_LOAD,
-        ),
-        Printed(
-            "Table I: scheduled over cascade, 1 % time", 0.24 / 0.28, ours.median("time") / soft.median("time"), 0.05
-        ),
-        *(
-            Printed(f"{name}, in counts of the output encoder", round(e / COUNT), e / COUNT, WHOLE, reason=NOT_WHOLE)
-            for name, e in ERRORS.items()
-        ),
-    ]  # fmt: skip
+    out = []
+    for law in ("scheduled", "cascade"):
+        for case, suffix in CASES:
+            time, error = TABLE[law, case]
+            names = f"Table I: {law}, {case}, 1 % time", f"Table I: {law}, {case}, error"
+            if law == "scheduled":
+                out += [
+                    Printed(names[0], time, ours.median(f"time{suffix}"), unit="s"),
+                    Printed(names[1], error, ours.median(f"error{suffix}"), unit="rad", factor=FACTOR, reason=trust, within=TRUSTED),
+                ]  # fmt: skip
+            own = fits[law]
+            out += [
+                Printed(f"{names[0]}, fitted", time, own[f"time{suffix}"], unit="s", kind=FIT, of=names[0]),
+                Printed(f"{names[1]}, fitted", error, own[f"error{suffix}"], unit="rad", factor=FACTOR, kind=FIT, of=names[1]),
+            ]  # fmt: skip
+    return out
 
 
 def chapter(printed: list[Printed]) -> Chapter:
@@ -94,8 +76,11 @@ def chapter(printed: list[Printed]) -> Chapter:
         "response's own final value.",
     )
     text = (
-        "Tolerances: 5 % for times (printed to 10 ms) and for a; a factor of 1.5 for errors, which are single readings. The 1 % "
-        "time is to enter the band and stay."
+        "Tolerances: 5 % for times, printed to 10 ms; a factor of 1.5 for errors, which are single readings. The 1 % time is to "
+        "enter the band and stay. A row that says fitted has gains and one factor on friction that were sought so as to meet the "
+        "print: it shows that the model can do what was printed, not that the method does. The cascade's fit is on the FHA-8C-30, "
+        "with a weak inner loop whose slow tail is read at 0.6 s; that is enough to put it behind the schedule, as the paper "
+        "finds and a tuned cascade does not."
     )
     return Chapter(
         "What was printed, and what is obtained",

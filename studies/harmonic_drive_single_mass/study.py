@@ -6,7 +6,6 @@ identifies the model, and tunes on the identified one. The controllers are judge
 
 from dataclasses import replace
 
-from workbench.export import export
 from workbench.export.feed_forward import export_feed_forward
 from workbench.identify.fit import identify, passes_of
 from workbench.plant import Plant
@@ -14,6 +13,11 @@ from workbench.report import control as control_chapters
 from workbench.report.checks import checks_chapter
 from workbench.report.contents import Chapter, Paragraph
 from workbench.report.contest import asked_table, contest_chapter, margin_figure, standings_table
+from workbench.report.ladder import as_table as ladder_table
+from workbench.report.ladder import figures_of as ladder_figures
+from workbench.report.ladder import ladder_chapter
+from workbench.report.polish import as_table as gains_table
+from workbench.report.polish import polish_chapter
 from workbench.report.reproduction import as_table, counted
 from workbench.study import standard
 from workbench.study.configuration import Study
@@ -25,6 +29,7 @@ from workbench.study.series import robustness
 from workbench.trace.tracing import trace
 from workbench.verify.contest import as_table as contest_table
 from workbench.verify.margin import against_margin
+from workbench.verify.promise import promise
 
 from . import controllers, description, paper, records
 from .controllers import BEST as PROFILE_PI
@@ -61,16 +66,18 @@ def run(study: Study, say) -> Outcome:
         chapters=(curve, described),
         findings=(*found.findings, *found.after.findings),
     )
-    outcome = with_part(outcome, contested(study, control, model, known, fitted, say))
+    outcome = with_part(outcome, contested(study, control, model, known, say))
     return with_part(outcome, second(study, control, say))
 
 
-def contested(study: Study, control: Control, model: Plant, known: Plant, fitted, say) -> Part:
+def contested(study: Study, control: Control, model: Plant, known: Plant, say) -> Part:
     """Everything about controllers on the first actuator."""
     made, held = controllers.held(study, control, model, known, say=say)
-    designed, checks = controllers.designed(made, held, control, model)
+    designed, checks, table = controllers.designed(made, held, control, model, say)
+    polished, regret = designed.polished, table.regret_on(held.task)
+    kept = promise(known, polished, held.task)
     say("error against margin")
-    asked = study.table.table("contest", ("seeds", "tuning_time"), ("margins", "soft_cascade"))
+    asked = study.table.table("contest", ("seeds", "tuning_time"), ("margins", "soft_cascade", "fits"))
     margins = against_margin(
         held.task,
         numbers(asked, "margins", (2.0,)),
@@ -81,7 +88,8 @@ def contested(study: Study, control: Control, model: Plant, known: Plant, fitted
     )
     missed = controllers.asked_for(held, margins)
     disc = held.task.load_inertias[-1]
-    printed = paper.rows(held, fitted, disc)
+    fits = controllers.fitted(study, made, held)
+    printed = paper.rows(held, fits)
     figures, units = controllers.figures_of(held)
     loaded = replace(held.task, load_inertias=(disc,))
     steps = (
@@ -99,28 +107,36 @@ def contested(study: Study, control: Control, model: Plant, known: Plant, fitted
             **figures,
             **{f"{m.name}_at_loosest_margin": float(m.values[-1]) for m in missed},
             **counted(printed),
+            **controllers.figures_of_steps(polished, kept),
+            **ladder_figures(table.climbed, regret),
             "knots": float(made.schedule.knots.size),
             **controllers.figures_of_checks(checks),
         },
-        units=units | {"phase_margin": "rad"} | {f"{m.name}_at_loosest_margin": m.unit for m in missed},
+        units=units
+        | dict.fromkeys(controllers.TIMES, "s")
+        | {"phase_margin": "rad"}
+        | {f"{m.name}_at_loosest_margin": m.unit for m in missed},
         chapters=(
             control_chapters.schedule_chapter(designed, control.rule),
+            polish_chapter(polished, kept, model),
+            ladder_chapter(table.climbed, regret, model, control.rule),
             *(checks_chapter(c, control.goal.sensitivity, model, rule) for rule, c in checks.items()),
             *steps,
             against,
             paper.chapter(printed),
         ),
         tables={
+            "tuned_plant": {"digest": model.digest, "lines": list(model.digest_lines())},
             "contest": contest_table(held),
+            "gains": gains_table(polished),
+            "ladder": ladder_table(table.climbed, regret),
             "reproduction": as_table(printed),
+            "fits": fits,
             "error_against_margin": {"limits": margins.limits, **margins.values},
             "asked": [{**vars(m), "had_at": m.had_at(margins.limits)} for m in missed],
         },
         files=(
             lambda folder: write_gains(designed, control, folder),
-            lambda folder: export(
-                designed.final["error"], model, folder / "gains", name="gains_error", scale=control.scale
-            ),
             lambda folder: export_feed_forward(made.feed_forward, model, folder / "gains"),
         ),
     )

@@ -120,18 +120,16 @@ def contested(study: Study, held: Contest, margins: AgainstMargin) -> Part:
 
 def encoders_chapter(held: Contest) -> Chapter:
     """What the second encoder is worth."""
-    gain, damped = (held[n].tuned.median.numbers["kvp"] for n in (ON_LOAD, BOTH))
-    time = held[ON_LOAD].median("time")
-    ends = (
-        f"takes {1e3 * time:.0f} ms" if np.isfinite(time) else f"is not at rest after {1e3 * held.task.duration:.0f} ms"
-    )
+    one = held[ON_LOAD]
+    numbers = one.tuned.median.numbers
     text = (
         "The same cascade, tuned alike, on the motor's encoder, on the output's, and with the position of the output and the speed "
-        "of the motor. Between torque and the output's encoder lies the joint, whose resonance turns the phase: within the "
-        f"limit on Ms, speed from there damps little: its gain stays at {gain:.2g} N·m·s/rad, that of the motor's speed comes to "
-        f"{damped:.2g}, and a step without overshoot {ends}. The motor's "
-        "encoder damps well, but does not see what gear and joint do."
+        "of the motor. Between torque and the output's encoder lies the joint, whose resonance turns the phase: speed from there "
+        "needs a filter, and its time constant is tuned with the gains. With "
+        f"{1e3 * numbers['velocity_filter']:.2g} ms and a gain of {numbers['kvp']:.2g} N·m·s/rad the output's encoder alone comes to "
+        f"{held.over_bound(ON_LOAD):.3f} of the bound, {1e6 * one.median('error'):.0f} µrad nominally and "
+        f"{1e6 * one.median('error_grid'):.0f} µrad over the grid. What the second encoder is worth is what the others gain on that."
     )
     said = tuple(verdict(held, BOTH, n, "rad").sentence for n in (ON_MOTOR, ON_LOAD))
-    said += (verdict(held, JOINT, OUTPUT, "rad").sentence,)
+    said += (verdict(held, JOINT, OUTPUT, "rad").sentence, verdict(held, ON_LOAD, JOINT, "rad").sentence)
     return Chapter("What the second encoder is worth", (Paragraph(text), Items(said)))

@@ -62,6 +62,7 @@ class Controller:
     parameters: name -> scalar, or (lanes,) array with a value a lane. tables: none, one for all lanes, or several of
     one grid of knots. table (lanes,): which of the tables a lane uses; the first where absent. reversal: distance back
     that counts as a reversal, in SI; three counts of the encoder (of the coarser one, where two are followed) where absent.
+    velocity_filter: time constant of the filtered difference, s, scalar or (lanes,); the loop's own where absent.
     """
 
     name: str
@@ -70,8 +71,11 @@ class Controller:
     tables: tuple[Table, ...] = ()
     table: np.ndarray | None = None
     reversal: float | None = None
+    velocity_filter: float | np.ndarray | None = None
 
     def __post_init__(self):
+        if self.velocity_filter is not None and not (np.asarray(self.velocity_filter) >= 0.0).all():
+            raise WorkbenchError(f"controller '{self.name}': the velocity filter must be finite and not negative.")
         object.__setattr__(self, "parameters", MappingProxyType(dict(self.parameters)))
         for name, value in self.parameters.items():
             if not np.isfinite(value).all():

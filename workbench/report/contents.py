@@ -166,7 +166,8 @@ class StudyResult:
 
     name: of the study; title: of the report; question: one line, what the study asks. campaign: its title. plant: as
     declared. bandwidth: of the evaluation filter, Hz. equivalent: effects with their description over amplitude.
-    chapters: further chapters, after the standard ones and before the method.
+    chapters: further chapters, after the standard ones and before the method. tuned: digest of the plant that gains were tuned
+    for, where any were.
     """
 
     name: str
@@ -183,6 +184,7 @@ class StudyResult:
     chapters: Sequence[Chapter] = ()
     where: tuple[Where, ...] = ()
     kind: str = "Study"
+    tuned: str = ""
 
     @property
     def drive(self) -> str:

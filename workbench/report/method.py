@@ -81,12 +81,16 @@ def sources(result: StudyResult) -> tuple[str, ...]:
 def provenance(result: StudyResult) -> Chapter:
     """Which bytes the report was computed from, and the model that came out."""
     rows = tuple((r.file, Marked(r.sha256, CODE)) for r in result.records)
+    named = (
+        "the plant that gains were tuned for, the last model within the axis's limits"
+        if result.tuned
+        else "the last model"
+    )
     text = (
         f"Computed by workbench {__version__}. A file is the one that was used if its checksum is the one below. The digest names "
-        "the last model, to nine digits of every parameter; gain tables carry it."
+        f"{named}, to nine digits of every parameter" + ("; every file of gains/ carries it." if result.tuned else ".")
     )
-    digest = (Marked("last model", "strong"), Marked(result.trace.after.plant.digest, CODE))
-    table = Table(
-        ("file", "SHA-256"), (*rows, digest), "Files and their checksums, and the digest of the last model.", "lp"
-    )
+    own = result.tuned or result.trace.after.plant.digest
+    digest = (Marked("plant of the gains" if result.tuned else "last model", "strong"), Marked(own, CODE))
+    table = Table(("file", "SHA-256"), (*rows, digest), f"Files and their checksums, and the digest of {named}.", "lp")
     return Chapter("Data and provenance", (Paragraph(text), table))

@@ -19,6 +19,7 @@ from workbench.report.contents import (  # fmt: skip
     StudyResult,
     Table,
 )
+from workbench.report.recommend import RECOMMENDED
 from workbench.report.wording import bound, listed, said
 from workbench.trace.result import NOTHING, UNKNOWN, Cause
 
@@ -28,7 +29,9 @@ TONES = {NOTHING: GOOD, UNKNOWN: BAD}
 def finding(result: StudyResult) -> Chapter:
     """The verdict in a box, errors before and after, the requirements, and what else was found."""
     trace = result.trace
-    blocks = [Callout(trace.sentence, TONES.get(trace.verdict, PLAIN)), errors(result)]
+    advice = [f for f in result.findings if f.kind == RECOMMENDED]
+    blocks = [Callout(trace.sentence, TONES.get(trace.verdict, PLAIN)), *(Callout(f.sentence, GOOD) for f in advice)]
+    blocks.append(errors(result))
     if trace.causes:
         blocks.append(Items(tuple(sized(c) for c in trace.causes)))
     if result.checks:
@@ -36,7 +39,7 @@ def finding(result: StudyResult) -> Chapter:
             Callout(judged(result.checks), GOOD if all(c.passed for c in result.checks) else BAD),
             required(result),
         ]
-    elsewhere = (*trace.findings, *trace.before.findings, *trace.after.findings)  # told where they belong
+    elsewhere = (*advice, *trace.findings, *trace.before.findings, *trace.after.findings)  # told where they belong
     return Chapter("The finding", (*blocks, *said(f for f in result.findings if f not in elsewhere)))
 
 

@@ -1,4 +1,4 @@
-"""What a paper printed beside what was obtained: deviation, and whether a stated tolerance is met, or why it cannot be."""
+"""What a paper printed beside what was obtained: deviation, whether it is met, by a fit, or excused within a bound."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -6,18 +6,29 @@ from dataclasses import dataclass
 from workbench.report import numbers
 from workbench.report.contents import BAD, GOOD, Cell, Marked, Table
 
+RESULT, FIT, DERIVED = "result", "fit", "derived"  # kinds of a row
+
 
 @dataclass(frozen=True)
 class Printed:
-    """One printed number. tolerance: of the relative deviation. reason: why it is not reproducible, where it is not; a row
-    that meets its tolerance needs none. unit: SI."""
+    """One printed number beside what was obtained. tolerance: of the relative deviation; factor: instead of it, by which an
+    error may be larger or smaller. unit: SI.
+
+    kind: "result", "fit" (its numbers were fitted to the print, and a row of the same printed number says what is had without),
+    or "derived" (a ratio of others, which counts for nothing). of: the printed number that the row is of; `what` where empty.
+    reason, within: why a row that is missed is excused, computed from what was found, and the factor up to which that holds.
+    """
 
     what: str
     printed: float
     obtained: float
-    tolerance: float
+    tolerance: float = 0.05
     unit: str = "1"
+    factor: float = 0.0
+    kind: str = RESULT
+    of: str = ""
     reason: str = ""
+    within: float = 0.0
 
     @property
     def deviation(self) -> float:
@@ -25,19 +36,28 @@ class Printed:
         return (self.obtained - self.printed) / self.printed
 
     @property
+    def ratio(self) -> float:
+        """How many times too large or too small."""
+        r = self.obtained / self.printed if self.obtained > 0.0 else float("inf")
+        return max(r, 1.0 / r)
+
+    @property
     def met(self) -> bool:
-        return abs(self.deviation) <= self.tolerance
+        return self.ratio <= self.factor if self.factor else abs(self.deviation) <= self.tolerance
 
     @property
     def explained(self) -> bool:
-        """Whether the tolerance is met, or a reason is stated."""
-        return self.met or bool(self.reason)
+        """Whether it is met, or excused by a reason within the factor up to which that holds."""
+        return self.met or bool(self.reason) and self.ratio <= self.within
 
     @property
     def verdict(self) -> Cell:
         if self.met:
-            return Marked(f"within {numbers.percent(self.tolerance)}", GOOD)
-        return Marked(f"not reproducible: {self.reason}" if self.reason else "missed", BAD)
+            said = f"within a factor of {self.factor:g}" if self.factor else f"within {numbers.percent(self.tolerance)}"
+            return Marked(f"fitted, {said}" if self.kind == FIT else said, GOOD)
+        if self.explained:
+            return Marked(f"missed: {self.reason}", BAD)
+        return Marked(f"missed, and more than a factor of {self.within:g} off" if self.reason else "missed", BAD)
 
 
 def reproduction_table(rows: Sequence[Printed], caption: str) -> Table:
@@ -61,14 +81,21 @@ def places_table(places: Sequence[tuple[str, str]]) -> Table:
 
 
 def counted(rows: Sequence[Printed]) -> dict[str, float]:
-    """Figures by which a study may be judged: rows, those that meet their tolerance, and those without either."""
+    """Figures by which a study may be judged: printed results, those that a row meets (and those of them that only a fit
+    does), and rows without an excuse that holds. A derived row is none of the results."""
+    results: dict[str, list[Printed]] = {}
+    for r in rows:
+        if r.kind != DERIVED:
+            results.setdefault(r.of or r.what, []).append(r)
+    met = {n: [r for r in each if r.met] for n, each in results.items()}
     return {
-        "reproduction_rows": float(len(rows)),
-        "reproduction_met": float(sum(r.met for r in rows)),
+        "reproduction_rows": float(len(results)),
+        "reproduction_met": float(sum(bool(m) for m in met.values())),
+        "reproduction_fitted": float(sum(bool(m) and all(r.kind == FIT for r in m) for m in met.values())),
         "reproduction_unexplained": float(sum(not r.explained for r in rows)),
     }
 
 
 def as_table(rows: Sequence[Printed]) -> list[dict]:
     """The rows as results.json holds them."""
-    return [{**vars(r), "deviation": r.deviation, "met": r.met} for r in rows]
+    return [{**vars(r), "deviation": r.deviation, "met": r.met, "explained": r.explained} for r in rows]

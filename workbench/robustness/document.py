@@ -72,6 +72,7 @@ def of_controller(controller: Controller) -> dict:
         "knots": tables[0].knots.tolist() if tables else [],
         "columns": {n: c.tolist() for n, c in tables[0].columns.items()} if tables else {},
         "reversal": controller.reversal,
+        "velocity_filter": controller.velocity_filter,
     }
 
 
@@ -84,6 +85,7 @@ def controller_of(given: Mapping) -> Controller:
         (Table(np.array(given["knots"]), columns),) if given["knots"] else (),
         None,
         given["reversal"],
+        given.get("velocity_filter"),
     )
 
 

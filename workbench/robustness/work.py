@@ -77,7 +77,9 @@ def single(controller: Controller) -> Controller:
     tables = controller.tables
     if tables:
         tables = (tables[0 if controller.table is None else int(controller.table[0])],)
-    return replace(controller, parameters=values, tables=tables, table=None)
+    filtered = controller.velocity_filter
+    filtered = None if filtered is None else float(np.ravel(filtered)[0])
+    return replace(controller, parameters=values, tables=tables, table=None, velocity_filter=filtered)
 
 
 def work(task: Task, makers: Mapping[str, Callable[[int], Controller]], varied: Iterable[Varied]) -> Work:

@@ -103,8 +103,19 @@ def limits(plant: Plant, loop: Loop) -> dict[str, float]:
     }
 
 
-def of_controller(controller: Controller, lanes: int) -> dict:
-    """Constants of the law and of its table's ends."""
+def smoothing_of(controller: Controller, lanes: int, loop: Loop) -> np.ndarray:
+    """Return the share of a new difference that a controller's own velocity filter takes, scalar or (lanes,)."""
+    time = np.asarray(controller.velocity_filter, dtype=float)
+    if time.ndim and time.shape != (lanes,):
+        raise WorkbenchError(
+            f"controller '{controller.name}': velocity_filter has shape {time.shape}; one value or one for each of the "
+            f"{lanes} lanes is needed."
+        )
+    return np.where(time > 0.0, -np.expm1(-loop.sample_time / np.maximum(time, 1e-12)), 1.0)[()]
+
+
+def of_controller(controller: Controller, lanes: int, loop: Loop) -> dict:
+    """Constants of the law, of its velocity filter and of its table's ends."""
     missing = set(controller.law.parameters) - set(controller.parameters)
     if missing:
         raise WorkbenchError(f"controller '{controller.name}': {sorted(missing)[0]} is not given.")
@@ -121,6 +132,8 @@ def of_controller(controller: Controller, lanes: int) -> dict:
                 f"{lanes} lanes is needed."
             )
         values[f"law.{name}"] = value[()]
+    if controller.velocity_filter is not None:
+        values["smoothing"] = smoothing_of(controller, lanes, loop)
     if controller.tables:
         knots = controller.tables[0].knots
         values |= {"knot.first": knots[0], "knot.last": knots[-1]}
@@ -163,7 +176,7 @@ def bind(plant, loop: Loop, controller: Controller | None, scenarios: ScenarioAr
         raise WorkbenchError("plants of one run must have the same effects and limits, and differ in values alone.")
     values = each[0] if len(each) == 1 else {n: _joined([e[n] for e in each]) for n in each[0]}
     values = values | factors(scenarios) | limits(plants[0], loop) | criteria.constants(loop)
-    values |= of_controller(controller, lanes) if controller else {}
+    values |= of_controller(controller, lanes, loop) if controller else {}
     back = BACK * (max(loop.resolution, loop.load_resolution) if made.law and made.law.follows == JOINT else loop.count)
     back = controller.reversal if controller and controller.reversal is not None else back
     step = scenarios.target - scenarios.start

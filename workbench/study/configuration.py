@@ -12,7 +12,16 @@ from workbench.readers.declaration import Table, read
 FILE = "study.toml"
 DATA = "WORKBENCH_DATA"
 KEYS = ("question", "campaign", "data", "describe", "requirements")
-CONTROL = ("loop", "axis", "tuning", "schedule", "task", "export", "plan")  # read by study.controlling, study.planning
+CONTROL = (
+    "loop",
+    "axis",
+    "tuning",
+    "schedule",
+    "ladder",
+    "task",
+    "export",
+    "plan",
+)  # read by study.controlling, study.planning
 SERIES = ("robustness", "limit_cycle")  # read by study.series, study.hunting
 
 

@@ -14,19 +14,29 @@ from workbench.plant import TWO_MASS, Plant
 from workbench.readers.declaration import Table
 from workbench.record import VALIDATION, Record
 from workbench.report import control as chapters
+from workbench.report.ladder import as_table as ladder_table
+from workbench.report.ladder import figures_of as ladder_figures
+from workbench.report.ladder import ladder_chapter
+from workbench.report.polish import as_table as gains_table
+from workbench.report.polish import polish_chapter
+from workbench.report.recommend import RECOMMENDED, recommended_chapter
 from workbench.study.configuration import Study
 from workbench.study.controlling import Control, Shown, control_of
 from workbench.study.hunting import limit_cycles
+from workbench.study.leaving import leave
 from workbench.study.outcome import NOT_TUNED, Outcome, Part, with_part
-from workbench.study.series import robustness
+from workbench.study.series import robustness, slug
 from workbench.trace.result import Trace
 from workbench.tune import OutOfReach
 from workbench.verify.assumed import loop_of, move_of
 from workbench.verify.compare import Comparison, compare, verdicts
-from workbench.verify.design import RULES, Designed, design
+from workbench.verify.design import Designed, design
+from workbench.verify.promise import promise
+from workbench.verify.recommend import Recommended, recommend
 from workbench.verify.task import Task
 
-BASELINES = ("fixed PD", "PI cascade")
+BASELINES = ("fixed PD", "PI cascade", "profile with PI")
+BLIND = (1, 2)  # seeds of the search on the declared model, one from each arrival
 RAISED = 6  # attempts with the lowest amplitude raised: friction is described anew at each
 ASSUMED = "assumed loop"
 
@@ -49,25 +59,52 @@ def run(
     ours = f"scheduled PD ({control.rule})"
     makers = {name: tuned.controller for name, tuned in made.tuned.items()}
     comparison = verdicts(compare(task, makers), ours, BASELINES, plant.displacement)
-    parts = [chapters.schedule_chapter(made, control.rule), chapters.step_chapter(task, makers)]
-    parts.append(chapters.comparison_chapter(comparison, task))
+    choice = recommend(task, made.tuned, plant.displacement)
+    kept, held = promise(plant, made.polished, task), made.climbed.regret
+    parts = [
+        recommended_chapter(choice, plant, task.loop.count),
+        polish_chapter(made.polished, kept, plant),
+        chapters.schedule_chapter(made, control.rule),
+        ladder_chapter(made.climbed, held, plant, control.rule),
+        chapters.step_chapter(task, makers),
+        chapters.comparison_chapter(comparison, task),
+    ]
     figures, units = figures_of(made, comparison, ours, plant.displacement)
-    tables = {"controllers": controllers(made), "comparison": [vars(r) for r in comparison.rows]}
+    figures |= ladder_figures(made.climbed, held) | recommended_figures(choice, task, ours)
+    figures["promised_time_deviation"] = kept.deviation
+    units |= {"promised_time_deviation": "s", "scheduled_error_grid": plant.displacement}
+    tables = {
+        "recommended": {
+            "controller": choice.name,
+            "why": choice.sentence,
+            "candidates": [vars(r) for r in choice.rows],
+        },
+        "controllers": controllers(made),
+        "gains": gains_table(made.polished),
+        "ladder": ladder_table(made.climbed, held),
+        "comparison": [vars(r) for r in comparison.rows],
+    }
     if found.causes:
         say("tuning on the declared model, for what the effect is worth")
-        blind = designed(declared, control, task, say, baselines=False)
-        names = [f"scheduled PD ({r})" for r in RULES]
-        without = compare(task, {n: blind.tuned[n].controller for n in names})
-        known = Comparison(tuple(r for r in comparison.rows if r.controller in names), ())
+        blind = designed(declared, control, task, say, baselines=False, seeds=BLIND)
+        without = compare(task, {ours: blind.tuned[ours].controller})
+        known = Comparison(tuple(r for r in comparison.rows if r.controller == ours), ())
         cause = " and ".join(title(c.effect) for c in found.causes)
         parts.append(chapters.worth_chapter(without, known, cause, task))
         tables["comparison_tuned_on_declared"] = [vars(r) for r in without.rows]
-    files = (lambda folder: write_gains(made, control, folder),)
+    tables["tuned_plant"] = {"digest": plant.digest, "lines": list(plant.digest_lines())}
+    files = (
+        lambda folder: write_gains(made, control, folder),
+        lambda folder: leave(made.tuned, choice.name, plant, task.loop.sample_time, folder / "gains", ours),
+    )
     limits = tuple(f for f in made.findings if f.kind == "response limits")
-    said = (*assumptions(study.table, control, shown), *raised(control, made), *limits, *comparison.findings)
+    advice = Finding(RECOMMENDED, "gains", choice.sentence, {}, "")
+    said = (advice, *assumptions(study.table, control, shown), *raised(control, made), *limits, *comparison.findings)
     part = Part(figures, units, tuple(parts), said, tables, files)
     if "robustness" in study.table:
         part = with_part(part, robustness(study, task, makers, say))
+        share = part.figures.get(f"share_beyond_final_error_{slug(choice.name)}")
+        part = part if share is None else replace(part, figures={**part.figures, "recommended_share_beyond": share})
     if "limit_cycle" in study.table:
         part = with_part(part, limit_cycles(study, task, makers, say))
     return part
@@ -79,7 +116,8 @@ def designed(plant: Plant, control: Control, task: Task, say: Callable[[str], No
         try:
             return design(
                 plant, control.amplitudes, control.goal, task, per_octave=control.per_octave,
-                tolerance=control.tolerance, seed=control.seed, say=say, **options,
+                tolerance=control.tolerance, rule=control.rule, load=control.load, say=say,
+                **({"seeds": control.seeds} | options),
             )  # fmt: skip
         except OutOfReach as e:
             a = control.amplitudes
@@ -136,6 +174,16 @@ def figures_of(made: Designed, comparison: Comparison, ours: str, x: str) -> tup
         "scheduled_error_over_fixed": free.final_error / fixed.final_error,
     }
     return figures, {n: x for n in figures if n.startswith("scheduled_final_error")}
+
+
+def recommended_figures(choice: Recommended, task: Task, ours: str) -> dict[str, float]:
+    """Return what the recommended controller leaves nominally, in counts, and the schedule's worst over the grid."""
+    mine = next(r for r in choice.rows if r.name == ours)
+    return {
+        "recommended_error_counts": choice.row.error / task.loop.count if task.loop.count else float("nan"),
+        "scheduled_error_grid": mine.error_grid,
+        "scheduled_overshoot_grid": mine.overshoot_grid,
+    }
 
 
 def assumptions(top: Table, control: Control, shown: Shown | None) -> tuple[Finding, ...]:

@@ -12,9 +12,10 @@ from workbench.simulate import Criteria, Loop
 from workbench.tune import TuningGoal
 from workbench.units import effect_unit
 from workbench.verify.assumed import COUNTS, lasting
+from workbench.verify.tabled import RUNS
 from workbench.verify.task import Task, Weights
 
-RULES = ("following", "frozen")
+RULES = ("error", "following", "frozen")
 RANGE = ("lowest", "highest", "count")  # of [tuning]
 AMPLITUDES = 24  # at which gains are tuned, where a study states no other number
 LEAST = 1e-5  # of the step: the lowest amplitude where the encoder has no counts
@@ -38,7 +39,8 @@ class Shown:
 class Control:
     """loop: of the controller. goal and amplitudes (n,): of tuning. per_octave, slope, tolerance, rule: of the schedule.
 
-    raised: whether the lowest amplitude may be, to where any gains keep the goal. task: on a plant that is set later.
+    raised: whether the lowest amplitude may be, to where any gains keep the goal. task: on a plant that is set later. load: torque
+    or force of the ladder, or None. seeds: of the searches.
     speed_limit: of the axis, rad/s or m/s. scale: of exported gains, or None.
     """
 
@@ -52,7 +54,8 @@ class Control:
     task: Task
     speed_limit: float
     scale: dict | None
-    seed: int
+    load: float | None
+    seeds: tuple[int, ...]
 
     def limited(self, plant: Plant) -> Plant:
         """Return the plant with the axis' speed limit where the campaign states none."""
@@ -70,7 +73,7 @@ def control_of(top: Table, plant: Plant, shown: Shown | None = None) -> Control:
     speed = shown.speed if shown and not isfinite(speed) else speed
     loop = _loop(top, x, shown)
     task = _task(top, limited(plant, speed), loop, shown)
-    tuning = top.table("tuning", () if shown else RANGE, (*RANGE, "overshoot", "error", "sensitivity", "seed"))
+    tuning = top.table("tuning", () if shown else RANGE, (*RANGE, "overshoot", "error", "sensitivity", "seeds"))
     goal = TuningGoal(
         overshoot=tuning.number("overshoot", 0.008, above=0.0),
         drive=plant.limits.drive,
@@ -78,6 +81,7 @@ def control_of(top: Table, plant: Plant, shown: Shown | None = None) -> Control:
         error=tuning.number("error", 1.0, above=0.0),
         sensitivity=tuning.number("sensitivity", 2.0, above=1.0),
     )
+    one = top.table("ladder", optional=("load",)) if "ladder" in top else ()
     schedule = top.table("schedule", optional=("per_octave", "tolerance", "rule"))
     return Control(
         loop=loop,
@@ -90,7 +94,8 @@ def control_of(top: Table, plant: Plant, shown: Shown | None = None) -> Control:
         task=replace(task, weights=replace(task.weights, sensitivity=goal.sensitivity)),
         speed_limit=speed,
         scale=dict(top.values["export"]).get("scale") if "export" in top else None,
-        seed=int(tuning.number("seed", 1)),
+        load=one.quantity("load", plant.effort, above=0.0) if "load" in one else None,
+        seeds=tuple(int(s) for s in numbers(tuning, "seeds", RUNS)),
     )
 
 

@@ -128,6 +128,7 @@ def report_of(study: Study, outcome, judged):
         findings=outcome.findings,
         chapters=outcome.chapters,
         where=outcome.where,
+        tuned=outcome.tables.get("tuned_plant", {}).get("digest", ""),
     )
 
 

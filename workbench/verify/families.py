@@ -6,12 +6,17 @@ spring of each amplitude.
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from workbench.control import Controller, FeedForward, fixed_pd, pi_cascade, profile_pi, scheduled_pd
 from workbench.verify.linear import Judge
+
+FILTER = 8.0  # samples: where the search for a velocity filter begins, amid what it may be
+CASCADE_RANGE = np.array(
+    [(0.05, 0.02, 0.001, 0.05), (5.0, 10.0, 100.0, 8.0)]
+)  # of kv, kvp, ki, filter over their start
 
 
 @dataclass(frozen=True, eq=False)
@@ -19,7 +24,7 @@ class Family:
     """name: as the report says it. numbers: names of what is searched. lower, upper, start: on the natural scale.
 
     controller(points, lanes): one controller whose numbers vary over points, each repeated for `lanes` scenarios.
-    sensitivity(points): largest Ms over linearisations, (points,).
+    sensitivity(points): largest Ms over linearisations, (points,). settled(points): points whose numbers all act.
     """
 
     name: str
@@ -29,6 +34,7 @@ class Family:
     start: np.ndarray
     controller: Callable[[np.ndarray, int], Controller]
     sensitivity: Callable[[np.ndarray], np.ndarray]
+    settled: Callable[[np.ndarray], np.ndarray] = lambda points: points
 
 
 def repeated(values: np.ndarray, lanes: int) -> np.ndarray:
@@ -61,25 +67,25 @@ def cascade_family(
     *,
     motor_speed: bool = False,
     motor_position: bool = False,
+    filtered: bool = False,
     name: str = "PI cascade",
 ) -> Family:
-    """Position P over velocity PI with a velocity limit: kv, kvp, ki."""
-    start = np.array(start)
+    """Position P over velocity PI with a velocity limit: kv, kvp, ki and, where it is filtered, its velocity filter in s."""
+    start = np.array([*start, FILTER * linear.loop.sample_time] if filtered else start)
     dt = linear.loop.sample_time
 
     def controller(points, lanes):
         values = (repeated(points[:, k], lanes) for k in range(3))
-        return pi_cascade(*values, speed_limit, motor_speed=motor_speed, motor_position=motor_position)
+        law = pi_cascade(*values, speed_limit, motor_speed=motor_speed, motor_position=motor_position)
+        return replace(law, velocity_filter=repeated(points[:, 3], lanes)) if filtered else law
 
     def sensitivity(points):
         kv, kvp, ki = (points[:, k : k + 1] for k in range(3))
         inner = integrating(linear.theta, kvp, ki, dt)
-        return linear.peak(inner * kv, inner, integrators=1)
+        return linear.peak(inner * kv, inner, integrators=1, velocity_filter=points[:, 3:4] if filtered else None)
 
-    return Family(
-        name, ("kv", "kvp", "ki"), start * (0.05, 0.02, 0.001), start * (5.0, 10.0, 100.0), start,
-        controller, sensitivity,
-    )  # fmt: skip
+    low, high = start * CASCADE_RANGE[0][: start.size], start * CASCADE_RANGE[1][: start.size]
+    return Family(name, ("kv", "kvp", "ki", "velocity_filter")[: start.size], low, high, start, controller, sensitivity)
 
 
 def profile_family(

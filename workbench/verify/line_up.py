@@ -10,14 +10,12 @@ from workbench.plant import Plant
 from workbench.schedule import Schedule, fit_schedule
 from workbench.tune import Gains, TuningGoal
 from workbench.verify.bound import sliding_torque
-from workbench.verify.design import gains_of, linear_of
+from workbench.verify.design import BRAKING, REACHED, gains_of, linear_of
 from workbench.verify.equivalent import friction_of
 from workbench.verify.families import Family, cascade_family, pd_family, profile_family, scheduled_family
 from workbench.verify.linear import Linear
 from workbench.verify.task import Task
 
-BRAKING = 0.65  # of the torque that the drive has: where a search for the deceleration of a profile begins
-REACHED = 0.98  # of the speed limit: what laws ask for, so that the drive keeps some torque there
 SLOWEST = 1e-3  # of the speed limit: first knot of the friction that is fed forward
 RULES = ("frozen", "following", "error")
 
@@ -28,6 +26,7 @@ class LineUp:
     feed_forward: of the model. families: of every controller that is tuned."""
 
     plant: Plant
+    goal: TuningGoal
     equivalent: Equivalent
     gains: Gains
     schedule: Schedule
@@ -78,4 +77,4 @@ def line_up(
         profile_family(linear, (kv, kd, ki, braking), speed, step),
         profile_family(linear, (kv, kd, ki, braking), speed, step, known),
     )
-    return LineUp(plant, equivalent, gains, schedule, linear, known, families)
+    return LineUp(plant, goal, equivalent, gains, schedule, linear, known, families)

@@ -42,12 +42,21 @@ class Judge:
     second. position, speed (n, f): responses from torque to the position and to the one whose speed is read. own (n,):
     integrators of each."""
 
-    def peak(self, position: np.ndarray, speed: np.ndarray, integrators: int = 0) -> np.ndarray:
+    def peak(
+        self, position: np.ndarray, speed: np.ndarray, integrators: int = 0, velocity_filter: np.ndarray | None = None
+    ) -> np.ndarray:
         """Return Ms (points,) of laws with responses `position` and `speed`, (points, f) or (points, 1), the largest over the
-        linearisations; infinite for an unstable loop. integrators: of the law."""
-        c = speed * self.rate
+        linearisations; infinite for an unstable loop. integrators: of the law. velocity_filter (points, 1): of the law's own,
+        s; the loop's where absent."""
+        c = speed * (self.rate if velocity_filter is None else self.rate_of(velocity_filter))
         loops = (position * p + c * v for p, v in zip(self.position, self.speed, strict=True))
         return np.max([peak_of(one, n + integrators) for one, n in zip(loops, self.own, strict=True)], axis=0)
+
+    def rate_of(self, velocity_filter: np.ndarray) -> np.ndarray:
+        """Return the response (points, f) of the difference filtered with time constants (points, 1), s, per second."""
+        share = -np.expm1(-self.loop.sample_time / np.maximum(velocity_filter, 1e-9))
+        back = np.exp(-1j * self.theta)
+        return share * (1.0 - back) / (1.0 - (1.0 - share) * back) / self.loop.sample_time
 
     def scheduled_peak(self, knots: np.ndarray, kp: np.ndarray, kd: np.ndarray) -> np.ndarray:
         """Return Ms (points,) of schedules kp, kd (points, n) over knots (n,), at CHECKED of them."""

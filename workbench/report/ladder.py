@@ -1,0 +1,111 @@
+"""The chapter on the ladder: regret of a gain table, move by move, and the references that it is held against."""
+
+import numpy as np
+
+from workbench.plant import Plant
+from workbench.report import numbers
+from workbench.report.contents import Chapter, Figure, Paragraph, Table
+from workbench.report.drawing import AFTER, BEFORE, MUTED, decades, svg
+from workbench.verify.climb import Climbed
+from workbench.verify.ladder import COUNTS, timed
+from workbench.verify.regret import Regret
+
+
+def ladder_chapter(climbed: Climbed, held: Regret, plant: Plant, rule: str) -> Chapter:
+    """What the table takes over a reference for each move alone. held: regret on the plant that judges."""
+    time, error, over = held.worst
+    scenarios = len(set(climbed.on.scenarios))
+    text = (
+        f"The table of rule {rule} is tuned for {len(climbed.on.moves)} moves at once: steps of ten counts to the full travel, both "
+        "ways, from rest and after a reversal, without and with a load, a slow sine across zero speed and a step of load, each "
+        f"the worst of {scenarios} cases of friction and inertia. Each move has a reference: a fixed PD that is tuned "
+        "for it alone with the same limits, or this law with numbers for it alone where that is better. Regret is what the "
+        f"table takes over it: at most {numbers.number(time)} in time and {numbers.number(error)} in error (or {COUNTS:g} counts); "
+        f"it overshoots by {numbers.percent(over)} at most. {runs_sentence(climbed)}"
+    )
+    return Chapter(
+        "One table for every move",
+        (Paragraph(text), figure(climbed, held, plant), references_table(climbed, held, plant)),
+    )
+
+
+def runs_sentence(climbed: Climbed) -> str:
+    return (
+        f"Of {len(climbed.runs)} searches from soft and stiff arrivals none ends more than {numbers.percent(climbed.spread)} above "
+        "the best."
+    )
+
+
+def figure(climbed: Climbed, held: Regret, plant: Plant) -> Figure:
+    """Regret over the size of a step."""
+    time, error, _ = held.worst
+    heading = f"Over all sizes the table takes at most {numbers.number(time)} times its reference's time, {numbers.number(error)} times its error"
+    rows = np.flatnonzero(timed(climbed.on)[:, 0])
+    size = np.array([abs(climbed.on.rungs[r][0].size) for r in rows])
+    laden = np.array([climbed.on.rungs[r][0].load != 0.0 for r in rows])
+
+    def draw(axes):
+        for axis, values, name in ((axes[0], held.time, "time"), (axes[1], held.error, "error")):
+            for history, mark in ((0, "o"), (1, "s")):
+                for loaded, colour in ((False, AFTER), (True, BEFORE)):
+                    at = laden == loaded
+                    label = f"{'loaded' if loaded else 'no load'}, {('from rest', 'after a reversal')[history]}"
+                    axis.semilogx(size[at], values[rows][at, history], mark, ms=4, color=colour, label=label, alpha=0.8)
+            axis.axhline(1.0, color=MUTED, lw=0.8)
+            axis.set_ylabel(f"regret in {name}")
+            decades(axis.xaxis)
+        axes[1].set_xlabel(numbers.label("step", numbers.unit(plant.displacement)))
+        axes[0].legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
+
+    return Figure(
+        "ladder",
+        lambda: svg(heading, draw, rows=2, height=4.4, share=True),
+        "Time and error over those of a reference for each move alone, worst over friction and inertia.",
+        f"Two graphs over the size of a step. {heading}.",
+    )
+
+
+def references_table(climbed: Climbed, held: Regret, plant: Plant) -> Table:
+    """The reference of each size, the worst of its moves beside it."""
+    on, known = climbed.on, climbed.references
+    rows = []
+    for size in sorted({abs(r[0].size) for r, t in zip(on.rungs, timed(on)[:, 0], strict=True) if t}):
+        at = [k for k, r in enumerate(on.rungs) if r[0].kind == "step" and abs(r[0].size) == size]
+        rows.append(
+            (
+                numbers.scaled(size, plant.displacement),
+                *(numbers.scaled(float(f(known.time[at])), "s") for f in (np.min, np.max)),
+                *(numbers.scaled(float(f(known.error[at])), plant.displacement) for f in (np.min, np.max)),
+                numbers.number(float(held.time[at].max())),
+                numbers.number(float(held.error[at].max())),
+                numbers.percent(float(held.overshoot[at].max())),
+            )
+        )
+    columns = ("step", "reference: 1 % time from", "to", "error from", "to", "worst regret: time", "error", "overshoot")
+    return Table(columns, tuple(rows), "References over the moves of one size, and the table's worst regret.", "r" * 8)
+
+
+def as_table(climbed: Climbed, held: Regret) -> dict[str, object]:
+    """What results.json holds: every move with its reference and the table's regret, and every run of the search."""
+    on, known = climbed.on, climbed.references
+    moves = [
+        {
+            **vars(move), "reference": {"law": str(known.law[r, h]), "time": known.time[r, h], "error": known.error[r, h]},
+            "regret_time": held.time[r, h], "regret_error": held.error[r, h], "overshoot": held.overshoot[r, h],
+        }
+        for r, rung in enumerate(on.rungs)
+        for h, move in enumerate(rung)
+    ]  # fmt: skip
+    runs = [{"seed": c.seed, "cost": c.value, "numbers": c.numbers} for c in climbed.runs]
+    return {"moves": moves, "runs": runs, "scenarios": [list(s) for s in dict.fromkeys(on.scenarios)]}
+
+
+def figures_of(climbed: Climbed, held: Regret) -> dict[str, float]:
+    """Return the figures by which a study may be judged."""
+    time, error, over = held.worst
+    return {
+        "ladder_regret_time": time,
+        "ladder_regret_error": error,
+        "ladder_overshoot": over,
+        "search_spread": climbed.spread,
+    }

@@ -1,0 +1,69 @@
+"""What leaves a study for the drive: the recommended controller first, then the others, all for one plant."""
+
+import json
+from collections.abc import Mapping
+from pathlib import Path
+
+import numpy as np
+
+from workbench.errors import WorkbenchError
+from workbench.export.numbers import export_numbers
+from workbench.export.whole import write_together
+from workbench.plant import Plant
+
+UNITS = {  # of the numbers of every law; F and x are the plant's own
+    "kp": "F/x", "kd": "F*s/x", "kv": "1/s", "kvp": "F*s/x", "ki": "F/x", "speed_limit": "x/s", "deceleration": "x/s^2",
+    "gate": "x", "mass": "F*s^2/x",
+}  # fmt: skip
+LAWS = {
+    "fixed_pd": "u = kp (r - y) - kd vh",
+    "pi_cascade": "v_r = clip(kv (r - y), speed_limit); u = kvp (v_r - vh) + ki integral of (v_r - vh) dt",
+    "profile_pi": (
+        "v_r = sgn(r - y) min(kv |r - y|, sqrt(2 deceleration |r - y| - (deceleration/kv)^2), speed_limit); "
+        "u = kvp (v_r - vh) + ki integral of (v_r - vh) dt where |r - y| <= gate"
+    ),
+}
+CONTENTS = "contents.json"
+TABLE = "gains"
+
+
+def leave(
+    tuned: Mapping[str, object], first: str, plant: Plant, sample_time: float, folder: Path, table: str = ""
+) -> None:
+    """Write the numbers of every controller (name -> controller(lanes)) whose law has no table, and contents.json.
+
+    first: the recommended one. table: name of the one that the gain table beside them is of. Contents names the controllers in
+    order, the recommended first, each with its files, and the digest of the plant that all of them were tuned for.
+    """
+    entries = []
+    for name in sorted(tuned, key=lambda n: n != first):
+        controller = tuned[name].controller(1)
+        if controller.tables:
+            files = [f"{TABLE}.h", f"{TABLE}.json", f"{TABLE}.bin"] if name == table else []
+        else:
+            numbers = numbers_of(controller, plant)
+            law = LAWS.get(controller.law.name.split(",")[0], controller.law.name)
+            files = [p.name for p in export_numbers(name, law, numbers, sample_time, plant, folder)]
+        entries.append({"controller": name, "recommended": name == first, "law": controller.law.name, "files": files})
+    content = {
+        "format": "servo-workbench gains",
+        "recommended": first,
+        "controllers": [e for e in entries if e["files"]],
+        "plant": {"digest": plant.digest, "lines": list(plant.digest_lines())},
+    }
+    write_together(Path(folder), {CONTENTS: (json.dumps(content, indent=1) + "\n").encode()})
+
+
+def numbers_of(controller, plant: Plant) -> dict[str, tuple[float, str]]:
+    """Return name -> (value, unit) of every parameter of a controller's law."""
+    out = {}
+    for name, value in controller.parameters.items():
+        if name not in UNITS:
+            raise WorkbenchError(
+                f"the number '{name}' of controller '{controller.name}' has no unit to be exported with."
+            )
+        unit = UNITS[name].replace("F", plant.effort).replace("x", plant.displacement)
+        out[name] = (float(value if getattr(value, "ndim", 0) == 0 else value[0]), unit)
+    if controller.velocity_filter is not None:
+        out["velocity_filter"] = (float(np.ravel(controller.velocity_filter)[0]), "s")
+    return out
