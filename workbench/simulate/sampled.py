@@ -122,7 +122,15 @@ def sense(
     effects, law: Law | None, symbols: Symbols, sensing: Sensing, driven: Mapping[str, ca.SX]
 ) -> dict[str, ca.SX]:
     """Reading, velocity, reversals and, for a law with a table, where to look up."""
-    out = reading(effects, symbols, sensing)
+    out = observed(law, symbols, reading(effects, symbols, sensing), driven)
+    if AMPLITUDE in out:
+        out[AMPLITUDE] = clip(out[AMPLITUDE], symbols.constant("knot.first"), symbols.constant("knot.last"))
+    return out
+
+
+def observed(law: Law | None, symbols: Symbols, out: dict[str, ca.SX], driven: Mapping[str, ca.SX]) -> dict[str, ca.SX]:
+    """What follows from readings ("y", and "motor.y", "load.y"): `sense` without encoders and the ends of the table."""
+    out = dict(out)
     out |= velocity(symbols, out["y"])
     for body in dict.fromkeys(n.removesuffix("vh").replace("_", ".") for n in (law.reads if law else ()) if "vh" in n):
         out |= velocity(symbols, out[f"{body}y"], body)
@@ -135,7 +143,7 @@ def sense(
         signals |= {"stroke": absolute(at - moved["turned"]), "share": moved["share"], "reversal": found}
         states, amplitude = law.amplitude(namespace(**signals), z, p)
         out |= {f"law.{n}": v for n, v in states.items()}
-        out[AMPLITUDE] = clip(amplitude, symbols.constant("knot.first"), symbols.constant("knot.last"))
+        out[AMPLITUDE] = amplitude
     return out
 
 
