@@ -8,6 +8,8 @@ import numpy as np
 from workbench.control.law import Controller
 from workbench.errors import WorkbenchError, nearest
 from workbench.export.tables import grid
+from workbench.firmware.fixed_reference import FixedReference
+from workbench.firmware.fixed_source import FixedSource
 from workbench.firmware.image import FIXED, FLOAT32, Image
 from workbench.firmware.numbers import Numbers, numbers
 from workbench.firmware.reference import Reference
@@ -54,7 +56,11 @@ def firmware(
     made = numbers(controller, loop, plant, bits=bits, travel=travel)
     if made.knots.size:
         grid(made.knots, made.per_octave, f"controller '{controller.name}'")
-    reference, source = Reference(made), Source(made.stages, name, made.knots.size, plant.effort)
+    if arithmetic == "fixed":
+        reference = FixedReference(made)
+        source = FixedSource(made, reference.scales, name, plant.effort)
+    else:
+        reference, source = Reference(made), Source(made.stages, name, made.knots.size, plant.effort)
     rows = np.array(reference.rows) if reference.rows else np.zeros((0, made.knots.size), reference.constants.dtype)
     image = Image(
         arithmetic=ARITHMETICS[arithmetic],

@@ -49,6 +49,14 @@ class Reference:
         self.constants = numbers.values.astype(F)
         self.knots = numbers.knots.astype(F)
         self.rows = rows(numbers)
+        self._limited(lambda v, place: _downwards(abs(v)))
+
+    def _limited(self, rounded) -> None:
+        """Round the limit towards zero, so that no command is beyond it."""
+        for place, c in enumerate(self.stages.constants):
+            if c.formula in ("limit", "-limit"):
+                v = self.numbers.values[place]
+                self.constants[place] = rounded(v, place) * (1 if v >= 0.0 else -1)
 
     def stored(self, name: str, value) -> np.ndarray:
         """Return real values of a signal or state as the firmware holds them."""
@@ -102,6 +110,12 @@ class Reference:
     def _lowered(self, value: np.ndarray, by: np.ndarray) -> np.ndarray:
         return np.where(by != 0, value - by.astype(F), value)
 
+    def _commanded(self, u: np.ndarray) -> np.ndarray:
+        return u
+
+    def _bounded(self, added) -> np.ndarray:
+        return bounded(added, self.constants[self.stages.place("limit")])
+
     def look_up(self, amplitude: np.ndarray) -> list[np.ndarray]:
         """Return each column at amplitudes in counts."""
         if not self.stages.columns:
@@ -126,12 +140,17 @@ class Reference:
         if AMPLITUDE in seen:
             gains = self.look_up(seen[AMPLITUDE])
             inputs |= {f"gain.{n}": x for n, x in zip(self.stages.columns, gains, strict=True)}
-        inputs[ADDED] = np.broadcast_to(bounded(added, self.numbers.limit), raw.shape)
+        inputs[ADDED] = np.broadcast_to(self._bounded(added), raw.shape)
         decided = self._run(self.stages.command, inputs)
         after = {**seen, **decided}
         kept = ~axes.fault
         axes.state = {n: np.where(kept, after.get(n, x), x) for n, x in axes.state.items()}
-        return np.where(kept, decided[COMMAND], F(0.0))
+        return np.where(kept, self._commanded(decided[COMMAND]), 0).astype(self.dtype)
+
+
+def _downwards(x: float) -> np.float32:
+    near = F(x)
+    return near if float(near) <= x else np.nextafter(near, F(0.0))
 
 
 def rows(numbers: Numbers) -> list[np.ndarray]:

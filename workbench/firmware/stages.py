@@ -73,6 +73,10 @@ class Stages:
         """Whether two encoders are read."""
         return self.law.both
 
+    def place(self, formula: str) -> int:
+        """Where a constant is that is nothing but a given number."""
+        return next(i for i, c in enumerate(self.constants) if c.formula == formula)
+
     @property
     def columns(self) -> tuple[str, ...]:
         return self.law.columns
@@ -121,6 +125,9 @@ def _outputs(law: Law, symbols: Symbols, feedback: str):
         "stroke": absolute(at - seen["turned"]),
         "error": error,
     }
+    if law.both:
+        for body in ("motor", "load"):
+            probes[f"{body}_increment"] = first[f"{body}.y"] - symbols.state(f"{body}.y")
     decided = command(law, symbols, driven)
     late = {"error": driven[REFERENCE] - symbols.state("y")}
     begun = first | {"furthest": at, "turned": at, "share": ca.SX(1.0)}

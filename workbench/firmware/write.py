@@ -13,7 +13,6 @@ from workbench.kernel.choice import Choice
 from workbench.simulate.sampled import AMPLITUDE
 
 HERE = Path(__file__).parent
-RUNTIME = ("wb_runtime.h", "wb_runtime.c")
 PARAMETERS = {"now.y": "y", "now.motor.y": "motor_counts", "now.load.y": "load_counts"}
 MOST_KNOTS = 64  # memory that a header sets aside where no table says how many
 
@@ -54,6 +53,8 @@ class Source:
 
     kind = "float"
     template = "law_float.c.in"
+    runtime: tuple[str, ...] = ("wb_runtime.h", "wb_runtime.c")
+    include = "wb_runtime.h"
 
     def __init__(self, stages: Stages, name: str, knots: int = MOST_KNOTS, effort: str = "N*m"):
         self.stages, self.name, self.effort = stages, name, effort
@@ -111,7 +112,7 @@ class Source:
 
     def given(self) -> dict[str, str]:
         """What is handed to the stages: row -> C text in start and step."""
-        real = {"now.y": "y", "reference": "reference", "added": "wb_boundedf(now->added, limit)"}
+        real = {"now.y": "y", "reference": "reference", "added": "wb_boundedf(now->added, table->number[LIMIT])"}
         return real | dict.fromkeys(("now.motor.y", "now.load.y"), "(float)wb_signed(now->other)")
 
     def step(self) -> str:
@@ -170,6 +171,8 @@ class Source:
             "added_unit": self.effort,
             "added_said": "; a NaN is 0",
             "command_said": "",
+            "include": self.include,
+            "factor": "",
             "enumeration": self.enumeration(),
             "row_index": "    uint32_t j;\n" if stages.columns else "",
             "load_rows": self.load_rows(),
@@ -237,4 +240,4 @@ class Source:
             f"{self.name}.h": Template((HERE / "law.h.in").read_text(encoding="utf-8")).substitute(fields),
             f"{self.name}.c": Template((HERE / self.template).read_text(encoding="utf-8")).substitute(fields),
         }
-        return made | {n: (HERE / n).read_text(encoding="utf-8") for n in RUNTIME}
+        return made | {n: (HERE / n).read_text(encoding="utf-8") for n in self.runtime}
