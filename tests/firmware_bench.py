@@ -1,6 +1,7 @@
 """What the tests of the firmware share: controllers of every law, golden vectors, and the C called with arrays."""
 
 import ctypes
+import importlib.util
 import shutil
 
 import numpy as np
@@ -51,6 +52,12 @@ def every() -> dict:
     }
     found = {n: (c, LOOP, AXIS) for n, c in one.items()}
     return found | {n: (c, DUAL, PAIR) for n, c in two.items()}
+
+
+def need(module: str, reason: str) -> None:
+    """Skip where a package of the extra `firmware` is not installed."""
+    if importlib.util.find_spec(module) is None:
+        pytest.skip(reason)
 
 
 def need_compiler() -> None:
