@@ -101,13 +101,13 @@ def axes_of(reference, states: np.ndarray):
     """The reference's axes in given states (n, k) as bits."""
     from workbench.firmware.reference import Axes, signed
 
-    kept = {n: states[:, 4 + i].view(reference.dtype).copy() for i, n in enumerate(reference.stages.states)}
-    return Axes(kept, states[:, 1].copy(), states[:, 0].copy(), signed(states[:, 2]), states[:, 3] != 0)
+    kept = {n: states[:, 3 + i].view(reference.dtype).copy() for i, n in enumerate(reference.stages.states)}
+    return Axes(kept, states[:, 0].copy(), signed(states[:, 1]), states[:, 2] != 0)
 
 
 def bits_of(reference, axes) -> np.ndarray:
     """States (n, k) as bits."""
-    head = [axes.origin, axes.raw, (axes.position & 0xFFFFFFFF).astype(np.uint32), axes.fault.astype(np.uint32)]
+    head = [axes.origin, (axes.position & 0xFFFFFFFF).astype(np.uint32), axes.fault.astype(np.uint32)]
     return np.stack([*head, *(np.asarray(x, reference.dtype).view(np.uint32) for x in axes.state.values())], axis=1)
 
 
@@ -144,7 +144,7 @@ def golden(made, n: int = 1000, seed: int = 1) -> tuple[np.ndarray, np.ndarray]:
         raw = (position.astype(np.int64) & 0xFFFFFFFF).astype(np.uint32)
     origin = (raw - (position.astype(np.int64) & 0xFFFFFFFF).astype(np.uint32)).astype(np.uint32)
     values = {m: reference.stored(m, x) for m, x in memories(draw, made, position, size).items()}
-    head = [origin, raw, (position.astype(np.int64) & 0xFFFFFFFF).astype(np.uint32), np.zeros(n, np.uint32)]
+    head = [origin, (position.astype(np.int64) & 0xFFFFFFFF).astype(np.uint32), np.zeros(n, np.uint32)]
     states = np.stack([*head, *(values[m].view(np.uint32) for m in reference.stages.states)], axis=1)
     now = (raw + (way.astype(np.int64) & 0xFFFFFFFF).astype(np.uint32)).astype(np.uint32)
     to = np.round(draw.normal(size=n) * size**0.6).astype(np.int64)

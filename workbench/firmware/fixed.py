@@ -1,11 +1,11 @@
 """A part's program in integers: every value gets a format from its interval, so that nothing overflows.
 
 A value x is held as the 32-bit n = x 2^bits, |n| <= 2^30: one bit is left for sums and rounding. Products are formed in 64
-bits and rounded to nearest. Signals that physics bounds rather than arithmetic (error, speed, way of a sample) are cut off
+bits, and what does not fit is cut off downwards. Signals that physics bounds rather than arithmetic (error, speed, way of a sample) are cut off
 there. One text serves C and Python: calls of the helpers that wb_fixed.h and FixedReference define alike.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Set
 from dataclasses import dataclass
 from math import ceil, log2
 
@@ -68,7 +68,7 @@ def envelope(value: float, spare: int = WHOLE) -> Format:
 
 
 def shifted(name: str, by: int) -> str:
-    """Text of an operand with `by` fractional bits fewer, rounded; more where `by` is negative."""
+    """Text of an operand with `by` fractional bits fewer, rounded down; more where `by` is negative."""
     if by == 0:
         return name
     if by > WHOLE:
@@ -77,10 +77,12 @@ def shifted(name: str, by: int) -> str:
 
 
 class Typed:
-    """The typed lines of one part. inputs: "i0_0" -> Format. bounds: C name of a value -> largest size."""
+    """The typed lines of one part. inputs: "i0_0" -> Format. bounds: C name of a value -> largest size; proven: of which it needs no cut."""
 
-    def __init__(self, part: Part, inputs: Mapping[str, Format], bounds: Mapping[str, float]):
-        self.part, self.bounds = part, bounds
+    def __init__(
+        self, part: Part, inputs: Mapping[str, Format], bounds: Mapping[str, float], proven: Set[str] = frozenset()
+    ):
+        self.part, self.bounds, self.proven = part, bounds, proven
         self.values: dict[str, Value] = {n: Value(n, n, (), f) for n, f in inputs.items()}
         self.lines: list[Value] = []
         for line in part.program.lines:
@@ -194,7 +196,13 @@ class Typed:
         bits = value.format.bits
         most = int(bound * 2.0**bits)
         low, high = interval.within(value.format.interval, (-bound, bound))
-        return Value(line.out, f"wb_within({value.text}, {most})", value.operands, Format(bits, low, high))
+        proven = self.part.names[line.out] in self.proven
+        return Value(
+            line.out,
+            value.text if proven else f"wb_within({value.text}, {most})",
+            value.operands,
+            Format(bits, low, high),
+        )
 
     def output(self, name: str, form: Format) -> str:
         """Text of a value in a given format (of a state), cut off at that format's ends where it may be beyond."""

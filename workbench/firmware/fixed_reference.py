@@ -6,7 +6,7 @@ from workbench.firmware.fixed import Typed
 from workbench.firmware.numbers import Numbers
 from workbench.firmware.reference import WIDE, Axes, Reference, signed
 from workbench.firmware.scales import GAIN, REACH, Scales, stored
-from workbench.firmware.stages import COMMAND, Part
+from workbench.firmware.stages import COMMAND, INCREMENT, Part
 from workbench.simulate.given import REFERENCE
 
 MOST = 2**30
@@ -15,8 +15,8 @@ MOST = 2**30
 def over(a, b, up):
     """a 2^up / b towards zero, within +-2^30."""
     above, below = np.asarray(a, WIDE) << up, np.where(np.asarray(b) == 0, 1, b)
-    found = np.abs(above) // np.abs(below) * np.sign(above) * np.sign(below)
-    return np.clip(found, -MOST, MOST)
+    sign = np.where((above < 0) != (below < 0), -1, 1)
+    return np.minimum(np.abs(above) // np.abs(below), MOST) * sign
 
 
 def root(a, up):
@@ -28,9 +28,9 @@ def root(a, up):
 
 
 HELPERS = {
-    "wb_right": lambda a, by: (a + (1 << (by - 1))) >> by,
+    "wb_right": lambda a, by: a >> by,
     "wb_left": lambda a, by: a * (1 << by),
-    "wb_times": lambda a, b, by: (a * b + (1 << (by - 1))) >> by,
+    "wb_times": lambda a, b, by: (a * b) >> by,
     "wb_over": over,
     "wb_root": root,
     "wb_min": np.minimum,
@@ -71,7 +71,9 @@ class FixedReference(Reference):
         self.numbers, self.stages, self.scales = numbers, numbers.stages, Scales(numbers)
         values = zip(numbers.values, self.scales.constants, strict=True)
         self.constants = np.array([stored(v, f) for v, f in values], WIDE)
-        self._limited(lambda v, place: int(np.floor(abs(v) * 2.0 ** self.scales.constants[place].bits)))
+        down = self.scales.limit.bits - self.scales.result(COMMAND).bits
+        unit = 2 ** max(down, 0)  # of the command: so that its limit is the same on both sides
+        self._limited(lambda v, place: int(abs(v) * 2.0 ** self.scales.constants[place].bits) // unit * unit)
         self.limit = int(self.constants[self.stages.place("limit")])
         self.rows = [
             np.clip(stored(c, self.scales.column(n)), -(2**GAIN) + 1, 2**GAIN - 1) for n, c in numbers.columns.items()
@@ -97,8 +99,10 @@ class FixedReference(Reference):
         return {n: np.broadcast_to(x, shape).astype(WIDE) for n, x in zip(part.outputs, found, strict=True)}
 
     def _inputs(self, axes: Axes, other, reference) -> dict:
-        away = signed(np.asarray(reference, np.uint32) - axes.origin)
-        made = {REFERENCE: np.clip(away, -REACH, REACH), "now.y": np.clip(axes.position, -REACH, REACH)}
+        y = np.clip(axes.position, -REACH, REACH)
+        away = signed(np.asarray(reference, np.uint32) - axes.origin - (y & 0xFFFFFFFF).astype(np.uint32))
+        made = {REFERENCE: y + np.clip(away, -self.scales.travel, self.scales.travel), "now.y": y}
+        made[INCREMENT] = axes.way
         if self.stages.both:
             name = "now.load.y" if self.stages.feedback == "position" else "now.motor.y"
             made[name] = np.clip(signed(other), -REACH, REACH)
@@ -110,15 +114,11 @@ class FixedReference(Reference):
     def _bounded(self, added) -> np.ndarray:
         return np.clip(np.asarray(added, WIDE), -self.limit, self.limit)
 
-    def _commanded(self, u: np.ndarray) -> np.ndarray:
-        most = self.limit >> (self.scales.limit.bits - self.scales.result(COMMAND).bits)
-        return np.clip(u, -most, most)
-
     def look_up(self, amplitude: np.ndarray) -> list[np.ndarray]:
         if not self.stages.columns:
             return []
         bits, _, shift = self.scales.amplitude
-        n = (amplitude * self.scales.amplitude_factor + (1 << (shift - 1))) >> shift
+        n = (amplitude * self.scales.amplitude_factor) >> shift
         n = np.minimum(n, MOST)
         step = self.numbers.per_octave.bit_length() - 1
         shown = np.maximum(n, 1)
@@ -131,4 +131,4 @@ class FixedReference(Reference):
         into = np.where((n <= 0) | (i < 0) | (i >= last), 0, into)
         i = np.clip(np.where(n <= 0, 0, i), 0, last)
         after = np.minimum(i + 1, last)
-        return [row[i] + (((row[after] - row[i]) * into + (1 << 13)) >> 14) for row in self.rows]
+        return [row[i] + (((row[after] - row[i]) * into) >> 14) for row in self.rows]

@@ -71,17 +71,24 @@ class FixedSource(Source):
         return found
 
     def given(self) -> dict[str, str]:
-        real = {"now.y": "y", "reference": "reference", "added": "wb_within(now->added, table->number[LIMIT])"}
+        real = {
+            "now.y": "y",
+            "increment": "way",
+            "reference": "reference",
+            "added": "wb_within(now->added, table->number[LIMIT])",
+        }
         return real | dict.fromkeys(("now.motor.y", "now.load.y"), f"wb_within(wb_signed(now->other), {REACH})")
 
     def step(self) -> str:
         given = self.given()
         seen = self.call(self.stages.observe, "observe", given)
         y = "now.y" in (*self.stages.observe.rows, *self.stages.command.rows)
-        lines = ["int32_t y;"] * y + ["int32_t reference;"]
+        lines = ["int32_t way;", *["int32_t y;"] * y, "int32_t reference;"]
         if self.stages.columns:
             lines += ["int32_t into;", "uint32_t i;", *(f"int32_t {n};" for n in self.stages.columns)]
-        lines += ["if (!wb_encoder_follow(&state->encoder, &table->head, now->position)) {", "    return 0;", "}"]
+        within = " || !wb_encoder_within(&state->encoder)" if self.stages.both else ""
+        follow = "!wb_encoder_follow(&state->encoder, &table->head, now->position, &way)"
+        lines += [f"if ({follow}{within}) {{", "    return 0;", "}"]
         moved = [identifier(n) for n in self.stages.states if n in POSITIONS]
         if not self.stages.both:
             lines += ["{", "    const int32_t by = wb_encoder_recentre(&state->encoder);", "    if (by != 0) {"]
@@ -97,18 +104,23 @@ class FixedSource(Source):
                 given[f"gain.{n}"] = n
         else:
             lines += [f"{seen};"]
-        down = self.scales.limit.bits - self.scales.result(COMMAND).bits
-        call = self.call(self.stages.command, "command", given)
-        lines += [f"return wb_within({call}, table->number[LIMIT] >> {down});"]
+        lines += [f"return {self.call(self.stages.command, 'command', given)};"]
         return "\n".join(f"    {x}" for x in lines) + "\n"
 
-    position = f"wb_within(state->encoder.position, {REACH})"
-    target = f"wb_within(wb_signed((uint32_t)now->reference - state->encoder.origin), {REACH})"
+    @property
+    def position(self) -> str:
+        """The reading: the origin that moves along keeps it near; that of two encoders does not move."""
+        return f"wb_within(state->encoder.position, {REACH})" if self.stages.both else "state->encoder.position"
+
+    @property
+    def target(self) -> str:
+        """The target, no further from the reading than is told apart."""
+        away = f"(uint32_t)now->reference - state->encoder.origin - (uint32_t)({self.position})"
+        return f"{self.position} + wb_within(wb_signed({away}), {self.scales.travel})"
 
     def begin(self) -> str:
         given = self.given() | {"now.y": self.position, "reference": self.target}
-        unused = "" if self.stages.start.constants else "(void)table;\n    "
-        return unused + self.call(self.stages.start, "begin", given)
+        return self.call(self.stages.start, "begin", given)
 
     def state_lines(self) -> list[str]:
         return [

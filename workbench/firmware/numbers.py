@@ -77,7 +77,8 @@ def numbers(
         worst = made.constants[int(np.argmin(np.isfinite(values)))]
         raise WorkbenchError(f"controller '{controller.name}': {worst.formula} is not finite.")
     table = controller.tables[0] if controller.tables else None
-    columns = {n: in_counts(f"gain.{n}", table.columns[n], count) for n in made.columns}
+    factor = float(controller.parameters.get("scale", 1.0))  # every schedule's command is proportional to its gains
+    columns = {n: factor * in_counts(f"gain.{n}", table.columns[n], count) for n in made.columns}
     speed = plant.limits.speed / count if isfinite(plant.limits.speed) else FAR / loop.sample_time / 64.0
     jump = int(min(max(MARGIN * speed * loop.sample_time, 64.0), FAR))
     jump = min(jump, 2 ** (bits - 1) - 1)

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from workbench.firmware.numbers import FAR, Numbers
-from workbench.firmware.stages import ADDED, COMMAND, POSITIONS, Part
+from workbench.firmware.stages import ADDED, COMMAND, INCREMENT, POSITIONS, Part
 from workbench.kernel import single
 from workbench.simulate.given import REFERENCE
 from workbench.simulate.sampled import AMPLITUDE
@@ -19,24 +19,18 @@ END = 2**30  # WB_END
 
 @dataclass(eq=False)
 class Axes:
-    """n axes. state: name -> (n,). raw, origin: uint32; position: counts; fault: bool."""
+    """n axes. state: name -> (n,). origin: uint32; position: counts from it; fault: bool."""
 
     state: dict[str, np.ndarray]
-    raw: np.ndarray
     origin: np.ndarray
     position: np.ndarray
     fault: np.ndarray
+    way: np.ndarray | None = None  # counts since the last sample
 
 
 def signed(word: np.ndarray) -> np.ndarray:
     """uint32 as two's complement, int64."""
     return np.asarray(word, U).astype(WIDE) - ((np.asarray(word, U) >> U(31)).astype(WIDE) << 32)
-
-
-def bounded(x: np.ndarray, limit) -> np.ndarray:
-    """x within +-limit, a NaN as 0."""
-    x = np.asarray(x, F)
-    return np.where(np.isnan(x), F(0.0), np.minimum(np.maximum(x, -F(limit)), F(limit)))
 
 
 class Reference:
@@ -75,6 +69,7 @@ class Reference:
     def _inputs(self, axes: Axes, other, reference) -> dict:
         """Positions of this sample, float32, relative to the origin."""
         made = {REFERENCE: signed(np.asarray(reference, U) - axes.origin).astype(F), "now.y": axes.position.astype(F)}
+        made[INCREMENT] = axes.way.astype(F)
         if self.stages.both:
             name = "now.load.y" if self.stages.feedback == "position" else "now.motor.y"
             made[name] = signed(other).astype(F)
@@ -85,22 +80,22 @@ class Reference:
         raw = np.atleast_1d(np.asarray(raw, U))
         zero = np.zeros(raw.shape, WIDE)
         origin = U(0) * raw if self.stages.both else raw
-        axes = Axes({}, raw, origin, signed(raw - origin), zero != 0)
+        axes = Axes({}, origin, signed(raw - origin), zero != 0, zero)
         axes.state = self._run(self.stages.start, self._inputs(axes, other, reference))
         return axes
 
     def follow(self, axes: Axes, raw: np.ndarray) -> None:
         """Take new readings, and move the origin along where it is far."""
-        mask = U(2**self.numbers.bits - 1)
-        up, down = (raw - axes.raw) & mask, (axes.raw - raw) & mask
-        way = np.minimum(up, down).astype(WIDE)
-        axes.fault = axes.fault | (way > self.numbers.jump) | (np.abs(axes.position) > END)
+        shift = U(32 - self.numbers.bits)
+        way = signed((raw - axes.origin - (axes.position & 0xFFFFFFFF).astype(U)) << shift) >> int(shift)
+        axes.fault = axes.fault | (np.abs(way) > self.numbers.jump)
         moved = ~axes.fault
-        axes.raw = np.where(moved, raw, axes.raw)
-        axes.position = axes.position + np.where(moved, np.where(up < down, way, -way), 0)
+        axes.way = np.where(moved, way, 0)
+        axes.position = axes.position + axes.way
         if self.stages.both:
+            axes.fault = axes.fault | (np.abs(axes.position) > END)
             return
-        by = np.where(moved & (np.abs(axes.position) >= FAR), axes.position, 0)
+        by = np.where(moved & (np.abs(axes.position) > FAR), axes.position, 0)
         axes.origin = axes.origin + (by & 0xFFFFFFFF).astype(U)
         axes.position = axes.position - by
         for name in POSITIONS:
@@ -110,28 +105,25 @@ class Reference:
     def _lowered(self, value: np.ndarray, by: np.ndarray) -> np.ndarray:
         return np.where(by != 0, value - by.astype(F), value)
 
-    def _commanded(self, u: np.ndarray) -> np.ndarray:
-        return u
-
     def _bounded(self, added) -> np.ndarray:
-        return bounded(added, self.constants[self.stages.place("limit")])
+        return np.where(np.isnan(added), F(0.0), np.asarray(added, F))
 
     def look_up(self, amplitude: np.ndarray) -> list[np.ndarray]:
         """Return each column at amplitudes in counts."""
         if not self.stages.columns:
             return []
         a = (amplitude * F(self.numbers.count)).astype(F)
-        above = a > self.knots[0]
-        inside = above & (a < self.knots[-1])
         shift = U(23 - (self.numbers.per_octave.bit_length() - 1))
-        first = int(self.knots[:1].view(U)[0] >> shift)
-        i = np.where(inside, (a.view(U) >> shift).astype(WIDE) - first, np.where(above, self.knots.size - 1, 0))
+        first, last = int(self.knots[:1].view(U)[0] >> shift), self.knots.size - 1
+        i = (a.view(U) >> shift).astype(WIDE) - first
+        inside = (i >= 0) & (i < last)
+        i = np.clip(i, 0, last)
         beyond = np.where(inside, a - self.knots[i], F(0.0))
         return [gain[i] + slope[i] * beyond for gain, slope in zip(self.rows[::2], self.rows[1::2], strict=True)]
 
     def step(self, axes: Axes, raw, reference, added=0.0, other=0) -> np.ndarray:
         """Move every axis by one sample, and return the commands (n,); those of axes at fault are zero."""
-        raw = np.broadcast_to(np.asarray(raw, U), axes.raw.shape)
+        raw = np.broadcast_to(np.asarray(raw, U), axes.origin.shape)
         self.follow(axes, raw)
         inputs = axes.state | self._inputs(axes, other, reference)
         inputs[REFERENCE] = np.broadcast_to(inputs[REFERENCE], raw.shape)
@@ -145,7 +137,7 @@ class Reference:
         after = {**seen, **decided}
         kept = ~axes.fault
         axes.state = {n: np.where(kept, after.get(n, x), x) for n, x in axes.state.items()}
-        return np.where(kept, self._commanded(decided[COMMAND]), 0).astype(self.dtype)
+        return np.where(kept, decided[COMMAND], 0).astype(self.dtype)
 
 
 def _downwards(x: float) -> np.float32:

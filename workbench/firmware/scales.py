@@ -9,7 +9,8 @@ import numpy as np
 from workbench.errors import WorkbenchError
 from workbench.firmware.fixed import WHOLE, Format, Typed, envelope, fitting
 from workbench.firmware.numbers import FAR, Numbers
-from workbench.firmware.stages import ADDED, COMMAND, Part
+from workbench.firmware.stages import ADDED, COMMAND, INCREMENT, Part
+from workbench.simulate.given import REFERENCE
 from workbench.simulate.sampled import AMPLITUDE
 
 REACH = 2**24  # counts: how far a target, a turn or a second encoder is told from the origin; WB_REACH of wb_fixed.h
@@ -31,15 +32,16 @@ class Scales:
         """The format of a state, an input or a gain."""
         n = self.numbers
         speed = 2.0 ** ceil(log2(n.speed))
-        limit = self.limit.high
+        limit, jump = self.limit.high, 2.0 ** ceil(log2(n.jump))
         known = {
             "way": Format(0, -1.0, 1.0),
             "share": Format(1, 0.5, 1.0),
-            "law.held": fitting(0.0, 2.0 ** ceil(log2(n.travel))),
+            "law.held": fitting(0.0, float(self.travel)),
             "law.integral": fitting(-limit, limit),
             ADDED: Format(self.limit.bits, -limit, limit),
             "now.y": Format(0, -REACH, REACH) if self.both else Format(0, -2.0 * FAR, 2.0 * FAR),
-            "y": Format(0, -REACH, REACH) if self.both else Format(0, -2.0 * FAR, 2.0 * FAR),
+            REFERENCE: Format(0, -2.0 * REACH, 2.0 * REACH),
+            INCREMENT: Format(0, -jump, jump),
         }
         if name in known:
             return known[name]
@@ -50,6 +52,11 @@ class Scales:
         if self.both and name in ("motor.y", "load.y", "furthest", "turned"):
             return Format(5, -2.0 * REACH, 2.0 * REACH)
         return Format(0, -REACH, REACH)
+
+    @cached_property
+    def travel(self) -> int:
+        """Counts from the reading at which a target is cut off."""
+        return 2 ** ceil(log2(self.numbers.travel))
 
     @cached_property
     def limit(self) -> Format:
@@ -71,14 +78,14 @@ class Scales:
         """C name of a value -> what physics allows of it: the motion of a sample, the speed, the error told apart."""
         n = self.numbers
         speed = 2.0 ** ceil(log2(n.speed))
-        travel = 2.0 ** ceil(log2(n.travel))
-        jumps = dict.fromkeys(("increment", "motor_increment", "load_increment"), 2.0 ** ceil(log2(n.jump)))
+        travel = float(self.travel)
+        jumps = dict.fromkeys(("motor_increment", "load_increment"), 2.0 ** ceil(log2(n.jump)))
         return {"error": travel, "vh": speed, "motor_vh": speed, **jumps}
 
     def typed(self, part: Part) -> Typed:
         inputs = {f"i0_{j}": self.row(n) for j, n in enumerate(part.rows)}
         inputs |= {f"i1_{j}": self.constants[place] for j, place in enumerate(part.constants)}
-        return Typed(part, inputs, self.bounds)
+        return Typed(part, inputs, self.bounds, {"error"})  # the target is cut off as far away
 
     @cached_property
     def parts(self) -> tuple[Typed, Typed, Typed]:

@@ -21,9 +21,10 @@ from workbench.simulate.sampled import AMPLITUDE, command, followed, observed
 from workbench.simulate.stage import stage
 
 COMMAND, ADDED = "u_c", "added"
-INPUTS = (REFERENCE, ADDED, "now.y", "now.motor.y", "now.load.y")  # of one sample; all else that moves is a state
+INCREMENT = "increment"  # counts since the last sample
+SCALE = "law.scale"  # the command is proportional to the gains of every schedule, so that it may be in them
 PROBE = "?"  # before the names of values that only get a name in the C text
-POSITIONS = ("y", "motor.y", "load.y", "furthest", "turned")  # states that move along with the origin
+POSITIONS = ("furthest", "turned")  # states that move along with the origin
 
 
 @dataclass(frozen=True)
@@ -82,11 +83,25 @@ class Stages:
         return self.law.columns
 
 
+class Folded(Symbols):
+    """Symbols of a firmware. The factor on a schedule's gains is one: the table holds the gains times that factor.
+
+    The reading that closes the loop is no state: this sample's is there, and the way since the last is counted.
+    """
+
+    def state(self, name: str) -> ca.SX:
+        return super().state("now.y" if name == "y" else name)
+
+    def constant(self, name: str) -> ca.SX:
+        return ca.SX(1.0) if name == SCALE else super().constant(name)
+
+
 @lru_cache(maxsize=64)
 def stages(law: Law, feedback: str = "position") -> Stages:
     """Return the stages of a law. feedback: the encoder that closes the loop, where the law reads two."""
-    symbols = Symbols()
+    symbols = Folded()
     begun, seen, decided = _outputs(law, symbols, feedback)
+    seen.pop("y")
     wanted = {COMMAND} | ({AMPLITUDE} if law.columns else set())
     while True:  # what a kept value needs from the sample before is kept too
         made = [
@@ -114,12 +129,11 @@ def _outputs(law: Law, symbols: Symbols, feedback: str):
         motor, load = both if feedback == "position" else both[::-1]
         first = {"y": symbols.state("now.y"), "motor.y": motor, "load.y": load}
     driven = {REFERENCE: symbols.state(REFERENCE), INJECTED: symbols.state(ADDED)}
-    seen = observed(law, symbols, first, driven)
+    step = symbols.state(INCREMENT)
+    seen = observed(law, symbols, first, driven, step)
     at = followed(law, first)
-    step = first["y"] - symbols.state("y")
     error = driven[REFERENCE] - first["y"]
     probes = {
-        "increment": step,
         "rate": step * symbols.constant("sample_rate"),
         "from_furthest": at - symbols.state("furthest"),
         "stroke": absolute(at - seen["turned"]),
@@ -127,7 +141,8 @@ def _outputs(law: Law, symbols: Symbols, feedback: str):
     }
     if law.both:
         for body in ("motor", "load"):
-            probes[f"{body}_increment"] = first[f"{body}.y"] - symbols.state(f"{body}.y")
+            if f"{body}_vh" in law.reads:
+                probes[f"{body}_increment"] = first[f"{body}.y"] - symbols.state(f"{body}.y")
     decided = command(law, symbols, driven)
     late = {"error": driven[REFERENCE] - symbols.state("y")}
     begun = first | {"furthest": at, "turned": at, "share": ca.SX(1.0)}

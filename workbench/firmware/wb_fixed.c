@@ -1,11 +1,26 @@
 /* See wb_fixed.h. Written by hand; no licence is claimed on it. */
 #include "wb_fixed.h"
 
+/* By hand, digit by digit: a target without a division of 64 bits would call a library for it. */
 int32_t wb_over(int32_t a, int32_t b, int up)
 {
-    const int64_t most = (int64_t)1 << 30;
-    const int64_t found = ((int64_t)a * ((int64_t)1 << up)) / ((b == 0) ? 1 : b);
-    return (int32_t)((found > most) ? most : (found < -most) ? -most : found);
+    const int negative = (a < 0) != (b < 0);
+    const uint64_t above = (uint64_t)(uint32_t)wb_size(a) << up;
+    const uint64_t below = (b == 0) ? 1u : (uint64_t)(uint32_t)wb_size(b);
+    uint64_t rest = above;
+    uint32_t found = 0u;
+    int bit;
+    if ((above >> 30) >= below) {
+        found = (uint32_t)1u << 30;
+    } else {
+        for (bit = 29; bit >= 0; --bit) {
+            if (rest >= (below << bit)) {
+                rest -= below << bit;
+                found |= (uint32_t)1u << bit;
+            }
+        }
+    }
+    return negative ? -(int32_t)found : (int32_t)found;
 }
 
 int32_t wb_root(int32_t a, int up)
@@ -53,12 +68,9 @@ uint32_t wb_segment_fixed(const wb_head *head, int32_t amplitude, int bits, int3
     word = (uint32_t)amplitude << zeros;
     /* the float's exponent is biased by 127, this integer's by `bits` */
     i = ((31u - zeros + 127u - (uint32_t)bits) << step) + ((word >> (31u - step)) & ((1u << step) - 1u));
-    if (i < head->first) {
-        return 0u;
-    }
     i -= head->first;
-    if (i >= head->knots - 1u) {
-        return head->knots - 1u;
+    if (i >= head->last) {
+        return (i > 0x7FFFFFFFu) ? 0u : head->last;
     }
     *into = (int32_t)((word >> (17u - step)) & 0x3FFFu);
     return i;

@@ -7,13 +7,10 @@
 
 #include "wb_runtime.h"
 
-/* Shifts of negative numbers to the right keep the sign; a compiler that does otherwise does not get past this line. */
-typedef char wb_shifts_keep_the_sign[(((int32_t)-3 >> 1) == -2) ? 1 : -1];
-
-/* Fewer fractional bits, rounded to nearest. by: 1 to 30. */
+/* Fewer fractional bits, rounded down, as in every product: what is lost is less than the unit of the result. */
 static inline int32_t wb_right(int32_t a, int by)
 {
-    return (a + ((int32_t)1 << (by - 1))) >> by;
+    return a >> by;
 }
 
 static inline int32_t wb_left(int32_t a, int by)
@@ -23,13 +20,13 @@ static inline int32_t wb_left(int32_t a, int by)
 
 static inline int32_t wb_times(int32_t a, int32_t b, int by)
 {
-    return (int32_t)(((int64_t)a * b + ((int64_t)1 << (by - 1))) >> by);
+    return (int32_t)(((int64_t)a * b) >> by);
 }
 
 /* As wb_times, and no more than 2^30. */
 static inline int32_t wb_times_most(int32_t a, int32_t b, int by)
 {
-    const int64_t found = ((int64_t)a * b + ((int64_t)1 << (by - 1))) >> by;
+    const int64_t found = ((int64_t)a * b) >> by;
     return (int32_t)((found > 1073741824) ? 1073741824 : found);
 }
 

@@ -125,13 +125,13 @@ static enum wb_refusal fields(const uint8_t *bytes, const wb_wanted *wanted, wb_
     head->numbers_at = (uint32_t)HEAD;
     head->knots_at = head->numbers_at + 4u * wb_u32(bytes + AT_NUMBERS);
     head->rows_at = head->knots_at + 4u * head->knots;
-    if ((bits < 2u) || (bits > 32u) || (head->jump > (uint32_t)WB_FAR) || (head->verdict > 2u)) {
+    if ((bits < 2u) || (bits > 32u) || (head->jump > WB_FAR) || (head->verdict > 2u)) {
         return WB_FIELD;
     }
     if (!positive(head->sample_time) || !positive(head->count) || !positive(head->limit)) {
         return WB_FIELD;
     }
-    head->encoder_mask = 0xFFFFFFFFu >> (32u - bits);
+    head->encoder_shift = 32u - bits;
     return ((wanted->period > 0.0f) && (head->sample_time != wanted->period)) ? WB_PERIOD : WB_ACCEPTED;
 }
 
@@ -143,8 +143,7 @@ static enum wb_refusal grid(const uint8_t *bytes, wb_head *head)
     uint32_t i;
     head->shift = 0u;
     head->first = 0u;
-    head->first_knot = 0.0f;
-    head->last_knot = 0.0f;
+    head->last = 0u;
     if (head->knots == 0u) {
         return WB_ACCEPTED;
     }
@@ -162,8 +161,7 @@ static enum wb_refusal grid(const uint8_t *bytes, wb_head *head)
             return WB_KNOTS;
         }
     }
-    head->first_knot = wb_real(wb_u32(bytes + head->knots_at));
-    head->last_knot = wb_real(wb_u32(bytes + head->rows_at - 4u));
+    head->last = head->knots - 1u;
     return WB_ACCEPTED;
 }
 
@@ -195,51 +193,6 @@ enum wb_refusal wb_check(const uint8_t *bytes, size_t size, const wb_wanted *wan
         refused = numbers(bytes, head, (uint32_t)size - 4u);
     }
     return refused;
-}
-
-/* The word as two's complement, without leaving it to the compiler. */
-int32_t wb_signed(uint32_t word)
-{
-    return (word <= 0x7FFFFFFFu) ? (int32_t)word : (int32_t)(-(int64_t)(uint32_t)(~word) - 1);
-}
-
-void wb_encoder_start(wb_encoder *encoder, uint32_t raw, uint32_t origin)
-{
-    encoder->raw = raw;
-    encoder->origin = origin;
-    encoder->position = wb_signed(raw - origin);
-    encoder->fault = 0u;
-}
-
-/* Take a new reading, the short way round where the encoder wraps. Return 0 after a jump, or
- * at the end of what 32 bits count, and until the next start. */
-int wb_encoder_follow(wb_encoder *encoder, const wb_head *head, uint32_t raw)
-{
-    const uint32_t mask = head->encoder_mask;
-    const uint32_t up = (raw - encoder->raw) & mask;
-    const uint32_t down = (encoder->raw - raw) & mask;
-    const uint32_t way = (up < down) ? up : down;
-    if ((way > head->jump) || (encoder->position > (int32_t)WB_END) || (encoder->position < -(int32_t)WB_END)) {
-        encoder->fault = 1u;
-    }
-    if (encoder->fault != 0u) {
-        return 0;
-    }
-    encoder->raw = raw;
-    encoder->position += (up < down) ? (int32_t)way : -(int32_t)way;
-    return 1;
-}
-
-/* Move the origin along. Return by how much every position has to be lowered: 0, or the whole way. */
-int32_t wb_encoder_recentre(wb_encoder *encoder)
-{
-    const int32_t by = encoder->position;
-    if ((by < (int32_t)WB_FAR) && (by > -(int32_t)WB_FAR)) {
-        return 0;
-    }
-    encoder->origin += (uint32_t)by;
-    encoder->position = 0;
-    return by;
 }
 
 /*

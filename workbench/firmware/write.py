@@ -83,7 +83,8 @@ class Source:
         }
         inputs |= {f"i1_{j}": self.number(place) for j, place in enumerate(part.constants)}
         names = {v: n for v, n in part.names.items() if n not in map(parameter, self.arguments(part))}
-        writer = Writer(part.program, self.kind, inputs, names)
+        numbers = {n for n in inputs if n.startswith("i1_")}
+        writer = Writer(part.program, self.kind, inputs, names, numbers, finite=True)
         back = {name: value for value, name in names.items()}
         lines = []
         for line in writer.lines():
@@ -112,7 +113,7 @@ class Source:
 
     def given(self) -> dict[str, str]:
         """What is handed to the stages: row -> C text in start and step."""
-        real = {"now.y": "y", "reference": "reference", "added": "wb_boundedf(now->added, table->number[LIMIT])"}
+        real = {"now.y": "y", "increment": "(float)way", "reference": "reference", "added": "wb_givenf(now->added)"}
         return real | dict.fromkeys(("now.motor.y", "now.load.y"), "(float)wb_signed(now->other)")
 
     def step(self) -> str:
@@ -120,10 +121,12 @@ class Source:
         given = self.given()
         seen = self.call(self.stages.observe, "observe", given)
         y = "now.y" in (*self.stages.observe.rows, *self.stages.command.rows)
-        lines = ["float y;"] * y + ["float reference;"]
+        lines = ["int32_t way;", *["float y;"] * y, "float reference;"]
         if self.stages.columns:
             lines += ["float beyond;", "uint32_t i;", *(f"float {n};" for n in self.stages.columns)]
-        lines += ["if (!wb_encoder_follow(&state->encoder, &table->head, now->position)) {", "    return 0.0f;", "}"]
+        within = " || !wb_encoder_within(&state->encoder)" if self.stages.both else ""
+        follow = "!wb_encoder_follow(&state->encoder, &table->head, now->position, &way)"
+        lines += [f"if ({follow}{within}) {{", "    return 0.0f;", "}"]
         moved = [n for n in self.stages.states if n in POSITIONS]
         if not self.stages.both:
             lines += ["{", "    const int32_t by = wb_encoder_recentre(&state->encoder);", "    if (by != 0) {"]
@@ -146,8 +149,7 @@ class Source:
             "now.y": "(float)state->encoder.position",
             "reference": "(float)wb_signed((uint32_t)now->reference - state->encoder.origin)",
         }
-        unused = "" if self.stages.start.constants else "(void)table;\n    "
-        return unused + self.call(self.stages.start, "begin", given)
+        return self.call(self.stages.start, "begin", given)
 
     def fields(self) -> dict:
         """Return what the templates are filled with."""
@@ -226,8 +228,8 @@ class Source:
         names = [identifier(n) for n in self.stages.states]
         fields = {
             "p": self.p, "header": f"{self.name}.h", "read": read, "write": write, "other": other,
-            "set": "".join(f"    state.{n} = {read}(in[{4 + i}]);\n" for i, n in enumerate(names)),
-            "get": "".join(f"    out[{4 + i}] = {write}(state.{n});\n" for i, n in enumerate(names)),
+            "set": "".join(f"    state.{n} = {read}(in[{3 + i}]);\n" for i, n in enumerate(names)),
+            "get": "".join(f"    out[{3 + i}] = {write}(state.{n});\n" for i, n in enumerate(names)),
         }  # fmt: skip
         return {"vectors.c": Template((HERE / "vectors.c.in").read_text(encoding="utf-8")).substitute(fields)}
 

@@ -6,7 +6,7 @@ so that a formula reads as one; conditions are conditions of C, and become 1 or 
 """
 
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Mapping, Set
 from dataclasses import dataclass
 
 import casadi as ca
@@ -36,6 +36,7 @@ VALUES = {
     ca.OP_FMIN: "wb_min{s}({a}, {b})",
     ca.OP_FMAX: "wb_max{s}({a}, {b})",
 }
+SURE = {ca.OP_FMIN: "wb_low", ca.OP_FMAX: "wb_high"}  # beside an operand that is a number for certain
 TWICE = {ca.OP_SQ: "({a} * {a})", ca.OP_TWICE: "({a} + {a})"}  # an operand that is written twice is not written out
 LONGEST = 84  # characters of an expression that is still put into another
 
@@ -68,12 +69,25 @@ def number(value: float, kind: str) -> str:
 
 
 class Writer:
-    """Lines of C of one program. kind: "float" or "double". names: line -> the C name that its value gets."""
+    """Lines of C of one program. kind: "float" or "double". names: line -> the C name that its value gets.
 
-    def __init__(self, program: Program, kind: str, inputs: Mapping[str, str], names: Mapping[str, str]):
+    numbers: inputs that are never NaN, so that a minimum or maximum with them takes one comparison. finite: no value is
+    ever NaN, so that x <= 0 may be written as the opposite of 0 < x, and is compared once.
+    """
+
+    def __init__(
+        self,
+        program: Program,
+        kind: str,
+        inputs: Mapping[str, str],
+        names: Mapping[str, str],
+        numbers: Set[str] = frozenset(),
+        finite: bool = False,
+    ):
         self.kind, self.suffix = kind, {"float": "f", "double": ""}[kind]
-        self.names, self.program = names, program
+        self.names, self.program, self.numbers, self.finite = names, program, numbers, finite
         self.known: dict[str, Text] = {name: Text(text) for name, text in inputs.items()}
+        self.lines_by_name = {line.out: line for line in program.lines}
         self.uses = Counter(o for line in program.lines for o in operands(line))
         self.uses.update(n for output in program.outputs for n in output)
         self.uses.update(line.a for line in program.lines if line.op in TWICE)
@@ -95,6 +109,13 @@ class Writer:
         found = self.of(name)
         return found.text if found.condition else f"({found.text} != {number(0.0, self.kind)})"
 
+    def _sign(self, line: Line) -> str:
+        """The operand x of (0 < x) - (x < 0), else nothing."""
+        a, b = self.lines_by_name.get(line.a), self.lines_by_name.get(line.b)
+        if line.op != ca.OP_SUB or a is None or b is None or not a.op == b.op == ca.OP_LT:
+            return ""
+        return self.value(a.b) if a.b == b.a and (a.a, b.b) == ("0.0", "0.0") else ""
+
     def expression(self, line: Line) -> Text:
         if isinstance(line, Choice):
             c, a, b = self.condition(line.condition), self.value(line.a), self.value(line.b)
@@ -104,8 +125,14 @@ class Writer:
         if line.op in LOGIC:
             b = self.condition(line.b) if line.op != ca.OP_NOT else ""
             return Text(LOGIC[line.op].format(a=self.condition(line.a), b=b), True)
+        if line.op == ca.OP_LE and line.b == "0.0" and self.finite:
+            return Text(f"(!({number(0.0, self.kind)} < {self.value(line.a)}))", True)
         if line.op in CONDITIONS:
             return Text(CONDITIONS[line.op].format(a=self.value(line.a), b=self.value(line.b)), True)
+        if signed := self._sign(line):
+            return Text(f"wb_sign{self.suffix}({signed})")
+        if line.op in SURE and (line.b in self.numbers or line.b not in self.known):
+            return Text(f"{SURE[line.op]}{self.suffix}({self.value(line.a)}, {self.value(line.b)})")
         if line.op == ca.OP_INV:
             return Text(f"({number(1.0, self.kind)} / {self.value(line.a)})")
         if line.op in TWICE:
