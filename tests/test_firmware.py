@@ -118,14 +118,20 @@ def test_the_law_of_the_firmware_is_that_of_the_simulation(arithmetic):
     target = 40000
     c = scheduled_pd(Gains)
     loop = Loop(2.5e-4, 4, 0.0, 2.5e-4, 4.8e-6)
-    found = simulate(plant, loop, c, [Scenario(target=target * 4.8e-6, phase=0.5)], 0.3, ("y", "u"))
+    found = simulate(plant, loop, c, [Scenario(target=target * 4.8e-6, phase=0.5)], 0.3, ("y", "u", "vh"))
     y = np.round(found.trajectories["y"][:, 0] / 4.8e-6).astype(np.int64)
     raw = (y & 0xFFFFFFFF).astype(np.uint32)
     made = firmware(c, loop, plant, arithmetic)
     axes = made.reference.start(raw[0], np.array([target]))
     u = np.array([made.reference.step(axes, raw[k : k + 1], np.array([target]))[0] for k in range(raw.size)])
-    far = {"float32": 1e-5, "fixed": 4e-3}[arithmetic]  # 16-bit gains: half a unit of the largest, where they are small
-    assert np.abs(made.reference.real("u_c", u) - found.trajectories["u"][:, 0]).max() < far * 3.3
+    off = np.abs(made.reference.real("u_c", u) - found.trajectories["u"][:, 0])
+    if arithmetic == "float32":
+        assert off.max() < 1e-5 * 3.3
+        return
+    scales, vh = made.reference.scales, found.trajectories["vh"][:, 0] / 4.8e-6
+    gains = 2.0 ** -scales.column("kp").bits * np.abs(target - y) + 2.0 ** -scales.column("kd").bits * np.abs(vh)
+    # a unit of each gain where it is rounded and one where it is interpolated; units of the command for its four cuts
+    assert (off <= 2.0 * gains + 4.0 * 2.0 ** -made.reference.format("u_c").bits).all()
 
 
 def test_the_encoder_wraps_where_its_bits_end():
