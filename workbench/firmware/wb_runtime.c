@@ -20,8 +20,7 @@ enum {
     AT_PLANT = 72,
     HEAD = 104,
     SMALLEST = 108,
-    VERSION = 1,
-    MOST = 65535 /* of numbers, rows, knots: their products stay within 32 bits after the check of the length */
+    VERSION = 1
 };
 
 #define ORDER 0x01020304u
@@ -105,7 +104,7 @@ static enum wb_refusal meant(const uint8_t *bytes, size_t size, const wb_wanted 
         return WB_PLANT;
     }
     if ((numbers != wanted->numbers) || (rows != wanted->rows) || (knots > wanted->most_knots)
-        || ((knots == 0u) != (rows == 0u)) || (numbers > (uint32_t)MOST) || (rows > 8u) || (knots > (uint32_t)MOST)) {
+        || ((knots == 0u) != (rows == 0u))) {
         return WB_SHAPE;
     }
     return (size == (size_t)SMALLEST + 4u * ((size_t)numbers + (size_t)knots * (1u + (size_t)rows))) ? WB_ACCEPTED
