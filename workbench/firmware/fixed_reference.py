@@ -126,9 +126,9 @@ class FixedReference(Reference):
         word = shown << (31 - exponent)
         head = self.numbers.knots[:1].astype(np.float32).view(np.uint32)[0]
         i = ((exponent + 127 - bits) << step) + ((word >> (31 - step)) & ((1 << step) - 1)) - int(head >> (23 - step))
-        into = (word >> (17 - step)) & 0x3FFF
+        into = (word >> (19 - step)) & 0xFFF
         last = self.numbers.knots.size - 1
         into = np.where((n <= 0) | (i < 0) | (i >= last), 0, into)
         i = np.clip(np.where(n <= 0, 0, i), 0, last)
         after = np.minimum(i + 1, last)
-        return [row[i] + (((row[after] - row[i]) * into) >> 14) for row in self.rows]
+        return [row[i] + (((row[after] - row[i]) * into) >> 12) for row in self.rows]

@@ -22,7 +22,7 @@
 | 72 | uint8[32] | sha256 of the plant that the gains were tuned on |
 | 104 | word[n] | constants, positions counted: float32, or int32 of the scales that the law's header names |
 | 104 + 4n | float32[m] | knots, consecutive on 2^e (1 + j/k), rad or m (rad/s or m/s for a feed-forward over speed) |
-| 104 + 4(n + m) | word[c][m] | rows: float32, or int32 that hold 16 bits |
+| 104 + 4(n + m) | word[c][m] | rows: float32, or int32 that hold 19 bits |
 | length - 4 | uint32 | CRC-32 (IEEE 802.3, reflected, polynomial 0xEDB88320) of all bytes before |
 """
 

@@ -72,6 +72,6 @@ uint32_t wb_segment_fixed(const wb_head *head, int32_t amplitude, int bits, int3
     if (i >= head->last) {
         return (i > 0x7FFFFFFFu) ? 0u : head->last;
     }
-    *into = (int32_t)((word >> (17u - step)) & 0x3FFFu);
+    *into = (int32_t)((word >> (19u - step)) & 0xFFFu);
     return i;
 }

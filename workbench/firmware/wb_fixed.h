@@ -82,15 +82,15 @@ static inline int wb_or(int a, int b)
 }
 
 /*
- * Where an amplitude lies on knots at 2^e (1 + j/m): the segment i, and how far into it, 0 to 2^14 - 1. `amplitude` is in
+ * Where an amplitude lies on knots at 2^e (1 + j/m): the segment i, and how far into it, 0 to 2^12 - 1. `amplitude` is in
  * units of 2^-bits; the leading bits of the integer count the knots, as those of a float would.
  */
 uint32_t wb_segment_fixed(const wb_head *head, int32_t amplitude, int bits, int32_t *into);
 
-/* Of a row of 16-bit gains: between two knots along a line. */
+/* Of a row of 19-bit gains: between two knots along a line. */
 static inline int32_t wb_between(const int32_t *row, uint32_t i, int32_t into)
 {
-    return (into == 0) ? row[i] : row[i] + wb_right((row[i + 1u] - row[i]) * into, 14);
+    return (into == 0) ? row[i] : row[i] + wb_right((row[i + 1u] - row[i]) * into, 12);
 }
 
 #endif

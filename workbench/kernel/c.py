@@ -84,7 +84,7 @@ class Writer:
         numbers: Set[str] = frozenset(),
         finite: bool = False,
     ):
-        self.kind, self.suffix = kind, {"float": "f", "double": ""}[kind]
+        self.kind, self.suffix = kind, {"float": "f", "double": "d"}[kind]
         self.names, self.program, self.numbers, self.finite = names, program, numbers, finite
         self.known: dict[str, Text] = {name: Text(text) for name, text in inputs.items()}
         self.lines_by_name = {line.out: line for line in program.lines}
