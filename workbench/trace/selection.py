@@ -69,7 +69,7 @@ def select(declared: State, whole: Sequence[Passes], offer: Offer, criteria: Cri
     base = with_curves(declared, known)
     if base is None or size(declared, base) < 0.5 * criteria.practical:
         base, known = declared, ()
-    offer = replace(offer, stands_for={law.key: law.declared.key for law in known})
+    offer = replace(offer, stands_for={law.key: law.declared for law in known})
     steps = extended(base, whole, progress, offer, criteria, freshly)
     looked = [s.judgements for s in steps]
     answer = Answer([s.added for s in steps if s.added is not None], base).standing

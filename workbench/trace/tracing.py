@@ -124,7 +124,7 @@ def evidence_of(
         floor=noise_floor(passes, steady),
         before=before,
         after=after,
-        added=weighed(selected, confirmed.added, confirmed.fits, criteria),
+        added=weighed(selected, confirmed.added, confirmed.fits, passes, criteria),
         place_instead=place is not None,
     )
     return evidence, Unexplained(place, base.solution.cost**0.5) if place else None
@@ -163,8 +163,8 @@ def reported(
     progress("looking for where the residual lives")
     lives = None
     if verdict.verdict == UNKNOWN:
-        calm = {p.motion.record.name: max(selected.base.steady, 1e-300) for p in passes}
-        lives = place or unexplained(selected.base, calm)
+        calm = {p.motion.record.name: max(selected.declared.steady, 1e-300) for p in passes}
+        lives = place or unexplained(selected.declared, calm)
     after = withheld(after, causes, passes)
     if late.skew:
         after = replace(after, estimates=with_clock(after.estimates, late.skew))
