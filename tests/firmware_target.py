@@ -1,4 +1,4 @@
-"""The firmware on an emulated Cortex-M4: cross-compiled by zig, run by unicorn, instructions counted."""
+"""The firmware on an emulated Cortex-M4 or RISC-V: cross-compiled by zig, run by unicorn, instructions counted."""
 
 import subprocess
 import sys
@@ -10,7 +10,11 @@ from firmware_bench import need
 
 from workbench.firmware.host import STRICT, WARNINGS
 
-CPU = ("-target", "thumb-freestanding-eabihf", "-mcpu=cortex_m4+vfp4d16sp", "-O2", "-fomit-frame-pointer")
+CPUS = {
+    "cortex-m4": ("-target", "thumb-freestanding-eabihf", "-mcpu=cortex_m4+vfp4d16sp"),
+    "risc-v": ("-target", "riscv32-freestanding-none", "-mcpu=generic_rv32+m+a+f+c", "-mabi=ilp32f"),
+}
+SPEED = ("-O2", "-fomit-frame-pointer")
 BARE = (
     "-ffreestanding",
     "-nostdlib",
@@ -23,7 +27,7 @@ FLASH, RAM, STACK, STOP = 0x0, 0x20000000, 0x20010000, 0x30000000
 PAGE = 0x10000
 
 
-def build(made, folder: Path, change=lambda files: files) -> Path:
+def build(made, folder: Path, change=lambda files: files, cpu: str = "cortex-m4") -> Path:
     """Cross-compile a firmware with its test bench, and return the ELF file."""
     need("ziglang", "no cross compiler here")
     files = change(made.files | made.source.vectors()) | {"start.c": START}
@@ -31,7 +35,7 @@ def build(made, folder: Path, change=lambda files: files) -> Path:
         (folder / name).write_text(text)
     out = folder / "firmware.elf"
     sources = [n for n in files if n.endswith(".c")]
-    command = [sys.executable, "-m", "ziglang", "cc", *CPU, *STRICT, *WARNINGS, *BARE, *sources]
+    command = [sys.executable, "-m", "ziglang", "cc", *CPUS[cpu], *SPEED, *STRICT, *WARNINGS, *BARE, *sources]
     done = subprocess.run(
         [*command, "-Wl,--no-gc-sections", "-o", str(out)], cwd=folder, capture_output=True, text=True
     )
@@ -42,13 +46,24 @@ def build(made, folder: Path, change=lambda files: files) -> Path:
 class Target:
     """A firmware on the emulated target, its table loaded."""
 
-    def __init__(self, made, folder: Path, change=lambda files: files):
-        self.elf = build(made, folder, change)
+    def __init__(self, made, folder: Path, change=lambda files: files, cpu: str = "cortex-m4"):
+        self.elf = build(made, folder, change, cpu)
         need("unicorn", "no emulator here")
         import unicorn
+        from unicorn import arm_const as arm
+        from unicorn import riscv_const as riscv
 
-        self.uc = unicorn.Uc(unicorn.UC_ARCH_ARM, unicorn.UC_MODE_THUMB | unicorn.UC_MODE_MCLASS)
-        self.uc.ctl_set_cpu_model(unicorn.arm_const.UC_CPU_ARM_CORTEX_M4)
+        self.thumb = cpu == "cortex-m4"
+        if self.thumb:
+            self.uc = unicorn.Uc(unicorn.UC_ARCH_ARM, unicorn.UC_MODE_THUMB | unicorn.UC_MODE_MCLASS)
+            self.uc.ctl_set_cpu_model(arm.UC_CPU_ARM_CORTEX_M4)
+            names = [f"UC_ARM_REG_{n}" for n in ("SP", "LR", "R0", "R1", "R2", "R3")]
+            self.registers = [getattr(arm, n) for n in names]
+        else:
+            self.uc = unicorn.Uc(unicorn.UC_ARCH_RISCV, unicorn.UC_MODE_RISCV32)
+            self.uc.reg_write(riscv.UC_RISCV_REG_MSTATUS, 0x6000)  # the floating-point unit on
+            names = [f"UC_RISCV_REG_{n}" for n in ("SP", "RA", "A0", "A1", "A2", "A3")]
+            self.registers = [getattr(riscv, n) for n in names]
         self.steps, self.hook = 0, None
         self._load()
         data = made.image.bytes()
@@ -90,16 +105,11 @@ class Target:
         self.steps += not self.bench[0] <= address < self.bench[1]
 
     def call(self, name: str, *arguments: int) -> int:
-        from unicorn import arm_const as arm
-
-        self.uc.reg_write(arm.UC_ARM_REG_SP, STACK - 16)
-        self.uc.reg_write(arm.UC_ARM_REG_LR, STOP | 1)
-        for register, value in zip(
-            (arm.UC_ARM_REG_R0, arm.UC_ARM_REG_R1, arm.UC_ARM_REG_R2, arm.UC_ARM_REG_R3), arguments, strict=False
-        ):
+        stop = STOP | 1 if self.thumb else STOP
+        for register, value in zip(self.registers, (STACK - 16, stop, *arguments), strict=False):
             self.uc.reg_write(register, value)
-        self.uc.emu_start(self.symbols[name][0] | 1, STOP)
-        return self.uc.reg_read(arm.UC_ARM_REG_R0) & 0xFFFFFFFF
+        self.uc.emu_start(self.symbols[name][0] | self.thumb, STOP)
+        return self.uc.reg_read(self.registers[2]) & 0xFFFFFFFF
 
     def vectors(self, states: np.ndarray, words: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Return commands (n,), states after (n, k) as bits, and instructions of each step (n,)."""

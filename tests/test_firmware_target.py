@@ -40,6 +40,19 @@ def test_the_target_agrees_in_every_bit_of_1000_vectors(name, arithmetic, tmp_pa
     assert target.code <= 4096  # bytes of controller and loader
 
 
+@pytest.mark.parametrize("name", ["following", "following, profiled", "fed forward"])
+@pytest.mark.parametrize("arithmetic", ["float32", "fixed"])
+def test_another_instruction_set_agrees_in_every_bit_too(name, arithmetic, tmp_path):
+    made = firmware(*every()[name], arithmetic)
+    states, words = golden(made)
+    got, after, _ = Target(made, tmp_path, cpu="risc-v").vectors(states, words)
+    axes = axes_of(made.reference, states)
+    with np.errstate(all="ignore"):
+        u = made.reference.step(axes, words[:, 0], words[:, 2], words[:, 3].view(made.reference.dtype))
+    assert np.count_nonzero(got != u.view(np.uint32)) == 0
+    assert np.count_nonzero(after != bits_of(made.reference, axes)) == 0
+
+
 def closed() -> tuple[np.ndarray, int]:
     """Readings of a simulated step on an axis with friction, counts, and its target."""
     effects = (
