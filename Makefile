@@ -4,6 +4,7 @@
 ## make STUDY     run one study: a folder under studies/
 ## make all       run every study
 ## make test      check style and run the tests
+## make fuzz      call the firmware of five laws a hundred million times each (make fuzz CALLS=1000000)
 ## make bench     run the benchmarks
 ## make bench-trace   trace many campaigns whose answers are known (make bench-trace CAMPAIGNS=200 SEED=1 ARGS=--help)
 ## make lock      pin the dependencies of pyproject.toml again (make lock UPGRADE=--upgrade: to the newest)
@@ -15,13 +16,14 @@ PYTHON  ?= python3
 WORKERS ?= 2
 UPGRADE ?=
 CAMPAIGNS ?= 200
+CALLS   ?= 100000000
 SEED    ?= 1
 ARGS    ?=
 
 VENV    := .venv
 BIN     := $(VENV)/bin
 STUDIES := $(sort $(MAIN) $(notdir $(patsubst %/study.toml,%,$(wildcard studies/*/study.toml))))
-VERBS   := all bench bench-trace clean help lock setup test
+VERBS   := all bench bench-trace clean fuzz help lock setup test
 
 CLASH   := $(filter $(VERBS),$(STUDIES))
 ifneq ($(CLASH),)
@@ -111,6 +113,9 @@ test: $(READY)
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/python -m pytest -n $(WORKERS)
+
+fuzz: $(READY)
+	@$(BIN)/python tests/test_firmware_fuzz.py $(CALLS)
 
 bench: $(READY)
 	@$(BIN)/python -m benchmarks

@@ -19,6 +19,9 @@ ALLOWED = (
     "no browser here",
     "no git checkout here",
     "no forks here",
+    "no A2L reader here",
+    "no cross compiler here",
+    "no emulator here",
 )
 
 

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 
 from workbench import __version__
 from workbench.errors import INTERNAL_ERROR, USER_ERROR, WorkbenchError
-from workbench.verbs import check, diff, effects, new, plan, replay, response, run, trace
+from workbench.verbs import check, diff, effects, new, plan, replay, response, run, trace, verify
 
 VERBS = {
     "new": new,
@@ -21,6 +21,7 @@ VERBS = {
     "response": response,
     "diff": diff,
     "replay": replay,
+    "verify": verify,
     "effects": effects,
 }
 

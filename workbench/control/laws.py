@@ -82,7 +82,7 @@ def _scheduled(rule: str, follows: str, profiled: bool, motor_speed: bool) -> La
         states=("held",) if rule == FROZEN else (),
         columns=("kp", "kd"),
         amplitude=amplitude,
-        start=(lambda target, reading: {"held": np.abs(target - reading)}) if rule == FROZEN else None,
+        start=(lambda target, reading: {"held": absolute(target - reading)}) if rule == FROZEN else None,
         reads=MOTOR if motor_speed else (),
         follows=follows,
     )

@@ -63,10 +63,13 @@ def reading(effects, symbols: Symbols, sensing: Sensing) -> dict[str, ca.SX]:
     return after
 
 
-def velocity(symbols: Symbols, y: ca.SX, body: str = "") -> dict[str, ca.SX]:
-    """vh <- vh + (1 - exp(-Ts/tf)) ((y - y_before)/Ts - vh), of the reading of one body ("motor." or "load."), or of y."""
+def velocity(symbols: Symbols, y: ca.SX, body: str = "", moved: ca.SX | None = None) -> dict[str, ca.SX]:
+    """vh <- vh + (1 - exp(-Ts/tf)) ((y - y_before)/Ts - vh), of the reading of one body ("motor." or "load."), or of y.
+
+    moved: y - y_before where that is known otherwise, as in a firmware that counts.
+    """
     vh = symbols.state(f"{body}vh")
-    rate = (y - symbols.state(f"{body}y")) * symbols.constant("sample_rate")
+    rate = (y - symbols.state(f"{body}y") if moved is None else moved) * symbols.constant("sample_rate")
     return {f"{body}vh": vh + symbols.constant("smoothing") * (rate - vh)}
 
 
@@ -125,20 +128,30 @@ def sense(
     effects, law: Law | None, symbols: Symbols, sensing: Sensing, driven: Mapping[str, ca.SX]
 ) -> dict[str, ca.SX]:
     """Reading, velocity, reversals and, for a law with a table, where to look up."""
-    out = reading(effects, symbols, sensing)
-    out |= velocity(symbols, out["y"])
+    out = observed(law, symbols, reading(effects, symbols, sensing), driven)
+    if AMPLITUDE in out:
+        out[AMPLITUDE] = clip(out[AMPLITUDE], symbols.constant("knot.first"), symbols.constant("knot.last"))
+    return out
+
+
+def observed(
+    law: Law | None, symbols: Symbols, out: dict[str, ca.SX], driven: Mapping[str, ca.SX], moved: ca.SX | None = None
+) -> dict[str, ca.SX]:
+    """What follows from readings ("y", and "motor.y", "load.y"): `sense` without encoders and the ends of the table."""
+    out = dict(out)
+    out |= velocity(symbols, out["y"], moved=moved)
     for body in dict.fromkeys(n.removesuffix("vh").replace("_", ".") for n in (law.reads if law else ()) if "vh" in n):
         out |= velocity(symbols, out[f"{body}y"], body)
     at = followed(law, out)
-    moved, found = reversals(symbols, at)
-    out |= moved
+    walked, found = reversals(symbols, at)
+    out |= walked
     if law is not None and law.amplitude is not None:
         z, p = law_parts(law, symbols)
         signals = control_signals(law, symbols, out, driven[REFERENCE])
-        signals |= {"stroke": absolute(at - moved["turned"]), "share": moved["share"], "reversal": found}
+        signals |= {"stroke": absolute(at - walked["turned"]), "share": walked["share"], "reversal": found}
         states, amplitude = law.amplitude(namespace(**signals), z, p)
         out |= {f"law.{n}": v for n, v in states.items()}
-        out[AMPLITUDE] = clip(amplitude, symbols.constant("knot.first"), symbols.constant("knot.last"))
+        out[AMPLITUDE] = amplitude
     return out
 
 

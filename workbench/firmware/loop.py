@@ -1,0 +1,136 @@
+"""The sampled loop with the compiled firmware as its controller: the plant's programs as C in double, one lane.
+
+Stages, their order, noise and delay are those of workbench.simulate; the controller is the C that a drive would run, which
+reads encoder counts and gives a command in its own arithmetic.
+"""
+
+import ctypes
+from collections.abc import Sequence
+from pathlib import Path
+from string import Template
+
+import numpy as np
+
+from workbench.firmware import host
+from workbench.firmware.make import Firmware
+from workbench.kernel.c import Writer
+from workbench.plant import Plant
+from workbench.simulate import Criteria, Loop, Metrics
+from workbench.simulate.binding import Bound, bind, samples_of
+from workbench.simulate.design import Design, Piece
+from workbench.simulate.metrics import Trajectories, finished
+from workbench.simulate.scenario import ScenarioArrays, arrays_of
+
+HERE = Path(__file__).parent
+CLOCKS = "double clock_k, double clock_t, double clock_window"
+
+
+class Run(ctypes.Structure):
+    """wb_run of loop.c.in."""
+
+    _fields_ = [
+        ("seed", ctypes.c_uint64), ("strength", ctypes.c_double), ("sample_time", ctypes.c_double),
+        ("h", ctypes.c_double), ("count", ctypes.c_double), ("other_count", ctypes.c_double), ("unit", ctypes.c_double),
+        ("reference", ctypes.c_int64), ("delay", ctypes.c_long), ("samples", ctypes.c_long),
+        ("window_from", ctypes.c_long), ("slots", ctypes.c_long),
+    ]  # fmt: skip
+
+
+def function(piece: Piece, at: dict[str, int], first: int) -> str:
+    """Return one piece as a C function over the rows r and the constants c, its own from `first` on."""
+    used = {n for line in piece.after.lines for n in (line.a, line.b, getattr(line, "condition", ""))}
+    used |= set(piece.after.outputs[0])
+    inputs = {f"i0_{j}": f"i0_{j}" for j in range(len(piece.rows))}
+    inputs |= {f"i1_{m}": f"c[{first + m}]" for m in range(piece.after.inputs[1])}
+    head = [
+        f"    const double i0_{j} = {f'r[{at[n]}]' if n in at else f'clock_{n}'};"
+        for j, n in enumerate(piece.rows)
+        if f"i0_{j}" in used
+    ]
+    writer = Writer(piece.after, "double", inputs, {})
+    body = [f"    {line}" for line in writer.lines()]
+    values = [writer.value(v) for v in piece.after.outputs[0]]
+    body += [f"    const double o_{i} = {v};" for i, v in enumerate(values)]
+    body += [f"    r[{at[n]}] = o_{i};" for i, n in enumerate(piece.outputs)]
+    unused = ["    (void)clock_k;", "    (void)clock_t;", "    (void)clock_window;", "    (void)c;"]
+    return "\n".join(
+        [f"static void {piece.name}(double *r, const double *c, {CLOCKS})", "{", *head, *body, *unused, "}\n"]
+    )
+
+
+def source(made: Firmware, design: Design, substeps: int) -> str:
+    """Return the C of a loop around a firmware."""
+    at = {n: i for i, n in enumerate(design.rows)}
+    first, pieces = 0, []
+    for piece in design.pieces:
+        pieces.append(function(piece, at, first))
+        first += piece.after.inputs[1]
+    other = ""
+    if made.numbers.stages.both:
+        row = "load.y" if made.numbers.stages.feedback == "position" else "motor.y"
+        other = f"        now.other = wb_counted(r[{at[row]}], run->other_count);\n"
+    noise = f"        r[{at['noise']}] = wb_noise(run->seed, (uint64_t)k) * run->strength;\n" if design.noisy else ""
+    return Template((HERE / "loop.c.in").read_text(encoding="utf-8")).substitute(
+        header=f"{made.source.name}.h", p=made.source.p, pieces="\n".join(pieces), other=other, noise=noise,
+        y=at["y"], u=at["u"], u_c=at["u_c"], substeps=substeps,
+    )  # fmt: skip
+
+
+class Compiled:
+    """A firmware in the loop of plants of one structure."""
+
+    def __init__(self, made: Firmware, bound: Bound):
+        self.made, self.design = made, bound.design
+        files = made.files | {"loop.c": source(made, bound.design, bound.loop.substeps)}
+        self.library = host.load(host.build(files, ("-O2", "-Wno-unused-function")))
+        data = made.image.bytes()
+        refused = self.library.wb_loop_load(data, len(data))
+        assert refused == 0, refused  # the table was made for this law, a line above
+
+    def lane(self, bound: Bound, i: int) -> tuple[np.ndarray, np.ndarray]:
+        """Return the final rows of one scenario, and its readings and commands (samples, 2)."""
+        scenarios, loop, made = bound.scenarios, bound.loop, self.made
+
+        def one(x):
+            return x[i] if np.ndim(x) else x
+
+        rows = np.array([float(one(bound.initial.get(n, 0.0))) for n in self.design.rows])
+        constants = np.array([float(one(v)) for values in bound.frontier for v in values])
+        delay = int(one(bound.delays))
+        slots = 1 + -(-delay // loop.substeps) + 1
+        other = loop.load_resolution if loop.feedback == "position" else loop.resolution
+        unit = float(made.reference.real("u_c", 1))
+        run = Run(
+            int(one(scenarios.seed)), float(one(bound.strength)), loop.sample_time, loop.substep, loop.count,
+            other or 1.0, unit, int(np.floor(one(scenarios.target) / loop.count + 0.5)), delay, bound.samples,
+            bound.window_from, slots,
+        )  # fmt: skip
+        ring, out = np.zeros(slots), np.zeros((bound.samples, 2))
+        pointers = [x.ctypes.data_as(ctypes.c_void_p) for x in (rows, constants)]
+        self.library.wb_loop_run(
+            *pointers, ctypes.byref(run), *(x.ctypes.data_as(ctypes.c_void_p) for x in (ring, out))
+        )
+        return rows, out
+
+
+def run_firmware(
+    made: Firmware,
+    plant: Plant | Sequence[Plant],
+    loop: Loop,
+    scenarios: ScenarioArrays,
+    duration: float,
+    criteria: Criteria | None = None,
+) -> Metrics:
+    """Return the metrics of a loop that the compiled firmware closes, one scenario after another, with "y" and "u" kept.
+
+    Targets are rounded to encoder counts. Raises WorkbenchError as `simulate`, and where there is no C compiler.
+    """
+    criteria = criteria or Criteria()
+    arrays = arrays_of(scenarios)
+    bound = bind(plant, loop, None, arrays, samples_of(duration, loop), criteria)
+    compiled = Compiled(made, bound)
+    lanes = [compiled.lane(bound, i) for i in range(arrays.lanes)]
+    final = {n: np.array([rows[j] for rows, _ in lanes]) for j, n in enumerate(bound.design.rows)}
+    kept = np.stack([out for _, out in lanes], axis=-1)
+    time = np.arange(bound.samples) * loop.sample_time
+    return finished(bound, final, criteria.band, Trajectories(time, {"y": kept[:, 0], "u": kept[:, 1]}))

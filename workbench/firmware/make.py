@@ -1,0 +1,81 @@
+"""One controller's firmware: its C, its table and its reference, from one set of numbers."""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from workbench.control.law import Controller
+from workbench.errors import WorkbenchError, nearest
+from workbench.export.tables import grid
+from workbench.firmware.fixed_reference import FixedReference
+from workbench.firmware.fixed_source import FixedSource
+from workbench.firmware.image import FIXED, FLOAT32, Image
+from workbench.firmware.numbers import Numbers, numbers
+from workbench.firmware.reference import Reference
+from workbench.firmware.write import Source
+from workbench.plant import Plant
+from workbench.simulate.scenario import Loop
+
+ARITHMETICS = {"float32": FLOAT32, "fixed": FIXED}
+
+
+@dataclass(frozen=True, eq=False)
+class Firmware:
+    """reference: runs it in Python. source: writes its C. image: its table."""
+
+    numbers: Numbers
+    reference: Reference
+    source: Source
+    image: Image
+
+    @cached_property
+    def files(self) -> dict[str, str]:
+        """File name -> text of the C, without the table."""
+        return self.source.files()
+
+
+def firmware(
+    controller: Controller,
+    loop: Loop,
+    plant: Plant,
+    arithmetic: str = "float32",
+    *,
+    name: str = "axis",
+    verdict: int = 0,
+    bits: int = 32,
+    travel: float | None = None,
+) -> Firmware:
+    """Return the firmware of one controller on a loop, for an axis.
+
+    arithmetic: "float32" or "fixed". verdict: 0 not judged, 1 requirements met, 2 not met. bits, travel: see `numbers`.
+    Raises WorkbenchError where the controller, the loop or the arithmetic does not hold together.
+    """
+    if arithmetic not in ARITHMETICS:
+        raise WorkbenchError(f"there is no arithmetic '{arithmetic}' of a firmware; {nearest(arithmetic, ARITHMETICS)}")
+    made = numbers(controller, loop, plant, bits=bits, travel=travel)
+    if made.knots.size:
+        grid(made.knots, made.per_octave, f"controller '{controller.name}'")
+    if arithmetic == "fixed":
+        reference = FixedReference(made)
+        source = FixedSource(made, reference.scales, name, plant.effort)
+    else:
+        reference, source = Reference(made), Source(made.stages, name, made.knots.size, plant.effort)
+    rows = np.array(reference.rows) if reference.rows else np.zeros((0, made.knots.size), reference.constants.dtype)
+    image = Image(
+        arithmetic=ARITHMETICS[arithmetic],
+        law=source.code(),
+        per_octave=made.per_octave,
+        sample_time=made.sample_time,
+        count=made.count,
+        limit=made.limit,
+        bits=made.bits,
+        jump=made.jump,
+        verdict=verdict,
+        motion=0 if plant.rotary else 1,
+        plant=plant.digest,
+        constants=reference.constants,
+        knots=made.knots.astype(np.float32),
+        rows=rows,
+    )
+    return Firmware(made, reference, source, image)

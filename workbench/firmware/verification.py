@@ -1,0 +1,159 @@
+"""A study's axes driven by its firmware: the compiled C in the loop, compared with the law in float64."""
+
+import json
+from collections.abc import Callable
+from dataclasses import asdict, dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from workbench.control import Controller
+from workbench.errors import WorkbenchError, nearest
+from workbench.firmware import quantisation
+from workbench.firmware.export import files_of
+from workbench.firmware.loop import run_firmware
+from workbench.firmware.make import ARITHMETICS, Firmware, firmware
+from workbench.outputs import whole
+from workbench.robustness import worst
+from workbench.robustness.cases import independent
+from workbench.robustness.vary import applied
+from workbench.robustness.work import Block, Work
+from workbench.simulate import Metrics, ScenarioArrays
+from workbench.verify.task import Task
+
+FILE = "verify.json"
+COUNTS = 2.0  # of the encoder, by which final errors may differ
+NUDGE = 1e-7  # of friction, about a unit in the last place of float32: what the law's own landing hangs on
+TRAVEL = 2.0  # times the step that fixed point tells apart: half of it would cut off a load's swing, twice costs a bit
+SEED = 20190  # of the axes that are drawn; another gives other axes of the same kind
+
+
+@dataclass(frozen=True)
+class Compared:
+    """One controller in one arithmetic over the axes; differences are the largest over all of them, from float64.
+
+    final_error: counts, over the axes whose landing is steady. chaotic: axes on which float64 itself lands more than
+    COUNTS elsewhere where friction is changed by NUDGE: there no arithmetic is right. time_1pct: s. overshoot: share of the step. samples: of each motion; same: in how many of them all
+    the compiled C and the reference in Python commanded the same bits.
+    """
+
+    controller: str
+    arithmetic: str
+    axes: int
+    chaotic: int
+    final_error: float
+    time_1pct: float
+    overshoot: float
+    samples: int
+    same: int
+
+    @property
+    def good(self) -> bool:
+        return self.final_error <= COUNTS and self.same == self.samples
+
+
+def difference(a: np.ndarray, b: np.ndarray) -> float:
+    """Largest |a - b|; infinite where one is and the other is not."""
+    a, b = (np.asarray(x, dtype=float) for x in (a, b))
+    both = np.isfinite(a) & np.isfinite(b)
+    if (np.isfinite(a) != np.isfinite(b)).any():
+        return float("inf")
+    return float(np.max(np.abs(a[both] - b[both]), initial=0.0))
+
+
+def same_bits(made: Firmware, run: Metrics, targets: np.ndarray, other: np.ndarray | None = None) -> tuple[int, int]:
+    """Return (samples, in how many the reference in Python commands what the C did) along the motions that were run."""
+    y, u = run.trajectories["y"], run.trajectories["u"]
+    raw = (np.floor(y / made.numbers.count + 0.5).astype(np.int64) & 0xFFFFFFFF).astype(np.uint32)
+    aims = (np.floor(targets / made.numbers.count + 0.5).astype(np.int64) & 0xFFFFFFFF).astype(np.uint32)
+    axes = made.reference.start(raw[0], aims)
+    same = 0
+    for k in range(len(raw)):
+        found = made.reference.real("u_c", made.reference.step(axes, raw[k], aims))
+        same += int(np.count_nonzero(found == u[k]))
+    return raw.size, same
+
+
+def chaotic(task: Task, controller: Controller, scenarios: ScenarioArrays, law: Metrics) -> np.ndarray:
+    """Return (n,) whether an axis lands elsewhere by more than COUNTS where its friction is a last place larger or less."""
+    found = np.zeros(scenarios.lanes, dtype=bool)
+    for factor in (1.0 - NUDGE, 1.0 + NUDGE):
+        nudged = task.run(controller, replace(scenarios, friction=scenarios.friction * factor))
+        with np.errstate(invalid="ignore"):
+            found |= ~(np.abs(nudged.final_error - law.final_error) <= COUNTS * task.loop.count)
+    return found
+
+
+def compared(work: Work, name: str, arithmetic: str, values: np.ndarray) -> tuple[Firmware, Compared]:
+    """Run one controller of a study on axes (n, k), as law and as firmware."""
+    block, task = Block(0, values), work.task
+    plants, fields = applied(task.plant, work.varied, values)
+    scenarios = work.scenarios(block, fields)
+    count = task.loop.count
+    scenarios = replace(scenarios, target=count * np.floor(scenarios.target / count + 0.5))  # both go to a whole count
+    law = task.on(plants).run(work.controllers[name], scenarios)
+    steady = ~chaotic(task.on(plants), work.controllers[name], scenarios, law)
+    travel = TRAVEL * abs(task.step - task.start)
+    made = firmware(work.controllers[name], task.loop, task.plant, arithmetic, travel=travel)
+    run = run_firmware(made, plants, task.loop, scenarios, task.duration, task.criteria)
+    targets = np.broadcast_to(scenarios.target, (len(values),))
+    samples, same = same_bits(made, run, targets) if not made.numbers.stages.both else (0, 0)
+    return made, Compared(
+        name, arithmetic, len(values), int(np.count_nonzero(~steady)),
+        difference(law.final_error[steady], run.final_error[steady]) / count,
+        difference(law.time_1pct, run.time_1pct), difference(law.overshoot, run.overshoot), samples, same,
+    )  # fmt: skip
+
+
+def verify(
+    place: Path, draws: int = 20, controller: str | None = None, say: Callable[[str], None] = lambda _: None
+) -> tuple[Compared, ...]:
+    """Drive the axes of a study's outputs at `place` by firmware, write `place`/firmware, and return what was compared.
+
+    draws: axes, besides the worst ones that the study kept. controller: one of the study's; all where absent. Raises
+    WorkbenchError where the study has no robustness, or has not been run.
+    """
+    kept = place / "robustness" / worst.FILE
+    if not kept.is_file():
+        raise WorkbenchError(
+            f"{kept} is not there: run the study first (workbench run), with [robustness] in its study.toml, whose axes "
+            "the firmware is to drive."
+        )
+    work, cases = worst.read(kept)
+    names = list(work.controllers)
+    if controller is not None:
+        if controller not in names:
+            raise WorkbenchError(f"the study ran no controller '{controller}'; {nearest(controller, names)}")
+        names = [controller]
+    drawn = independent(work.varied, draws, SEED).values
+    found, files = [], {}
+    for name in names:
+        own = [c.values for c in cases if c.controller == name]
+        values = np.vstack([drawn, *(v[None, :] for v in own)])
+        for arithmetic in ARITHMETICS:
+            say(f"{name}, {arithmetic}")
+            made, one = compared(work, name, arithmetic, values)
+            found.append(one)
+            files[f"{slug(name)}/{arithmetic}"] = made
+    write(place / "firmware", tuple(found), files)
+    return tuple(found)
+
+
+def slug(name: str) -> str:
+    """A controller's name as a folder."""
+    return "".join(c if c.isalnum() else "_" for c in name.lower()).strip("_").replace("__", "_")
+
+
+def write(place: Path, found: tuple[Compared, ...], files: dict[str, Firmware]) -> None:
+    """Write the sources, tables and figures of every firmware, all or none."""
+    with whole(place, FILE) as beside:
+        figures = [asdict(c) | {"good": c.good} for c in found]
+        for entry, (folder, made) in zip(figures, files.items(), strict=True):
+            (beside / folder).mkdir(parents=True)
+            for name, content in files_of(made).items():
+                (beside / folder / name).write_bytes(content)
+            entry |= {"files": folder, "quantisation": quantisation.table(made), "table_bytes": len(made.image.bytes())}
+            for key in ("final_error", "time_1pct", "overshoot"):
+                entry[key] = entry[key] if np.isfinite(entry[key]) else "inf"
+        text = json.dumps({"format": 1, "compared": figures}, indent=1, allow_nan=False)
+        (beside / FILE).write_text(text + "\n", encoding="utf-8")

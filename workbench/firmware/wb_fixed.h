@@ -1,0 +1,96 @@
+/*
+ * Arithmetic in 32-bit integers: n stands for n 2^-bits, and |n| <= 2^30. Written by hand; no licence is claimed on it.
+ * Nothing here overflows: ranges are proven when the law's source is written, and what is not proven is cut off.
+ */
+#ifndef WB_FIXED_H
+#define WB_FIXED_H
+
+#include "wb_runtime.h"
+
+/* Fewer fractional bits, rounded down, as in every product: what is lost is less than the unit of the result. */
+static inline int32_t wb_right(int32_t a, int by)
+{
+    return a >> by;
+}
+
+static inline int32_t wb_left(int32_t a, int by)
+{
+    return a * ((int32_t)1 << by);
+}
+
+static inline int32_t wb_times(int32_t a, int32_t b, int by)
+{
+    return (int32_t)(((int64_t)a * b) >> by);
+}
+
+/* As wb_times, and no more than 2^30. */
+static inline int32_t wb_times_most(int32_t a, int32_t b, int by)
+{
+    const int64_t found = ((int64_t)a * b) >> by;
+    return (int32_t)((found > 1073741824) ? 1073741824 : found);
+}
+
+/* a 2^up / b, towards zero and no more than 2^30 in size; by the least unit where b is zero. */
+int32_t wb_over(int32_t a, int32_t b, int up);
+
+/* The square root of a 2^up, downwards; 0 of what is negative. */
+int32_t wb_root(int32_t a, int up);
+
+static inline int32_t wb_min(int32_t a, int32_t b)
+{
+    return (a <= b) ? a : b;
+}
+
+static inline int32_t wb_max(int32_t a, int32_t b)
+{
+    return (a >= b) ? a : b;
+}
+
+static inline int32_t wb_size(int32_t a)
+{
+    return (a < 0) ? -a : a;
+}
+
+static inline int32_t wb_within(int32_t a, int32_t most)
+{
+    return wb_min(wb_max(a, -most), most);
+}
+
+static inline int32_t wb_choose(int condition, int32_t a, int32_t b)
+{
+    return (condition != 0) ? a : b;
+}
+
+static inline int32_t wb_truth(int condition)
+{
+    return (int32_t)condition;
+}
+
+static inline int wb_not(int a)
+{
+    return a == 0;
+}
+
+static inline int wb_and(int a, int b)
+{
+    return (a != 0) && (b != 0);
+}
+
+static inline int wb_or(int a, int b)
+{
+    return (a != 0) || (b != 0);
+}
+
+/*
+ * Where an amplitude lies on knots at 2^e (1 + j/m): the segment i, and how far into it, 0 to 2^12 - 1. `amplitude` is in
+ * units of 2^-bits; the leading bits of the integer count the knots, as those of a float would.
+ */
+uint32_t wb_segment_fixed(const wb_head *head, int32_t amplitude, int bits, int32_t *into);
+
+/* Of a row of 19-bit gains: between two knots along a line. */
+static inline int32_t wb_between(const int32_t *row, uint32_t i, int32_t into)
+{
+    return (into == 0) ? row[i] : row[i] + wb_right((row[i + 1u] - row[i]) * into, 12);
+}
+
+#endif

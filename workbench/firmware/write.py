@@ -1,0 +1,245 @@
+"""A law's firmware as C99: the generated header and source, from the same programs that the reference runs."""
+
+import zlib
+from collections.abc import Mapping
+from pathlib import Path
+from string import Template
+
+from workbench import control
+from workbench.firmware.stages import COMMAND, POSITIONS, Part, Stages, identifier
+from workbench.firmware.units import power_of, unit
+from workbench.kernel.c import Writer, bare
+from workbench.kernel.choice import Choice
+from workbench.simulate.sampled import AMPLITUDE
+
+HERE = Path(__file__).parent
+PARAMETERS = {"now.y": "y", "now.motor.y": "motor_counts", "now.load.y": "load_counts"}
+MOST_KNOTS = 64  # memory that a header sets aside where no table says how many
+
+
+def law_text(stages: Stages, scales: str = "float32") -> str:
+    """Return what identifies a law: every instruction of its stages, every constant's formula, and the scales."""
+    said = [stages.law.name, stages.feedback, scales, *(c.formula for c in stages.constants)]
+    for part in (stages.start, stages.observe, stages.command):
+        said += [part.name, *part.rows, *map(str, part.constants)]
+        for x in part.program.lines:
+            said.append(f"{x.out} {x.op} {x.a} {x.b} {x.condition if isinstance(x, Choice) else ''}")
+        said += [f"{n} {v}" for n, v in zip(part.outputs, part.program.outputs[0], strict=True)]
+    return "\n".join(said)
+
+
+def law_code(stages: Stages, scales: str = "float32") -> int:
+    """Return the CRC-32 by which a firmware and a table know that they belong together."""
+    return zlib.crc32(law_text(stages, scales).encode())
+
+
+def formula_of(stages: Stages) -> str:
+    """Return the law's formula: the first sentence of the function that makes such controllers."""
+    maker = getattr(control, stages.law.name.split(",")[0])
+    return maker.__doc__.split("\n")[0].strip()
+
+
+def parameter(row: str) -> str:
+    """Return the C name of what is handed to a stage from outside its state."""
+    return PARAMETERS.get(row, identifier(row.removeprefix("gain.")))
+
+
+def commented(text: str, said: str, indent: str = "    ") -> str:
+    return f"{indent}{text} /* [{said}] */"
+
+
+class Source:
+    """The C of one law. name: of files and, behind "wb_", of functions. knots: memory for the table. effort: "N*m" or "N"."""
+
+    kind = "float"
+    template = "law_float.c.in"
+    runtime: tuple[str, ...] = ("wb_runtime.h", "wb_runtime.c")
+    include = "wb_runtime.h"
+
+    def __init__(self, stages: Stages, name: str, knots: int = MOST_KNOTS, effort: str = "N*m"):
+        self.stages, self.name, self.effort = stages, name, effort
+        self.knots = knots if stages.columns else 0
+        self.p = f"wb_{name}"
+
+    @property
+    def rows(self) -> int:
+        return 2 * len(self.stages.columns)
+
+    def unit_of(self, name: str) -> str:
+        return unit(power_of(name), self.effort)
+
+    def number(self, place: int) -> str:
+        return f"k[{self.stages.constants[place].identifier.upper()}]"
+
+    def arguments(self, part: Part) -> list[str]:
+        """Rows of a part that are no state."""
+        return [n for n in part.rows if n not in self.stages.states]
+
+    def body(self, part: Part) -> tuple[list[str], Mapping[str, str]]:
+        """Return the declarations of a part, and the text of each of its outputs."""
+        inputs = {
+            f"i0_{j}": f"s->{identifier(n)}" if n in self.stages.states else parameter(n)
+            for j, n in enumerate(part.rows)
+        }
+        inputs |= {f"i1_{j}": self.number(place) for j, place in enumerate(part.constants)}
+        names = {v: n for v, n in part.names.items() if n not in map(parameter, self.arguments(part))}
+        numbers = {n for n in inputs if n.startswith("i1_")}
+        writer = Writer(part.program, self.kind, inputs, names, numbers, finite=True)
+        back = {name: value for value, name in names.items()}
+        lines = []
+        for line in writer.lines():
+            declared = line.split(" = ")[0].split()[-1]
+            lines.append(commented(line, unit(part.powers[back.get(declared, declared)], self.effort)))
+        return lines, {n: bare(writer.value(v)) for n, v in zip(part.outputs, part.program.outputs[0], strict=True)}
+
+    def function(self, part: Part, name: str, result: str | None) -> str:
+        """Return one stage as a static function; result: the output that it returns."""
+        lines, values = self.body(part)
+        kept = [n for n in part.outputs if n in self.stages.states]
+        reads = any(n in self.stages.states for n in part.rows)
+        given = [f"{self.kind} {parameter(n)}" for n in self.arguments(part)]
+        states = [f"{'' if kept else 'const '}{self.p}_state *s"] if kept or reads else []
+        table = [f"const {self.kind} *k"] if part.constants else []
+        head = f"static {self.kind if result else 'void'} {name}({', '.join(states + table + given)})"
+        lines += [f"    s->{identifier(n)} = {values[n]};" for n in kept if values[n] != f"s->{identifier(n)}"]
+        lines += [f"    return {values[result]};"] if result else []
+        return "\n".join([head, "{", *lines, "}"])
+
+    def call(self, part: Part, name: str, given: Mapping[str, str]) -> str:
+        kept = [n for n in part.outputs if n in self.stages.states]
+        reads = any(n in self.stages.states for n in part.rows)
+        arguments = ["state"] * bool(kept or reads) + ["table->number"] * bool(part.constants)
+        return f"{name}({', '.join(arguments + [given[n] for n in self.arguments(part)])})"
+
+    def given(self) -> dict[str, str]:
+        """What is handed to the stages: row -> C text in start and step."""
+        real = {"now.y": "y", "increment": "(float)way", "reference": "reference", "added": "wb_givenf(now->added)"}
+        return real | dict.fromkeys(("now.motor.y", "now.load.y"), "(float)wb_signed(now->other)")
+
+    def step(self) -> str:
+        """The body of the step."""
+        given = self.given()
+        seen = self.call(self.stages.observe, "observe", given)
+        y = "now.y" in (*self.stages.observe.rows, *self.stages.command.rows)
+        lines = ["int32_t way;", *["float y;"] * y, "float reference;"]
+        if self.stages.columns:
+            lines += ["float beyond;", "uint32_t i;", *(f"float {n};" for n in self.stages.columns)]
+        within = " || !wb_encoder_within(&state->encoder)" if self.stages.both else ""
+        follow = "!wb_encoder_follow(&state->encoder, &table->head, now->position, &way)"
+        lines += [f"if ({follow}{within}) {{", "    return 0.0f;", "}"]
+        moved = [n for n in self.stages.states if n in POSITIONS]
+        if not self.stages.both:
+            lines += ["{", "    const int32_t by = wb_encoder_recentre(&state->encoder);", "    if (by != 0) {"]
+            lines += [f"        state->{identifier(n)} -= (float)by;" for n in moved] + ["    }", "}"]
+        lines += ["y = (float)state->encoder.position;"] * y
+        lines += ["reference = (float)wb_signed((uint32_t)now->reference - state->encoder.origin);"]
+        if self.stages.columns:
+            lines += [f"i = wb_segment(&table->head, table->knot, {seen} * table->head.count, &beyond);"]
+            for j, n in enumerate(self.stages.columns):
+                lines += [f"{n} = table->row[{2 * j}][i] + table->row[{2 * j + 1}][i] * beyond;"]
+                given[f"gain.{n}"] = n
+        else:
+            lines += [f"{seen};"]
+        lines += [f"return {self.call(self.stages.command, 'command', given)};"]
+        return "\n".join(f"    {x}" for x in lines) + "\n"
+
+    def begin(self) -> str:
+        """The arguments of the first stage."""
+        given = self.given() | {
+            "now.y": "(float)state->encoder.position",
+            "reference": "(float)wb_signed((uint32_t)now->reference - state->encoder.origin)",
+        }
+        return self.call(self.stages.start, "begin", given)
+
+    def fields(self) -> dict:
+        """Return what the templates are filled with."""
+        stages, p = self.stages, self.p
+        other = ("    uint32_t other;     /* reading of the other encoder [its counts] */\n") if stages.both else ""
+        return {
+            "title": f"{stages.law.name}, {self.said}",
+            "said": self.said,
+            "formula": formula_of(stages),
+            "p": p,
+            "P": p.upper(),
+            "header": f"{self.name}.h",
+            "law": f"{self.code():08X}",
+            "numbers": len(stages.constants),
+            "rows": self.rows,
+            "knots": self.knots,
+            "number": self.number_type,
+            "states": "\n".join(self.state_lines()),
+            "other": other,
+            "unit": self.effort,
+            "added_unit": self.effort,
+            "added_said": "; a NaN is 0",
+            "command_said": "",
+            "include": self.include,
+            "factor": "",
+            "enumeration": self.enumeration(),
+            "row_index": "    uint32_t j;\n" if stages.columns else "",
+            "load_rows": self.load_rows(),
+            "functions": "\n\n".join(self.functions()) + "\n",
+            "origin": "0u" if stages.both else "now->position",
+            "begin": self.begin(),
+            "step": self.step(),
+        }
+
+    said = "float32"
+    number_type = "float"
+
+    def code(self) -> int:
+        return law_code(self.stages)
+
+    def state_lines(self) -> list[str]:
+        return [commented(f"{self.number_type} {identifier(n)};", self.unit_of(n)) for n in self.stages.states]
+
+    def enumeration(self) -> str:
+        constants = self.stages.constants
+        lines = [f"{c.identifier.upper()}{',' if i + 1 < len(constants) else ' '} /* {c.formula} [{unit(c.power, self.effort)}] */"
+                 for i, c in enumerate(constants)]  # fmt: skip
+        return "\n".join(f"    {x}" for x in lines)
+
+    def load_rows(self) -> str:
+        if not self.stages.columns:
+            return ""
+        words = "table->head.rows_at + 4u * (j * table->head.knots + i)"
+        lines = ["for (i = 0u; i < table->head.knots; ++i) {",
+                 "    table->knot[i] = wb_real(wb_u32(bytes + table->head.knots_at + 4u * i));",
+                 f"    for (j = 0u; j < {self.p.upper()}_ROWS; ++j) {{",
+                 f"        table->row[j][i] = {self.read(f'wb_u32(bytes + {words})')};",
+                 "    }", "}"]  # fmt: skip
+        return "\n".join(f"    {x}" for x in lines) + "\n"
+
+    def read(self, word: str) -> str:
+        return f"wb_real({word})"
+
+    def functions(self) -> list[str]:
+        s = self.stages
+        return [
+            self.function(s.start, "begin", None),
+            self.function(s.observe, "observe", AMPLITUDE if s.columns else None),
+            self.function(s.command, "command", COMMAND),
+        ]
+
+    def vectors(self) -> dict[str, str]:
+        """Return the test bench: file name -> text."""
+        read, write = self.words
+        other = "    now.other = in[1];\n" if self.stages.both else ""
+        names = [identifier(n) for n in self.stages.states]
+        fields = {
+            "p": self.p, "header": f"{self.name}.h", "read": read, "write": write, "other": other,
+            "set": "".join(f"    state.{n} = {read}(in[{3 + i}]);\n" for i, n in enumerate(names)),
+            "get": "".join(f"    out[{3 + i}] = {write}(state.{n});\n" for i, n in enumerate(names)),
+        }  # fmt: skip
+        return {"vectors.c": Template((HERE / "vectors.c.in").read_text(encoding="utf-8")).substitute(fields)}
+
+    words = ("wb_real", "wb_bits")
+
+    def files(self) -> dict[str, str]:
+        """Return file name -> text of everything that a firmware compiles, the part by hand included."""
+        fields = self.fields()
+        made = {
+            f"{self.name}.h": Template((HERE / "law.h.in").read_text(encoding="utf-8")).substitute(fields),
+            f"{self.name}.c": Template((HERE / self.template).read_text(encoding="utf-8")).substitute(fields),
+        }
+        return made | {n: (HERE / n).read_text(encoding="utf-8") for n in self.runtime}
