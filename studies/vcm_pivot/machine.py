@@ -13,7 +13,7 @@ from pathlib import Path
 import numba
 import numpy as np
 
-from .loop import FILTER, K0, KD, KI, KP, PLANT, TS, Preset
+from .loop import FILTER, K0, KD, KI, KP, PLANT, RATE, TS, Preset
 
 SUBSTEPS = 4
 WINDAGE = 500.0  # Hz, of its low pass
@@ -80,7 +80,8 @@ class Given:
 @dataclass(frozen=True)
 class Machine:
     """windage, sensor: standard deviations of noise in V. count: of the converters, V (none where 0). observer: of
-    disturbances, its bandwidth in Hz (none where 0). bias: flex cable, (stiffness V/V, rest V)."""
+    disturbances, its bandwidth in Hz (none where 0). bias: flex cable, (stiffness V/V, rest V).
+    rate: of the control, Hz; at another than 12 kHz the filter, which belongs to that, is left out."""
 
     preset: Preset
     pivot: Pivot = field(default_factory=pivot)
@@ -91,6 +92,7 @@ class Machine:
     count: float = 0.0
     bias: tuple[float, float] = (0.0, 0.0)
     seed: int = 1
+    rate: float = RATE
 
     def run(self, given: Given) -> dict[str, np.ndarray]:
         """Return x, y (as read), u (whole drive), c (of the controller alone), f (mean over the sample), each (n,) V."""
@@ -104,11 +106,13 @@ class Machine:
         out = np.empty((5, n))
         p = self.pivot
         law = np.append(p.law, self.bias)
-        inner = PLANT.sampled(TS / SUBSTEPS)
+        dt = 1.0 / self.rate
+        notch = (*FILTER[0], *FILTER[1][1:]) if self.rate == RATE else (1.0, 0.0, 0.0, 0.0, 0.0)
         _run(
-            given.reference, pushed, nothing if given.output is None else given.output, sensed, *inner, law, p.radii,
-            p.springs, p.rates, p.weights, np.array([self.preset.kc, KP, KD / TS, KI * TS, *FILTER[0], *FILTER[1][1:]]),
-            *_compensator(self.compensation), _observer(self.observer), self.count, out,
+            given.reference, pushed, nothing if given.output is None else given.output, sensed,
+            *PLANT.sampled(dt / SUBSTEPS), np.append(p.law, self.bias), p.radii, p.springs, p.rates, p.weights,
+            np.array([self.preset.kc, KP, KD / dt, KI * dt, *notch]), *_compensator(self.compensation),
+            _observer(self.observer), self.count, dt, out,
         )  # fmt: skip
         return dict(zip(("x", "y", "u", "c", "f"), out, strict=True))
 
@@ -146,15 +150,15 @@ def _observer(bandwidth: float) -> np.ndarray:
 @numba.njit(cache=True, nogil=True, error_model="numpy")
 def _run(
     reference, pushed, output, sensed, a, b, law, radii, springs, rates, weights, control, c_radii, c_springs, c_rates,
-    c_weights, c, delay, source, observer, count, out,
+    c_weights, c, delay, source, observer, count, dt, out,
 ):  # fmt: skip
-    h = TS / SUBSTEPS
+    h = dt / SUBSTEPS
     keep, gained = np.exp(-rates * h), np.empty(rates.size)
     for j in range(rates.size):
         gained[j] = -np.expm1(-rates[j] * h) / (rates[j] * h)
-    c_keep, c_gained = np.exp(-c_rates * TS), np.empty(c_rates.size)
+    c_keep, c_gained = np.exp(-c_rates * dt), np.empty(c_rates.size)
     for j in range(c_rates.size):
-        c_gained[j] = -np.expm1(-c_rates[j] * TS) / (c_rates[j] * TS)
+        c_gained[j] = -np.expm1(-c_rates[j] * dt) / (c_rates[j] * dt)
     play, creep = np.zeros(radii.size), np.zeros(rates.size)
     c_play, c_creep, ring = np.zeros(c_radii.size), np.zeros(c_rates.size), np.zeros(delay + 1)
     s, moved = np.zeros(6), np.zeros(6)
