@@ -39,7 +39,9 @@ def decibel(value) -> np.ndarray:
     return 20.0 * np.log10(np.abs(value))
 
 
-def stepped(machine: Machine, amplitude: float, frequencies: Sequence[float] = STEPPED, where: str = "reference") -> Stepped:
+def stepped(
+    machine: Machine, amplitude: float, frequencies: Sequence[float] = STEPPED, where: str = "reference"
+) -> Stepped:
     """Return the responses to sines of an amplitude (V) at the reference, "output" or "force" (there 1 mV a V).
 
     Of a force, sensitivity is the error over it, V/V.
