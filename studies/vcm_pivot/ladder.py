@@ -8,7 +8,6 @@ import numpy as np
 from workbench.hysteresis import Bank
 from workbench.hysteresis.fit import Periodic, gains, stacked
 
-
 RADII = (0.25, 0.5, 1.5)  # V, eq. (14)
 EVALUATIONS = 2000
 RANK = 1e-6

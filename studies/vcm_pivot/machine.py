@@ -105,7 +105,6 @@ class Machine:
             pushed = pushed + windage(n, self.windage, noise)
         out = np.empty((5, n))
         p = self.pivot
-        law = np.append(p.law, self.bias)
         dt = 1.0 / self.rate
         notch = (*FILTER[0], *FILTER[1][1:]) if self.rate == RATE else (1.0, 0.0, 0.0, 0.0, 0.0)
         _run(
@@ -147,7 +146,7 @@ def _observer(bandwidth: float) -> np.ndarray:
     return np.concatenate([q, second, a[1:]])
 
 
-@numba.njit(cache=True, nogil=True, error_model="numpy")
+@numba.njit(nogil=True, error_model="numpy")
 def _run(
     reference, pushed, output, sensed, a, b, law, radii, springs, rates, weights, control, c_radii, c_springs, c_rates,
     c_weights, c, delay, source, observer, count, dt, out,
