@@ -171,8 +171,8 @@ def beyond_chapter(fits: Identified) -> Chapter:
     )
     chosen = ", ".join(f"{numbers.placed(v, 3)} with {even:g}" for even, v in b.left.items())
     more = (
-        "Records of large displacement rule a sum of squares. How far small ones count as much was chosen by what is left on records "
-        f"that are left out: {chosen}."
+        "Records of large displacement rule a sum of squares. To count small ones for more is a knob and no gain: root mean square, over "
+        f"records that are left out in turn, of the energy gain on them {chosen} (0: as here; 1: all records alike), floors included."
     )
     return Chapter("What one frequency cannot determine", (Paragraph(text), table, Paragraph(more)))
 
