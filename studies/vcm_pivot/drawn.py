@@ -7,7 +7,7 @@ from workbench.report.contents import Figure
 from workbench.report.drawing import AFTER, BEFORE, MEASURED, MUTED, SERIES, decades, svg
 
 from .actuator import Actuator
-from .compensated import SHOWN, SIZES, Compensated, linearity, modelled, relative
+from .compensated import SHOWN, SIZES, TEN, Compensated, linearity, modelled, relative
 from .identified import Ladder
 from .limits import LINES
 from .loop import CALIBRATED, K0
@@ -156,7 +156,10 @@ def best_linear_figure(found: Compensated) -> Figure:
 
 
 def compensated_responses(found: Compensated) -> Figure:
-    heading = "Compensated, the actuator is the double integrator within 3 dB from 0.25 to 1.5 V"
+    off = max(abs(found.after[a].over_integrator[TEN:]).max() for a in SIZES[:-1])
+    heading = (
+        f"Compensated, the actuator is the double integrator within {off:.1f} dB from 10 Hz and from 0.25 to 1.5 V"
+    )
 
     def draw(axes):
         for k, size in enumerate(SIZES):
@@ -174,7 +177,8 @@ def compensated_responses(found: Compensated) -> Figure:
 
 
 def sensitivities(found: Compensated) -> Figure:
-    heading = "At 10 Hz the error falls by more than 25 dB; from 50 to 120 Hz it rises"
+    falls, rises = (f(float(g(found.change(a))) for a in (0.25, 1.5)) for f, g in ((max, lambda c: c[TEN]), (max, max)))
+    heading = f"At 10 Hz the error falls by {-falls:.0f} dB or more; above 40 Hz it rises by up to {rises:.1f} dB"
 
     def draw(axes):
         for axis, size in zip(axes, (0.25, 1.5), strict=True):

@@ -1,0 +1,1 @@
+"""A named effect, cancelled: compensation from the one definition of the effect."""
