@@ -12,7 +12,7 @@ from time import perf_counter
 import numpy as np
 
 from workbench.hysteresis import Bank, nonnegative
-from workbench.hysteresis.fit import grid
+from workbench.hysteresis.fit import grid, solved, stacked
 from workbench.study.running import steps_of
 
 STUDY = Path(__file__).parent.parent / "studies" / "vcm_pivot"
@@ -37,7 +37,7 @@ def main() -> None:
     )
     seen = [e.record for e in records.measured(records.AMPLITUDE, records.Noise())]
     radii, rates = grid(seen, 12, 8)
-    dense = milliseconds(lambda: nonnegative(seen, radii, rates))
+    dense = milliseconds(lambda: solved(*stacked(seen, radii, rates)))
     start = perf_counter()
     ladder.simplex(seen, ladder.starts(1)[0])
     search = 1e3 * (perf_counter() - start)
