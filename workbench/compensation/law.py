@@ -48,8 +48,8 @@ def structure(c: Compensator) -> Structure:
     order = tuple(
         e for side in dict.fromkeys(e.at for e in forces) for e in ordered([e for e in forces if e.at == side])
     )
-    every = (*order, *c.maps)
-    keys = tuple((e.key, e.step, e.derive, e.port, tuple(e.states.items()), tuple(e.parameters)) for e in every)
+    # by what was declared: directions are made anew each time
+    keys = tuple((e.key, e.step, e.derive, e.port, tuple(e.states.items())) for e in c.effects)
     smooth = c.low_pass > 0.0
     return Structure((keys, c.source, c.delay, smooth), order, c.maps, c.source, c.delay, smooth)
 
