@@ -5,7 +5,7 @@
 ## make all       run every study
 ## make test      check style and run the tests
 ## make bench     run the benchmarks
-## make bench-trace   trace many campaigns of a simulated rig (make bench-trace CAMPAIGNS=200 SEED=1)
+## make bench-trace   trace many campaigns whose answers are known (make bench-trace CAMPAIGNS=200 SEED=1 ARGS=--help)
 ## make lock      pin the dependencies of pyproject.toml again (make lock UPGRADE=--upgrade: to the newest)
 ## make setup     set up .venv only; every command does so where it has to
 ## make clean     remove everything that these commands made: .venv, caches and reports
@@ -16,6 +16,7 @@ WORKERS ?= 2
 UPGRADE ?=
 CAMPAIGNS ?= 200
 SEED    ?= 1
+ARGS    ?=
 
 VENV    := .venv
 BIN     := $(VENV)/bin
@@ -116,7 +117,7 @@ bench: $(READY)
 
 # What is done is kept under reports/bench_trace/, so that a run that was stopped goes on where it was.
 bench-trace: $(READY)
-	@WORKERS=$(WORKERS) $(BIN)/python -m benchmarks.trace --campaigns $(CAMPAIGNS) --seed $(SEED)
+	@WORKERS=$(WORKERS) $(BIN)/python -m benchmarks.trace --campaigns $(CAMPAIGNS) --seed $(SEED) $(ARGS)
 
 # One file for every system and Python (--universal), one version of each package (--fork-strategy fewest) so that the
 # numbers of a study do not depend on the Python, hashes for all, and no address that a download came from.

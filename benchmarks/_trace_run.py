@@ -110,6 +110,24 @@ def peers(campaign, before) -> dict[str, list[str]]:
     return answers(series, campaign.bandwidth, (ratio, 2.0 * ratio, ratio * pole_pairs), declared)
 
 
+def moved(before, after, added) -> list[str]:
+    """Return "effect at place: parameter" of each value that is declared fixed, came out otherwise, and is not named."""
+    held = {(e.effect, e.at, e.parameter): e.value for e in before.estimates if e.fixed}
+    now = {(e.effect, e.at, e.parameter): e.value for e in after.estimates}
+    return [
+        f"{effect} at {at}: {parameter}"
+        for (effect, at, parameter), value in held.items()
+        if effect not in added and abs(now.get((effect, at, parameter), value) - value) > 1e-9 * abs(value)
+    ]
+
+
+def evidence(found) -> object:
+    """What a trace decided from, as trace.json holds it; None of a version that keeps none."""
+    from workbench.trace.output import as_dict
+
+    return as_dict(found, {}).get("evidence")
+
+
 def traced(campaign) -> dict:
     """Trace a campaign; return what it says, and what it cost."""
     from workbench.study.standard import trace_campaign
@@ -128,7 +146,13 @@ def traced(campaign) -> dict:
         "before": both(found.before),
         "after": both(found.after),
         "floor": dict(found.floor),
-        "unknown": found.unknown,
+        "unknown": dict(found.unknown),
+        "causes": [
+            {"effect": c.effect, "at": c.at, "parameters": {e.parameter: float(e.value) for e in c.parameters}}
+            for c in found.causes
+        ],
+        "moved": moved(found.before, found.after, set(found.added)),
+        "evidence": evidence(found),
         "peers": peers(campaign, found.before),
         "seconds": seconds,
         "megabytes": megabytes,

@@ -2,7 +2,7 @@
 
 import json
 from collections import Counter
-from dataclasses import asdict, replace
+from dataclasses import asdict, dataclass, replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -10,8 +10,15 @@ import pytest
 
 from benchmarks import trace as bench
 from benchmarks._trace_draw import NONE, OUTSIDE, PAIR, SINGLE, clash, spec, specs
+from benchmarks._trace_families import cases
+from benchmarks._trace_families import judged as of_family
+from benchmarks._trace_ledger import ledger
+from benchmarks._trace_measured import judged_axis
 from benchmarks._trace_peers import greedy, sparse
-from benchmarks._trace_run import judged, one, place_right, seen
+from benchmarks._trace_run import judged, moved, one, place_right, seen
+from benchmarks._trace_sweep import again as decided_again
+from benchmarks._trace_sweep import sweep as sweep_of
+from benchmarks._trace_sweep import varied
 from benchmarks._trace_table import interval, table
 from benchmarks.trace import read
 
@@ -116,6 +123,112 @@ def test_a_peer_finds_a_term_of_its_own_library(peer):
     x = rng.normal(size=(2000, 6))
     y = 0.5 * x[:, 3] + 0.1 * rng.normal(size=2000)
     assert peer(list("abcdef"), x, y)[:1] == ["d"]
+
+
+# --- families -----------------------------------------------------------------------------------------------------------
+
+SAID = {
+    "verdict": "cause", "ranked": ["gravity", "cogging"], "added": ["gravity"], "rivals": [], "causes": [], "moved": [], "unknown": {},
+    "before": {"identification": 0.06, "validation": 0.05}, "after": {"identification": 0.02, "validation": 0.02},
+    "floor": {"identification": 0.02, "validation": 0.02}, "peers": {"greedy, BIC": ["gravity"]}, "seconds": 1.0, "megabytes": 300.0,
+}  # fmt: skip
+TRUTH = {"missing": ["gravity"], "nrmse_declared": 0.05, "nrmse_true": 0.01}
+
+
+def kept(family: str, name: str, truth: dict, said: dict) -> dict:
+    return {"family": family, "name": name, "truth": truth, "said": said, "judged": of_family(truth, said, None)}
+
+
+def test_a_campaign_of_any_family_is_judged_by_its_truth():
+    j = of_family(TRUTH, SAID, None)
+    assert j["of"] == SINGLE and j["first"] and not j["false"] and not j["nothing"] and not j["below"]
+    assert j["share"] == pytest.approx(0.75)
+    wrong = of_family(TRUTH | {"missing": ["creep", "inertia"]}, SAID, None)
+    assert wrong["of"] == PAIR and not wrong["first"] and wrong["false"] == ["gravity"] and wrong["share"] == 0.0
+    missed = of_family(TRUTH | {"missing": ["unknown"]}, SAID | {"verdict": "nothing_missing", "added": []}, None)
+    assert missed["of"] == OUTSIDE and missed["nothing"] and not missed["unknown"]
+    assert of_family(TRUTH | {"missing": []}, SAID, None)["alarm"]
+    assert of_family(TRUTH, SAID | {"after": {"identification": 0.01, "validation": 0.06}}, None)["below"]
+
+
+def test_a_fixed_value_that_moves_unnamed_is_seen():
+    def fit(value):
+        return SimpleNamespace(
+            estimates=[SimpleNamespace(effect="inertia", at="axis", parameter="inertia", value=value, fixed=True)]
+        )
+
+    assert moved(fit(1.0), fit(1.1), set()) == ["inertia at axis: inertia"]
+    assert moved(fit(1.0), fit(1.0), set()) == moved(fit(1.0), fit(1.1), {"inertia"}) == []
+
+
+def added(effect: str, at: str, **parameters) -> dict:
+    return SAID | {
+        "ranked": [effect],
+        "added": [effect],
+        "causes": [{"effect": effect, "at": at, "parameters": parameters}],
+    }
+
+
+def test_a_measured_axis_is_right_by_its_table():
+    late = added("clock_skew", "sensor.load_position", offset=2.95e-3)
+    assert judged_axis("kr300_axis1", late)["right"]
+    assert (
+        "ms late" in judged_axis("kr300_axis3_JmJl", added("clock_skew", "sensor.load_position", offset=1e-3))["wrong"]
+    )
+    assert not judged_axis("kr300_axis1", added("clock_skew", "sensor.position", offset=2.95e-3))["right"]
+    assert not judged_axis("kr300_axis1", late | {"moved": ["inertia at motor: inertia"]})["right"]
+    assert judged_axis("xl330", added("gravity", "axis", mgl=0.47))["right"]
+    assert not judged_axis("xl330", added("gravity", "axis", mgl=0.47) | {"added": ["gravity", "creep"]})["right"]
+    rubs = SAID | {"added": ["lugre_friction", "backlash"], "after": {"identification": 0.10, "validation": 0.20}}
+    assert judged_axis("brfd", rubs)["right"] and not judged_axis("brfd", rubs | {"added": ["lugre_friction"]})["right"]
+    assert not judged_axis("brfd", rubs | {"after": {"identification": 0.10, "validation": 0.22}})["right"]
+
+
+def test_the_ledger_has_a_row_a_family_and_a_line_for_what_is_wrong():
+    results = [
+        kept("c", "c01", TRUTH, SAID), kept("d", "d01", TRUTH | {"missing": []}, SAID),
+        {"family": "d", "name": "d02", "failed": "WorkbenchError: no."},
+    ]  # fmt: skip
+    text = ledger(results)
+    rows = [line for line in text.splitlines() if line.startswith(("| c | 1", "| d | 2"))]
+    assert "1/1 [2, 100]" in rows[0] or "1/1 [3, 100]" in rows[0]
+    assert "- d d01 lacks nothing: cause, first ['gravity'], added ['gravity']" in text and "- d d02: no trace." in text
+    assert "| c | greedy, BIC | 1/1" in text
+
+
+def test_without_measured_data_only_drawn_families_have_campaigns(monkeypatch):
+    monkeypatch.delenv("WORKBENCH_DATA", raising=False)
+    found = cases(["c", "d", "measured", "rig", "bench"], 10, 1)
+    assert Counter(c.family for c in found) == {"rig": 10, "bench": 10} and len({c.key for c in found}) == 20
+
+
+@dataclass(frozen=True)
+class Criteria:
+    least: float = 0.5
+    counts: int = 1
+    strict: bool = True
+
+
+def test_a_sweep_halves_and_doubles_each_number_and_decides_again():
+    assert [(n, f, c.least, c.counts) for n, f, c in varied(Criteria())] == [
+        ("least", 0.5, 0.25, 1), ("least", 2.0, 1.0, 1), ("counts", 0.5, 0.5, 1), ("counts", 2.0, 0.5, 2),
+    ]  # fmt: skip
+
+    def decide(evidence: dict, criteria: Criteria):
+        names = ["gravity"] if evidence["share"] >= criteria.least else []
+        return SimpleNamespace(verdict="cause" if names else "nothing_missing", ranked=["gravity at axis"], added=names)
+
+    result = kept("c", "c01", TRUTH, SAID | {"evidence": {"share": 0.7}})
+    assert decided_again(result, decide, Criteria())["judged"]["first"]
+    strict = decided_again(result, decide, Criteria(least=1.0))
+    assert strict["judged"]["nothing"] and strict["said"]["ranked"] == ["gravity"]
+
+
+def test_a_sweep_says_what_it_lacks(monkeypatch):
+    import sys
+
+    monkeypatch.setitem(sys.modules, "workbench.trace.criteria", None)
+    assert sweep_of([kept("c", "c01", TRUTH, SAID)]).startswith("No sweep: this version of the trace has no criteria")
 
 
 # --- the quick subset ---------------------------------------------------------------------------------------------------

@@ -11,7 +11,8 @@ from workbench.catalogue_page import page
 from workbench.effect import ANGLE, SENSOR, Effect, catalogue, find
 from workbench.effects.creep import creep
 from workbench.effects.fading import fading_memory
-from workbench.effects.hysteresis import maxwell_slip
+from workbench.effects.gap import friction_behind_gap
+from workbench.effects.hysteresis import knots, maxwell_slip
 from workbench.effects.periodic import cogging
 from workbench.effects.play import inverse, play_bank
 from workbench.effects.virgin_curve import slip_of_curve
@@ -25,7 +26,7 @@ NAMES = (
     "coulomb_asymmetry load_dependent_friction friction_drift lugre_friction cyclic_friction cogging kinematic_error "
     "encoder_eccentricity linear_stiffness linear_damping cubic_stiffness piecewise_stiffness multi_body_compliance "
     "backlash creep fading_memory cable_spring gravity constant_offset sensor_trend transport_delay actuator_lag "
-    "torque_constant_saturation flexible_mode clock_skew"
+    "torque_constant_saturation flexible_mode clock_skew friction_behind_gap"
 ).split()
 
 
@@ -66,6 +67,16 @@ def test_other_spellings_are_no_candidates():
     assert {"creep", "lugre_friction", "presliding_hysteresis", "flexible_mode", "actuator_lag"} <= offered
     assert not offered & {n for n, e in catalogue().items() if not e.traced}
     assert {n for n, e in catalogue().items() if not e.traced} == set(catalogue()) - set(NAMES)
+
+
+def test_a_spring_to_ground_may_be_declared_as_a_stiffness_of_the_axis_and_is_offered_as_a_cable_spring():
+    plant = Plant(ONE_MASS, (find("inertia")(inertia=1.0),))
+    assert {s.effect for s in suspects(plant)} & {"linear_stiffness", "cable_spring"} == {"cable_spring"}
+    spring = plant + find("linear_stiffness")(at="axis", stiffness=3.0)
+    assert spring["linear_stiffness"].at == "axis"
+    assert "cable_spring" in {s.effect for s in suspects(spring)}  # it may rest elsewhere
+    x = np.linspace(-1.0, 1.0, 5)
+    np.testing.assert_array_equal(output(spring["linear_stiffness"], q=x), 3.0 * x)
 
 
 def test_one_source_of_direction_is_enough():
@@ -234,6 +245,26 @@ def test_lugre_without_stribeck_is_fading_memory():
     x = np.diff(walk())
     lugre = output(find("lugre_friction")(sigma0=100.0, x0=1e-3, ratio=0.0), dq=x, v=0.3, dt=1e-3)
     np.testing.assert_allclose(lugre, output(find("fading_memory")(h=0.1, x0=1e-3), dq=x), atol=1e-15)
+
+
+def test_behind_a_gap_friction_is_lost_at_a_reversal_and_comes_back_only_across_the_gap():
+    """One element: spring k = h0/x0, slider h0, gap 2 b in series (Jenkins 1962), by hand."""
+    h0, b, x0 = 2.0, 3e-3, 1e-3
+    effect = friction_behind_gap(1)(h0=h0, half_width=b, x0=x0)
+    (slip,) = (x0 * c for c in knots(1, ()))
+    path = [0.5 * b, b, b + 0.5 * slip, b + slip, 20e-3]  # from the middle of the gap, until it slides
+    back = [0.5 * slip, slip, slip + b, slip + 2 * b, 1.5 * slip + 2 * b, 2 * slip + 2 * b, 30e-3]
+    x = np.array([*path, *(20e-3 - np.array(back))])
+    expected = [0.0, 0.0, 0.5, 1.0, 1.0, 0.5, 0.0, 0.0, 0.0, -0.5, -1.0, -1.0]
+    found = output(effect, dq=np.diff(x, prepend=0.0))
+    np.testing.assert_allclose(found, h0 * np.array(expected), atol=0.015 * h0)  # three small elements beside the one
+    assert found[7] == 0.0 and found[3] == pytest.approx(h0) and found[-1] == pytest.approx(-h0)
+
+
+def test_friction_behind_a_gap_takes_the_place_of_coulomb_friction():
+    plant = Plant(ONE_MASS, (find("inertia")(inertia=1.0), find("coulomb_friction")(coulomb=1.0)))
+    found = [s for s in suspects(plant) if s.effect == "friction_behind_gap"]
+    assert [s.instead for s in found] == [("coulomb_friction@axis",), ()]
 
 
 # --- operators --------------------------------------------------------------------------------------------------------

@@ -12,6 +12,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import rig
+from conftest import measured
 from faults import Folder, clip, drop, faster, freeze, late, times
 
 from workbench.check.channels import _leaps, runs
@@ -44,6 +45,7 @@ FAULTS = [
     ("models", times("load_position", DEGREES), (), "encoder scale"),
     ("models", times("drive", 30), (), "drive scale"),
     ("models", late("load_position", 5e-3), (), "misaligned"),
+    ("models", late("load_position", 1e-3), (), "clock skew"),
     ("models", freeze("load_position", 0.1), ("id_multisine",), "frozen"),
     ("c01", faster(0.5), (), "time scale"),
     ("c01", clip("drive", 0.5), (), "clipped"),
@@ -62,6 +64,7 @@ FAULTS = [
     ("c09", late("position", 3e-3), (), "misaligned"),
     ("c10", times("drive", 1e-3), (), "drive scale"),
     ("c11", late("drive", 3e-3), (), "misaligned"),
+    ("c11", late("position", 1e-3), (), "clock skew"),
     ("c14", times("drive", 1e-3), (), "drive scale"),
     ("c14", faster(2.5), (), "time scale"),
 ]
@@ -115,6 +118,20 @@ def test_measured_data_of_other_rigs_has_only_the_findings_that_are_true(data, t
     new(tmp_path / "rig", [data / "friction_rig" / "reciprocating_friction.csv.gz"])
     (found,) = check(tmp_path / "rig" / "campaign")
     assert found.kind == "dropped samples" and "179 of 42578" in found.sentence
+
+
+@pytest.mark.parametrize("axis", ["kr300_axis1", "kr300_axis1_JmJl", "kr300_axis3", "kr300_axis3_JmJl"])
+def test_a_link_encoder_that_is_stamped_late_is_said_with_its_interval(axis):
+    found = {f.kind: f for f in check(measured("measured", axis))}["clock skew"]
+    assert found.subject == "load_position" and 2.6e-3 < found.evidence["late"] < 3.3e-3
+    assert found.evidence["low"] < found.evidence["late"] < found.evidence["high"]
+    assert "ms late against position" in found.sentence and "clock_skew at sensor.load_position" in found.remedy
+
+
+def test_encoders_whose_clocks_run_alike_are_not_called_late(data):
+    """Campaigns of two masses that lack other things: a gear's error, packets that a reading misses."""
+    two = ["d17", "d30"]
+    assert not [n for n in two if "clock skew" in {f.kind for f in check(measured("campaigns_d", n))}]
 
 
 def test_records_that_do_not_excite_a_parameter_are_said(tmp_path):

@@ -93,6 +93,10 @@ WRONG = {
         "single precision",
         made(lambda s, z, p: ({"z": z.z + s.dq + (z.z == 0.0) * 1e7}, p.k * (z.z - 1e7) * (z.z > 0.0)), k(), **MEMORY),
     ),
+    "a friction that follows the measured drive": (
+        "prediction",
+        made(lambda s, z, p: ({}, p.k * absolute(s.u) * s.dir), k("1"), linear=("k",), reads=("u", "dir")),
+    ),
     "a friction that drives": (
         "passive",
         made(lambda s, z, p: ({}, -p.k * s.v), k("F*s/x"), linear=("k",), reads=("v",), holds=("passive",)),

@@ -9,6 +9,7 @@ import rig
 
 from workbench.campaign import load
 from workbench.effect import find
+from workbench.identify.carrying import load_errors
 from workbench.identify.fit import identify, passes_of
 from workbench.plant import ONE_MASS, TWO_MASS, Geometry, Plant
 from workbench.record import IDENTIFICATION, Record, Source
@@ -28,7 +29,7 @@ from workbench.trace.maps import (
 )
 from workbench.trace.places import explained, place, places, sentence
 from workbench.trace.spectra import half, over_frequency, over_order
-from workbench.trace.where import angle_residual, drives, identifying, joint_stiffness, load_errors
+from workbench.trace.where import angle_residual, drives, identifying, joint_stiffness
 
 RATE, BAND = 1000.0, 100.0
 MASS = find("inertia")(inertia=1e-3)

@@ -142,7 +142,7 @@ def test_deflection_and_levers_are_those_of_identification():
     load = motor + rng.uniform(-5e-3, 5e-3, 40)
     x, by_motor, by_load = Bodies(SimpleNamespace(t=0.0, dt=1e-4), None).mapped(plant, motor - load, motor, load)
     symbols = Symbols()
-    _, torque, lever = joint(plant.effects, fixed_signals(symbols), symbols)
+    _, torque, _, lever = joint(plant.effects, fixed_signals(symbols), symbols)
     rows = [symbols.state("q"), symbols.state("load.q")]
     values = constants_of(plant, symbols, {})
     given = ca.Function("f", [*rows, *symbols.constants.values()], [torque, lever["motor"], lever["load"]])

@@ -6,6 +6,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from made_joints import joint, jointed
 
 from workbench.effect import find
 from workbench.identify.bodies import POSITION
@@ -37,29 +38,18 @@ def test_no_order_is_finer_than_half_of_what_the_counts_sample():
 
 
 @pytest.mark.parametrize("channel", ["position", "load_position"])
-def test_two_encoders_tell_how_late_one_of_them_is(channel):
-    """A joint that gives way to torque, and a clock that is late and gains: delays of a sample and more, in a start."""
-    late, gains = 1.5 * DT, -1e-4
-    told = T - late - gains * T
-
-    def load(t):
-        return np.sin(1.3 * t) + 0.2 * np.sin(7.0 * t)
-
-    def torque(t):
-        return 0.4 * np.cos(2.0 * t) + 0.1 * np.sin(11.0 * t)
-
-    def motor(t):
-        return load(t) + torque(t) / 250.0
-
-    at = {"position": told if channel == "position" else T, "load_position": told if channel == "load_position" else T}
-    readings = {"position": motor(at["position"]) + 0.3, "load_position": load(at["load_position"])}
-    record = Record("made", IDENTIFICATION, T.copy(), {"torque": torque(T), **readings}, {}, SOURCE, {})
-    found = lateness(passes_of([record], BAND), channel)
-    assert found["time"] == pytest.approx(late, rel=0.02) and found["drift"] == pytest.approx(gains, rel=0.02)
+def test_two_encoders_tell_where_a_clock_starts(channel):
+    """A clock that is late and gains: to one encoder as much as the other is early."""
+    late, gains = 1e-3, -1e-4
+    records = [joint(k, late=late, gains=gains, motor=channel == "position") for k in (1, 2)]
+    plant = jointed(inertia=True, viscous=True)
+    found = lateness(passes_of(records, 30.0), plant, channel)
+    assert found["time"] == pytest.approx(late, rel=0.05) and found["drift"] == pytest.approx(gains, rel=0.05)
 
 
 def test_one_encoder_tells_nothing_of_its_clock():
-    assert lateness(passes(np.sin(T), 0 * T), "position") == {}
+    axis = Plant(ONE_MASS, ()) + find("inertia")(inertia=1.0)
+    assert lateness(passes(np.sin(T), 0 * T), axis, "position") == {}
 
 
 def test_no_order_passes_faster_than_the_evaluation_filter():

@@ -166,7 +166,7 @@ def test_a_map_of_the_only_encoder_is_undone(name, shape, wave_number):
     records = []
     for seed, role in ((1, "identification"), (2, "validation")):
         t, q, v, a = waves(seed)
-        reading = q + size * np.sin(wave_number * q + 0.7)
+        reading = q + size * (np.sin(wave_number * q + 0.7) - np.sin(0.7))  # zero where the encoder was set to zero
         records.append(recorded(t, (JM + JL) * a + BM * v + 0.4 * np.sin(2 * q), role, role, position=reading))
     plant = Plant(ONE_MASS) + find("inertia") + find("viscous_friction")
     plant = plant + find("cogging")(order=2.0) + find(name)(at="sensor.position", **{shape: wave_number, "sine": 1e-5})

@@ -26,7 +26,8 @@ BAND = 0.45  # of the sampling rate: what is left below Nyquist for the filters 
 class Campaign:
     """folder: as given. bandwidth: Hz, below which errors are compared. records: in the order declared.
 
-    findings: what was done to the data on the way in (resampled). notes: key path -> text that its writer left.
+    findings: what was done to the data on the way in (resampled). notes: key path -> text that its writer left. tolerance: share by
+    which a fixed value may be off, where the campaign says so.
     """
 
     folder: Path
@@ -36,6 +37,7 @@ class Campaign:
     bandwidth: float
     findings: tuple[Finding, ...] = ()
     notes: Mapping[str, str] = field(default_factory=dict)
+    tolerance: float | None = None
 
     def __post_init__(self):
         object.__setattr__(self, "notes", MappingProxyType(dict(self.notes)))
@@ -55,7 +57,7 @@ def load(folder: Path | str, *, resample: bool = False) -> Campaign:
     top = declaration.read(
         folder / FILE,
         ("title", "plant", "evaluation_bandwidth", "channels", "records"),
-        ("actuator_limit", "speed_limit", "geometry", "initial_condition", "effects", "resample"),
+        ("actuator_limit", "speed_limit", "geometry", "initial_condition", "effects", "resample", "tolerance"),
     )
     notes = {"initial_condition": top.text("initial_condition")}
     kind = top.choice("plant", KINDS, "plant")
@@ -72,7 +74,8 @@ def load(folder: Path | str, *, resample: bool = False) -> Campaign:
             "sampling rate",
             slowest,
         )
-    return Campaign(folder, title, plant, frozen, bandwidth, findings, {k: n for k, n in notes.items() if n})
+    tolerance = top.number("tolerance", above=0.0) if "tolerance" in top.values else None
+    return Campaign(folder, title, plant, frozen, bandwidth, findings, {k: n for k, n in notes.items() if n}, tolerance)
 
 
 def _plant(top: Table, kind: str, rotary: bool, notes: dict[str, str]) -> Plant:
@@ -84,7 +87,7 @@ def _plant(top: Table, kind: str, rotary: bool, notes: dict[str, str]) -> Plant:
     plant = Plant(kind, (), rotary, geometry, Limits(**limits))
     for one in top.tables("effects", "effect", ("effect", "at"), ("law", "parameters", "label")):
         effect = fx.find(one.text("effect"), one.path("effect"))
-        effect = _declared(effect, one, rotary)
+        effect = _declared(replace(effect, at=one.text("at")), one, rotary)
         try:
             plant = plant + replace(effect, at=one.text("at"), label=one.text("label"))
         except WorkbenchError as e:

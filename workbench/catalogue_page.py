@@ -7,7 +7,8 @@ import inspect
 import sys
 from collections.abc import Callable, Mapping
 
-from workbench.effect import Effect, catalogue
+from workbench.effect import TWO_COUNTS, Effect, catalogue
+from workbench.effects import curves, free_bank, free_maps
 from workbench.effects.hysteresis import maxwell_slip
 from workbench.effects.play import inverse, play_bank
 from workbench.effects.virgin_curve import slip_of_curve
@@ -19,8 +20,9 @@ Generated from `workbench/effects/` by `python -m workbench.catalogue_page`; do 
 
 `F` stands for N*m on a rotary axis and for N on a linear one, `x` for rad and m; `q` is position, `v` velocity, `a`
 acceleration, `dq` the increment of position behind a dead band of one encoder count, `t` the bench clock, `u` the drive,
-`tau` the torque carried, `dir` the smooth direction of motion. A *linear* parameter enters a least squares, a *searched* one
-is found by its start (in brackets what gives it), a *held* one is left as declared unless it is set free.
+`tau` the torque that a contact carries and `tau_inertia` that of inertia beside it, both by the model, `dir` the smooth
+direction of motion. A *linear* parameter enters a least squares, a *searched* one is found by its start (in brackets what
+gives it), a *held* one is left as declared unless it is set free.
 """
 PORTS = {
     "force": "a force that resists motion",
@@ -29,7 +31,23 @@ PORTS = {
     "sensor": "a map of a reading",
     "time": "a delay",
 }
-MADE = (maxwell_slip, slip_of_curve, play_bank, inverse)
+MADE = (
+    maxwell_slip,
+    slip_of_curve,
+    play_bank,
+    inverse,
+    curves.friction_over_speed,
+    free_bank.hysteresis_bank,
+    free_bank.free_bank,
+    curves.friction_over_time,
+    curves.friction_over_load,
+    curves.friction_over_position,
+    curves.force_over_position,
+    curves.force_over_time,
+    free_maps.angle_over_angle,
+    free_maps.drive_over_command,
+    free_maps.creep_spectrum,
+)
 
 
 def maker(effect: Effect) -> Callable:
@@ -99,6 +117,8 @@ def section(effect: Effect) -> list[str]:
     facts += [f"{effect.motions[0]} axes only"] if len(effect.motions) == 1 else []
     facts += [] if effect.traced else ["not offered by a trace"]
     facts += ["named after others that explain as much"] if effect.rare else []
+    facts += [f"family: {effect.family}"] if effect.family else []
+    facts += limits(effect)
     lines += [sentence("; ".join(facts)), ""]
     if effect.parameters:
         lines += table(effect.parameters, lambda n, p: found(effect, n, p)) + [""]
@@ -109,21 +129,30 @@ def section(effect: Effect) -> list[str]:
     return [*lines, f"Source: {effect.source}.", ""]
 
 
+def limits(effect: Effect) -> list[str]:
+    """What an effect is at a neutral value, and what it is made of, as facts."""
+    said = []
+    for name, (neutral, left) in effect.reduces.items():
+        value = "of no more than two encoder counts" if neutral == TWO_COUNTS else f"= {neutral:g}"
+        said.append(f"with `{name}` {value} it is {left or 'nothing'}")
+    return [*said, *([f"joins {' and '.join(effect.parts)}"] if effect.parts else [])]
+
+
 def page() -> str:
     """Return docs/catalogue.md."""
     known = catalogue()
     lines = [HEAD, f"{len(known)} effects:", ""]
-    lines += ["| effect | law | at |", "|---|---|---|"]
+    lines += ["| effect | family | law | at |", "|---|---|---|---|"]
     for n, e in known.items():
         anchor = f"[{n}](#{n})"
-        lines.append(f"| {anchor} | `{e.formula.replace('|', chr(92) + '|')}` | {', '.join(e.places)} |")
+        lines.append(f"| {anchor} | {e.family} | `{e.formula.replace('|', chr(92) + '|')}` | {', '.join(e.places)} |")
     lines.append("")
     for e in known.values():
         lines += section(e)
     lines += [
         "## Made from data",
         "",
-        "Functions that make an effect, or the numbers of one, from what was measured.",
+        "Functions that make an effect, or the numbers of one, from what was measured; among them each family's free-form law.",
         "",
     ]
     for function in MADE:

@@ -20,9 +20,11 @@ from workbench.parameter import Parameter
 FORCE, ANGLE, COMMAND, SENSOR, TIME = "force", "angle", "command", "sensor", "time"
 PORTS = (FORCE, ANGLE, COMMAND, SENSOR, TIME)
 SIGNALS = (
-    "q dq v a dt t u tau dir motor_q load_q ratio pole_pairs locked temperature normal".split()
+    "q dq v a dt t u tau tau_inertia dir motor_q load_q ratio pole_pairs locked temperature normal".split()
 )  # fixed: an effect reads these and no others
-PLACES = ("axis", "motor", "joint", "load", "command", "sensor")
+PLACES = ("axis", "motor", "joint", "load", "command", "sensor", "drive")
+DRIVE_CHANNELS = ("sensor.torque", "sensor.force")
+TWO_COUNTS = "two counts"  # of the encoder: a length below which no record tells an operator's memory from none
 
 
 @dataclass(frozen=True)
@@ -42,8 +44,14 @@ class Border:
 class Effect:
     """See the module. motions: kinds of axis on which it exists. `linear` parameters enter the output linearly and no state;
     this is checked when steps are built. traced: offered as what a model may lack (False: another spelling of an effect
-    that is, or one that a study has to offer). rare: where it explains no more than another effect as simple, a trace names the
+    that is, or one that a study has to offer). stated: places at which it is declared and not offered, because another effect
+    is traced there that says the same. free_at: parameter -> places at which it may be free; elsewhere it is held, because it
+    changes nothing there. rare: where it explains no more than another effect as simple, a trace names the
     other one. label: tells effects of one name at one place apart, as two resonances. An effect that can be at a joint and at a sensor is the same map of both, and takes its port from `at`.
+    family: class of causes, of which the law is a second question (docs/architecture.md has the list). reduces: parameter ->
+    (neutral value, name of the simpler effect that it then is, "" for none): a number, or TWO_COUNTS for a length of no more
+    than that. parts: names of the simpler effects that a composite joins. knots: parameters that are held by definition, as
+    where a table has its values; no data sheet gave them, so none is wrong.
     """
 
     name: str
@@ -65,26 +73,40 @@ class Effect:
     at: str = "axis"
     border: Border | None = None
     traced: bool = True
+    stated: tuple[str, ...] = ()
+    free_at: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     rare: bool = False
     label: str = ""
+    family: str = ""
+    reduces: Mapping[str, tuple[float | str, str]] = field(default_factory=dict)
+    parts: tuple[str, ...] = ()
+    knots: tuple[str, ...] = ()
 
     def __post_init__(self):
         if not re.fullmatch(r"[\w-]*", self.label):
             raise WorkbenchError(f"effect '{self.name}': label '{self.label}' must be letters, digits, '-' or '_'.")
         if {"joint", "sensor"} <= set(self.places):
             object.__setattr__(self, "port", SENSOR if self.at.startswith("sensor") else ANGLE)
-        for name in ("parameters", "states"):
+        if self.at in DRIVE_CHANNELS:  # a map of what is a torque or a force there
+            there = {n: replace(p, unit=re.sub(r"\bx\b", "F", p.unit)) for n, p in self.parameters.items()}
+            object.__setattr__(self, "parameters", there)
+        held = {
+            n: replace(self.parameters[n], fixed=True) for n, places in self.free_at.items() if self.at not in places
+        }
+        object.__setattr__(self, "parameters", {**self.parameters, **held})
+        for name in ("parameters", "states", "free_at", "reduces"):
             object.__setattr__(self, name, MappingProxyType(dict(getattr(self, name))))
         if self.port not in PORTS:
             raise WorkbenchError(f"effect '{self.name}': unknown port '{self.port}'; {nearest(self.port, PORTS)}")
         for signal in (*self.reads, *self.provides):
             if signal not in SIGNALS:
                 raise WorkbenchError(f"effect '{self.name}': unknown signal '{signal}'; {nearest(signal, SIGNALS)}")
-        for name in self.linear:
-            if name not in self.parameters:
-                raise WorkbenchError(
-                    f"effect '{self.name}': linear parameter '{name}' is not declared; {nearest(name, self.parameters)}"
-                )
+        for what, names in {"linear": self.linear, "reducing": self.reduces, "held": self.knots}.items():
+            for name in names:
+                if name not in self.parameters:
+                    raise WorkbenchError(
+                        f"effect '{self.name}': {what} parameter '{name}' is not declared; {nearest(name, self.parameters)}"
+                    )
 
     @cached_property
     def key(self) -> str:
@@ -156,6 +178,20 @@ class Effect:
                 )
             parameters[name] = replace(p.at(inside[name], where=f"{where}: {self.name}.{name}"), fixed=hold)
         return replace(self, parameters=parameters)
+
+
+def simpler(effect: Effect, intervals: Mapping[str, tuple[float, float]], counts: float) -> str | None:
+    """Return the name of the simpler effect that this one is, "" where it is none at all, None where it is itself.
+
+    intervals: inside parameter -> (low, high), SI; a parameter without one stands at its value. counts: the encoder's step, SI.
+    A parameter is neutral where its interval holds the neutral value or, of TWO_COUNTS, reaches down to two counts.
+    """
+    for name, (neutral, left) in effect.reduces.items():
+        value = effect.parameters[name].value
+        low, high = intervals.get(name, (value, value))
+        if low <= 2.0 * counts if neutral == TWO_COUNTS else low <= neutral <= high:
+            return left
+    return None
 
 
 def namespace(**values) -> SimpleNamespace:

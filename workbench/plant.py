@@ -4,11 +4,11 @@ Composition is `plant + effect`. What is computed from a plant (columns, simulat
 """
 
 import hashlib
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from math import inf
 
-from workbench.effect import Effect, catalogue
+from workbench.effect import FORCE, Effect, catalogue
 from workbench.errors import WorkbenchError, nearest
 
 ONE_MASS, TWO_MASS = "one mass", "two mass"
@@ -16,6 +16,7 @@ KINDS = (ONE_MASS, TWO_MASS)
 MASSES = {ONE_MASS: "one mass", TWO_MASS: "two masses"}  # as a sentence has it: a plant of two masses
 PLACES = {ONE_MASS: ("axis",), TWO_MASS: ("motor", "load", "joint")}
 SENSORS = ("position", "load_position")
+DRIVES = {True: "torque", False: "force"}  # of a rotary axis, or a linear one: the channel that reports the drive
 
 
 @dataclass(frozen=True)
@@ -34,12 +35,16 @@ class Limits:
     speed: float = inf
 
 
-def places(kind: str, effect: Effect) -> tuple[str, ...]:
-    """Return where `effect` can act on a plant of this kind ("axis"; "motor", "load", "joint"; "command"; "sensor.position")."""
+def places(kind: str, effect: Effect, rotary: bool = True) -> tuple[str, ...]:
+    """Return where `effect` can act on a plant of this kind ("axis"; "motor", "load", "joint"; "command"; "sensor.position").
+
+    An effect whose places have "drive" can be at the drive's own channel, too: "sensor.torque", or "sensor.force".
+    """
     sensors = tuple(f"sensor.{s}" for s in SENSORS[: 1 if kind == ONE_MASS else 2])
     bodies = tuple(p for p in PLACES[kind] if p in effect.places)
+    drive = (f"sensor.{DRIVES[rotary]}",) if "drive" in effect.places else ()
     # a map that can be at a joint and at a sensor acts in the joint where there is one
-    return bodies or tuple(p for p in ("command", *sensors) if p.split(".")[0] in effect.places)
+    return bodies or (*(p for p in ("command", *sensors) if p.split(".")[0] in effect.places), *drive)
 
 
 @dataclass(frozen=True)
@@ -57,7 +62,7 @@ class Plant:
             raise WorkbenchError(f"unknown plant '{self.kind}'; {nearest(self.kind, KINDS)}")
         seen = set()
         for e in self.effects:
-            allowed = places(self.kind, e)
+            allowed = places(self.kind, e, self.rotary)
             motion = "rotary" if self.rotary else "linear"
             if motion not in e.motions:
                 raise WorkbenchError(
@@ -130,10 +135,48 @@ class Plant:
         return hashlib.sha256("\n".join(self.digest_lines()).encode()).hexdigest()
 
 
+LOAD_SIGNALS = ("tau", "tau_inertia")
+STILL = (
+    "q",
+    "t",
+    "ratio",
+    "pole_pairs",
+    "locked",
+    "temperature",
+    "normal",
+)  # what a force may read that no motion makes
+
+
+def reads_load(effect: Effect) -> bool:
+    """Whether a force follows the torque that its contact carries."""
+    return effect.port == FORCE and bool(set(effect.reads) & set(LOAD_SIGNALS))
+
+
+def stands_still(effect: Effect) -> bool:
+    """Whether a force is there whether or not anything moves: gravity, springs, a constant load."""
+    return not effect.states and set(effect.reads) <= set(STILL)
+
+
+def carried(plant_kind: str, place: str, effects: Iterable[Effect]) -> tuple[list[Effect], list[Effect]]:
+    """Return the forces that make up (tau, tau_inertia) at a place: the torque that a contact there carries, by the model.
+
+    Of two masses tau is the joint's torque, at the motor, at the load and in the joint alike, and tau_inertia is zero: what
+    is accelerated behind the joint is in its torque. Of one mass tau is what passes a gear at standstill (`stands_still`), and
+    tau_inertia the torque of inertia, of which a share lies behind the contact: only an effect's own parameter can say which.
+    Friction is in neither: of one mass nothing tells what of it lies behind the gear, and most lies at the gear's fast side.
+    The measured drive never is: a prediction that saw it would be none.
+    """
+    here = "joint" if plant_kind == TWO_MASS else place
+    forces = [e for e in effects if e.port == FORCE and e.at == here and not reads_load(e)]
+    if plant_kind == TWO_MASS:
+        return forces, []
+    return [e for e in forces if stands_still(e)], [e for e in forces if "a" in e.reads]
+
+
 def freed(plant: Plant) -> Plant:
     """Return the plant with every parameter free that is a value: one held by definition (an exponent) stays held."""
     known = catalogue()
     for e in plant.effects:
         by_definition = {n for n, p in known[e.name].parameters.items() if p.fixed} if e.name in known else set()
-        plant = plant.swap(e.free(*(n for n in e.parameters if n not in by_definition)))
+        plant = plant.swap(e.free(*(n for n in e.parameters if n not in by_definition and n not in e.knots)))
     return plant

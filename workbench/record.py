@@ -29,8 +29,9 @@ class Record:
     name: the file's stem. role: "identification" or "validation". time: (n,) s, the bench clock, uniform.
     channels: name -> (n,) array in SI; "torque" or "force", "position", and further channels as measured.
     units: name -> SI unit string. resolution: name -> encoder step in SI, where known. locked: the load is held.
-    counts_from: s; before it no error counts: earlier samples only bring operators with memory into their state. All
-    arrays are made read-only.
+    counts_from: s; before it no error counts: earlier samples only bring operators with memory into their state. zero: rad
+    or m that was added to load_position because the two encoders' zeros lie apart; None where they are one. All arrays are
+    made read-only.
     """
 
     name: str
@@ -43,6 +44,7 @@ class Record:
     motion: str = ""
     locked: bool = False
     counts_from: float = -inf
+    zero: float | None = None
 
     def __post_init__(self):
         for array in (self.time, *self.channels.values()):

@@ -102,7 +102,8 @@ EFFECTS: dict[str, Kind] = {
         bases=(*PLAIN, "two mass"),
     ),
     "load_dependent_friction": Kind(
-        "load_dependent_friction", lambda r, b: (0.05,), ("mu",), "loaded", bases=(*PLAIN, "two mass")
+        "load_dependent_friction", lambda r, b: (0.05, r.uniform(0.4, 1.0)), ("mu", "share"), "loaded",
+        bases=(*PLAIN, "two mass"),
     ),
     "friction_drift": Kind(
         "friction_drift", lambda r, b: (3e-4 * sign(r), 0.0), ("rate", "from"), "drift", bases=(*PLAIN, "two mass")

@@ -172,7 +172,8 @@ def weight(p, s, q, v, d, t, u):
 
 @numba.njit(cache=True)
 def loaded(p, s, q, v, d, t, u):
-    return p[0] * abs(u) * d
+    """Friction by the torque that the gear passes on, which the integrator leaves in s[0]."""
+    return p[0] * abs(s[0]) * d
 
 
 @numba.njit(cache=True)
@@ -320,6 +321,15 @@ def every_law():
 
 
 TOTAL = every_law()
+LOADED, OFFSET, CABLE, WEIGHT = (ROW[n] for n in ("loaded", "offset", "cable", "weight"))
+
+
+@numba.njit(cache=True)
+def standing(p, s, places, q):
+    """What of one mass pulls at the gear at rest: a constant load, a spring, a weight."""
+    total = offset(p[OFFSET], s[OFFSET], q, 0.0, 0.0, 0.0, 0.0) if places[OFFSET] == MOVER else 0.0
+    total += cable(p[CABLE], s[CABLE], q, 0.0, 0.0, 0.0, 0.0) if places[CABLE] == MOVER else 0.0
+    return total + (weight(p[WEIGHT], s[WEIGHT], q, 0.0, 0.0, 0.0, 0.0) if places[WEIGHT] == MOVER else 0.0)
 
 
 # --- the integrator ---------------------------------------------------------------------------------------------------
@@ -368,6 +378,7 @@ def simulate(axis, p, places, start, reference, speed, injected, closed, locked,
     damping = (axis.viscous, axis.load_viscous, axis.c2)
     friction = (axis.h0, axis.load_h, axis.h2)
     q, v, ql, vl, applied, before = 0.0, 0.0, slid(axis, start), 0.0, 0.0, 0.0  # at rest, the joint relaxed
+    pull, gained = 0.0, 0.0  # of the joint, and the acceleration, a step before
     ts = PER_CONTROL * H
     smooth = 1.0 - np.exp(-2.0 * np.pi * 250.0 * ts)
     gain, stiffness = (axis.inertia + axis.load_inertia) * 2.0 * np.pi * 22.0, 2.0 * np.pi * 6.0
@@ -420,13 +431,15 @@ def simulate(axis, p, places, start, reference, speed, injected, closed, locked,
             at[JOINT] = x - axis.gap * np.sign(x) if taken else 0.0
             pace[JOINT] = by_motor * v - vl if taken else 0.0
             dry[JOINT] = rub(points[2], memory[2], at[JOINT], axis.rate2) if axis.rate2 > 0.0 else 0.0
+        s[LOADED, 0] = pull if two else standing(p, s, places, q) + p[LOADED, 1] * axis.inertia * gained
         for place in range(3 if two else 1):
             force[place] = damping[place] * pace[place] + friction[place] * dry[place]
             force[place] += TOTAL(p, s, places, place, at[place], pace[place], dry[place], t, applied)
         if axis.h1 != 0.0:
             force[MOVER] += axis.h1 * rub(points[1], memory[1], q, axis.rate1)
         pull = force[JOINT] + axis.k2 * at[JOINT]
-        v += H * (applied - force[MOVER] - by_motor * pull) / axis.inertia
+        gained = (applied - force[MOVER] - by_motor * pull) / axis.inertia
+        v += H * gained
         if two and not locked:
             vl += H * (pull - force[LOAD]) / axis.load_inertia
             ql += H * vl

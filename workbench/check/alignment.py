@@ -27,16 +27,21 @@ def misaligned(seen: Seen) -> Iterator[Finding]:
 
 
 def apart(seen: Seen) -> Iterator[Finding]:
-    """Say where two encoders, or a position and its reference, are shifted in time as no axis shifts them."""
+    """Say where two encoders are shifted in time as no axis shifts them; less of it is said by their angle (`check.clocks`)."""
     for r in seen.campaign.records:
         if "load_position" in r.channels and not r.locked:
             late = lag_of(r.channels["load_position"], r.channels["position"], r.dt, seen.campaign.bandwidth)
             if abs(late) > max(LATE, 1.5 * r.dt):
-                yield _apart(r.name, "load_position", "position", late, "the joint carries motion at once")
+                yield shifted_apart(r.name, "load_position", "position", late, "the joint carries motion at once")
+
+
+def ahead(seen: Seen) -> Iterator[Finding]:
+    """Say where a position comes before its reference."""
+    for r in seen.campaign.records:
         if "reference" in r.channels:
             late = lag_of(r.channels["position"], r.channels["reference"], r.dt, seen.campaign.bandwidth)
             if late < -max(LATE, 1.5 * r.dt):
-                yield _apart(r.name, "position", "reference", late, "no axis moves before it is told to")
+                yield shifted_apart(r.name, "position", "reference", late, "no axis moves before it is told to")
 
 
 def lag_of(x: np.ndarray, of: np.ndarray, dt: float, bandwidth: float) -> float:
@@ -59,7 +64,8 @@ def lag_of(x: np.ndarray, of: np.ndarray, dt: float, bandwidth: float) -> float:
     return float((shifts[k] + 0.5 * (before - after) / (before - 2 * at + after)) * dt)
 
 
-def _apart(record: str, channel: str, other: str, late: float, why: str) -> Finding:
+def shifted_apart(record: str, channel: str, other: str, late: float, why: str) -> Finding:
+    """Return the finding that one channel of a record stands `late` s after another one."""
     word = "after" if late > 0 else "before"
     return Finding(
         "misaligned", f"{record}.{channel}",

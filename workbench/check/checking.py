@@ -5,7 +5,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from workbench.campaign import load
-from workbench.check import alignment, channels, excitation, modes, sampling, scale, sign
+from workbench.check import alignment, channels, clocks, excitation, modes, sampling, scale, sign
 from workbench.check.seen import Seen
 from workbench.errors import UnsoundRecord
 from workbench.finding import Finding
@@ -19,6 +19,8 @@ STAGES = (
     (scale.encoders, True),
     (channels.unsound, True),
     (alignment.apart, True),
+    (clocks.skewed, True),
+    (alignment.ahead, True),
     (alignment.misaligned, False),
     (sign.signs, True),
     (scale.drives, True),

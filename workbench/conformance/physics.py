@@ -8,7 +8,18 @@ from workbench.conformance.result import within
 from workbench.conformance.scene import along, drawn, output, scene
 from workbench.effect import Effect
 
-TURNED = ("q", "dq", "v", "a", "u", "tau", "dir", "motor_q", "load_q")  # signals that change sign with the motion
+TURNED = (
+    "q",
+    "dq",
+    "v",
+    "a",
+    "u",
+    "tau",
+    "tau_inertia",
+    "dir",
+    "motor_q",
+    "load_q",
+)  # signals that change sign with the motion
 STATIC = ("q", "motor_q", "load_q", "ratio", "pole_pairs")  # what a conservative force may depend on
 CYCLE = 2000  # samples
 GIVEN = 1e-6  # share of the force times the path that a passive force may seem to give, by the rule of the integral

@@ -8,12 +8,12 @@ import numpy as np
 
 from workbench.conformance.result import within
 from workbench.conformance.scene import drawn, output, scene
-from workbench.effect import COMMAND, FORCE, Effect, find
+from workbench.effect import FORCE, Effect, find
 from workbench.identify.fit import identify
 from workbench.identify.passes import Passes, predicted
 from workbench.motion import motion
 from workbench.parameter import Parameter
-from workbench.plant import ONE_MASS, Plant
+from workbench.plant import ONE_MASS, Plant, reads_load
 from workbench.record import IDENTIFICATION, Record, Source
 
 SAMPLES = 3000
@@ -72,10 +72,9 @@ def on_axis(effect: Effect) -> Effect:
         plant = Plant(ONE_MASS, (find("inertia")(inertia=size, fixed=True), effect))
         if "dir" in effect.provides and not effect.linear:  # a direction without a force shows in what reads it
             plant += find("coulomb_friction")(coulomb=1.0, fixed=True)
+    if reads_load(effect):  # the load is not of motion alone
+        plant += find("cable_spring")(fixed=True, stiffness=1.0 / float(np.sqrt(np.mean(here.motion.q**2))))
     drive = predicted(here, plant)
-    if {"tau", "u"} & set(effect.reads) and effect.port != COMMAND:
-        for _ in range(40):  # a force that reads the torque: what it asks for must be what it has read
-            drive = predicted(passes(effect, drive), plant)
     begun = {n: replace(start(p), value=0.0) if n in effect.linear else start(p) for n, p in effect.parameters.items()}
     begun = {n: replace(p, value=float(np.clip(p.value, p.lower, p.upper))) for n, p in begun.items()}
     return identify(plant.swap(replace(effect, parameters=begun)), [passes(effect, drive)]).plant[effect.key]

@@ -62,6 +62,7 @@ def scene(effect: Effect, samples: int = 600, faster: float = 1.0) -> Scene:
         "t": dt * np.arange(samples),
         "u": wave(shift=0.7),
         "tau": wave(shift=1.9),
+        "tau_inertia": 0.8 * wave(shift=0.3),
         "dir": v / (np.abs(v) + 0.02 * np.abs(v).max()),
         "motor_q": 1.3 * q,
         "load_q": 0.7 * q,

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
-from workbench.conformance import arithmetic, memory, physics, recovery, slopes, written
+from workbench.conformance import arithmetic, memory, physics, prediction, recovery, slopes, written
 from workbench.conformance.result import Result
 from workbench.effect import FORCE, Effect
 from workbench.errors import WorkbenchError
@@ -45,6 +45,7 @@ PROPERTIES: dict[str, tuple[Callable[[Effect], bool], Callable[[Effect], tuple[b
     "wiping out": (claims("masing"), memory.wiping_out),
     "virgin curve": (lambda e: e.virgin is not None, memory.virgin_curve),
     "describing function": (can_be_described, memory.describing),
+    "prediction": (always, prediction.sees_no_drive),
     "recovered": (always, recovery.recovered),
 }
 

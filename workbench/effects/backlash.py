@@ -1,6 +1,6 @@
 """Lost motion in a joint."""
 
-from workbench.effect import ANGLE, Effect, effect
+from workbench.effect import ANGLE, TWO_COUNTS, Effect, effect
 from workbench.effects.elementary import clip
 from workbench.parameter import Parameter
 
@@ -18,6 +18,8 @@ def backlash() -> Effect:
         formula="x_eff = x - clip(x, -b, b)",
         source="Nordin and Gutman 2002",
         port=ANGLE,
+        family="joint stiffness",
+        reduces={"half_width": (TWO_COUNTS, "")},
         parameters={"half_width": Parameter(1e-4, "x", "half of the gap", lower=1e-12, scale="stroke")},
         reads=("q",),
         step=step,

@@ -71,6 +71,7 @@ def multi_body_compliance() -> Effect:
         formula="x = (T_f/K_f) atan(T/T_f) + (T_w/K_w) (1 - exp(-|T|/T_w)) sgn(T)",
         source="Zhang, Ahmad, Liu 2015",
         port=FORCE,
+        family="joint stiffness",
         parameters={
             "torque": Parameter(0.0, "F", "T_f: torque at which the flexspline is twice as stiff", lower=0.0),
             "x_f": Parameter(1e-3, "x", "T_f over the flexspline's stiffness", lower=1e-12, scale="stroke"),

@@ -2,7 +2,7 @@
 
 import casadi as ca
 
-from workbench.effect import FORCE, Effect, effect
+from workbench.effect import FORCE, TWO_COUNTS, Effect, effect
 from workbench.effects.elementary import clip
 from workbench.parameter import Parameter
 
@@ -25,6 +25,8 @@ def presliding_length() -> Effect:
         formula="dir = x/r, x <- clip(x + dq, -r, r)",
         source="Prandtl 1928; stop operator, Krasnosel'skii and Pokrovskii 1989",
         port=FORCE,
+        family="friction with memory",
+        reduces={"length": (TWO_COUNTS, "")},
         parameters={"length": Parameter(1e-3, "x", "displacement at which it slips", lower=1e-12, scale="stroke")},
         states={"x": 1},
         reads=("dq",),

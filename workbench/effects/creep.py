@@ -32,6 +32,7 @@ def creep(elements: int = 2) -> Effect:
         formula="T = sum kj (q - lj), dlj/dt = rate_j (q - lj)",
         source="Krejci and Kuhnen 2001 (linear creep operators); Maxwell 1867",
         port=FORCE,
+        family="creep",
         parameters=springs
         | {
             "rate": Parameter(1.0, "1/s", "rate of the slowest element", lower=1e-6, scale="rate"),

@@ -7,21 +7,32 @@ from workbench.parameter import Parameter
 
 @effect
 def load_dependent_friction() -> Effect:
-    """T = mu |tau| dir. tau: the torque through the joint; on one mass the applied drive, never J a."""
+    """T = mu |tau + share tau_inertia| dir: friction in proportion to the torque that the contact carries, as the model has it.
+
+    Of two masses tau is the joint's torque. Of one mass it is what passes the gear at standstill (gravity, springs, a constant
+    load), tau_inertia is the torque of inertia, and share how much of that lies behind the contact. Where the axis carries
+    nothing at standstill only mu share is determined. The measured drive has no part in it: u = R + mu |load| dir is solved for u.
+    """
 
     def step(s, z, p):
-        return {}, p.mu * absolute(s.tau) * s.dir
+        return {}, p.mu * absolute(s.tau + p.share * s.tau_inertia) * s.dir
 
     return Effect(
         name="load_dependent_friction",
         cause="tooth and bearing contacts rub in proportion to the torque that they carry",
-        formula="T = mu |tau| dir",
+        formula="T = mu |tau + share tau_inertia| dir",
         source="Bittencourt and Gunnarsson 2012; Amontons' law",
         port=FORCE,
-        parameters={"mu": Parameter(0.0, "1", "friction per torque carried", lower=0.0, upper=1.0)},
+        family="friction over load",
+        reduces={"mu": (0.0, "")},
+        parameters={
+            "mu": Parameter(0.0, "1", "friction per torque carried", lower=0.0, upper=1.0),
+            "share": Parameter(0.5, "1", "share of inertia behind the contact", lower=0.0, upper=1.0, scale="number"),
+        },
         linear=("mu",),
-        reads=("tau", "dir"),
+        reads=("tau", "tau_inertia", "dir"),
         step=step,
+        free_at={"share": ("axis",)},
         holds=("passive",),
     )
 
@@ -42,6 +53,8 @@ def friction_drift() -> Effect:
         formula="T = r t dir",
         source="Simoni, Beschi, Legnani, Visioli 2015 (friction and temperature)",
         port=FORCE,
+        family="friction over time",
+        reduces={"rate": (0.0, "")},
         parameters={"rate": Parameter(0.0, "F/s", "change of Coulomb friction per time")},
         linear=("rate",),
         reads=("t", "dir"),

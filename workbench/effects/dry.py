@@ -18,6 +18,7 @@ def coulomb_friction() -> Effect:
         formula="T = Fc dir",
         source="Coulomb 1785; smooth direction after Al-Bender, Lampaert, Swevers 2005",
         port=FORCE,
+        family="friction over speed",
         parameters={"coulomb": Parameter(0.0, "F", "Coulomb friction", lower=0.0)},
         linear=("coulomb",),
         reads=("dir",),
@@ -39,6 +40,8 @@ def stribeck_friction() -> Effect:
         formula="T = dF exp(-(v/vs)^2) dir",
         source="Stribeck 1902; Armstrong-Helouvry, Dupont, Canudas de Wit 1994",
         port=FORCE,
+        family="friction over speed",
+        reduces={"drop": (0.0, "")},
         parameters={
             "drop": Parameter(0.0, "F", "static less Coulomb friction", lower=0.0),
             "speed": Parameter(0.1, "x/s", "Stribeck velocity", lower=1e-9, scale="speed"),
@@ -63,6 +66,8 @@ def coulomb_asymmetry() -> Effect:
         formula="T = dFc |dir| + db |v|",
         source="Janot, Gautier, Brunot 2019 (asymmetric friction)",
         port=FORCE,
+        family="friction over speed",
+        reduces={"coulomb_difference": (0.0, "viscous_asymmetry")},
         parameters={
             "coulomb_difference": Parameter(0.0, "F", "half the difference of Coulomb friction, forward less backward"),
             "viscous_difference": Parameter(0.0, "F*s/x", "half the difference of viscous friction"),

@@ -1,6 +1,6 @@
 """Fading memory: a force that forgets exponentially over the distance travelled (Dahl's friction)."""
 
-from workbench.effect import FORCE, Border, Effect, effect
+from workbench.effect import FORCE, TWO_COUNTS, Border, Effect, effect
 from workbench.effects.elementary import absolute, exp, sign0
 from workbench.parameter import Parameter
 
@@ -45,6 +45,8 @@ def fading_memory(elements: int = 1) -> Effect:
         formula="dT/dt + alpha |dq/dt| T = A dq/dt",
         source="Dahl 1968; as memory model of harmonic drives, Dhaouadi, Ghorbel, Gandhi 2003",
         port=FORCE,
+        family="friction with memory",
+        reduces={"x0": (TWO_COUNTS, "coulomb_friction")} if elements == 1 else {},
         parameters=inside,
         linear=tuple(f"h{t}" for t in tags),
         states={f"z{t}": 1 for t in tags},

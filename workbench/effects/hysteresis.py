@@ -6,7 +6,7 @@ y(x) holds Masing's rule: after a reversal the curve is y stretched by two (Al-B
 
 import casadi as ca
 
-from workbench.effect import FORCE, Border, Effect, effect, namespace
+from workbench.effect import FORCE, TWO_COUNTS, Border, Effect, effect, namespace
 from workbench.effects.elementary import clip, exp, expm1, log, minimum, power
 from workbench.parameter import Parameter
 
@@ -63,6 +63,8 @@ def presliding_hysteresis(elements: int = ELEMENTS) -> Effect:
         formula="virgin curve h0 (1 - exp(-a x^d)), Masing's rule",
         source="Al-Bender, Lampaert, Swevers 2005; Tjahjowidodo, Al-Bender, Van Brussel 2013",
         port=FORCE,
+        family="friction with memory",
+        reduces={"x0": (TWO_COUNTS, "coulomb_friction")},
         parameters={
             "h0": Parameter(0.0, "F", "height: Coulomb friction when sliding", lower=0.0),
             "x0": Parameter(1e-3, "x", "presliding length", lower=1e-12, scale="stroke"),
@@ -118,6 +120,7 @@ def maxwell_slip(slips: tuple[float, ...], *, searched: bool = False) -> Effect:
         formula="T = sum k_i x_i, x_i <- clip(x_i + dq, -D_i, D_i)",
         source="Iwan 1966; Lampaert, Al-Bender, Swevers 2003",
         port=FORCE,
+        family="friction with memory",
         parameters=stiff | slip,
         linear=tuple(springs),
         states={"x": len(slips)},

@@ -17,6 +17,7 @@ def inertia() -> Effect:
         formula="T = J a",
         source="Newton's second law",
         port=FORCE,
+        family="inertia",
         parameters={"inertia": Parameter(0.0, "F*s^2/x", "moment of inertia or mass", lower=0.0)},
         linear=("inertia",),
         reads=("a",),

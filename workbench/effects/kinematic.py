@@ -14,7 +14,7 @@ PHASE = Parameter(0.0, "rad", "phase")
 
 def border(*rest: str) -> Border:
     """Amplitude and phase outside, A sin(angle + phase); sine and cosine amplitudes inside; `rest` unchanged."""
-    others = {"order": ORDER, "turns": TURNS}
+    others = {"order": ORDER, "turns": TURNS, "zero": ZERO}
     outside = {"amplitude": Parameter(0.0, "x", "amplitude of the error", lower=0.0), "phase": PHASE}
 
     def inward(o):
@@ -28,6 +28,7 @@ def border(*rest: str) -> Border:
     return Border(parameters=outside | {n: others[n] for n in rest}, inward=inward, outward=outward)
 
 
+ZERO = Parameter(0.0, "x", "by how much one encoder's zero is off where the joint is relaxed", scale="number")
 TURNS = Parameter(1.0, "1", "turns of the encoder per turn of the output", lower=1e-9, fixed=True, scale="number")
 AMPLITUDES = {
     "sine": Parameter(0.0, "x", "sine amplitude of the error"),
@@ -47,20 +48,23 @@ def kinematic_error() -> Effect:
 
     def step(s, z, p):
         angle = p.order * s.motor_q
-        return {}, s.q + (p.sine * sin(angle) + p.cosine * cos(angle))
+        return {}, s.q + (p.sine * sin(angle) + p.cosine * cos(angle)) - p.zero
 
     return Effect(
         name="kinematic_error",
         cause="tooth and wave-generator errors of the gear: the output leads and lags, periodic in the motor's turn",
-        formula="x_eff = x + A sin(k q_m + p)",
+        formula="x_eff = x + A sin(k q_m + p) - x0",
         source="Tuttle and Seering 1996; Ghorbel, Gandhi, Alpeter 2001",
         port=ANGLE,
-        parameters=AMPLITUDES | {"order": ORDER},
+        family="angle over angle",
+        reduces={"order": (1.0, "encoder_eccentricity")},
+        parameters=AMPLITUDES | {"order": ORDER, "zero": ZERO},
+        free_at={"zero": ("joint",)},
         reads=("q", "motor_q"),
         step=step,
         places=("joint", "sensor"),
         at="joint",
-        border=border("order"),
+        border=border("order", "zero"),
     )
 
 
@@ -70,19 +74,21 @@ def encoder_eccentricity() -> Effect:
 
     def step(s, z, p):
         angle = p.turns * s.q
-        return {}, s.q + (p.sine * sin(angle) + p.cosine * cos(angle))
+        return {}, s.q + (p.sine * sin(angle) + p.cosine * cos(angle)) - p.zero
 
     return Effect(
         name="encoder_eccentricity",
         cause="an encoder disc mounted off its axis: the reading is wrong once per turn",
-        formula="y = q + A sin(n q + p)",
+        formula="y = q + A sin(n q + p) - x0",
         source="geometry of a disc read at one place",
         port=SENSOR,
-        parameters=AMPLITUDES | {"turns": TURNS},
+        family="angle over angle",
+        parameters=AMPLITUDES | {"turns": TURNS, "zero": ZERO},
+        free_at={"zero": ("sensor.load_position",)},
         reads=("q",),
         step=step,
         places=("sensor",),
         motions=("rotary",),
         at="sensor.position",
-        border=border("turns"),
+        border=border("turns", "zero"),
     )

@@ -1,6 +1,6 @@
 """LuGre friction: bristles that deflect, slip, and are fewer at speed."""
 
-from workbench.effect import FORCE, Effect, effect
+from workbench.effect import FORCE, TWO_COUNTS, Effect, effect
 from workbench.effects.elementary import absolute, exp, sign0, square
 from workbench.parameter import Parameter
 
@@ -26,6 +26,9 @@ def lugre_friction() -> Effect:
         formula="T = s0 z + s1 dz/dt, dz/dt = v - |v| z/g(v), g = x0 (1 + r exp(-(v/vs)^2))",
         source="Canudas de Wit, Olsson, Astrom, Lischinsky 1995",
         port=FORCE,
+        family="friction with memory",
+        reduces={"ratio": (0.0, "fading_memory"), "x0": (TWO_COUNTS, "stribeck_friction")},
+        parts=("presliding_hysteresis", "stribeck_friction"),
         parameters={
             "sigma0": Parameter(0.0, "F/x", "stiffness of the bristles", lower=0.0),
             "sigma1": Parameter(0.0, "F*s/x", "damping of the bristles", lower=0.0),

@@ -35,6 +35,7 @@ def flexible_mode() -> Effect:
         formula="T = -m (w^2 y + 2 zeta w dy/dt), d2y/dt2 + 2 zeta w dy/dt + w^2 y = -a",
         source="Den Hartog, Mechanical Vibrations, 1956",
         port=FORCE,
+        family="mode",
         parameters={
             "mass": Parameter(0.0, "F*s^2/x", "inertia or mass of the part that swings", lower=0.0),
             "frequency": Parameter(50.0, "Hz", "its frequency with the axis held", lower=1e-3, scale="rate"),

@@ -53,6 +53,7 @@ def cogging(harmonics: int = 2) -> Effect:
         formula=" + ".join(f"A{i} sin({'' if i == 1 else f'{i} '}k q + p{i})" for i in numbers).join(("T = ", "")),
         source="Hanselman, Brushless Permanent Magnet Motor Design, 2003",
         port=FORCE,
+        family="force over position",
         parameters=inside | {"order": ORDER},
         linear=tuple(inside),
         reads=("q",),
@@ -83,6 +84,7 @@ def cyclic_friction() -> Effect:
         formula="T = (ad cos(k q) + bd sin(k q)) dir + (av cos(k q) + bv sin(k q)) v",
         source="Armstrong-Helouvry 1991 (position-dependent friction); products of the harmonic-drive review's (A + B v)",
         port=FORCE,
+        family="friction over position",
         parameters={
             "cosine": Parameter(0.0, "F", "cosine amplitude of Coulomb friction"),
             "sine": Parameter(0.0, "F", "sine amplitude of Coulomb friction"),

@@ -20,6 +20,8 @@ def preload_friction() -> Effect:
         formula="T = b v + Fs dir",
         source="Abramovitch, Wang, Franklin 1994 (disk drive pivot nonlinearity)",
         port=FORCE,
+        family="friction over speed",
+        reduces={"viscous": (0.0, "coulomb_friction"), "preload": (0.0, "viscous_friction")},
         parameters={
             "viscous": Parameter(0.0, "F*s/x", "viscous coefficient", lower=0.0),
             "preload": Parameter(0.0, "F", "preload friction", lower=0.0),
@@ -47,6 +49,7 @@ def two_slope_stiffness() -> Effect:
         formula="T = ka clip(q, -xs, xs) + kb (q - clip(q, -xs, xs))",
         source="Abramovitch, Wang, Franklin 1994 (disk drive pivot nonlinearity)",
         port=FORCE,
+        family="force over position",
         parameters={
             "inner": Parameter(0.0, "F/x", "stiffness inside the knee", lower=0.0),
             "outer": Parameter(0.0, "F/x", "stiffness outside the knee", lower=0.0),

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 
-from workbench.effect import FORCE, Effect, effect
+from workbench.effect import FORCE, TWO_COUNTS, Effect, effect
 from workbench.effects.elementary import clip, maximum, minimum
 from workbench.errors import WorkbenchError
 from workbench.parameter import Parameter
@@ -28,6 +28,8 @@ def stop() -> Effect:
         formula="T = k w, w <- clip(w + dq, -r, r)",
         source="Krasnosel'skii and Pokrovskii 1989",
         port=FORCE,
+        family="friction with memory",
+        reduces={"radius": (TWO_COUNTS, "coulomb_friction")},
         parameters={
             "stiffness": Parameter(0.0, "F/x", "stiffness before it slips", lower=0.0),
             "radius": radius(meaning="deflection at which it slips"),
@@ -62,6 +64,7 @@ def play() -> Effect:
         formula="T = k y, y <- clip(y, x - r, x + r)",
         source="Krasnosel'skii and Pokrovskii 1989",
         port=FORCE,
+        family="friction with memory",
         parameters={"stiffness": Parameter(0.0, "F/x", "stiffness behind the play"), "radius": radius()},
         linear=("stiffness",),
         states={"w": 1, "y": 1},
@@ -98,6 +101,7 @@ def play_bank(radii: Sequence[float], weights: Sequence[float] = ()) -> Effect:
         formula="T = c0 x + sum ci play_i(x)",
         source="Kuhnen 2003 (modified Prandtl-Ishlinskii operator)",
         port=FORCE,
+        family="friction with memory",
         parameters={
             n: Parameter(0.0, "F/x", f"weight of play {i}" if i else "weight of x") for i, n in enumerate(names)
         },

@@ -22,6 +22,7 @@ def gravity() -> Effect:
         formula="T = mgl sin(q + phase)",
         source="rigid-body statics",
         port=FORCE,
+        family="force over position",
         parameters={
             "sine": Parameter(0.0, "F", "amplitude with the sine of position"),
             "cosine": Parameter(0.0, "F", "amplitude with the cosine of position"),
@@ -56,6 +57,8 @@ def cable_spring() -> Effect:
         formula="T = k (q - rest)",
         source="Hooke's law",
         port=FORCE,
+        family="force over position",
+        reduces={"stiffness": (0.0, "constant_offset")},
         parameters={
             "stiffness": Parameter(0.0, "F/x", "stiffness to ground", lower=0.0),
             "preload": Parameter(0.0, "F", "force at position zero"),
@@ -92,6 +95,7 @@ def constant_offset() -> Effect:
         formula="T = T0",
         source="measurement practice",
         port=FORCE,
+        family="force over position",
         parameters={"offset": Parameter(0.0, "F", "offset")},
         linear=("offset",),
         step=step,

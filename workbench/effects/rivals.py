@@ -1,6 +1,6 @@
 """Hysteresis of a flexspline without memory, as the harmonic-drive literature has it: for comparison, not for a trace."""
 
-from workbench.effect import FORCE, Effect, effect
+from workbench.effect import FORCE, TWO_COUNTS, Effect, effect
 from workbench.effects.elementary import absolute, power, tanh
 from workbench.parameter import Parameter
 
@@ -21,6 +21,8 @@ def hyperbolic_friction() -> Effect:
         formula="T = (Fc + Fw tanh(|x|/xw)) dir",
         source="after Seyfferth, Maghzal, Angeles 1995",
         port=FORCE,
+        family="friction over position",
+        reduces={"weighted": (0.0, "coulomb_friction"), "width": (TWO_COUNTS, "coulomb_friction")},
         parameters={
             "coulomb": Parameter(0.0, "F", "Coulomb friction", lower=0.0),
             "weighted": Parameter(0.0, "F", "friction that grows with deflection", lower=0.0),
@@ -49,6 +51,7 @@ def structural_damping() -> Effect:
         formula="T = h |x|^n dir",
         source="after Taghirad and Belanger 1998",
         port=FORCE,
+        family="friction over position",
         parameters={
             "coefficient": Parameter(0.0, "F/x^exponent", "coefficient", lower=0.0),
             "exponent": Parameter(1.0, "1", "exponent", lower=0.1, upper=3.0, fixed=True, scale="number"),

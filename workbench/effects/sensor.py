@@ -6,7 +6,7 @@ from workbench.parameter import Parameter
 
 @effect
 def sensor_trend() -> Effect:
-    """y = q + r t, t on the bench clock."""
+    """y = q + r t, t on the bench clock. At the drive's channel q is the torque or force that it reports."""
 
     def step(s, z, p):
         return {}, s.q + p.rate * s.t
@@ -17,10 +17,12 @@ def sensor_trend() -> Effect:
         formula="y = q + r t",
         source="measurement practice",
         port=SENSOR,
+        family="reading over time",
+        reduces={"rate": (0.0, "")},
         parameters={"rate": Parameter(0.0, "x/s", "drift of the reading")},
         reads=("q", "t"),
         step=step,
-        places=("sensor",),
+        places=("sensor", "drive"),
         at="sensor.position",
     )
 
@@ -38,6 +40,8 @@ def clock_skew() -> Effect:
         formula="y(t) = x(t - d - s t)",
         source="measurement practice",
         port=TIME,
+        family="time",
+        reduces={"skew": (0.0, "transport_delay")},
         parameters={
             "offset": Parameter(0.0, "s", "delay of the channel", lower=-0.05, upper=0.05, scale="time"),
             "skew": Parameter(0.0, "1", "seconds gained a second", lower=-1e-2, upper=1e-2, scale="drift"),

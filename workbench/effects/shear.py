@@ -22,6 +22,7 @@ def film_friction() -> Effect:
         formula="T = TL tanh(v/vL)",
         source="Bair and Winer 1979; Gecim and Winer 1980 (limiting shear stress)",
         port=FORCE,
+        family="friction over speed",
         parameters={
             "limit": Parameter(0.0, "F", "friction at the limiting shear stress", lower=0.0),
             "speed": Parameter(

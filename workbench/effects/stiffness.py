@@ -1,4 +1,4 @@
-"""Stiffness of a joint, in its deflection."""
+"""Stiffness: of a joint in its deflection, or of a spring to ground in the axis' position."""
 
 from workbench.effect import FORCE, Effect, effect
 from workbench.effects.elementary import clip
@@ -7,23 +7,28 @@ from workbench.parameter import Parameter
 
 @effect
 def linear_stiffness() -> Effect:
-    """T = k x."""
+    """T = k x: x the joint's deflection; of one mass its position, against a spring to ground that is relaxed at zero.
+
+    On one mass a trace offers `cable_spring`, which is the same with a rest position.
+    """
 
     def step(s, z, p):
         return {}, p.stiffness * s.q
 
     return Effect(
         name="linear_stiffness",
-        cause="elastic wind-up of the flexspline, coupling or belt",
+        cause="elastic wind-up of the flexspline, coupling or belt; on one mass a spring to ground",
         formula="T = k x",
         source="Hooke's law",
         port=FORCE,
+        family="joint stiffness",
         parameters={"stiffness": Parameter(0.0, "F/x", "stiffness", lower=0.0)},
         linear=("stiffness",),
         reads=("q",),
         step=step,
         holds=("conservative", "odd"),
-        places=("joint",),
+        places=("axis", "joint"),
+        stated=("axis",),
         at="joint",
     )
 
@@ -41,6 +46,8 @@ def cubic_stiffness() -> Effect:
         formula="T = k3 x^3",
         source="Tuttle and Seering 1996",
         port=FORCE,
+        family="joint stiffness",
+        reduces={"k3": (0.0, "")},
         parameters={"k3": Parameter(0.0, "F/x^3", "cubic stiffness", lower=0.0)},
         linear=("k3",),
         reads=("q",),
@@ -64,6 +71,8 @@ def piecewise_stiffness() -> Effect:
         formula="T = k1 x + k2 (|x| - x_thr)+ sgn(x)",
         source="Kircanski and Goldenberg 1997; manufacturers' three-segment stiffness",
         port=FORCE,
+        family="joint stiffness",
+        reduces={"k1": (0.0, "backlash"), "k2": (0.0, "linear_stiffness")},
         parameters={
             "k1": Parameter(0.0, "F/x", "stiffness about zero", lower=0.0),
             "k2": Parameter(0.0, "F/x", "what the stiffness is more outside the threshold"),

@@ -18,6 +18,7 @@ def viscous_friction() -> Effect:
         formula="T = b v",
         source="Armstrong-Helouvry, Dupont, Canudas de Wit 1994",
         port=FORCE,
+        family="friction over speed",
         parameters={"viscous": Parameter(0.0, "F*s/x", "viscous coefficient", lower=0.0)},
         linear=("viscous",),
         reads=("v",),
@@ -39,6 +40,8 @@ def nonlinear_viscous_friction() -> Effect:
         formula="T = b2 v |v|",
         source="Armstrong-Helouvry, Dupont, Canudas de Wit 1994",
         port=FORCE,
+        family="friction over speed",
+        reduces={"quadratic": (0.0, "")},
         # The sign is free: shear thinning bends the curve down, which is passive only beside a viscous term.
         parameters={"quadratic": Parameter(0.0, "F*s^2/x^2", "coefficient of v |v|")},
         linear=("quadratic",),
@@ -61,6 +64,7 @@ def linear_damping() -> Effect:
         formula="T = c v",
         source="Kelvin-Voigt element",
         port=FORCE,
+        family="friction over speed",
         parameters={"damping": Parameter(0.0, "F*s/x", "damping", lower=0.0)},
         linear=("damping",),
         reads=("v",),
@@ -87,6 +91,7 @@ def viscous_asymmetry() -> Effect:
         formula="T = db |v|",
         source="Janot, Gautier, Brunot 2019 (asymmetric friction)",
         port=FORCE,
+        family="friction over speed",
         parameters={
             "viscous_difference": Parameter(
                 0.0, "F*s/x", "half the difference of viscous friction, forward less backward"
@@ -113,6 +118,7 @@ def directional_viscous_friction() -> Effect:
         formula="T = b+ max(v, 0) + b- min(v, 0)",
         source="Janot, Gautier, Brunot 2019 (asymmetric friction)",
         port=FORCE,
+        family="friction over speed",
         parameters={
             "forward": Parameter(0.0, "F*s/x", "viscous coefficient forward", lower=0.0),
             "backward": Parameter(0.0, "F*s/x", "viscous coefficient backward", lower=0.0),

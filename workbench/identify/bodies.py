@@ -48,12 +48,17 @@ def angles(plant: Plant) -> list[Effect]:
     return [e for e in plant.effects if e.port == fx.ANGLE]
 
 
+ZERO = "zero"  # parameter of an angle's map: by how much the encoders' zeros differ from where the joint is relaxed
 SAME = ("q", "motor_q", "load_q")  # of a sensor's map: the position of the body that it reads
 
 
 @lru_cache(maxsize=64)
 def inverse(definition: Definition) -> Program:
-    """Program of the true value from a sensor's reading, by Newton steps on the map's own expression."""
+    """Program of the true value from a sensor's reading, by Newton steps on the map's own expression.
+
+    What the map adds where everything it reads is zero is taken off, but for a zero of its own: there the encoder was set to
+    zero. Left in, a disc off its axis would wind up a joint that is relaxed.
+    """
     effect = definition.effect
     s, z, p = symbols(effect)
     if z.numel():
@@ -61,7 +66,9 @@ def inverse(definition: Definition) -> Program:
     target, q = ca.SX.sym("target"), ca.SX.sym("q")
     named = {n: q if n in SAME else symbol for n, symbol in view(effect.reads, s).items()}
     _, forward, _ = apply(effect, named, z, fx.namespace(**view(effect.parameters, p)))
-    slope = ca.jacobian(forward, q)
+    own = ca.vertcat(*(p[i] for i, n in enumerate(effect.parameters) if n == ZERO))
+    at_zero = ca.substitute(forward, ca.vertcat(q, s, own), ca.SX.zeros(1 + s.numel() + own.numel()))
+    forward, slope = forward - at_zero, ca.jacobian(forward, q)
     guess = target
     for _ in range(NEWTON):
         value, rate = ca.substitute([forward, slope], [q], [guess])
@@ -169,7 +176,8 @@ class Bodies:
         torque; what a map draws from a body's own position (a gear's error) is a change of ratio, and works on that body.
 
         What a map adds where both encoders read zero is taken off: they were set to zero with the joint relaxed, so a
-        constant is nothing but where their zeros are. Left in, it would wind up a joint that is at rest.
+        constant is nothing but where their zeros are. Left in, it would wind up a joint that is at rest. Encoders that were set
+        to zero elsewhere leave it in part: that is the map's own parameter of this name.
         """
         by_motor, by_load = 1.0, -1.0
         for e in angles(plant):
@@ -177,7 +185,8 @@ class Bodies:
             signals = {"q": deflection, "motor_q": motor, "load_q": load, **self.clock()}
             output, more_motor, more_load = arrays.evaluate(program, [signals[r] for r in e.reads], (), values)[0]
             signals |= {"q": 0.0, "motor_q": 0.0, "load_q": 0.0}
-            at_zero = arrays.evaluate(program, [signals[r] for r in e.reads], (), values)[0][0]
+            relaxed = tuple(0.0 if n == ZERO else v for n, v in zip(e.parameters, values, strict=True))
+            at_zero = arrays.evaluate(program, [signals[r] for r in e.reads], (), relaxed)[0][0]
             by_motor, by_load = by_motor + more_motor, by_load + more_load
             deflection = output - at_zero
         return deflection, by_motor, by_load

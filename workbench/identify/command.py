@@ -1,4 +1,7 @@
-"""What happens to the command before it acts: time and command maps on the measured drive, and back again."""
+"""What happens to the command before it acts: time and command maps on the measured drive, and back again.
+
+What the drive's own channel adds to the command (an offset that moves) is taken off first, and put on last.
+"""
 
 from collections.abc import Callable
 from functools import lru_cache
@@ -8,13 +11,14 @@ import numpy as np
 
 from workbench import effect as fx
 from workbench.effect import Effect
-from workbench.identify.bodies import path_of
+from workbench.identify.bodies import inverse, path_of, sensors, values_of
 from workbench.identify.shift import FINER, finer, shifted
 from workbench.kernel import scan
+from workbench.kernel.lanes import map_lanes
 from workbench.kernel.program import Program, read
 from workbench.kernel.step import Definition, apply, build, symbols, view
 from workbench.motion import Motion
-from workbench.plant import Plant
+from workbench.plant import DRIVES, Plant
 
 REACH = 1.2  # times its limit: more no drive is taken to give, and a plan still sees that it is too much
 NEWTON = 4  # steps of the inverse of a command map: exact after one where the map is affine in u
@@ -48,9 +52,11 @@ class Command:
         self.keep = keep
 
     def applied(self, plant: Plant) -> np.ndarray:
-        """Return the applied drive u' (n,): time and command maps on the measured one."""
-        m = self.motion
-        u, path = m.u, ("u",)
+        """Return the applied drive u' (n,): time and command maps on the measured one, its channel's maps undone."""
+        u, path = self.motion.u, ("u",)
+        for e in reversed(channel_maps(plant)):
+            path = (*path, *path_of([e]))
+            u = self.keep(("true", path), lambda e=e, u=u: self._true(e, u))
         for e in command_maps(plant):
             before, path = path, (*path, *path_of([e]))
             u = self.keep(("applied", path), lambda e=e, u=u, b=before: self._forward(e, u, b))
@@ -63,6 +69,12 @@ class Command:
         signals = {"u": fine, **self._clock(many)}
         output = build(effect).run(signals, values, states=self._rest(effect, u))[0][::many]
         return shifted(u, output, self.motion.dt) if effect.port == fx.TIME else output
+
+    def _true(self, effect: Effect, reported: np.ndarray) -> np.ndarray:
+        """Return the drive (n,) behind its channel's reading."""
+        clock = self._clock(1)
+        signals = [reported, *(np.broadcast_to(clock[r], reported.shape) for r in effect.reads if r != "q")]
+        return map_lanes(inverse(Definition(effect)), np.stack(signals), values_of(effect))[0]
 
     def _clock(self, many: int) -> dict[str, np.ndarray | float]:
         """Time and its step where each sample is taken in `many` steps."""
@@ -97,11 +109,23 @@ class Command:
                     inverse_program(Definition(e)), signals, self._rest(e, u), np.array(list(values.values()))
                 )[0][::many]
                 u = np.clip(np.where(np.isfinite(found), found, np.copysign(most, u)), -most, most)
+        for e in channel_maps(plant):
+            u = build(e).run({"q": u, **self._clock(1)}, {n: p.value for n, p in e.parameters.items()})[0]
         return u
 
 
 def steps_a_sample(effect: Effect) -> int:
     return FINER if effect.states and "dt" in effect.reads else 1
+
+
+def channel_maps(plant: Plant) -> list[Effect]:
+    """Maps of the drive's own channel, in the order in which they act on the true drive."""
+    return sensors(plant, DRIVES[plant.rotary])
+
+
+def drive_maps(plant: Plant) -> list[Effect]:
+    """All that lies between the measured drive and the applied one."""
+    return [*channel_maps(plant), *command_maps(plant)]
 
 
 def command_maps(plant: Plant) -> list[Effect]:

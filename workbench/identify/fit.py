@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from workbench.errors import WorkbenchError
-from workbench.identify import findings, intervals
+from workbench.identify import findings, intervals, zeros
 from workbench.identify.by_record import own_estimates, spread
 from workbench.identify.passes import Passes, predicted
 from workbench.identify.problem import Problem
@@ -19,7 +19,7 @@ from workbench.threads import one_thread
 
 def passes_of(records: Sequence[Record], bandwidth: float) -> tuple[Passes, ...]:
     """Return passes over the motions of the records; they may be shared by fits of many plants."""
-    return tuple(Passes(motion(r, bandwidth)) for r in records)
+    return tuple(Passes(motion(r, bandwidth)) for r in zeros.relaxed(records, bandwidth))
 
 
 def fitted_on(passes: Sequence[Passes]) -> list[Passes]:
@@ -67,6 +67,7 @@ def seen(problem: Problem, solution: Solution, passes: Sequence[Passes]) -> Fit:
     half = dict(zip(names, t * np.sqrt(np.maximum(np.diag(cov), 0.0)), strict=True))
     said = findings.excitation(problem, solution, half, noise)
     said += findings.disagreements(problem, plant, linear, owns) + intervals.findings(problem, estimates, names, cov)
+    said += zeros.findings([p.motion.record for p in passes], plant.displacement)
     series, predictions = {}, {}
     for p in passes:
         series[p.motion.record.name], predictions[p.motion.record.name] = series_of(plant, p)
@@ -91,7 +92,7 @@ def seen(problem: Problem, solution: Solution, passes: Sequence[Passes]) -> Fit:
         predictions=predictions,
         findings=tuple(said),
         condition=condition,
-        details={"theta": solution.theta, "cost": solution.cost},
+        details={"theta": solution.theta, "cost": solution.cost, "covariance": (names, cov, t)},
         spread=spread(plant, linear, owns),
     )
 

@@ -15,7 +15,7 @@ from workbench import effect as fx
 from workbench.identify.command import command_maps
 from workbench.identify.passes import Passes
 from workbench.parameter import Parameter
-from workbench.plant import Plant
+from workbench.plant import Plant, reads_load
 
 LOGARITHMIC = ("speed", "stroke", "rate")
 STEP = 1e-4  # relative step of the directional derivative of a pass
@@ -56,9 +56,11 @@ def stacked(balances: np.ndarray, keep: slice) -> np.ndarray:
 def needed_by(plant: Plant, key: str) -> Plant:
     """Return what of a plant a change of one effect shows in: all of it, unless that is a force from which no other one reads.
 
-    Such a force needs the maps, and what gives the direction of motion at its place.
+    Such a force needs the maps, and what gives the direction of motion at its place. What follows the load reads them all.
     """
     changed = plant[key]
+    if any(reads_load(e) for e in plant.effects):
+        return plant
     if changed.port != fx.FORCE or changed.provides:
         return plant
     kept = (e for e in plant.effects if e.port != fx.FORCE or e.key == key or (e.at == changed.at and e.provides))
@@ -70,6 +72,7 @@ class Problem:
 
     def __init__(self, plant: Plant, passes: Sequence[Passes]):
         self.plant = plant
+        self.present = plant  # whose linear values make the load that forces follow
         self.passes = tuple(passes)
         self.free_linear: list[Name] = []
         self.fixed_linear: list[Name] = []
@@ -103,7 +106,16 @@ class Problem:
         values: dict[str, dict[str, float]] = {}
         for n, value in zip(self.free_shape, theta, strict=True):
             values.setdefault(n.key, {})[n.parameter] = from_search(self.parameter(n), value)
-        return self.plant.with_values(values)
+        return self.present.with_values(values)
+
+    @property
+    def follows_load(self) -> bool:
+        """Whether a force follows the load, which the linear parameters make: columns then depend on their values."""
+        return any(reads_load(e) for e in self.plant.effects)
+
+    def carry(self, c: np.ndarray) -> None:
+        """From now on the load is that of these linear values."""
+        self.present = self.with_linear(self.present, c[: len(self.free_linear)])
 
     def with_linear(self, plant: Plant, c: np.ndarray) -> Plant:
         """Return `plant` with the free linear parameters set."""
@@ -136,9 +148,11 @@ class Problem:
         return (y, phi) if factor == 1.0 else (y * factor, phi * factor)
 
     def command_scale(self, plant: Plant) -> float:
-        """Return rms of the command over rms of what command maps make of it, both filtered; 1 without such maps.
+        """Return rms of the command over rms of what command maps make of it, both filtered and about each record's mean; 1
+        without such maps.
 
-        Residuals are compared as commands: else a map that attenuates everything would explain everything.
+        Residuals are compared as commands: else a map that attenuates everything would explain everything. A mean may be a
+        weight's; a map that leaves nothing but that would explain everything still.
         """
         if not command_maps(plant):
             return 1.0
@@ -147,7 +161,7 @@ class Problem:
         for p in self.passes:
             for k, q in enumerate((bare, plant)):
                 drive = p.filtered_drive(q)[0][p.motion.keep]
-                power[k] += float(drive @ drive)
+                power[k] += float(drive.size * np.var(drive))
         return float(np.sqrt(power[0] / power[1])) if power[1] > 0.0 else np.inf
 
     def tangents(self, theta: np.ndarray, c: np.ndarray, y: np.ndarray, phi: np.ndarray) -> np.ndarray:

@@ -13,6 +13,9 @@ TOLERANCE = 1e-9  # relative decrease of the cost at which the search stops
 WELL_CONDITIONED = 1e8  # of the normal equations: eight digits are left
 CORRECTED = 1e13  # of the normal equations, up to which one correction brings what they have lost
 TRUSTED = 0.5  # of what the linear model promised, that a step must bring for the next one to be damped less
+LOADS = 8  # times a load is found anew: each leaves mu times the error of the one before
+FOLLOWING = 2  # steps at a load found anew, which is near the last one
+CARRIED = 1e-6  # of the drive, by which a fit may still move with its load
 LARGEST = 1.0  # largest step of a shape parameter on its logarithmic scale
 
 
@@ -140,8 +143,21 @@ def solve(
     """Minimise over shape and linear parameters from a start; the result is never worse than the start.
 
     tolerance: relative decrease of the cost at which the search stops, or that a step no longer promises. least: what the
-    first step must promise, else the start is all. most: steps. Raises NoValue where the start has no value.
+    first step must promise, else the start is all. most: steps. Raises NoValue where the start has no value. Where a force
+    follows the load, which is the sum of other forces, it is solved again at the load that was found until that stays.
     """
+    found = searched(problem, theta, tolerance, least, most)
+    for _ in range(LOADS if problem.follows_load else 0):
+        before = found
+        problem.carry(found.c)
+        found = searched(problem, found.theta, tolerance, 0.0, min(most, FOLLOWING))
+        if np.linalg.norm(found.phi @ (found.c - before.c)) <= CARRIED * np.linalg.norm(found.y):
+            break
+    return found
+
+
+def searched(problem: Problem, theta: np.ndarray | None, tolerance: float, least: float, most: int) -> Solution:
+    """Return what `solve` does, at the load that the problem's values make."""
     theta = problem.start() if theta is None else np.array(theta, dtype=float)
     at = solved_at(problem, theta)
     if not np.isfinite(at.cost):

@@ -27,6 +27,7 @@ EXPRESSIONS = {
     ca.OP_SQRT: "sqrt({a})",
     ca.OP_FABS: "fabs({a})",
     ca.OP_FLOOR: "floor({a})",
+    ca.OP_SIGN: "select({a} > 0.0, 1.0, 0.0) - select({a} < 0.0, 1.0, 0.0)",  # the slope of fabs
     ca.OP_LT: "select({a} < {b}, 1.0, 0.0)",
     ca.OP_LE: "select({a} <= {b}, 1.0, 0.0)",
     ca.OP_EQ: "select({a} == {b}, 1.0, 0.0)",

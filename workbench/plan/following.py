@@ -5,7 +5,6 @@ from pathlib import Path
 
 import numpy as np
 
-from workbench import effect as fx
 from workbench.effect import Effect
 from workbench.identify.passes import Passes, predicted
 from workbench.motion import motion
@@ -15,7 +14,6 @@ from workbench.plan.motions import Reference
 from workbench.plant import ONE_MASS, Plant
 from workbench.record import IDENTIFICATION, Record, Source
 
-ROUNDS = 4  # of a force that reads the drive which it is part of: each leaves mu times the error before it
 SOURCE = Source(Path("planned"), "", "planned", {})
 
 
@@ -35,12 +33,7 @@ def followed(reference: Reference, plant: Plant, sensing: Sensing) -> Passes:
             return recorded(reference, plant, sensing, positions)
 
         passes = make(deflection(plant, make, sensing.counts, given.size))
-    drive = predicted(passes, plant)
-    reads_drive = any({"u", "tau"} & set(e.reads) and e.port == fx.FORCE for e in plant.effects)
-    for _ in range(ROUNDS if reads_drive else 0):
-        passes = driven(passes, drive)
-        drive = predicted(passes, plant)
-    return driven(passes, drive)
+    return driven(passes, predicted(passes, plant))
 
 
 def recorded(reference: Reference, plant: Plant, sensing: Sensing, positions: dict[str, np.ndarray]) -> Passes:

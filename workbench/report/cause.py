@@ -38,13 +38,12 @@ def cause(result: StudyResult) -> Chapter:
 
 def how(result: StudyResult) -> str:
     """Say what a candidate must do."""
-    from workbench.trace.judge import CERTAIN, SHARE
-
+    criteria = result.trace.criteria
     return (
         f"{capital(numbers.count(len(result.trace.ranked)))} candidates were fitted together with the declared model: each "
         "effect of the catalogue that can act on this axis and was not declared, and each value that was declared as fixed, "
         "set free. A candidate counts by what it takes away on blocks of the records that its fit did not see. It earns its "
-        f"place if that is more than {numbers.percent(SHARE)} of the residual's power and more than {CERTAIN:g} times its own "
+        f"place if that is more than {numbers.percent(criteria.share)} of the residual's power and more than {criteria.certain:g} times its own "
         "scatter; of candidates that the data cannot tell apart, the one with the fewest parameters leads. Where none is certain "
         "alone, one whose gain is plain is taken on credit: it stays if a later one earns its place, and it its own then."
     )
@@ -52,8 +51,6 @@ def how(result: StudyResult) -> str:
 
 def ranked(result: StudyResult) -> Figure:
     """The bar chart of the first step."""
-    from workbench.trace.judge import SHARE
-
     best = result.trace.ranked[:BEST]
     added = [(c.effect, c.at) for c in result.trace.causes]
     heading = leading(best, added)
@@ -62,7 +59,9 @@ def ranked(result: StudyResult) -> Figure:
         "alone beside the declared model. Error bars: one standard error over blocks."
     )
     alt = "A bar chart. " + " ".join(f"{capital(title(c.effect))}: {_gain(c)}." for c in best)
-    return Figure("candidates", lambda: figures.ranking(heading, best, added, SHARE), caption, alt)
+    return Figure(
+        "candidates", lambda: figures.ranking(heading, best, added, result.trace.criteria.share), caption, alt
+    )
 
 
 def leading(best: Sequence[Candidate], added: Sequence[tuple[str, str]]) -> str:

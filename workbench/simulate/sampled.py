@@ -40,7 +40,10 @@ def encoder(effects, symbols: Symbols, channel: str, *, quantised: bool) -> tupl
     y = symbols.state(f"{body}q")
     for e in sensor_maps(effects, channel):
         # as in identification, a sensor's map knows one position: that of the body that it reads
-        moved, y, _ = call(e, signals | dict.fromkeys(("q", "motor_q", "load_q"), y), symbols)
+        same, nothing = ("q", "motor_q", "load_q"), ca.SX(0.0)
+        at_zero = call(e, dict.fromkeys((*signals, *same), nothing), symbols)[1]  # where the encoder was set to zero
+        moved, y, _ = call(e, signals | dict.fromkeys(same, y), symbols)
+        y -= at_zero
         after |= moved
     if quantised:
         count = symbols.constant(f"{channel}.count")

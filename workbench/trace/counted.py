@@ -20,7 +20,7 @@ from workbench.trace.floor import read_again
 from workbench.trace.result import Candidate
 from workbench.trace.search import fitted, within_reach
 from workbench.trace.state import State
-from workbench.trace.thin import thinned
+from workbench.trace.thin import thin_one
 
 LOAD = "asked at the load"  # channel of what drives the load of a machine that is the present model
 
@@ -48,7 +48,7 @@ def sound(passes: Sequence[Passes], plant: Plant) -> list[Passes]:
         made = {"torque" if "torque" in read.channels else "force": predicted(true, plant)}
         if true.rows(plant) > 1:
             made[LOAD] = balances(true, plant)[1]
-        found.append(Sound(motion(thinned(replace(read, channels={**read.channels, **made}), band), band)))
+        found.append(thin_one(Sound(motion(replace(read, channels={**read.channels, **made}), band)), of=Sound))
     return found
 
 

@@ -1,18 +1,17 @@
 """The search: one effect after another, each the one that explains most of what the others leave on data not seen."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from workbench.identify.passes import Passes
 from workbench.trace.candidates import Offer
 from workbench.trace.counted import by_counts, of_counts
+from workbench.trace.criteria import Criteria
 from workbench.trace.floor import levels, steadied
+from workbench.trace.free_law import free_law
 from workbench.trace.judge import Judgement, Progress, lighter, step
 from workbench.trace.state import State
 from workbench.trace.unexplained import PLAIN, noise_alone
-
-PLAIN_SHARE = 0.15  # of the residual's power that an effect must take away near the floor, or to be taken on credit
-HINT = 2.0  # standard errors by which a gain must differ from zero to be taken on credit
 
 
 @dataclass(frozen=True)
@@ -27,32 +26,42 @@ class Step:
     credit: bool = False
 
 
-def extended(state: State, whole: Sequence[Passes], progress: Progress, most: int, offer: Offer) -> list[Step]:
+def extended(
+    state: State,
+    whole: Sequence[Passes],
+    progress: Progress,
+    offer: Offer,
+    criteria: Criteria,
+    freshly: Callable[[State], State],
+) -> list[Step]:
     """Add effects one after another while one earns its place. Only the last step may have added nothing.
 
     whole: passes of the identification records as they are. Where the declared model leaves no more than the floor nothing is
     added, and the search ends where only the noise of drive and encoders is left: an effect could only be fitted to that. Near
     the floor an effect must take away a plain share, and of more than what counts alone would leave. One effect may be added
     on credit (see `promised`): it stays where a later one earns its place, and `revised` asks whether it earns its own.
+    freshly: a state with its free virgin curves found anew.
     """
     found: list[Step] = []
     quiet = levels(whole, state.plant)
     credit: Judgement | None = None
-    for _ in range(most):
+    for _ in range(criteria.steps):
         level = steadied(quiet, whole, state.steady)
-        judgements = step(state, progress, offer)
-        least = least_share(state, level, not found)
+        judgements = step(state, progress, offer, criteria)
+        least = least_share(state, level, not found, criteria)
         best = leading(judgements, least)
         if best is not None and least > 0.0:
             spurious = of_counts(best.suspect, state, whole)
             if best.candidate.gain - spurious <= least:
                 judgements[0], best = replace(best, candidate=by_counts(best.candidate, spurious)), None
+        if best is not None and (free := free_law(state, judgements, best, criteria)) is not None:
+            judgements, best = [free, *judgements], free
         if best is None and credit is None and not noise_alone(state, level, PLAIN):
-            best = credit = promised(judgements)
+            best = credit = promised(judgements, criteria)
         found.append(Step(lighter(judgements, best), best, best is not None and best is credit))
         if best is None:
             break
-        state = best.state
+        state = freshly(best.state)
         quiet = levels(whole, state.plant)
         if quieted(state, whole, quiet):
             break
@@ -76,7 +85,7 @@ def earned(steps: list[Step]) -> list[Step]:
     return [*steps[:until], Step(steps[until].judgements, None)]
 
 
-def promised(judgements: Sequence[Judgement]) -> Judgement | None:
+def promised(judgements: Sequence[Judgement], criteria: Criteria) -> Judgement | None:
     """Return the leading judgement where its gain is plain though not certain, or None.
 
     Where two effects are missing each explains the blocks in which it acts and leaves the other's as they are, so that the
@@ -84,15 +93,15 @@ def promised(judgements: Sequence[Judgement]) -> Judgement | None:
     """
     best = judgements[0] if judgements else None
     c = best.candidate if best else None
-    plain = best is not None and best.state is not None and c.gain > max(PLAIN_SHARE, HINT * c.scatter)
+    plain = best is not None and best.state is not None and c.gain > max(criteria.plain, criteria.hint * c.scatter)
     return best if plain else None
 
 
-def least_share(state: State, level: Mapping[str, float], first: bool) -> float:
+def least_share(state: State, level: Mapping[str, float], first: bool, criteria: Criteria) -> float:
     """Return the share of the residual's power that an effect must take away to be added to a state."""
     if first and noise_alone(state, level, 1.0):
         return 1.0
-    return PLAIN_SHARE if noise_alone(state, level, PLAIN) else 0.0
+    return criteria.plain if noise_alone(state, level, PLAIN) else 0.0
 
 
 def leading(judgements: Sequence[Judgement], least: float = 0.0) -> Judgement | None:

@@ -10,7 +10,7 @@ import numpy as np
 
 from workbench.identify.result import Estimate, Fit
 from workbench.record import IDENTIFICATION, VALIDATION
-from workbench.trace.result import Cause, Trace
+from workbench.trace.result import Cause, Refinement, Trace
 
 FORMAT = 1
 
@@ -18,6 +18,15 @@ FORMAT = 1
 def number(value: float) -> float | None:
     """A float that JSON can hold; None for NaN and infinity."""
     return float(value) if isfinite(value) else None
+
+
+def plain(data):
+    """Return nested plain data in which what is not finite is None."""
+    if isinstance(data, dict):
+        return {k: plain(v) for k, v in data.items()}
+    if isinstance(data, list | tuple):
+        return [plain(v) for v in data]
+    return number(data) if isinstance(data, float) else data
 
 
 def estimate(e: Estimate) -> dict:
@@ -34,12 +43,31 @@ def cause(c: Cause) -> dict:
     return {
         "effect": c.effect,
         "at": c.at,
+        "kind": c.kind,
+        "law": c.law,
         "sentence": c.sentence,
-        "parameters": {e.parameter: estimate(e) for e in c.parameters},
+        "parameters": {e.parameter: estimate(e) | was(c, e) for e in c.parameters},
+        "size": number(c.size),
         "share": {IDENTIFICATION: number(c.share_identification), VALIDATION: number(c.share_validation)},
         "rivals": list(c.rivals),
         "experiment": c.experiment,
     }
+
+
+def refinement(r: Refinement) -> dict:
+    return {
+        "effect": r.effect,
+        "at": r.at,
+        "kind": r.kind,
+        "sentence": r.sentence,
+        "size": number(r.size),
+        "parameters": {e.parameter: estimate(e) for e in r.parameters},
+    }
+
+
+def was(c: Cause, e: Estimate) -> dict:
+    """Return the value that a corrected parameter was declared with."""
+    return {"was": number(c.was[e.parameter])} if e.parameter in c.was else {}
 
 
 def by_name(fit: Fit) -> list[Estimate]:
@@ -64,6 +92,9 @@ def as_dict(trace: Trace, predictions: dict[str, str]) -> dict:
         "ranked": list(dict.fromkeys(c.effect.partition(" ")[0] for c in trace.ranked)),
         "added": list(trace.added),
         "causes": [cause(c) for c in trace.causes],
+        "refinements": [refinement(r) for r in trace.refinements],
+        "evidence": plain(trace.evidence.as_dict()) if trace.evidence else {},
+        "criteria": trace.criteria.as_dict,
         "nrmse": {
             IDENTIFICATION: {
                 "before": number(before.identification),

@@ -5,9 +5,12 @@ from dataclasses import dataclass, field
 
 from workbench.finding import Finding
 from workbench.identify.result import Estimate, Fit
+from workbench.trace.criteria import Criteria
+from workbench.trace.decide import CAUSE, NOTHING, UNKNOWN
+from workbench.trace.evidence import ADDITION, Evidence
 from workbench.trace.smallest import Smallest
 
-CAUSE, NOTHING, UNKNOWN = "cause", "nothing_missing", "unknown"
+__all__ = ["CAUSE", "NOTHING", "UNKNOWN"]
 
 
 @dataclass(frozen=True)
@@ -32,8 +35,28 @@ class Candidate:
 
 
 @dataclass(frozen=True)
+class Refinement:
+    """What is too small to be a cause, or what a declared law is only nearly right about.
+
+    kind: "addition", "correction" (within the value's tolerance: it is not moved) or "law". size: what it takes away, over the
+    drive's rms, on identification.
+    """
+
+    effect: str
+    at: str
+    kind: str
+    sentence: str
+    parameters: tuple[Estimate, ...] = ()
+    size: float = 0.0
+
+
+@dataclass(frozen=True)
 class Cause:
-    """One effect that was added: where it acts, its parameters, and the share of the residual's power that it explains."""
+    """One effect that was added: where it acts, its parameters, and the share of the residual's power that it explains.
+
+    kind: "addition", or "correction" of a fixed value. was: parameter -> the fixed value that was corrected. law: "catalogue",
+    or "free form" where no formula of its class comes near. size: what it takes away, over the drive's rms, on identification.
+    """
 
     effect: str
     at: str
@@ -43,6 +66,10 @@ class Cause:
     share_validation: float
     rivals: tuple[str, ...] = ()
     experiment: str = ""
+    kind: str = ADDITION
+    was: Mapping[str, float] = field(default_factory=dict)
+    law: str = "catalogue"
+    size: float = 0.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,7 +78,8 @@ class Trace:
 
     steps: the ranked candidates of every step (one list an addition tried). before, after: fits of the declared and of
     the extended plant. floor: role -> nrmse that encoder resolution and torque noise alone would leave. unknown: where what
-    no effect explains lives. smallest: of each kind, the smallest effect that the records could have shown.
+    no effect explains lives. smallest: of each kind, the smallest effect that the records could have shown. refinements: what is
+    too small to be a cause. evidence, criteria: what the decision rests on.
     """
 
     verdict: str
@@ -65,6 +93,9 @@ class Trace:
     findings: tuple[Finding, ...] = ()
     unknown: Mapping[str, object] = field(default_factory=dict)
     smallest: tuple[Smallest, ...] = ()
+    refinements: tuple[Refinement, ...] = ()
+    evidence: Evidence | None = None
+    criteria: Criteria = Criteria()
 
     @property
     def added(self) -> tuple[str, ...]:

@@ -6,6 +6,7 @@ from workbench.errors import WorkbenchError
 from workbench.identify.passes import Passes
 from workbench.plant import Plant
 from workbench.trace.candidates import ADDITION, without
+from workbench.trace.criteria import Criteria
 from workbench.trace.judge import Judgement, alike
 from workbench.trace.thin import thin
 
@@ -15,7 +16,9 @@ PLANNED = (
 MOST = 4  # named with a cause
 
 
-def rivals(found: Judgement, added: Sequence[Judgement], steps: Sequence[Sequence[Judgement]]) -> list[Judgement]:
+def rivals(
+    found: Judgement, added: Sequence[Judgement], steps: Sequence[Sequence[Judgement]], criteria: Criteria, power: float
+) -> list[Judgement]:
     """Return the candidates that could not be told from an added one in the step in which it was chosen, best first.
 
     What was added beside it is no rival: it explains something else.
@@ -24,7 +27,7 @@ def rivals(found: Judgement, added: Sequence[Judgement], steps: Sequence[Sequenc
     for judgements in steps:
         if any(j is found for j in judgements):
             for j in judgements:
-                if j is not found and j.refitted and j.candidate.earns and alike(found, j):
+                if j is not found and j.refitted and j.candidate.earns and alike(found, j, criteria, power):
                     level.setdefault(j.candidate.effect, j)
     taken = {j.candidate.effect for j in added}
     return [j for name, j in level.items() if name not in taken][:MOST]

@@ -84,10 +84,10 @@ def held_out(problem: Problem, solution: Solution, base: float = 0.0, astray: fl
     return HeldOut(np.maximum(errors, 0.0))
 
 
-def parted(count: int) -> list[tuple[np.ndarray, np.ndarray]]:
+def parted(count: int, folds: int = FOLDS) -> list[tuple[np.ndarray, np.ndarray]]:
     """Return (blocks that are left out, the rest) of each fold."""
-    folds = np.arange(count) % FOLDS
-    return [(np.flatnonzero(folds == k), np.flatnonzero(folds != k)) for k in range(min(FOLDS, count))]
+    number = np.arange(count) % folds
+    return [(np.flatnonzero(number == k), np.flatnonzero(number != k)) for k in range(min(folds, count))]
 
 
 def followed(problem: Problem, solution: Solution, step: np.ndarray, rows: np.ndarray) -> np.ndarray:

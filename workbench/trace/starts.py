@@ -11,6 +11,7 @@ import numpy as np
 
 from workbench.effect import TIME, Effect
 from workbench.identify.bodies import POSITION
+from workbench.identify.deflection import deflection_of
 from workbench.identify.passes import Passes
 from workbench.identify.problem import to_search
 from workbench.plant import Plant
@@ -117,27 +118,16 @@ def grid(
     return []
 
 
-def lateness(passes: Sequence[Passes], channel: str) -> dict[str, float]:
-    """Return how late a channel of two encoders is: {"time": d, "drift": s}, s and s a second; empty with one encoder.
+def lateness(passes: Sequence[Passes], plant: Plant, channel: str) -> dict[str, float]:
+    """Return how late a channel of two encoders is, by the angle between them: {"time": d, "drift": s}, s and s a second.
 
-    Two bodies that are joined move alike. q_motor - q_load is regressed on torque and acceleration, which deflect the joint, on
-    a constant of each record, and on v and v t: to first order a reading that is late by d + s t is short of v (d + s t).
+    Empty with one encoder, and where the drive feels no inertia.
     """
-    motions = [p.motion for p in passes if "load_position" in p.motion.record.channels and not p.motion.record.locked]
-    if not motions:
+    found = deflection_of(passes, plant)
+    if found is None:
         return {}
-    columns, apart = [], []
-    for k, m in enumerate(motions):
-        known = np.zeros((m.u.size, len(motions)))
-        known[:, k] = 1.0
-        columns.append(np.column_stack([m.v, m.v * m.t, m.u, m.a, known])[m.keep])
-        readings = m.record.channels
-        apart.append((readings["position"] - readings["load_position"])[m.keep])
-    columns = np.concatenate(columns)
-    norms = np.maximum(np.sqrt(np.einsum("ij,ij->j", columns, columns)), 1e-300)
-    late, gaining = (np.linalg.lstsq(columns / norms, np.concatenate(apart), rcond=1e-9)[0] / norms)[:2]
     sign = 1.0 if channel == "load_position" else -1.0
-    return {"time": sign * float(late), "drift": sign * float(gaining)}
+    return {"time": sign * found.start, "drift": sign * found.gains}
 
 
 def starts(
@@ -157,7 +147,7 @@ def starts(
         grids.append([to_search(p.at(v)) for v in dict.fromkeys(values)])
     found = [dict(zip(free, combination, strict=True)) for combination in product(*grids)][:MOST]
     if effect.port == TIME and effect.at.startswith("sensor."):
-        late = lateness(passes, effect.at.partition(".")[2])
+        late = lateness(passes, plant, effect.at.partition(".")[2])
         own = {n: p for n in free if (p := effect.parameters[n]).scale in late}
         told = {n: to_search(p.at(float(np.clip(late[p.scale], p.lower, p.upper)))) for n, p in own.items()}
         found += [told] if told else []

@@ -21,6 +21,7 @@ from workbench.record import Record
 LEAST = 4.0  # kept rate over the evaluation bandwidth, at least
 CUT = 0.4  # of the low pass, over the kept rate
 FRACTIONS = 12  # largest q of the ratio p/q
+FINE = 16.0  # rate over the evaluation bandwidth at which operators of the motion's increments run, at least
 
 
 def ratio(rate: float, bandwidth: float, least: float = LEAST) -> Fraction:
@@ -45,9 +46,21 @@ def thinned(record: Record, bandwidth: float, least: float = LEAST) -> Record:
 
 def thin(passes: Sequence[Passes], least: float = LEAST) -> list[Passes]:
     """Return passes over the thinned records; the same objects where nothing is thinned. least: kept rate over the band."""
-    found = []
-    for p in passes:
-        band = p.motion.filter.bandwidth
-        record = thinned(p.motion.record, band, least)
-        found.append(p if record is p.motion.record else Passes(motion(record, band)))
-    return found
+    return [thin_one(p, least) for p in passes]
+
+
+def thin_one(p: Passes, least: float = LEAST, of: type[Passes] = Passes) -> Passes:
+    """Return passes, `of` this class, over one thinned record, whose operators run at FINE times the band."""
+    band = p.motion.filter.bandwidth
+    record = thinned(p.motion.record, band, least)
+    if record is p.motion.record:
+        return p
+    fine = thinned(p.motion.record, band, max(FINE, least))
+    finer = p if fine is p.motion.record else Passes(motion(fine, band))
+    low_pass = LowPass(CUT / record.dt, 1 / fine.dt, fine.time.size)
+    steps = (record.time - fine.time[0]) / fine.dt
+
+    def coarse(outputs: np.ndarray) -> np.ndarray:
+        return np.stack([between(x, steps) for x in low_pass(outputs)])
+
+    return of(motion(record, band), finer, coarse)

@@ -1,87 +1,49 @@
-"""The trace: what a search adds, what a later effect made needless, what whole records bear out, what no effect explains."""
+"""The trace: select effects, prune them, confirm them on whole records, weigh the evidence, decide, describe."""
 
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from workbench.effect import Effect
 from workbench.errors import WorkbenchError
+from workbench.finding import Finding
+from workbench.identify.carrying import idle
 from workbench.identify.fit import fitted_on, identify
 from workbench.identify.passes import Passes
-from workbench.identify.result import Fit
+from workbench.identify.result import Estimate, Fit
 from workbench.identify.solve import NoValue
-from workbench.plant import Plant
-from workbench.record import IDENTIFICATION
+from workbench.plant import TWO_MASS, Plant
 from workbench.threads import one_thread
 from workbench.trace.calibration import withheld
-from workbench.trace.candidates import Offer, without
+from workbench.trace.candidates import Offer
+from workbench.trace.criteria import Criteria
+from workbench.trace.decide import CAUSE, NOTHING, REFINEMENT, UNKNOWN, Verdict, decide
+from workbench.trace.evidence import CORRECTION, Evidence
+from workbench.trace.explainable import explainable
 from workbench.trace.floor import floor as noise_floor
 from workbench.trace.floor import levels
-from workbench.trace.greedy import extended, leading
-from workbench.trace.judge import Judgement, Progress, lighter, shown, step
-from workbench.trace.result import CAUSE, NOTHING, UNKNOWN, Candidate, Trace
+from workbench.trace.judge import STANDARD, Judgement, Progress, shown
+from workbench.trace.near_law import Law, as_declared
+from workbench.trace.result import Candidate, Cause, Refinement, Trace
 from workbench.trace.rivals import experiment, rivals
+from workbench.trace.selection import Answer, Selection, select
+from workbench.trace.skew import Skew, skew_of
 from workbench.trace.smallest import named
 from workbench.trace.state import State
 from workbench.trace.thin import thin
-from workbench.trace.unexplained import LEFT, Unexplained, described, lower, unknown
-from workbench.trace.verdict import cause, left_over, not_carried, verdict_sentence
-from workbench.trace.whole import in_turn, on_whole
-
-STEPS = 4  # effects added at most
-PROMISE = 0.05  # of the residual's power, from which a candidate is asked again when others are taken out
+from workbench.trace.unexplained import Unexplained, described, instead, unexplained
+from workbench.trace.verdict import cause, clock, findings_of, verdict_sentence
+from workbench.trace.weighing import curve_of, weighed
+from workbench.trace.whole import in_turn
 
 
-@dataclass(frozen=True)
-class Answer:
-    """What is added to the declared model, and the state with all of it: that of the last addition, unless it is given."""
+@dataclass(frozen=True, eq=False)
+class Confirmed:
+    """added: what whole records bear out. fits: of the declared plant and with one more of these each. levels: record -> rms
+    that noise and counts alone would leave."""
 
     added: Sequence[Judgement]
-    declared: State
-    revised: State | None = None
-
-    @property
-    def last(self) -> State:
-        return self.revised or (self.added[-1].state if self.added else self.declared)
-
-    @property
-    def standing(self) -> "Answer":
-        """The answer without effects that a later one took the place of."""
-        held = {e.key for e in self.last.plant.effects}
-        return replace(self, added=[j for j in self.added if j.suspect.key in held])
-
-
-def revised(answer: Answer, declared: Plant, looked: list[list[Judgement]], progress: Progress, offer: Offer) -> Answer:
-    """Ask of each effect but the last whether the later ones made it needless, or made another one the better answer.
-
-    Greedy selection cannot take back a choice made while something else was missing. Each effect is taken out in turn and
-    the search repeated with the others in place, among all that ever promised something; what leads then stands in its
-    stead. looked: every step's judgements, to which these are added. Returns `answer` itself where every effect stands.
-    """
-    for i in range(len(answer.added) - 1):
-        present = answer.added[i]
-        progress(f"asking again for {present.suspect.key}")
-        rest = [j for k, j in enumerate(answer.added) if k != i]
-        try:
-            reduced = State(without(answer.last.plant, present.suspect, declared), answer.last.passes)
-        except NoValue:
-            continue
-        judgements = step(reduced, progress, replace(offer, only=promising(looked)))
-        best = leading(judgements)
-        looked.append(lighter(judgements, best))
-        if best is not None and best.suspect.key == present.suspect.key and present.candidate.earns:
-            continue  # else what it comes to now is its evidence
-        if best is None:
-            fewer = Answer(rest, answer.declared, reduced)
-            return revised(fewer, declared, looked, progress, offer) if len(rest) > 1 else fewer
-        answer = Answer([*rest[:i], best, *rest[i:]], answer.declared, best.state).standing
-        if len(answer.added) <= len(rest):
-            return revised(answer, declared, looked, progress, offer)
-    return answer
-
-
-def promising(looked: Sequence[Sequence[Judgement]]) -> set[str]:
-    """Return the names of the candidates that explained something in one of these steps."""
-    return {j.candidate.effect for judgements in looked for j in judgements if j.candidate.gain > PROMISE}
+    fits: Sequence[Fit]
+    levels: Mapping[str, float]
 
 
 @one_thread
@@ -89,104 +51,192 @@ def trace(
     plant: Plant,
     passes: Sequence[Passes],
     progress: Progress = lambda _: None,
-    most: int = STEPS,
     only: Collection[str] | None = None,
     own: Collection[Effect] = (),
+    criteria: Criteria = STANDARD,
 ) -> Trace:
     """Trace the residual of `plant` on the identification records among `passes`.
 
-    most: effects added at most. only: names of the effects that are judged, all where absent. own: effects that are judged
-    beside those of the catalogue. Returns the verdict with its evidence. Validation records are evaluated, never used for a choice.
+    only: names of the effects that are judged, all where absent. own: effects that are judged beside those of the catalogue.
+    criteria: what decides. Returns the verdict with its evidence. Validation records choose no effect; they decide whether what
+    was found is borne out.
     """
     whole = fitted_on(passes)
-    identification = thin(whole)
     progress("fitting the declared model")
     try:
-        declared = State(plant, identification)
+        late = late_encoder(plant, passes, only)
+        declared = State(late.plant, thin(whole))
     except NoValue:
         raise WorkbenchError(
             "the declared model has no value on these records: a shape parameter lies far from them; check it and its unit."
         ) from None
-    offer = Offer(only, own, [e.key for e in plant.effects])
-    steps = extended(declared, whole, progress, most, offer)
-    looked = [s.judgements for s in steps]
+    offer = Offer(() if late.idle else only, own, [e.key for e in plant.effects])
+    selected = select(declared, whole, offer, criteria, progress)
+    progress("fitting the extended model")
+    found = as_declared(selected.answer.last.plant, selected.laws)
+    added, fits = in_turn(late.plant, selected.answer.added, found, passes)
+    confirmed = Confirmed(added, fits, levels(passes, fits[-1].plant))
+    progress("weighing the evidence")
+    evidence, place = evidence_of(selected, confirmed, passes, criteria)
+    evidence = replace(evidence, clock=late.skew is not None, idle=late.idle is not None)
+    verdict = decide(evidence, criteria)
+    return reported(late, passes, selected, confirmed, evidence, verdict, place, criteria, progress)
+
+
+@dataclass(frozen=True, eq=False)
+class Declared:
+    """declared: the plant as declared. plant: with the clock that the angle between two encoders says is late, held. before:
+    the fit of the declared plant, where there is such a clock. idle: a finding that the fit lets the joint carry nothing."""
+
+    declared: Plant
+    plant: Plant
+    skew: Skew | None = None
+    before: Fit | None = None
+    idle: Finding | None = None
+
+
+def late_encoder(plant: Plant, passes: Sequence[Passes], only: Collection[str] | None) -> Declared:
+    """Ask the angle between two encoders before anything in torque, and whether the joint then carries anything."""
+    if plant.kind != TWO_MASS:
+        return Declared(plant, plant)
+    skew = skew_of(thin(fitted_on(passes)), plant) if only is None or "clock_skew" in only else None
+    here = skew.suspect.plant if skew else plant
+    before = identify(plant, passes) if skew else None
+    return Declared(plant, here, skew, before, idle(passes, identify(here, passes).plant))
+
+
+def evidence_of(
+    selected: Selection, confirmed: Confirmed, passes: Sequence[Passes], criteria: Criteria
+) -> tuple[Evidence, Unexplained | None]:
+    """Return the numbers that decide, and the place that says more than what was added does, if there is one."""
+    answer, base = selected.answer, selected.base
+    calm = max(answer.last.steady, min(confirmed.levels.values(), default=0.0))
+    even = {p.motion.record.name: calm for p in passes}
+    place = instead(base, answer.last, even) if confirmed.added else None
+    before = explainable(base, criteria)
+    after = explainable(answer.last, criteria) if answer.added else before
+    first = confirmed.fits[0]
+    steady = {name: min(x, max(base.steady, 1e-300)) for name, x in confirmed.levels.items()}
+    evidence = Evidence(
+        declared={"identification": first.identification, "validation": first.validation},
+        floor=noise_floor(passes, steady),
+        before=before,
+        after=after,
+        added=weighed(selected, confirmed.added, confirmed.fits, criteria),
+        place_instead=place is not None,
+    )
+    return evidence, Unexplained(place, base.solution.cost**0.5) if place else None
+
+
+def reported(
+    late: Declared,
+    passes: Sequence[Passes],
+    selected: Selection,
+    confirmed: Confirmed,
+    evidence: Evidence,
+    verdict: Verdict,
+    place: Unexplained | None,
+    criteria: Criteria,
+    progress: Progress,
+) -> Trace:
+    """Return what a decision comes to: causes, refinements, the final fit, and the sentences."""
+    plant, added = late.plant, confirmed.added
+    roles = dict(zip((j.suspect.key for j in added), verdict.roles, strict=True))
+    taken = verdict.verdict == CAUSE
+    kept = [j for j in added if roles[j.suspect.key] == CAUSE or (taken and stays(j, roles))]
+    fits = list(confirmed.fits)
+    if len(kept) < len(added):
+        kept, fits = in_turn(plant, kept, as_declared(selected.answer.last.plant, selected.laws), passes)
+    after = refined(fits[-1], selected, passes, criteria) if selected.refined else fits[-1]
+    known = {j.suspect.key: i for i, j in enumerate(added)}
+    causes = [clock(late.skew, late.before, fits[0])] if late.skew else []
+    refinements = []
+    for i, j in enumerate(kept):
+        made = cause(j, evidence.added[known[j.suspect.key]], fits[i], fits[i + 1], after, plant, credited=j.suspect.key in selected.credited)  # fmt: skip
+        if roles[j.suspect.key] == CAUSE:
+            causes.append(described_rivals(made, j, selected, plant, passes, confirmed, criteria, progress))
+        else:
+            refinements.append(Refinement(made.effect, made.at, made.kind, made.sentence, made.parameters, made.size))
+    refinements += curve_of(selected, fits[-1], after)
     progress("looking for where the residual lives")
-    greedy = Answer([s.added for s in steps if s.added is not None], declared).standing
-    least = levels(passes, plant, declared.steady)
-    answer, fits, level = Answer([], declared), [], least
-    unexplained = unknown(declared, greedy.last, least, levels(passes, greedy.last.plant, greedy.last.steady))
-    if not dressed(unexplained, greedy, lambda: on_whole(greedy.last, whole), least, passes):
-        asked, fits = settled(declared, greedy, passes, looked, progress, offer)
-        own = levels(passes, asked.last.plant, asked.last.steady)
-        unexplained = unknown(declared, asked.last, least, own)
-        if not dressed(unexplained, asked, lambda: fits[-1].identification, lower(least, own), passes):
-            answer, level = asked, own
-    fits = fits[: len(answer.added) + 1] or [identify(plant, passes)]
-    added, last, after = answer.added, answer.last, fits[-1]
-    floor = noise_floor(passes, level)
-    if after.identification < LEFT * floor[IDENTIFICATION]:
-        unexplained = None  # nothing is left on whole records, see `dressed`
-    credited = {s.added.suspect.key for s in steps if s.credit}
-    causes = []
-    for i, j in enumerate(added):
-        others = rivals(j, added, looked)
-        progress("looking for the motion that would tell rivals apart")
-        apart = experiment(last.plant, plant, j, others[0], whole, min(level.values())) if others else ""
-        made = cause(j.candidate, fits[i], fits[i + 1], after, credited=j.suspect.key in credited and j.candidate.earns)
-        causes.append(replace(made, rivals=tuple(o.candidate.effect for o in others), experiment=apart))
-    verdict = CAUSE if causes else UNKNOWN if unexplained else NOTHING
+    lives = None
+    if verdict.verdict == UNKNOWN:
+        calm = {p.motion.record.name: max(selected.base.steady, 1e-300) for p in passes}
+        lives = place or unexplained(selected.base, calm)
     after = withheld(after, causes, passes)
-    findings = [*not_carried(causes), *(left_over(unexplained, plant.displacement) if causes else ())]
-    sentence = verdict_sentence(verdict, causes, fits[0], after, floor, unexplained)
-    shows = shown(steps[0].judgements)
+    if late.skew:
+        after = replace(after, estimates=with_clock(after.estimates, late.skew))
+    before = late.before or fits[0]
+    sentence = verdict_sentence(verdict.verdict, causes, before, after, evidence, lives)
+    shows = shown(selected.steps[0].judgements)
     return Trace(
-        verdict, sentence + (named(shows) if verdict == NOTHING else ""),
-        ranked([j.candidate for j in added], [j.candidate for j in steps[0].judgements]), tuple(tuple(j.candidate for j in s.judgements) for s in steps),
-        tuple(causes), fits[0], after, floor, tuple(findings), described(unexplained), shows,
+        verdict.verdict, sentence + (named(shows) if verdict.verdict == NOTHING else ""),
+        ranked(
+            [*([candidate_of(late.skew, fits[0])] if late.skew else []), *(named_as(j) for j in kept if roles[j.suspect.key] == CAUSE)],
+            [named_as(j) for j in selected.steps[0].judgements],
+        ),
+        tuple(tuple(j.candidate for j in s.judgements) for s in selected.steps), tuple(causes), before, after, evidence.floor,
+        (*([late.idle] if late.idle else []), *findings_of(verdict, evidence, causes, plant)), described(lives, evidence), shows,
+        refinements=tuple(refinements), evidence=evidence, criteria=criteria,
     )  # fmt: skip
 
 
-def settled(
-    declared: State,
-    greedy: Answer,
+def named_as(j: Judgement) -> Candidate:
+    """Return a candidate under the name that it bears: of a free form that of its class' nearest formula."""
+    return replace(j.candidate, effect=j.suspect.name)
+
+
+def candidate_of(skew: Skew, fit: Fit) -> Candidate:
+    """Return the late clock as the first of the candidates: what the angle says of it is its gain."""
+    s = skew.late.measured
+    return Candidate(skew.suspect.effect, skew.suspect.at, skew.suspect.kind, s.share, 0.0, fit.identification, fit.identification, True, skew.sentence)  # fmt: skip
+
+
+def with_clock(estimates: Sequence[Estimate], skew: Skew) -> tuple[Estimate, ...]:
+    """Return estimates with the clock's as the angle gives them."""
+    key = (skew.suspect.effect, skew.suspect.at)
+    return (*(e for e in estimates if (e.effect, e.at) != key), *skew.parameters)
+
+
+def stays(j: Judgement, roles: Mapping[str, str]) -> bool:
+    """Whether a refinement stays in the extended model: a fixed value that is right within its tolerance does not move."""
+    return roles[j.suspect.key] == REFINEMENT and j.suspect.kind != CORRECTION
+
+
+def described_rivals(
+    made: Cause,
+    j: Judgement,
+    selected: Selection,
+    plant: Plant,
     passes: Sequence[Passes],
-    looked: list[list[Judgement]],
+    confirmed: Confirmed,
+    criteria: Criteria,
     progress: Progress,
-    offer: Offer,
-) -> tuple[Answer, list[Fit]]:
-    """Return what is added after all, and the fits with one effect more each: as revised, or as found, as far as whole
-    records bear it out."""
-    answer = greedy
-    if len(greedy.added) > 1:
-        answer = revised(greedy, declared.plant, looked, progress, offer)
-    progress("fitting the extended model")
-    fits = in_turn(declared.problem.plant, answer.added, answer.last.plant, passes)
-    if len(fits) <= len(answer.added) and answer is not greedy:
-        answer, fits = greedy, in_turn(declared.problem.plant, greedy.added, greedy.last.plant, passes, fits[0])
-    if len(fits) <= len(greedy.added) and answer is greedy:
-        answer = Answer(greedy.added[: len(fits) - 1], declared)
-    return answer, fits
+) -> Cause:
+    """Return a cause with the candidates that these records cannot tell from it, and the motion that would."""
+    answer: Answer = selected.answer
+    others = rivals(j, answer.added, selected.looked, criteria, answer.last.power)
+    progress("looking for the motion that would tell rivals apart")
+    level = min(confirmed.levels.values())
+    apart = experiment(answer.last.plant, plant, j, others[0], fitted_on(passes), level) if others else ""
+    return replace(made, rivals=tuple(o.candidate.effect for o in others), experiment=apart)
 
 
-def dressed(
-    unexplained: Unexplained | None,
-    answer: Answer,
-    error: Callable[[], float],
-    level: Mapping[str, float],
-    passes: Sequence[Passes],
-) -> bool:
-    """Whether what was added only dresses what no effect explains.
-
-    Not where whole records leave no more than the floor with all of it: thinned ones see coarsely what passes fast (a short
-    wave at speed, friction that turns at a high rate). error: nrmse with it on whole identification records.
-    """
-    if unexplained is None or not unexplained.instead:
-        return False
-    return not answer.added or error() >= LEFT * noise_floor(passes, level)[IDENTIFICATION]
+def refined(fit: Fit, selected: Selection, passes: Sequence[Passes], criteria: Criteria) -> Fit:
+    """Return the fit with the free virgin curves of declared laws that are only nearly right; `fit` where that is no better."""
+    plant = fit.plant
+    for law in selected.refined:
+        if law.declared.key in {e.key for e in plant.effects}:
+            plant = plant.without(law.declared.key) + selected.answer.last.plant[law.key]
+    better = identify(plant, passes)
+    return better if better.identification < fit.identification and better.validation < fit.validation else fit
 
 
 def ranked(added: Sequence[Candidate], first: Sequence[Candidate]) -> tuple[Candidate, ...]:
-    """Return the candidates of the first step as they were judged there, those that were added in the end ahead of the others."""
+    """Return the candidates of the first step as they were judged there, the causes ahead of the others."""
     judged = {(c.effect, c.at): c for c in first}
     ahead = {(c.effect, c.at): judged.get((c.effect, c.at), c) for c in added}
     return (*ahead.values(), *(c for key, c in judged.items() if key not in ahead))
+
+
+__all__ = ["Answer", "Law", "trace"]

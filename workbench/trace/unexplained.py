@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from workbench.trace.evidence import Evidence
 from workbench.trace.jumps import beside
 from workbench.trace.localise import jumped, lives, plainer
 from workbench.trace.place import WAYS, Place, Samples, excess_of, local, samples, score, weighed
@@ -15,56 +16,44 @@ PLAIN = 2.0  # residual over floor from which something is plainly left
 NOISE = 1.1  # residual over floor up to which only noise is left
 LEFT = 1.4  # residual over floor up to which effects that were added have explained what there was
 EXPLAINED = 0.9  # share of the excess power from which added effects are the answer
-DRESSED = 0.5  # share below which they are not
+STAYS = 0.5  # of the rms inside a place, that must stay there with the effects
 BRIEF = 0.1  # share of the samples below which moments are a place: more of them are a way of moving
 ALONE = 4.0  # rms inside a place over rms outside, from which there is little but what lives in the place
 
 
 @dataclass(frozen=True)
 class Unexplained:
-    """place: where it lives, None where nowhere in particular. times: residual over floor. instead: what was added dresses it."""
+    """place: where it lives, None where nowhere in particular. times: residual over what is calm of it."""
 
     place: Place | None
     times: float
-    instead: bool
 
 
-def unknown(declared: State, last: State, level: Mapping[str, float], own: Mapping[str, float]) -> Unexplained | None:
-    """Return what stays unexplained, or None.
+def instead(declared: State, last: State, level: Mapping[str, float]) -> Place | None:
+    """Return the place that says more of the declared model's residual than the added effects do, or None.
 
-    last: the state with the effects that were added. level, own: record -> floor (rms) of the declared model and of `last`.
-    An effect that was added explains what the declared model lacks; where most of the excess lives in one place and the
-    effects leave it there, they only spread over the record what belongs to that place.
+    level: record -> rms of what is calm with the effects in place. Where most of the excess lives in one place and the effects
+    leave it there, they only spread over the record what belongs to that place.
     """
-    known = samples_of(declared, lower(level, own))
+    known = samples_of(declared, level)
     before, after = times(declared, known), times(last, known)
-    if last is declared:
-        place = living(declared, known) if before > LEFT else None
-        if not (before > PLAIN or local(place)):
-            return None
-        return Unexplained(named(place, declared, known), before, True)
-    if after <= LEFT:
+    if last is declared or after <= LEFT or (before**2 - after**2) / max(before**2 - 1.0, 1e-12) >= EXPLAINED:
         return None
-    explained = max((before**2 - after**2) / max(before**2 - 1.0, 1e-12), of_all(declared, last))
-    if explained > DRESSED and times(last, samples_of(last, own)) <= PLAIN:
-        return None  # it explains the most, and is what makes much of the counts that are left
-    place = living(declared, known)
-    if explained < DRESSED:
-        return Unexplained(named(place, declared, known), before, True)
-    stays = say_more(declared, last, known) if explained < EXPLAINED else None
+    place, stays = living(declared, known), say_more(declared, last, known)
     if stays and not plainer(place, stays):
-        return Unexplained(stays, before, True)
+        return stays
     brief = local(place) and (place.coordinate != "time" or place.covered < BRIEF)
     alone = brief and place.inside > ALONE * place.outside
-    if explained < EXPLAINED and alone and weighed(place, last.solution.residual, known).inside > LEFT:
-        return Unexplained(place, before, True)
-    rest = living(last, known)
-    return Unexplained(rest, after, False) if local(rest) else None
+    if not alone:
+        return None
+    left = weighed(place, last.solution.residual, known).inside
+    return place if left > max(LEFT, STAYS * weighed(place, declared.solution.residual, known).inside) else None
 
 
-def lower(level: Mapping[str, float], other: Mapping[str, float]) -> dict[str, float]:
-    """Return the lower of two floors of each record: a model that makes much of the counts does not excuse what it leaves."""
-    return {name: min(x, other[name]) for name, x in level.items()}
+def unexplained(state: State, level: Mapping[str, float]) -> Unexplained:
+    """Return where the residual of a state lives. level: record -> rms of what is calm in it."""
+    known = samples_of(state, level)
+    return Unexplained(named(living(state, known), state, known), times(state, known))
 
 
 def noise_alone(state: State, level: Mapping[str, float], most: float = NOISE) -> bool:
@@ -106,15 +95,6 @@ def say_more(declared: State, last: State, known: Samples) -> Place | None:
     return rest if by_jumps > left(declared) - both else None
 
 
-def of_all(declared: State, last: State) -> float:
-    """Return the share of the residual's power, of the load's balance too, that the added effects take away.
-
-    What is missing at the load need not show in the drive, which feels the joint by its law at the measured deflection.
-    """
-    left, whole = (float(np.sum(s.solution.residual**2)) for s in (last, declared))
-    return 1.0 - left / whole if whole > 0.0 else 0.0
-
-
 def living(state: State, known: Samples, how: Callable[..., Place | None] = lives) -> Place | None:
     return how(state.solution.residual, known, Deviations(state.problem, state.solution))
 
@@ -127,12 +107,15 @@ def named(place: Place | None, state: State, known: Samples) -> Place | None:
     return max(moments, key=score, default=None)
 
 
-def described(found: Unexplained | None) -> dict[str, object]:
-    """Return what trace.json says of it; empty where nothing is unexplained."""
+def described(found: Unexplained | None, evidence: Evidence) -> dict[str, object]:
+    """Return what trace.json says of where an unexplained residual lives; empty where nothing is unexplained."""
     if found is None:
         return {}
+    size = evidence.before
+    if size.kind == "line":
+        return {"coordinate": "frequency", "low": size.frequency, "high": size.frequency, "size": size.line}
     if found.place is None:
-        return {"coordinate": "none", "times_floor": found.times}
+        return {"coordinate": "none", "size": size.size}
     p = found.place
     return {
         "coordinate": p.coordinate,
@@ -141,6 +124,7 @@ def described(found: Unexplained | None) -> dict[str, object]:
         "spans": [list(s) for s in p.spans],
         "direction": WAYS[p.direction],
         "share": p.share,
-        "times_floor": found.times,
-        "times_floor_outside": p.outside,
+        "size": size.size,
+        "times_calm": found.times,
+        "times_calm_outside": p.outside,
     }

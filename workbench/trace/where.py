@@ -6,6 +6,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from workbench.identify.bodies import POSITION
+from workbench.identify.carrying import load_errors
 from workbench.identify.passes import Passes, balances
 from workbench.identify.result import Fit
 from workbench.plant import TWO_MASS, Plant
@@ -42,7 +43,7 @@ class Residual:
 class Where:
     """of: "torque", "force", or "angle" (of the joint). unit: SI. records: those pooled. after: None where nothing was added.
 
-    load: of the angle, role -> relative error of the load's balance, of each model (see `load_errors`).
+    load: of the angle, role -> relative error of the load's balance, of each model (see `identify.carrying`).
     """
 
     of: str
@@ -138,26 +139,6 @@ def angle_residual(passes: Sequence[Passes], plant: Plant) -> np.ndarray | None:
         return None
     left = [p.motion.filter(balances(p, plant)[1])[p.motion.keep] for p in passes]
     return np.concatenate(left) / stiffness
-
-
-def load_errors(passes: Sequence[Passes], plant: Plant) -> dict[str, float]:
-    """Return role -> relative error of the load's balance, of two masses: a second error beside that of the drive.
-
-    rms(F(what is left)) / rms(F(torque of the joint)), F the evaluation filter; the joint's torque is that of its law at the
-    measured deflection. Records in which the load is locked have no such balance.
-    """
-    power: dict[str, np.ndarray] = {}
-    for p in sorted(passes, key=lambda p: p.motion.record.name):
-        if p.rows(plant) != 2:
-            continue
-        left, joint = np.zeros((2, p.motion.u.size))
-        for e, name, column in p.columns(plant):
-            force = (e.parameters[name].value if name else 1.0) * column[1]
-            left, joint = left + force, joint + force * (e.at == "joint")
-        squares = np.sum(p.motion.filter(np.stack([left, joint]))[:, p.motion.keep] ** 2, axis=1)
-        role = p.motion.record.role
-        power[role] = power.get(role, 0.0) + squares
-    return {role: float(np.sqrt(x / whole)) for role, (x, whole) in power.items() if whole > 0.0}
 
 
 def load_as_dict(found: Sequence[Where]) -> dict[str, dict[str, float]]:

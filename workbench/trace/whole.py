@@ -12,27 +12,18 @@ from workbench.identify.solve import ITERATIONS, TOLERANCE, NoValue, solve
 from workbench.plant import TWO_MASS, Plant
 from workbench.processes import shared
 from workbench.trace.candidates import brought
-from workbench.trace.judge import COMPARED, FURTHER, SHARE, Judgement
-from workbench.trace.state import State
+from workbench.trace.judge import FURTHER, Judgement
 
 SETTLED = 1e-5  # relative decrease of the cost at which a fit on whole records is as good as it is compared
 RISEN = 1.05  # of the drive's error, from which it has plainly risen
 
 
-def on_whole(state: State, whole: Sequence[Passes]) -> float:
-    """Return the nrmse of the drive that a state's model comes to on whole identification records, refined there."""
-    found = State(state.problem.plant, whole, state.solution.theta, most=FURTHER, tolerance=COMPARED)
-    left = sum(float(part @ part) for part in found.problem.drive_part(found.solution.residual))
-    return (left / found.power) ** 0.5 if found.power > 0.0 else 0.0
-
-
 def in_turn(
-    declared: Plant, added: Sequence[Judgement], found: Plant, passes: Sequence[Passes], start: Fit | None = None
-) -> list[Fit]:
-    """Return the fit of the declared plant and those with one more effect each, up to the first that explains nothing on
-    whole records.
+    declared: Plant, added: Sequence[Judgement], found: Plant, passes: Sequence[Passes]
+) -> tuple[list[Judgement], list[Fit]]:
+    """Return what whole records bear out of what was added, and the fits: of the declared plant, and with one more of these each.
 
-    found: the plant that the search ended with. start: the first fit, where it is known.
+    found: the plant that the search ended with.
     The search looks at thinned records and compares commands; a fit of the drive itself has the last word. It starts from the
     values that the search ended with, because a declared model that lacks much is fitted to values far from the machine's;
     and from the fit before it where that comes to nothing.
@@ -40,22 +31,24 @@ def in_turn(
     plants = [declared]
     for j in added:
         plants.append(valued(brought(plants[-1], j.suspect, found), found))
-    first = start is not None
     # no search needs another one's result
     ends = shared(
-        lambda k: end_of(plants[k], passes, *((SETTLED, FURTHER) if k else (TOLERANCE, ITERATIONS))),
-        range(first, len(plants)),
+        lambda k: end_of(plants[k], passes, *((SETTLED, FURTHER) if k else (TOLERANCE, ITERATIONS))), range(len(plants))
     )
-    fits = [start or identify(declared, passes, next(ends), solved=True)]
+    fits = [identify(declared, passes, next(ends), solved=True)]
+    kept: list[Judgement] = []
     for j, end in zip(added, ends, strict=True):
         plant = brought(fits[-1].plant, j.suspect, found)
-        again = ((valued(plant, found), end), (plant, None))
+        again = (
+            (valued(plant, found), end if len(kept) + 1 == len(fits) and kept == list(added[: len(kept)]) else None),
+            (plant, None),
+        )
         tried = (identify(p, passes, theta, solved=theta is not None) for p, theta in again)
         better = next((fit for fit in tried if borne_out(fits[-1], fit)), None)
-        if better is None:
-            break
-        fits.append(better)
-    return fits
+        if better is not None:
+            kept.append(j)
+            fits.append(better)
+    return kept, fits
 
 
 def end_of(plant: Plant, passes: Sequence[Passes], tolerance: float, most: int) -> np.ndarray | None:
@@ -66,19 +59,27 @@ def end_of(plant: Plant, passes: Sequence[Passes], tolerance: float, most: int) 
         return None
 
 
-def borne_out(before: Fit, after: Fit) -> bool:
+def borne_out(before: Fit, after: Fit, share: float = 0.05) -> bool:
     """Whether whole records bear out what a fit has and the one before has not: the error of the drive falls.
 
     Of two masses it may be the load's balance alone in which it shows: then what both leave falls plainly, and the drive's
-    error does not rise plainly.
+    error does not rise plainly. share: of what both leave, by which it falls plainly.
     """
     if after.identification < before.identification:
         return True
-    falls = before.plant.kind == TWO_MASS and after.details["cost"] < (1.0 - SHARE) * before.details["cost"]
+    falls = before.plant.kind == TWO_MASS and after.details["cost"] < (1.0 - share) * before.details["cost"]
     return falls and after.identification < RISEN * before.identification
 
 
 def valued(plant: Plant, other: Plant) -> Plant:
-    """Return `plant` with the values that the same effects have in `other`."""
-    known = {e.key: {n: p.value for n, p in e.parameters.items()} for e in other.effects}
-    return plant.with_values({e.key: known[e.key] for e in plant.effects if e.key in known})
+    """Return `plant` with the values that its free parameters have in `other`.
+
+    What is fixed in `plant` stays as it was declared: `other` may have set it free, which is a cause of its own.
+    """
+    known = {e.key: e.parameters for e in other.effects}
+    values = {
+        e.key: {n: known[e.key][n].value for n, p in e.parameters.items() if not p.fixed}
+        for e in plant.effects
+        if e.key in known
+    }
+    return plant.with_values(values)

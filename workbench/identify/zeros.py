@@ -1,0 +1,106 @@
+"""Zeros of two encoders: where one says more than a joint can, what lies between them is where each was set to zero.
+
+Two encoders that were set to zero with the joint relaxed agree at rest. Others have a zero of their own, and it changes from
+record to record where one of them is incremental. It is read off the angle between them, from motion alone:
+
+    q_m - q_l = x0 + c1 a_l + c2 v_l + c3 sign(v_l)        x0 of each record, c of all: what drives the load, and lateness
+
+Where the zeros lie apart by less, a record's first reading tells: it starts at rest, the joint relaxed but for a weight. Both
+take with them what the joint carries then (x0 its mean). So where zeros are free the joint's mean torque is no reading
+either: it is what closes the load's balance over the record (`closed`), in a fit and in a prediction alike.
+"""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from workbench.finding import Finding
+from workbench.motion import MOTION_BAND, TRIM, LowPass
+from workbench.record import Record
+
+# Angle between encoders at rest over the rms of what is left of it, the elastic deflection of a moving joint, from which
+# their zeros are free. It is 1.6 and more on axes with separate zeros, and 0.11 at most on others; half of it and twice
+# as much change neither.
+APART = 0.5
+STARTS = 8.0  # coarser counts between the first readings, from which they are not one: at most 2 where encoders have one zero
+
+
+def angles(records: Sequence[Record], bandwidth: float) -> tuple[np.ndarray, np.ndarray] | None:
+    """Return (x0 (records,), rms of the angle about x0) of records with two encoders; None where these do not tell."""
+    columns, apart, which = [], [], []
+    for k, r in enumerate(records):
+        smooth = LowPass(MOTION_BAND * bandwidth, 1 / r.dt, r.time.size)
+        _, v, a = smooth.derivatives(r.channels["load_position"], 3)
+        keep = slice(round(TRIM / r.dt), r.time.size - round(TRIM / r.dt))
+        columns.append(np.column_stack([a, v, np.sign(v)])[keep])
+        apart.append(smooth(r.channels["position"] - r.channels["load_position"])[keep])
+        which.append(np.full(len(apart[-1]), k))
+    which = np.concatenate(which)
+    moving = np.concatenate(columns)
+    norms = np.sqrt(np.einsum("ij,ij->j", moving, moving))
+    own = (which[:, None] == np.arange(len(records))).astype(float)
+    x = np.hstack([moving / np.where(norms > 0.0, norms, 1.0), own])
+    found = np.linalg.lstsq(x, np.concatenate(apart), rcond=1e-9)[0]
+    zero = found[moving.shape[1] :]
+    left = np.concatenate(apart) - own @ zero
+    return (zero, float(np.sqrt(np.mean(left**2)))) if np.isfinite(found).all() else None
+
+
+def relaxed(records: Sequence[Record], bandwidth: float) -> tuple[Record, ...]:
+    """Return the records with the zeros of their load encoders where the motors' are, if they lie apart anywhere.
+
+    Records without a second encoder stay as they are, and those whose load is held where motion has to tell.
+    """
+    both = [r for r in records if "load_position" in r.channels]
+    free = [r for r in both if not r.locked]
+    found = angles(free, bandwidth) if free else None
+    if found is None:
+        return tuple(records)
+    if np.max(np.abs(found[0])) > APART * found[1]:
+        zero = dict(zip((r.name for r in free), found[0].tolist(), strict=True))
+    elif any(abs(first(r)) > STARTS * coarser(r) > 0.0 for r in both):
+        zero = {r.name: first(r) for r in both}
+    else:
+        return tuple(records)
+    return tuple(shifted(r, zero[r.name]) if r.name in zero else r for r in records)
+
+
+def first(record: Record) -> float:
+    """Return the angle between the encoders' first readings."""
+    return float(record.channels["position"][0] - record.channels["load_position"][0])
+
+
+def coarser(record: Record) -> float:
+    """Return the larger count of the two encoders, 0 where one is unknown."""
+    counts = [record.resolution.get(n, 0.0) for n in ("position", "load_position")]
+    return max(counts) if min(counts) > 0.0 else 0.0
+
+
+def shifted(record: Record, zero: float) -> Record:
+    """Return a record whose load encoder reads `zero` (rad or m) more, and says so."""
+    moved = record.channels["load_position"] + zero
+    return replace(record, channels={**record.channels, "load_position": moved}, zero=zero)
+
+
+def closed(change: np.ndarray, of: np.ndarray, keep: slice) -> np.ndarray:
+    """Return `change` (..., 2, n) with the joint's mean torque where it closes the load's balance `of` (..., 2, n) over `keep`.
+
+    What the load's balance leaves in the mean is a torque of the joint: it is taken from the load and given to the motor.
+    """
+    mean = of[..., 1, keep].mean(axis=-1)[..., None]
+    return np.stack([change[..., 0, :] + mean, change[..., 1, :] - mean], axis=-2)
+
+
+def findings(records: Sequence[Record], displacement: str) -> list[Finding]:
+    """Say by how much the zeros of two encoders lie apart."""
+    free = {r.name: r.zero for r in sorted(records, key=lambda r: r.name) if r.zero is not None}
+    if not free:
+        return []
+    told = ", ".join(f"{x:.3g} {displacement} in '{name}'" for name, x in free.items())
+    sentence = (
+        f"The two encoders were not set to zero together: between them lie {told}. It was taken "
+        "off, and what the joint carries in the mean is what the load's balance asks for."
+    )
+    remedy = "set both encoders to zero with the joint relaxed, and record again"
+    return [Finding("zeros apart", "load_position", sentence, free, remedy)]

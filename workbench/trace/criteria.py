@@ -1,0 +1,76 @@
+"""What decides a verdict: every number, with its unit, its reason, and what halving and doubling it does.
+
+All sizes are rms of what is explained over rms of the drive, both behind the evaluation filter: a share of the drive that an
+engineer can hold against the accuracy that the axis needs. Numerical tolerances of searches are private to their modules.
+"""
+
+from dataclasses import asdict, dataclass
+
+from workbench.errors import WorkbenchError
+
+
+@dataclass(frozen=True)
+class Criteria:
+    """Criteria of a trace; an argument of `trace`, written into trace.json. Raises WorkbenchError for a value outside its range.
+
+    practical: share of the drive's rms that an effect must take away to be a cause; less is a refinement. The laws of the
+        catalogue are right to about that much on a bench; causes that were known took 1.4 % and more. Halved, near laws are
+        named as causes; doubled, causes of 1 % are refinements.
+    explainable: share of the drive's rms, predictable from outside the loop, from which something is missing. Complete models
+        left up to 0.44 %, unknown causes 1.4 % and more. Halved, near laws are "unknown"; doubled, weak unknown causes are
+        "nothing".
+    beside: share of the drive's rms that stays explainable beside causes, from which something else is said to be missing.
+        Right causes whose law is only nearly right leave up to 1.6 %. Halved, these are called incomplete.
+    held: share of the validation record's residual power that the causes must take away. Right ones took 0.68 and more, what
+        only dressed an unknown cause up to 0.42. Halved, dressings are causes; doubled, nothing is a cause.
+    left: share of the explainable power that may stay where the causes take less than `held` of the validation record, because
+        that record excites them little. Halved or doubled, one campaign in thirty changes.
+    share: share of the residual's power that an effect must take away on held-out blocks. Halved, chance correlations with
+        in-loop noise are tried more often (and refused later); doubled, second causes are lost.
+    certain: standard errors over blocks by which that gain must differ from zero.
+    alike: standard errors within which two effects explain the same, so that the simpler stays.
+    plain: share of the residual's power that an effect must take away near the noise floor.
+    hint: standard errors of a gain that is taken on credit while another effect is still missing.
+    carried: share of its identification gain that an effect must take away on validation to be borne out there. Halved, what
+        fits noise is kept; doubled, causes that the validation record excites little are withheld.
+    tolerance: relative error of a fixed value, where the campaign states none; a correction within it is a refinement.
+    near: share of what a free-form law takes, from which a law of the catalogue says it as well. Halved, a wrong formula of the
+        class is named; doubled (1.0 at most), only exact laws are.
+    resembles: share of what a free-form law takes, that the nearest formula must take for the free form to bear its name. Halved,
+        friction in a window is called cyclic; doubled, it is `near`.
+    line: power of a spectral line over the median about it, from which it is one. White noise of 1e5 samples reaches 20.
+    burst: robust standard deviations from which a sample is part of a burst.
+    local: share of the excess in a window less its share of samples, from which the residual lives there.
+    steps: effects added at most.
+    """
+
+    practical: float = 0.005
+    explainable: float = 0.01
+    beside: float = 0.02
+    held: float = 0.5
+    left: float = 0.3
+    share: float = 0.05
+    certain: float = 3.0
+    alike: float = 2.0
+    plain: float = 0.15
+    hint: float = 2.0
+    carried: float = 0.1
+    tolerance: float = 0.01
+    near: float = 0.8
+    resembles: float = 0.5
+    line: float = 50.0
+    burst: float = 5.0
+    local: float = 0.55
+    steps: int = 4
+
+    def __post_init__(self):
+        for name, value in asdict(self).items():
+            most = 1.0 if name not in ("certain", "alike", "hint", "line", "burst", "steps") else float("inf")
+            if not 0.0 < value <= most:
+                allowed = "above 0" if most == float("inf") else "above 0 and at most 1"
+                raise WorkbenchError(f"criteria: {name} is {value:g}; it must be {allowed}.")
+
+    @property
+    def as_dict(self) -> dict[str, float]:
+        """Return every criterion by name, as trace.json holds them."""
+        return asdict(self)

@@ -1,0 +1,95 @@
+"""What a verdict rests on: numbers only, as they were measured on the records.
+
+Sizes are rms over the rms of the filtered drive: identification records pooled, or validation records pooled.
+"""
+
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
+from math import sqrt
+
+ADDITION, CORRECTION = "addition", "correction"
+
+
+@dataclass(frozen=True)
+class Explainable:
+    """How much of a residual anything could predict out of sample, each kind as a share of the drive's rms.
+
+    exogenous: from what is outside the loop (the reference, its past, place, direction). time: from its neighbours in bench
+    time, as a level or as friction. line: one spectral line. burst: moments. frequency: of the line, Hz. instrument: "reference",
+    or "low-passed position" where no reference was logged.
+    """
+
+    exogenous: float = 0.0
+    time: float = 0.0
+    line: float = 0.0
+    burst: float = 0.0
+    frequency: float = 0.0
+    instrument: str = "reference"
+
+    @property
+    def size(self) -> float:
+        """The largest of the four."""
+        return max(self.exogenous, self.time, self.line, self.burst)
+
+    @property
+    def kind(self) -> str:
+        """Which of the four is the largest."""
+        return max(("exogenous", "time", "line", "burst"), key=lambda n: getattr(self, n))
+
+
+@dataclass(frozen=True)
+class Weighed:
+    """One effect that the search added, or one fixed value that it set free, as whole records have it.
+
+    before, after: nrmse without and with it, the effects before it in place, by role. changed: largest relative change of a
+    fixed value, tolerance: what that value may be off by. law: "catalogue", or "free form". implausible: why its values are
+    no machine's, "" where they may be.
+    """
+
+    effect: str
+    at: str
+    kind: str
+    before: Mapping[str, float]
+    after: Mapping[str, float]
+    changed: float = 0.0
+    tolerance: float = 0.0
+    law: str = "catalogue"
+    implausible: str = ""
+    near_law: bool = False
+
+    def size(self, role: str) -> float:
+        """Return what it takes away, over the drive's rms; negative where the error grows."""
+        less = self.before[role] ** 2 - self.after[role] ** 2
+        return sqrt(less) if less >= 0.0 else -sqrt(-less)
+
+    def share(self, role: str) -> float:
+        """Return the share of the residual's power that it takes away."""
+        return 1.0 - (self.after[role] / self.before[role]) ** 2 if self.before[role] > 0.0 else 0.0
+
+
+@dataclass(frozen=True)
+class Evidence:
+    """declared: nrmse of the declared model by role; floor: what noise and counts alone would leave. before, after: what is
+    explainable of the declared and of the extended model's residual. added: in the order in which they were found. place_instead:
+    whether one place says more of the residual than they do. angle: why no cause may be named from the joint's balance, or ""."""
+
+    declared: Mapping[str, float]
+    floor: Mapping[str, float]
+    before: Explainable
+    after: Explainable
+    added: tuple[Weighed, ...] = ()
+    place_instead: bool = False
+    clock: bool = False
+    idle: bool = False
+
+    def as_dict(self) -> dict[str, object]:
+        """Return plain data, from which `evidence_of` makes it again."""
+        return asdict(self)
+
+
+def evidence_of(data: Mapping[str, object]) -> Evidence:
+    """Return the evidence that `as_dict` wrote, so that a decision can be taken again without the records."""
+    return Evidence(
+        data["declared"], data["floor"], Explainable(**data["before"]), Explainable(**data["after"]),
+        tuple(Weighed(**a) for a in data["added"]), data["place_instead"], data["clock"], data["idle"],
+    )  # fmt: skip
