@@ -13,7 +13,7 @@ FILE = "study.toml"
 DATA = "WORKBENCH_DATA"
 KEYS = ("question", "campaign", "data", "describe", "requirements")
 CONTROL = ("loop", "axis", "tuning", "schedule", "task", "export", "plan")  # read by study.controlling, study.planning
-SERIES = ("robustness", "limit_cycle")  # read by study.series, study.hunting
+SERIES = ("robustness", "limit_cycle", "compensation")  # read by study.series, study.hunting, study.compensating
 
 
 class MissingData(WorkbenchError):

@@ -14,6 +14,7 @@ from workbench.plant import TWO_MASS, Plant
 from workbench.readers.declaration import Table
 from workbench.record import VALIDATION, Record
 from workbench.report import control as chapters
+from workbench.study.compensating import compensation
 from workbench.study.configuration import Study
 from workbench.study.controlling import Control, Shown, control_of
 from workbench.study.hunting import limit_cycles
@@ -70,6 +71,8 @@ def run(
         part = with_part(part, robustness(study, task, makers, say))
     if "limit_cycle" in study.table:
         part = with_part(part, limit_cycles(study, task, makers, say))
+    if "compensation" in study.table:
+        part = with_part(part, compensation(study, task, makers, say))
     return part
 
 
