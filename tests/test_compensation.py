@@ -93,7 +93,7 @@ def test_one_law_is_made_for_all_values():
 
 
 def test_an_encoder_s_error_is_undone_at_the_reference():
-    error = find("encoder_eccentricity")(cosine=0.01, at="sensor.position")
+    error = find("encoder_eccentricity")(sine=0.5, at="sensor.position")
     plant = Plant(ONE_MASS, (find("inertia")(inertia=0.01), error), limits=Limits(3.0))
     blind = followed(BASE, plant=plant)[0]
     assert followed(compensated(BASE, Compensator.of(plant, ("encoder_eccentricity",))), plant=plant)[0] < blind / 2

@@ -7,7 +7,7 @@ from math import isfinite
 from workbench.effect import ANGLE, FORCE, SENSOR, Effect
 from workbench.effects.play import inverse, play_bank
 from workbench.errors import WorkbenchError, nearest
-from workbench.plant import Plant
+from workbench.plant import Plant, carried, reads_load
 
 READ, REFERENCE, OBSERVED = "measured", "reference", "observer"
 SOURCES = (READ, REFERENCE, OBSERVED)
@@ -42,7 +42,9 @@ class Compensator:
     `OBSERVED` (of a tracking observer). gain: of the forces. delay: samples. low_pass: Hz, 0 for none.
 
     mass (kg*m^2 or kg) and bandwidth (Hz): of the observer, x' = v + 2 w e, v' = u/mass + w^2 e, e = y - x, u the law's own
-    command. geometry as the plant's. Angle maps are undone at the reference whatever the source.
+    command. ratio, pole_pairs: the plant's. still, inertial: forces of one mass that a contact carries (`plant.carried`), for
+    friction that depends on the load; what inertia carries is left out where the source is `READ`. Angle maps are undone at
+    the reference whatever the source.
     WorkbenchError for an effect that no drive cancels, or a signal that the source does not have.
     """
 
@@ -55,6 +57,8 @@ class Compensator:
     bandwidth: float = 0.0
     ratio: float = 1.0
     pole_pairs: float = 1.0
+    still: tuple[Effect, ...] = ()
+    inertial: tuple[Effect, ...] = ()
 
     def __post_init__(self):
         object.__setattr__(self, "effects", tuple(self.effects))
@@ -97,6 +101,9 @@ class Compensator:
         """Return the compensator of effects of a plant, by name or key; WorkbenchError with the nearest names."""
         geometry = plant.geometry
         effects = tuple(plant[n] for n in names)
+        if any(reads_load(e) for e in effects):
+            still, inertial = carried(plant.kind, "axis", plant.effects)
+            options |= {"still": tuple(still), "inertial": tuple(inertial)}
         return cls(effects, ratio=geometry.gear_ratio, pole_pairs=geometry.pole_pairs, **options)
 
 
@@ -111,6 +118,8 @@ def refused(effect: Effect, source: str = REFERENCE) -> str:
         return "it is no force and no error of the angle; a delay or a lag can only be known to the tuning."
     if effect.at not in SIDES:
         return "a force between motor and load is not the drive's to cancel: it acts on both."
+    if reads_load(effect) and effect.at != "axis":
+        return "it reads the joint's torque, which no encoder tells a controller."
     if effect.name == "inertia" or "a" in effect.reads and source == READ:
         return "it reads the acceleration, which an encoder does not give in time; take the reference as its source."
     missing = [n for n in effect.reads if n not in SIGNALS[source]]

@@ -27,6 +27,8 @@ class Structure:
     keys: tuple
     order: tuple[Effect, ...]
     maps: tuple[Effect, ...]
+    still: tuple[Effect, ...]
+    inertial: tuple[Effect, ...]
     source: str
     delay: int
     smooth: bool
@@ -36,6 +38,11 @@ class Structure:
 
     def __hash__(self):
         return hash(self.keys)
+
+    @property
+    def every(self) -> tuple[Effect, ...]:
+        """Effects in the order in which their parameters are named."""
+        return (*self.order, *self.maps, *self.still, *self.inertial)
 
     @property
     def sides(self) -> tuple[str, ...]:
@@ -48,10 +55,15 @@ def structure(c: Compensator) -> Structure:
     order = tuple(
         e for side in dict.fromkeys(e.at for e in forces) for e in ordered([e for e in forces if e.at == side])
     )
-    # by what was declared: directions are made anew each time
-    keys = tuple((e.key, e.step, e.derive, e.port, tuple(e.states.items())) for e in c.effects)
+    # keyed by what was declared: directions are made anew each time
+    keys = tuple(
+        (e.key, e.step, e.derive, e.port, tuple(e.states.items())) for e in (*c.effects, *c.still, *c.inertial)
+    )
     smooth = c.low_pass > 0.0
-    return Structure((keys, c.source, c.delay, smooth), order, c.maps, c.source, c.delay, smooth)
+    counts = (len(c.effects), len(c.still))
+    return Structure(
+        (keys, counts, c.source, c.delay, smooth), order, c.maps, c.still, c.inertial, c.source, c.delay, smooth
+    )
 
 
 def names(i: int, e: Effect) -> tuple[str, ...]:
@@ -79,7 +91,7 @@ def states_of(s: Structure) -> tuple[str, ...]:
 def values_of(c: Compensator, s: Structure) -> dict[str, float]:
     """Return the law's parameters."""
     found = {f"{PREFIX}_gain": c.gain, f"{PREFIX}_ratio": c.ratio, f"{PREFIX}_pole_pairs": c.pole_pairs}
-    for i, e in enumerate((*s.order, *s.maps)):
+    for i, e in enumerate(s.every):
         found |= {n: p.value for n, p in zip(names(i, e), e.parameters.values(), strict=True)}
     if s.smooth:
         found[f"{PREFIX}_cut"] = c.low_pass
@@ -134,7 +146,7 @@ def _law(base: Law, s: Structure) -> Law:
 def values_names(s: Structure) -> tuple[str, ...]:
     more = (f"{PREFIX}_cut",) if s.smooth else ()
     more += (f"{PREFIX}_mass", f"{PREFIX}_bandwidth") if s.source == OBSERVED else ()
-    of_effects = (n for i, e in enumerate((*s.order, *s.maps)) for n in names(i, e))
+    of_effects = (n for i, e in enumerate(s.every) for n in names(i, e))
     return (f"{PREFIX}_gain", f"{PREFIX}_ratio", f"{PREFIX}_pole_pairs", *of_effects, *more)
 
 
@@ -155,9 +167,13 @@ def asked(s: Structure, signals, p):
     for i, e in enumerate(s.maps, len(s.order)):
         constants = {"ratio": getattr(p, f"{PREFIX}_ratio"), "pole_pairs": getattr(p, f"{PREFIX}_pole_pairs")}
 
-        def mapped(x, motor, load, i=i, e=e, constants=constants):
+        def value(x, motor, load, i=i, e=e, constants=constants):
             given = constants | {"q": x, "motor_q": motor, "load_q": load}
             return apply(e, {n: given[n] for n in e.reads}, ca.SX(0, 1), parameters(i, e, p))[1]
+
+        def mapped(x, motor, load, value=value):  # what a map reads at zero is taken off, as in a simulation
+            nothing = ca.SX(0)
+            return value(x, motor, load) - value(nothing, nothing, nothing)
 
         if (
             e.port == ANGLE
@@ -217,9 +233,20 @@ def moving(s: Structure, side: str, signals, z, p, u) -> tuple[dict, dict]:
     given = fixed | {
         "q": at, "dq": held - before, "v": v, "a": (v - speed) / signals.dt, "dt": signals.dt, "t": z_of(z, "clock"),
         # of the sample before: what acts includes what is asked for here
-        "u": z_of(z, "whole"), "tau": z_of(z, "whole"), "motor_q": at, "load_q": at, "locked": ca.SX(0),
+        "u": z_of(z, "whole"), "motor_q": at, "load_q": at, "locked": ca.SX(0),
     }  # fmt: skip
+    first = len(s.order) + len(s.maps)
+    given["tau"] = carrying(s.still, first, given, p)
+    given["tau_inertia"] = ca.SX(0) if s.source == READ else carrying(s.inertial, first + len(s.still), given, p)
     return {f"{PREFIX}_at_{side}": held, f"{PREFIX}_speed_{side}": v} | more, given
+
+
+def carrying(effects: tuple[Effect, ...], first: int, given: dict, p) -> ca.SX:
+    """Return the sum of forces without memory, whose parameters are named from `first` on."""
+    total = ca.SX(0)
+    for i, e in enumerate(effects, first):
+        total = total + apply(e, {n: given[n] for n in e.reads}, ca.SX(0, 1), parameters(i, e, p))[1]
+    return total
 
 
 def observed(signals, z, p, u, before):
