@@ -11,26 +11,8 @@ from workbench.plant import Plant, carried, reads_load
 
 READ, REFERENCE, OBSERVED = "measured", "reference", "observer"
 SOURCES = (READ, REFERENCE, OBSERVED)
-SIGNALS = {  # what each source can give an effect
-    READ: ("q", "dq", "v", "dt", "t", "u", "tau", "dir", "motor_q", "load_q", "ratio", "pole_pairs", "locked"),
-    REFERENCE: (
-        "q",
-        "dq",
-        "v",
-        "a",
-        "dt",
-        "t",
-        "u",
-        "tau",
-        "dir",
-        "motor_q",
-        "load_q",
-        "ratio",
-        "pole_pairs",
-        "locked",
-    ),
-}
-SIGNALS[OBSERVED] = SIGNALS[REFERENCE]
+COMMON = "q dq v dt t u tau tau_inertia dir motor_q load_q ratio pole_pairs locked".split()
+SIGNALS = {READ: COMMON, REFERENCE: [*COMMON, "a"], OBSERVED: [*COMMON, "a"]}  # what each source can give an effect
 SIDES = ("axis", "motor", "load")
 MOST = 64  # samples of delay: each is a state of the law
 
@@ -43,7 +25,8 @@ class Compensator:
 
     mass (kg*m^2 or kg) and bandwidth (Hz): of the observer, x' = v + 2 w e, v' = u/mass + w^2 e, e = y - x, u the law's own
     command. ratio, pole_pairs: the plant's. still, inertial: forces of one mass that a contact carries (`plant.carried`), for
-    friction that depends on the load; what inertia carries is left out where the source is `READ`. Angle maps are undone at
+    friction that depends on the load, and guides: friction with memory that gives others their direction and is not itself
+    cancelled; what inertia carries is left out where the source is `READ`. Angle maps are undone at
     the reference whatever the source.
     WorkbenchError for an effect that no drive cancels, or a signal that the source does not have.
     """
@@ -59,6 +42,7 @@ class Compensator:
     pole_pairs: float = 1.0
     still: tuple[Effect, ...] = ()
     inertial: tuple[Effect, ...] = ()
+    guides: tuple[Effect, ...] = ()
 
     def __post_init__(self):
         object.__setattr__(self, "effects", tuple(self.effects))
@@ -104,7 +88,9 @@ class Compensator:
         if any(reads_load(e) for e in effects):
             still, inertial = carried(plant.kind, "axis", plant.effects)
             options |= {"still": tuple(still), "inertial": tuple(inertial)}
-        return cls(effects, ratio=geometry.gear_ratio, pole_pairs=geometry.pole_pairs, **options)
+        following = {e.at for e in effects if "dir" in e.reads}
+        guides = tuple(e for e in plant.effects if "dir" in e.provides and e.at in following and e not in effects)
+        return cls(effects, guides=guides, ratio=geometry.gear_ratio, pole_pairs=geometry.pole_pairs, **options)
 
 
 def refused(effect: Effect, source: str = REFERENCE) -> str:

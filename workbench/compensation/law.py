@@ -29,6 +29,7 @@ class Structure:
     maps: tuple[Effect, ...]
     still: tuple[Effect, ...]
     inertial: tuple[Effect, ...]
+    silent: tuple[str, ...]  # keys of effects whose force is not added
     source: str
     delay: int
     smooth: bool
@@ -51,7 +52,7 @@ class Structure:
 
 def structure(c: Compensator) -> Structure:
     """Return the structure of a compensator: friction that reads the direction gets one as in a simulation."""
-    forces = directed(c.forces)
+    forces = directed((*c.forces, *c.guides))
     order = tuple(
         e for side in dict.fromkeys(e.at for e in forces) for e in ordered([e for e in forces if e.at == side])
     )
@@ -60,9 +61,10 @@ def structure(c: Compensator) -> Structure:
         (e.key, e.step, e.derive, e.port, tuple(e.states.items())) for e in (*c.effects, *c.still, *c.inertial)
     )
     smooth = c.low_pass > 0.0
-    counts = (len(c.effects), len(c.still))
+    counts = (len(c.effects), len(c.guides), len(c.still))
+    silent = tuple(e.key for e in c.guides)
     return Structure(
-        (keys, counts, c.source, c.delay, smooth), order, c.maps, c.still, c.inertial, c.source, c.delay, smooth
+        (keys, counts, c.source, c.delay, smooth), order, c.maps, c.still, c.inertial, silent, c.source, c.delay, smooth
     )
 
 
@@ -131,7 +133,7 @@ def _law(base: Law, s: Structure) -> Law:
     reads = dict.fromkeys(base.reads)
     for at in s.sides if s.source == READ else ():
         reads |= dict.fromkeys((f"{at}_y", f"{at}_vh") if at != "axis" else ())
-    key = ", ".join(e.key for e in (*s.order, *s.maps) if e.name != DIRECTION)
+    key = ", ".join(e.key for e in (*s.order, *s.maps) if e.name != DIRECTION and e.key not in s.silent)
     return replace(
         base,
         name=f"{base.name}; compensation of {key} ({s.source}, {s.delay} late{', low pass' * s.smooth})",
@@ -203,7 +205,7 @@ def forces(s: Structure, signals, z, p, u) -> tuple[dict, ca.SX]:
             following, output, provided = apply(e, {n: given[n] for n in e.reads}, before, parameters(i, e, p, width))
             given |= provided
             after |= {n: following[k] for k, n in enumerate(own)}
-            total = total + output
+            total = total + output if e.key not in s.silent else total
     shaped, total = late(s, signals, z, p, total)
     limited = clip(u + total, -signals.limit, signals.limit)
     clock = {f"{PREFIX}_clock": z_of(z, "clock") + signals.dt, f"{PREFIX}_whole": limited}
@@ -273,6 +275,3 @@ def late(s: Structure, signals, z, p, total) -> tuple[dict, ca.SX]:
         after |= {f"{PREFIX}_late_{k}": v for k, v in enumerate((total, *line[:-1]))}
         total = line[-1]
     return after, total
-
-
-__all__ = ["compensated", "forces", "states_of", "structure", "values_of"]
