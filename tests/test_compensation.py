@@ -11,6 +11,7 @@ from workbench.errors import WorkbenchError
 from workbench.kernel.step import build
 from workbench.plant import ONE_MASS, TWO_MASS, Limits, Plant
 from workbench.record import IDENTIFICATION
+from workbench.robustness.document import controller_of, of_controller
 from workbench.simulate import Loop, ScenarioArrays, simulate
 from workbench.simulate.binding import bind
 from workbench.simulate.criteria import Criteria
@@ -90,6 +91,13 @@ def test_one_law_is_made_for_all_values():
     assert first.law is second.law and first.law is not BASE.law
     with pytest.raises(WorkbenchError, match="compensated already"):
         compensated(first, BOTH)
+
+
+def test_a_document_holds_it_and_gives_the_same_law_back():
+    for c in (BOTH, BOTH.but(source="observer", mass=0.01, bandwidth=100.0, delay=2)):
+        made = compensated(BASE, c)
+        again = controller_of(of_controller(made))
+        assert again.law is made.law and dict(again.parameters) == dict(made.parameters)
 
 
 def test_an_encoder_s_error_is_undone_at_the_reference():

@@ -8,7 +8,7 @@ runs in lanes, in the oracle, in a contest and in tables of robustness.
 """
 
 from workbench.compensation.compensator import OBSERVED, READ, REFERENCE, SOURCES, Compensator, compensable, undone
-from workbench.compensation.law import compensated
+from workbench.compensation.law import Compensated, compensated
 from workbench.compensation.predicted import agreement, predicted
 
 __all__ = [
@@ -16,6 +16,7 @@ __all__ = [
     "READ",
     "REFERENCE",
     "SOURCES",
+    "Compensated",
     "Compensator",
     "agreement",
     "compensable",

@@ -3,7 +3,7 @@
 import casadi as ca
 import numpy as np
 
-from workbench.compensation import law
+from workbench.compensation import parts, structure
 from workbench.compensation.compensator import OBSERVED, READ, REFERENCE, Compensator
 from workbench.effect import namespace
 from workbench.errors import WorkbenchError
@@ -23,7 +23,7 @@ def predicted(compensator: Compensator, record: Record, velocity_filter: float =
     The same program as in the law, on the record's own positions (and its channel "reference", where that is the source), at
     the record's rate. velocity_filter: time constant of the filtered difference, s.
     """
-    made = law.structure(compensator)
+    made = structure.structure(compensator)
     position = record.channels["position"]
     load = record.channels.get("load_position", position)
     if compensator.source == REFERENCE and "reference" not in record.channels:
@@ -31,8 +31,10 @@ def predicted(compensator: Compensator, record: Record, velocity_filter: float =
     r = record.channels.get("reference", position)
     rows = [position, speed(position, record.dt, velocity_filter), r, record.drive]
     rows += [position, rows[1], load, speed(load, record.dt, velocity_filter)]
-    numbers = law.values_of(compensator, made)
-    start = np.array([position[0] if n.startswith(f"{law.PREFIX}_at") else 0.0 for n in law.states_of(made)])
+    numbers = structure.values_of(compensator, made)
+    start = np.array(
+        [position[0] if n.startswith(f"{structure.PREFIX}_at") else 0.0 for n in structure.states_of(made)]
+    )
     if compensator.source == OBSERVED:
         raise WorkbenchError("what an observer sees hangs on the loop that it runs in; it is simulated, not predicted.")
     count = record.resolution.get("position", 0.0)
@@ -41,17 +43,17 @@ def predicted(compensator: Compensator, record: Record, velocity_filter: float =
     )[0]
 
 
-def program(made: law.Structure, dt: float, count: float, names: tuple[str, ...]):
+def program(made: structure.Structure, dt: float, count: float, names: tuple[str, ...]):
     """Return the compensation alone as a program: signals, states, parameters in; next states, force out."""
     s, p = ca.SX.sym("s", len(SIGNALS)), ca.SX.sym("p", len(names))
-    states = law.states_of(made)
+    states = structure.states_of(made)
     z = ca.SX.sym("z", len(states))
     given = dict(zip(SIGNALS, ca.vertsplit(s), strict=True))
     signals = namespace(**given, e=given["r"] - given["y"], dt=dt, count=ca.SX(count), limit=ca.SX(np.inf))
     numbers = namespace(**dict(zip(names, ca.vertsplit(p), strict=True)))
     # of a record the drive as reported stands for what acted; it is limited already
-    memory = dict(zip(states, ca.vertsplit(z), strict=True)) | {f"{law.PREFIX}_whole": given["u"]}
-    after, force = law.forces(made, law.asked(made, signals, numbers), namespace(**memory), numbers, ca.SX(0))
+    memory = dict(zip(states, ca.vertsplit(z), strict=True)) | {f"{structure.PREFIX}_whole": given["u"]}
+    after, force = parts.forces(made, parts.asked(made, signals, numbers), namespace(**memory), numbers, ca.SX(0))
     following = ca.vertcat(*(ca.densify(ca.SX(after[n])) for n in states))
     return read(ca.Function("compensation", [s, z, p], [following, ca.densify(force)]))
 

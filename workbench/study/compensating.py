@@ -15,7 +15,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from workbench.compensation import OBSERVED, SOURCES, Compensator
+from workbench.compensation import OBSERVED, SOURCES, Compensator, compensated
 from workbench.control import Controller
 from workbench.errors import WorkbenchError, nearest
 from workbench.plant import Plant
@@ -100,6 +100,15 @@ def compensation(
     units = dict.fromkeys(("following_error_alone", "following_error_compensated"), x)
     rows = [{"gain": g, "following_error": e} for g, e in found.errors.items()]
     return Part(figures, units, (chapter(given, found, true, x),), (), {"compensation": rows})
+
+
+def compensated_makers(study: Study, plant: Plant, makers: Mapping[str, Callable[[int], Controller]]) -> dict:
+    """Return name -> maker of the controller of [compensation] with it; it is compared as any other."""
+    given = asked(study, plant)
+    if given.controller not in makers:
+        return {}
+    compensator = given.on(plant)
+    return {f"{given.controller}, compensated": lambda lanes: compensated(makers[given.controller](lanes), compensator)}
 
 
 FOUR = range(4)  # lanes: without, with, and off either way
