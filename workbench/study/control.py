@@ -14,7 +14,7 @@ from workbench.plant import TWO_MASS, Plant
 from workbench.readers.declaration import Table
 from workbench.record import VALIDATION, Record
 from workbench.report import control as chapters
-from workbench.study.compensating import compensation
+from workbench.study.compensating import compensated_makers, compensation
 from workbench.study.configuration import Study
 from workbench.study.controlling import Control, Shown, control_of
 from workbench.study.hunting import limit_cycles
@@ -49,7 +49,8 @@ def run(
     say("comparing the controllers")
     ours = f"scheduled PD ({control.rule})"
     makers = {name: tuned.controller for name, tuned in made.tuned.items()}
-    comparison = verdicts(compare(task, makers), ours, BASELINES, plant.displacement)
+    compared = makers | (compensated_makers(study, plant, makers) if "compensation" in study.table else {})
+    comparison = verdicts(compare(task, compared), ours, BASELINES, plant.displacement)
     parts = [chapters.schedule_chapter(made, control.rule), chapters.step_chapter(task, makers)]
     parts.append(chapters.comparison_chapter(comparison, task))
     figures, units = figures_of(made, comparison, ours, plant.displacement)
@@ -68,7 +69,7 @@ def run(
     said = (*assumptions(study.table, control, shown), *raised(control, made), *limits, *comparison.findings)
     part = Part(figures, units, tuple(parts), said, tables, files)
     if "robustness" in study.table:
-        part = with_part(part, robustness(study, task, makers, say))
+        part = with_part(part, robustness(study, task, compared, say))
     if "limit_cycle" in study.table:
         part = with_part(part, limit_cycles(study, task, makers, say))
     if "compensation" in study.table:
