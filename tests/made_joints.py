@@ -60,7 +60,7 @@ def jointed(**fixed: bool) -> Plant:
     """The plant that is declared of it. fixed: whether inertia and viscous friction are known."""
     inertia, viscous = fixed.get("inertia", False), fixed.get("viscous", False)
     return (
-        Plant(TWO_MASS, (), Geometry(gear_ratio=100.0))
+        Plant(TWO_MASS, geometry=Geometry(gear_ratio=100.0))
         + find("inertia")(at="motor", inertia=JM, fixed=inertia)
         + find("inertia")(at="load", inertia=JL, fixed=inertia)
         + find("viscous_friction")(at="motor", viscous=BM, fixed=viscous)

@@ -8,7 +8,9 @@ import numpy as np
 import pytest
 from conftest import measured
 
+from workbench.effect import find
 from workbench.errors import WorkbenchError
+from workbench.plant import ONE_MASS, Plant
 from workbench.record import ROLES
 from workbench.study import configuration
 from workbench.study.configuration import MissingData
@@ -75,6 +77,28 @@ def test_the_published_protocol_gives_every_printed_digit(records, model):
         assert round(found[name], 6 if name.endswith("error") else 4) == printed, name
 
 
+def test_printed_asymmetric_friction_is_the_plant_of_its_four_coefficients():
+    steps, found = steps_of(FOLDER), PRINTED["asymmetric"]
+    declared = Plant(
+        ONE_MASS, tuple(map(find, ("inertia", "viscous_friction", "coulomb_friction", "constant_offset"))), rotary=False
+    )
+    at = {e.name: next(iter(e.parameters.values())).value for e in steps.printed_asymmetric(found, declared).effects}
+    for sign, way in ((1.0, "forward"), (-1.0, "backward")):
+        assert at["viscous_friction"] + sign * at["viscous_asymmetry"] == pytest.approx(found[f"viscous_{way}"])
+        assert at["coulomb_friction"] + sign * at["constant_offset"] == pytest.approx(found[f"coulomb_{way}"])
+
+
+def test_of_a_day_only_the_level_of_friction_is_fitted():
+    plant = Plant(ONE_MASS, tuple(map(find, ("inertia", "viscous_friction", "coulomb_friction"))), rotary=False)
+    held = steps_of(FOLDER).level_alone(plant)
+    assert [n for e in held.effects for n, p in e.parameters.items() if not p.fixed] == ["coulomb"]
+
+
+def test_a_plant_without_a_lag_has_no_hold_to_take_off():
+    plant = Plant(ONE_MASS, (find("inertia"),), rotary=False)
+    assert steps_of(FOLDER).without_hold(plant, 1e-3) is plant
+
+
 def test_only_the_identification_record_is_fitted(records):
     other = records["validation"]
     moved = replace(other, channels={**other.channels, "force": 2 * other.channels["force"]})
@@ -129,5 +153,14 @@ def test_the_study_passes_its_checks_and_says_what_symmetric_friction_lacks(stud
     loops = {r.pop("model"): r for r in content["closed_loop"]}
     assert all(loops["as traced"][role] < loops["the same parameters, simulated here"][role] < p
                for role, p in (("identification", 0.0585), ("validation", 0.0894)))  # fmt: skip
+    # The free run: chosen on DATA_EMPS alone, and what of it the day's friction is; said as such.
+    *runs, chosen, day, own = content["free_run"]
+    fitted = [r for r in runs if r["fitted"] == "DATA_EMPS"]
+    assert chosen == min(fitted, key=lambda r: r["identification"]) and figures[
+        "free_run_error_validation"
+    ] == pytest.approx(chosen["validation"])
+    assert own["validation"] <= day["validation"] < 0.4 * chosen["validation"] and "PULSES" in day["fitted"]
     html = (tmp_path / "out" / "report.html").read_text(encoding="utf-8")
+    for words in ("Three protocols side by side", "dynoNet", "2.64 mm", "5.98", "5.85", "8.94"):
+        assert words in html, words
     assert "12 of 12 printed figures are reproduced to their last digit." in html

@@ -117,7 +117,7 @@ def trace(verdict: str = CAUSE) -> Trace:
     if verdict != CAUSE:
         quiet = tuple(replace(c, gain=0.02 * c.gain, earns=False) for c in ranked)
         place = {"coordinate": "velocity", "low": 0.1, "high": 0.4, "spans": [[0.1, 0.4]], "direction": "forward"}
-        place |= {"share": 0.61, "times_floor": 3.1, "times_floor_outside": 1.1}
+        place |= {"share": 0.61, "size": 0.031, "times_calm": 3.1, "times_calm_outside": 1.1}
         unknown = place if verdict == UNKNOWN else {}
         words = "Nothing is missing: the residual is at the floor." if verdict == NOTHING else "Something is missing."
         return Trace(verdict, words, quiet, (quiet,), (), before, before, floor, (), unknown)

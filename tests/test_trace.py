@@ -170,16 +170,16 @@ def test_neither_the_order_of_effects_nor_that_of_records_matters(tmp_path, few)
     assert answer(traced(campaign, most=1)) == answer(traced(backwards, most=1))
 
 
-def test_validation_never_influences_the_choice(tmp_path, few):
+def test_validation_chooses_no_effect_but_says_whether_one_is_borne_out(tmp_path, few):
     campaign, _ = made(tmp_path, 113, "coulomb_asymmetry")
     spoilt = [
         replace(r, channels={**r.channels, "torque": r.drive[::-1] * 2.0}) if r.role == "validation" else r
         for r in campaign.records
     ]
     one, two = traced(campaign, most=1), traced(replace(campaign, records=tuple(spoilt)), most=1)
-    assert one.steps == two.steps
-    assert [e.value for e in one.after.estimates] == [e.value for e in two.after.estimates]
-    assert one.after.validation != two.after.validation
+    assert one.steps == two.steps and one.added == ("coulomb_asymmetry",)
+    assert two.added == () and {f.kind for f in two.findings} & {"not borne out", "dressing"}
+    assert one.before.identification == two.before.identification
 
 
 # --- parts ----------------------------------------------------------------------------------------------------------------

@@ -96,7 +96,13 @@ def test_the_page_of_a_trace_has_its_own_name_and_its_chapters_once(found, tmp_p
 def unexplained(passes, found, **place):
     """A page whose trace leaves something unknown at such a place."""
     result = study(UNKNOWN)
-    known = {"share": 0.61, "times_floor": 3.1, "times_floor_outside": 1.1, "direction": "either direction"} | place
+    known = {
+        "share": 0.61,
+        "size": 0.031,
+        "times_calm": 3.1,
+        "times_calm_outside": 1.1,
+        "direction": "either direction",
+    } | place
     return replace(result, trace=replace(result.trace, unknown=known), where=where(passes, result.trace))
 
 
@@ -146,9 +152,7 @@ def test_speeds_are_shaded_on_both_sides_of_zero():
 def test_the_unit_of_an_unknown_place_is_told(passes, found):
     result = unexplained(passes, found, coordinate="velocity", spans=[[1.0, 2.0]])
     assert as_dict(result.trace, {})["unknown"]["unit"] == "rad/s"
-    assert (
-        "unit" not in as_dict(replace(result.trace, unknown={"coordinate": "none", "times_floor": 2.5}), {})["unknown"]
-    )
+    assert "unit" not in as_dict(replace(result.trace, unknown={"coordinate": "none", "size": 0.025}), {})["unknown"]
 
 
 def test_a_folder_that_is_not_ours_is_refused_before_anything_long_starts(tmp_path, monkeypatch):

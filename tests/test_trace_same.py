@@ -54,8 +54,8 @@ def test_the_number_of_processes_shows_in_no_bit(campaign, written, tmp_path, mo
     assert text_of(campaign, tmp_path) == written
 
 
-def test_of_what_is_written_only_the_validation_errors_depend_on_the_validation_records(campaign, tmp_path):
-    """A record of another motion and another drive in their place: what was chosen, and every number of it, stays."""
+def test_what_is_tried_and_in_which_order_does_not_depend_on_the_validation_records(campaign, tmp_path):
+    """A record of another motion and another drive in their place: the search stays, and its answer is not borne out."""
     rng = np.random.default_rng(1)
 
     def other(r):
@@ -66,8 +66,6 @@ def test_of_what_is_written_only_the_validation_errors_depend_on_the_validation_
         run(replace(campaign, records=records), tmp_path / name, closing=False)
         for name, records in (("one", campaign.records), ("two", tuple(map(other, campaign.records))))
     ]
-    assert said[0].steps == said[1].steps and said[0].added == said[1].added
-    assert said[0].after.estimates == said[1].after.estimates and said[0].smallest == said[1].smallest
-    assert [c.rivals for c in said[0].causes] == [c.rivals for c in said[1].causes]
-    assert said[0].after.identification == said[1].after.identification
-    assert said[0].after.validation != said[1].after.validation
+    assert said[0].steps == said[1].steps and said[0].smallest == said[1].smallest
+    assert said[0].before.identification == said[1].before.identification
+    assert said[0].added and not said[1].added

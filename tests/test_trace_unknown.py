@@ -37,14 +37,14 @@ def test_a_cause_of_the_rigs_own_is_unknown_and_its_place_right_within_a_tenth(
 
 
 @pytest.mark.parametrize(("base", "seed"), [("presliding", 301), ("gravity", 303), ("two mass", 302)])
-def test_the_floor_is_within_a_fifth_of_what_a_right_model_leaves(tmp_path, base, seed):
+def test_the_floor_is_a_little_less_than_what_a_right_model_leaves(tmp_path, base, seed):
     """Nothing is missing, so what is left on the records is noise and counts: it is named as that, and nothing is added."""
     rig.campaign(tmp_path, seed, (), base=base, short=True)
     campaign = load(tmp_path)
     found = trace(campaign.plant, passes_of(campaign.records, campaign.bandwidth))
     assert found.verdict == NOTHING and found.added == () and found.unknown == {}
     for role, left in (("identification", found.before.identification), ("validation", found.before.validation)):
-        assert found.floor[role] == pytest.approx(left, rel=0.2)
+        assert 0.75 * left < found.floor[role] < 1.1 * left
     judged = {c.effect for c in found.ranked}
     shown = {s.effect for s in found.smallest}
     assert shown <= judged and len(shown) > 0.8 * len(judged)

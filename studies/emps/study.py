@@ -1,6 +1,6 @@
 """The EMPS benchmark: its printed figures by its own protocol, and beside them what the workbench makes of its records."""
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from math import pi
 
 import numpy as np
@@ -10,7 +10,9 @@ from workbench.control import Controller, Law
 from workbench.effect import Effect, find
 from workbench.finding import capital, title
 from workbench.identify.fit import identify, passes_of
+from workbench.identify.free_run import START, free_run, refine_free_run
 from workbench.identify.output_error import rerun
+from workbench.identify.passes import Passes
 from workbench.identify.refine import refine
 from workbench.identify.result import Fit
 from workbench.motion import Motion
@@ -33,6 +35,10 @@ ERROR = {"identification_error": "1", "validation_error": "1"}
 GAINS = {"drive": "gtau", "position": "kp", "velocity": "kv"}  # N/V, 1/s, V*s/m
 OFFERED = ("viscous_asymmetry", "film_friction", "presliding_length")  # beside what is traced anyway
 SUBSTEPS = 10  # from here on the loop's errors change by less than 0.1 %
+LEVEL = (
+    "coulomb_friction",
+    "constant_offset",
+)  # what of the friction a day changes, beside which nothing else is fitted
 SYMMETRIC = {"mass": "kg", "viscous": "N*s/m", "coulomb": "N", "offset": "N"}
 ASYMMETRIC = {"mass": "kg"} | {f"{n}_{d}": u for n, u in (("viscous", "N*s/m"), ("coulomb", "N")) for d in ("forward", "backward")}  # fmt: skip
 
@@ -110,7 +116,7 @@ def published(records: dict[str, Record], asymmetric: bool) -> dict[str, float]:
 
 def compared(study: Study, obtained: dict[str, dict[str, float]]) -> list[tuple[str, str, str, float, float]]:
     """Return (model, quantity, unit, printed, obtained) of every printed figure."""
-    top = study.table.table("published", (*obtained, "closed_loop"))
+    top = study.table.table("published", (*obtained, "closed_loop", "free_run"))
     rows = []
     for model, units in (("symmetric", SYMMETRIC | ERROR), ("asymmetric", ASYMMETRIC | ERROR)):
         printed = top.table(model, optional=tuple(units))
@@ -188,6 +194,8 @@ def without_hold(plant: Plant, dt: float) -> Plant:
 
     Identification takes the recorded command as a line from sample to sample, and finds hold and current loop as one lag.
     """
+    if "actuator_lag" not in plant:
+        return plant
     lag = plant["actuator_lag"]
     own = max(lag.parameters["time_constant"].value - 0.5 * dt, lag.parameters["time_constant"].lower)
     return plant.with_values({lag.key: {"time_constant": own}})
@@ -202,6 +210,67 @@ def printed_plant(obtained: dict[str, float], declared: Plant) -> Plant:
         "constant_offset": "offset",
     }
     return declared.with_values({e.key: {next(iter(e.linear)): obtained[names[e.name]]} for e in declared.effects})
+
+
+def printed_asymmetric(obtained: dict[str, float], declared: Plant) -> Plant:
+    """Return the asymmetric model with the printed parameters: means of both directions, and half their differences."""
+    mean, half = (
+        {n: 0.5 * (obtained[f"{n}_forward"] + sign * obtained[f"{n}_backward"]) for n in ("viscous", "coulomb")}
+        for sign in (1.0, -1.0)
+    )
+    values = {"mass": obtained["mass"], **mean, "offset": half["coulomb"]}
+    return printed_plant(values, declared) + find("viscous_asymmetry")(viscous_difference=half["viscous"])
+
+
+# --- the free run ----------------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Run:
+    """A model's free run: role -> rms of the position error in m; fitted: to which free run, if any."""
+
+    model: str
+    fitted: str
+    errors: dict[str, float]
+
+
+def on_the_way(declared: Plant, found: Trace) -> dict[str, Plant]:
+    """Return the declared model and what the trace made of it, effect by effect in the order in which it added them."""
+    models, plant = {"symmetric, as declared": declared}, declared
+    for cause in found.causes[:-1]:
+        if cause.effect in found.after.plant and cause.effect not in plant:
+            plant = plant + found.after.plant[cause.effect]
+            models[f"traced up to {title(cause.effect)}"] = plant
+    return models | {"as traced": found.after.plant}
+
+
+def level_alone(plant: Plant) -> Plant:
+    """Return the plant with everything fixed but the level of its friction (LEVEL)."""
+    for e in plant.effects:
+        plant = plant.swap(
+            replace(e, parameters={n: replace(p, fixed=e.name not in LEVEL) for n, p in e.parameters.items()})
+        )
+    return plant
+
+
+def free_runs(models: dict[str, Plant], printed: dict[str, Plant], passes: dict[str, Passes]) -> list[Run]:
+    """Return free runs: printed parameters, identified models, these fitted to DATA_EMPS's free run; last the chosen three.
+
+    The chosen model is that of the lowest error on DATA_EMPS. It comes as fitted there; with the level of its friction from
+    PULSES; and with everything from PULSES: what the last two gain is for nobody to have who has DATA_EMPS alone.
+    """
+
+    def ran(name: str, fitted: str, plant: Plant) -> Run:
+        return Run(name, fitted, {r: free_run(plant, p.motion).error for r, p in passes.items()})
+
+    one, other = (passes[role] for role in ROLES)
+    refined = {name: refine_free_run(plant, [one]) for name, plant in models.items()}
+    runs = [ran(name, "", plant) for name, plant in (printed | models).items()]
+    fits = {name: ran(name, "DATA_EMPS", plant) for name, plant in refined.items()}
+    best = min(fits, key=lambda name: fits[name].errors[IDENTIFICATION])
+    day = refine_free_run(level_alone(refined[best]), [other])
+    own = refine_free_run(refined[best], [other])
+    return [*runs, *fits.values(), fits[best], ran(best, "friction's level to PULSES", day), ran(best, "PULSES", own)]
 
 
 def run(study: Study, say) -> Outcome:
@@ -248,10 +317,24 @@ def run(study: Study, say) -> Outcome:
         "as traced": without_hold(found.after.plant, one.dt),
     }
     closed = simulated(models, motions, loop, law)
+    say("letting the records run free")
+    identified = {n: without_hold(identify(p, passes).plant, one.dt) for n, p in on_the_way(declared, found).items()}
+    printed = {
+        "symmetric, published parameters": printed_plant(obtained["symmetric"], declared),
+        "asymmetric, published parameters": printed_asymmetric(obtained["asymmetric"], declared),
+    }
+    free = free_runs(identified, printed, {p.motion.record.role: p for p in passes})
     figures = {f"{m}_{n}_deviation": abs(o - p) for m, n, _, p, o in rows}
     first, *_, last = closed.values()
     figures |= {f"closed_loop_error_{role}": e for role, e in first.items()}
     figures |= {f"closed_loop_error_{role}_after": e for role, e in last.items()}
+    chosen, day, own_run = free[-3:]
+    free_figures = {f"free_run_error_{role}": chosen.errors[role] for role in ROLES}
+    free_figures |= {
+        "free_run_error_level_of_the_day": day.errors[VALIDATION],
+        "free_run_error_own": own_run.errors[VALIDATION],
+    }
+    figures |= free_figures
     figures |= {f"controller_error_{role}": commanded(r, gains(study, role)) for role, r in records.items()}
     figures |= {f"repeat_floor_{role}": floors.within[role] for role in ROLES} | {"record_floor": floors.across}
     figures |= {"validation_error_own": days[VALIDATION].identification}
@@ -268,20 +351,23 @@ def run(study: Study, say) -> Outcome:
         trace=found,
         records=tuple(records.values()),
         figures=standard.trace_figures(found) | figures,
-        units={f"{m}_{n}_deviation": u for m, n, u, *_ in rows},
+        units={f"{m}_{n}_deviation": u for m, n, u, *_ in rows} | dict.fromkeys(free_figures, "m"),
         chapters=(
             printed_chapter(rows),
+            protocols_chapter(study, figures, closed, free),
             evidence_chapter(found, {role: figures[f"{role}_error_by_protocol"] for role in ROLES}),
             explanations_chapter(tried, found.after),
             attainable_chapter(floors, days, found.after),
             own_chapter(obtained, own, bandwidth),
             loop_chapter(study, closed, figures),
+            free_run_chapter(free),
             ripple_chapter(ripples, turn),
         ),
         findings=(*found.findings, *found.after.findings),
         tables={
             "published": [dict(zip(("model", "figure", "unit", "printed", "obtained"), r, strict=True)) for r in rows],
             "closed_loop": [{"model": name, **errors} for name, errors in closed.items()],
+            "free_run": [{"model": r.model, "fitted": r.fitted, **r.errors} for r in free],
             "evidence": [vars(s) for s in evidence.steps(found)],
             "explanations": [vars(t) for t in tried],
             "ripple": [dict(zip(("record", "amplitude", "phase", "half_interval"), r, strict=True)) for r in ripples],
@@ -325,6 +411,80 @@ def printed_chapter(rows) -> Chapter:
     )
     tone = GOOD if same == len(cells) else BAD
     return Chapter("The printed figures", (Callout(said, tone), law, Paragraph(protocol), table))
+
+
+def millimetres(error: float) -> str:
+    return f"{1e3 * error:.2f} mm"
+
+
+FREE = {
+    "dynonet": "dynoNet, a network (Forgione and Piga 2021)",
+    "ltc": "ASIA, liquid time constants (2026)",
+    "pnarx": "pNARX (Champneys et al. 2024)",
+    "linear": "linear state space (Champneys et al. 2024)",
+    "arx": "ARX (Champneys et al. 2024)",
+}
+
+
+def protocols_chapter(study: Study, figures: dict[str, float], closed, free: list[Run]) -> Chapter:
+    """The three protocols by which errors on this benchmark are published, side by side."""
+    top = study.table.table("published", optional=tuple(study.table.values["published"]))
+    stated = {n: top.table(n, optional=tuple(study.table.values["published"][n])) for n in ("symmetric", "closed_loop")}
+    ours = {name: errors for name, errors in closed.items() if name == "as traced"}
+    first, second, third = "force that the motion needs", "force, loop simulated", "position, free run"
+    who = "symmetric (Janot, Gautier, Brunot 2019)"
+    rows = [
+        (first, who, *(evidence.percent(stated["symmetric"].quantity(n, "1")) for n in ERROR)),
+        (first, "as traced", *(evidence.percent(figures[f"{r}_error_by_protocol"]) for r in ROLES)),
+        (second, who, *(evidence.percent(stated["closed_loop"].quantity(n, "1")) for n in ERROR)),
+        *((second, name, *(evidence.percent(e[r]) for r in ROLES)) for name, e in ours.items()),
+    ]
+    published = top.table("free_run", tuple(FREE))
+    rows += [(third, said, "", millimetres(published.quantity(n, "m"))) for n, said in FREE.items()]
+    shown = {
+        "DATA_EMPS": "",
+        "friction's level to PULSES": "; friction's level from PULSES",
+        "PULSES": "; all from PULSES",
+    }
+    rows += [(third, r.model + shown[r.fitted], *(millimetres(r.errors[role]) for role in ROLES)) for r in free[-3:]]
+    text = (
+        "Errors on this benchmark are published by three protocols, and no publication that we know reports all of them. Two "
+        "are of the force, |e|/|F|: of the force that the measured motion needs (filtered, every 10 ms), and of the force in a "
+        "simulated loop (not filtered). The benchmark's own is of the position: the recorded force alone moves the model, from the place and "
+        f"speed that the first {START} samples show, and the error is rms. All models are fitted to DATA_EMPS alone, but for the "
+        "last two rows, which say what a model could do that knew the friction of the other day."
+    )
+    table = Table(("Protocol", "Model", "DATA_EMPS", "PULSES"), tuple(rows), "Three protocols side by side.", "llrr")
+    return Chapter("Three protocols", (Paragraph(text), table))
+
+
+def free_run_chapter(free: list[Run]) -> Chapter:
+    """The free run of every model, what DATA_EMPS says of it, and what of its error is the day's friction."""
+    *runs, chosen, day, own = free
+    fitted = [r for r in runs if r.fitted]
+    spans = {role: sorted(r.errors[role] for r in fitted) for role in ROLES}
+    left, gone = (chosen.errors[VALIDATION], 1.0 - (day.errors[VALIDATION] / chosen.errors[VALIDATION]) ** 2)
+    told = (
+        f"Free run: {millimetres(chosen.errors[IDENTIFICATION])} on DATA_EMPS, {millimetres(left)} on PULSES. With Coulomb friction "
+        f"and offset of the day, fitted to PULSES itself, {millimetres(day.errors[VALIDATION])}: {100 * gone:.0f} % of the error's "
+        "power is the day's friction."
+    )
+    text = (
+        "Nothing holds the axis here, so a force that is lacking is integrated: 1 N of friction more than the model's moves the "
+        "axis by 5 mm every second. What no model of DATA_EMPS can know therefore counts most: how much friction the other day "
+        "has. Each model was fitted to the free run of DATA_EMPS by output error, from its identified values, and the one with "
+        "the lowest error there was chosen; PULSES had no part in it. The choice is a weak one: the fitted models lie between "
+        f"{millimetres(spans[IDENTIFICATION][0])} and {millimetres(spans[IDENTIFICATION][-1])} on DATA_EMPS, and between "
+        f"{millimetres(spans[VALIDATION][0])} and {millimetres(spans[VALIDATION][-1])} on PULSES, in another order. A lower figure on "
+        "PULSES can be had by choosing among such fits with PULSES in hand; it would say nothing of a third day. Fitted to "
+        f"PULSES itself the model leaves {millimetres(own.errors[VALIDATION])} there, and {millimetres(own.errors[IDENTIFICATION])} on DATA_EMPS."
+    )
+    rows = [(r.model, r.fitted or "not", *(millimetres(r.errors[role]) for role in ROLES)) for r in (*runs, day, own)]
+    table = Table(
+        ("Model", "Free run fitted to", "DATA_EMPS", "PULSES"), tuple(rows),
+        f"Rms of the position error of the free run, without the first {START} samples.", "plrr",
+    )  # fmt: skip
+    return Chapter("The free run, and the friction of the day", (Callout(told, GOOD), Paragraph(text), table))
 
 
 def evidence_chapter(found: Trace, protocol: dict[str, float]) -> Chapter:

@@ -107,10 +107,20 @@ def refine(plant: Plant, passes: Sequence[Passes], loop: Loop, controller: Contr
     "output_error", the relative error of the simulated drive before and after. Records, loop and controller as for
     `rerun`. Raises WorkbenchError as it does.
     """
-    from scipy.optimize import least_squares
-
     problem = Problem(plant, fitted_on(passes))
     loops = Loops(problem, loop, controller)
+    x, first, steps = nearest_to_measured(loops)
+    drive, slopes = loops.drives([x])[:, 0], loops.slopes(x, steps)
+    fit = seen(problem, _solution(loops, x, drive, slopes), passes)
+    whole = np.linalg.norm(loops.measured)
+    errors = [float(np.linalg.norm(loops.measured - u) / whole) for u in (first, drive)]
+    return replace(fit, details={**fit.details, "output_error": tuple(errors)})
+
+
+def nearest_to_measured(loops: Loops) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return (x where what is simulated is nearest to what was measured, what is simulated at the start, steps of x)."""
+    from scipy.optimize import least_squares
+
     x = loops.start()
     first = loops.drives([x])[:, 0]
     if not np.isfinite(first).all():
@@ -124,11 +134,7 @@ def refine(plant: Plant, passes: Sequence[Passes], loop: Loop, controller: Contr
             lambda x: loops.measured - loops.drives([x])[:, 0], x, lambda x: -loops.slopes(x, steps),
             bounds=loops.bounds(), x_scale=steps / STEP, ftol=TOLERANCE, xtol=TOLERANCE, max_nfev=MOST,
         ).x  # fmt: skip
-    drive, slopes = loops.drives([x])[:, 0], loops.slopes(x, steps)
-    fit = seen(problem, _solution(loops, x, drive, slopes), passes)
-    whole = np.linalg.norm(loops.measured)
-    errors = [float(np.linalg.norm(loops.measured - u) / whole) for u in (first, drive)]
-    return replace(fit, details={**fit.details, "output_error": tuple(errors)})
+    return x, first, steps
 
 
 def _solution(loops: Loops, x: np.ndarray, drive: np.ndarray, slopes: np.ndarray) -> Solution:

@@ -61,12 +61,17 @@ def lives(result: StudyResult) -> Items:
     facts = []
     if spans := unknown.get("spans"):
         facts.append(f"{capital(whereabouts(unknown))} ({unknown['coordinate']}){moments(unknown)}.")
-        facts.append(f"It holds {numbers.percent(unknown['share'])} of the power above the noise floor.")
+        facts.append(f"It holds {numbers.percent(unknown['share'])} of the power above what is calm.")
+    elif unknown.get("coordinate") == "frequency":
+        facts.append(f"It is a line of the spectrum, at {numbers.exact(unknown['low'], 3)} Hz.")
     else:
         facts.append("It lives nowhere in particular: in no window of position or of speed, and at no moments.")
-    told = f"The residual is {numbers.number(unknown['times_floor'])} times the noise floor"
+    told = f"Of the drive's rms, {numbers.percent(unknown['size'])} could be predicted from outside the loop"
     if spans:
-        told += f"; outside, fitted without it, {numbers.number(unknown['times_floor_outside'])} times"
+        told += (
+            f"; the residual is {numbers.number(unknown['times_calm'])} times what is calm of it, and outside, fitted without "
+            f"it, {numbers.number(unknown['times_calm_outside'])} times"
+        )
     return Items((*facts, f"{told}."))
 
 

@@ -226,12 +226,12 @@ def at(made: Piece, values: dict, rows: dict):
 
 
 def at_rest(made: Design, values: dict, scenarios: ScenarioArrays) -> dict:
-    """Return row -> position of each body, where the loop begins: at the start, with the joint not wound up.
+    """Return row -> position and speed of each body, where the loop begins: at the start, with the joint not wound up.
 
     The motor stands where the gear's error leaves no deflection; its slope is well below one, so fixed-point steps do.
     """
     if made.joint is None:
-        return {"q": scenarios.start}
+        return {"q": scenarios.start, "v": scenarios.speed}
     rows = {"q": scenarios.start, "load.q": scenarios.start}
     for _ in range(REST):
         x = at(made.joint, values, rows)[LAST]
@@ -240,7 +240,7 @@ def at_rest(made: Design, values: dict, scenarios: ScenarioArrays) -> dict:
         raise WorkbenchError(
             "the joint has no deflection of zero near a scenario's start: the slope of its angle maps is too large."
         )
-    return rows | {LAST: at(made.joint, values, rows)[LAST]}
+    return rows | {LAST: at(made.joint, values, rows)[LAST], "v": scenarios.speed, "load.v": scenarios.speed}
 
 
 def per_mass(made: Design, values: dict, rest: dict, scenarios: ScenarioArrays) -> dict:
@@ -261,7 +261,7 @@ def per_mass(made: Design, values: dict, rest: dict, scenarios: ScenarioArrays) 
 
 
 def initial(made: Design, controller: Controller | None, values: dict, scenarios: ScenarioArrays, rest: dict) -> dict:
-    """Return row -> value at the start: at rest, every memory empty, the reading that of the start position."""
+    """Return row -> value at the start: every memory empty, the reading that of the start position."""
     first = at(made.start, values, rest)
     y, turned = first["y"], followed(made.law, first)
     rows = rest | {

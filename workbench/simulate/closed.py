@@ -82,7 +82,7 @@ def _trajectories(bound: Bound, record, every: int, kept) -> Trajectories | None
 
 
 def open_loop(
-    plant: Plant,
+    plant: Plant | Sequence[Plant],
     drive: np.ndarray,
     dt: float,
     substeps: int = 2,
@@ -98,7 +98,7 @@ def open_loop(
 
     Of two masses these are the motor's, and "load.q", "load.v", "load.y" are there besides.
 
-    drive: (n, lanes) or (n,) commands in N*m or N, before the plant's own command maps. Sample k is the state at k dt,
+    plant: one, or one a lane (same effects, other values). drive: (n, lanes) or (n,) commands in N*m or N, before the plant's own command maps. Sample k is the state at k dt,
     before drive[k] acts. Without scenarios every lane starts at rest at zero. Errors as for `simulate`.
     """
     drive = np.asarray(drive, dtype=float)
@@ -108,12 +108,13 @@ def open_loop(
     arrays = ScenarioArrays(drive.shape[1]) if scenarios is None else arrays_of(scenarios)
     if arrays.lanes != drive.shape[1]:
         raise WorkbenchError(f"the drive has {drive.shape[1]} columns for {arrays.lanes} scenarios.")
-    limited = np.clip(drive, -plant.limits.drive, plant.limits.drive)
+    one = plant if isinstance(plant, Plant) else plant[0]
+    limited = np.clip(drive, -one.limits.drive, one.limits.drive)
     loop = Loop(dt, substeps, resolution=resolution, load_resolution=load_resolution)
     bound = bind(
         plant, loop, None, arrays, len(drive), Criteria(), given=given_of({DRIVE: limited}, len(drive), arrays.lanes)
     )
-    load = ("load.q", "load.v", "load.y") if plant.kind == TWO_MASS else ()
+    load = ("load.q", "load.v", "load.y") if one.kind == TWO_MASS else ()
     names = tuple(dict.fromkeys(("q", "v", "y", *load, *record)))
     _, kept = run_lanes(bound, named(bound, names), 1, lanes, threads)
     return _trajectories(bound, names, 1, kept)

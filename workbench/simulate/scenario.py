@@ -66,7 +66,8 @@ class Scenario:
     the plant's masses. load_inertia: added to the mass (the load's), kg*m^2 or kg. friction: factor on every force that is
     friction (declared passive, reading or giving `dir`, or reading `v` alone). load: constant torque or force that opposes positive
     motion, of the load where there are two masses. noise: rms of a torque or force that is drawn anew every sample, near
-    normal (the sum of four uniform numbers). phase: of the encoders within a count, 0 to 1. delay: s, added to the loop's.
+    normal (the sum of four uniform numbers). speed: of every body at first, rad/s or m/s; friction has moved nowhere yet.
+    phase: of the encoders within a count, 0 to 1. delay: s, added to the loop's.
     seed: of the noise. locked: 1 where the load is held at its start, else 0; two masses only.
     """
 
@@ -81,6 +82,7 @@ class Scenario:
     load_inertia: float = 0.0
     delay: float = 0.0
     locked: float = 0.0
+    speed: float = 0.0
 
 
 NAMES = tuple(f.name for f in fields(Scenario))
@@ -102,6 +104,7 @@ class ScenarioArrays:
     load_inertia: np.ndarray | float = 0.0
     delay: np.ndarray | float = 0.0
     locked: np.ndarray | float = 0.0
+    speed: np.ndarray | float = 0.0
 
     def __post_init__(self):
         if self.lanes < 1:

@@ -42,13 +42,13 @@ class Offer:
     """only: names of the effects that are judged, all where None. own: effects offered beside those of the catalogue.
 
     declared: keys of the declared effects; a periodic one of them is offered once more, at another order. stands_for: key of a
-    free virgin curve -> key of the declared friction that it takes the place of.
+    free virgin curve -> the declared friction that it takes the place of.
     """
 
     only: Collection[str] | None = None
     own: Collection[Effect] = ()
     declared: Collection[str] = ()
-    stands_for: Mapping[str, str] = field(default_factory=dict)
+    stands_for: Mapping[str, Effect] = field(default_factory=dict)
 
     def suspects(self, plant: Plant) -> list[Suspect]:
         """Return the candidates of a plant that are judged."""
@@ -63,7 +63,7 @@ def suspects(
     plant: Plant,
     own: Collection[Effect] = (),
     declared: Collection[str] = (),
-    stands_for: Mapping[str, str] = MappingProxyType({}),
+    stands_for: Mapping[str, Effect] = MappingProxyType({}),
 ) -> list[Suspect]:
     """Return every candidate, in the order of their names (the result does not depend on the order of declaration).
 
@@ -84,13 +84,18 @@ def suspects(
             another = effect(at=place)
             if another.key in declared and periodic(effect):
                 another = another(label=AGAIN)
-            if another.key in (*(e.key for e in plant.effects), *stands_for.values()):
+            if another.key in (*(e.key for e in plant.effects), *(e.key for e in stands_for.values())):
                 continue
             same = needless(another, plant)
             rest = plant
             for key in same:
                 rest = rest.without(key)
-            instead = (*same, *(stands_for[k] for k in same if k in stands_for))
+            if another.linear:
+                instead = (*same, *(stands_for[k].key for k in same if k in stands_for))
+            else:  # a length of its own, by which the declared law builds up
+                instead = same
+                for key in same:
+                    rest = rest + stands_for[key]
             found.append(Suspect(another.named, place, ADDITION, rest + another, instead))
             if same and FREE_CURVE not in {k.partition("@")[0] for k in same}:
                 # the same beside what it may take the place of: two contacts
@@ -112,10 +117,12 @@ def needless(effect: Effect, plant: Plant) -> tuple[str, ...]:
     A force that provides the direction of motion is a friction with memory, and goes with that direction; what
     reads nothing but the direction at its place (Coulomb friction) would be the same force once more.
     """
-    if "dir" not in effect.provides or not effect.linear:
+    if "dir" not in effect.provides:
         return ()
     return tuple(
-        e.key for e in plant.effects if e.at == effect.at and (tuple(e.reads) == ("dir",) or e.name == FREE_CURVE)
+        e.key
+        for e in plant.effects
+        if e.at == effect.at and (e.name == FREE_CURVE or (effect.linear and tuple(e.reads) == ("dir",)))
     )
 
 

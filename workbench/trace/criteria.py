@@ -54,7 +54,7 @@ class Criteria:
     alike: float = 2.0
     plain: float = 0.15
     hint: float = 2.0
-    carried: float = 0.1
+    carried: float = 0.05
     tolerance: float = 0.01
     near: float = 0.8
     resembles: float = 0.5

@@ -12,6 +12,7 @@
 """
 
 from dataclasses import dataclass
+from math import isfinite
 
 from workbench.record import IDENTIFICATION, VALIDATION
 from workbench.trace.criteria import Criteria
@@ -37,7 +38,8 @@ def decide(evidence: Evidence, criteria: Criteria) -> Verdict:
     """Return the verdict on this evidence."""
     roles = tuple(role(a, criteria) for a in evidence.added)
     causes = [a for a, r in zip(evidence.added, roles, strict=True) if r == CAUSE]
-    if causes and (evidence.place_instead or not answers(evidence, causes, criteria)):
+    spread = evidence.place_instead and not little_left(evidence, criteria)
+    if causes and (spread or not answers(evidence, causes, criteria)):
         roles = tuple(DRESSING if r == CAUSE else r for r in roles)
         causes = []
     if causes or evidence.clock:
@@ -52,21 +54,40 @@ def role(a: Weighed, criteria: Criteria) -> str:
     """Return what one effect is by itself."""
     if a.kind == CORRECTION and a.changed <= a.tolerance:
         return REFINEMENT
+    # without a validation record both are NaN, and say nothing
     if a.size(VALIDATION) < 0.0 or a.share(VALIDATION) < criteria.carried * a.share(IDENTIFICATION):
         return NOT_BORNE_OUT
-    if a.size(IDENTIFICATION) < criteria.practical or a.near_law:
+    if a.size(IDENTIFICATION) < criteria.practical:
         return REFINEMENT
     return CAUSE
 
 
 def answers(evidence: Evidence, causes: list[Weighed], criteria: Criteria) -> bool:
-    """Whether the causes are the answer: they hold on validation, or leave little of what could be explained."""
-    declared = evidence.declared[VALIDATION] ** 2
-    taken = sum(max(a.before[VALIDATION] ** 2 - a.after[VALIDATION] ** 2, 0.0) for a in causes)
-    if declared > 0.0 and taken >= criteria.held * declared:
+    """Whether the causes are the answer: they hold on validation, or leave little of what could be explained.
+
+    What only an injected torque shows (a delay, a lag) is in no reference, and moves excite it little: then it is enough that the
+    causes take as much of the identification records, by blocks that were not seen, and that nothing explainable stays.
+    """
+    judge = VALIDATION if isfinite(evidence.declared[VALIDATION]) else IDENTIFICATION
+    if share_of(causes, evidence, judge) >= criteria.held:
         return True
-    before, after = evidence.before.size**2, evidence.after.size**2
-    return before >= criteria.explainable**2 and after <= criteria.left * before
+    if any(a.behind and a.share(judge) >= criteria.held for a in causes):
+        return True
+    if evidence.before.size >= criteria.explainable:
+        return little_left(evidence, criteria)
+    return share_of(causes, evidence, IDENTIFICATION) >= criteria.held and evidence.after.size < criteria.explainable
+
+
+def share_of(causes: list[Weighed], evidence: Evidence, role: str) -> float:
+    """Return the share of the declared model's residual power that causes take away together."""
+    taken = sum(max(a.before[role] ** 2 - a.after[role] ** 2, 0.0) for a in causes)
+    declared = evidence.declared[role] ** 2
+    return taken / declared if declared > 0.0 else 0.0
+
+
+def little_left(evidence: Evidence, criteria: Criteria) -> bool:
+    """Whether what was added leaves little of what could be explained."""
+    return evidence.after.size**2 <= criteria.left * evidence.before.size**2
 
 
 def alarms(evidence: Evidence, roles: tuple[str, ...]) -> tuple[str, ...]:

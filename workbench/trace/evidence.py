@@ -4,8 +4,8 @@ Sizes are rms over the rms of the filtered drive: identification records pooled,
 """
 
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass
-from math import sqrt
+from dataclasses import asdict, dataclass, field
+from math import copysign, sqrt
 
 ADDITION, CORRECTION = "addition", "correction"
 
@@ -43,7 +43,9 @@ class Weighed:
 
     before, after: nrmse without and with it, the effects before it in place, by role. changed: largest relative change of a
     fixed value, tolerance: what that value may be off by. law: "catalogue", or "free form". implausible: why its values are
-    no machine's, "" where they may be.
+    no machine's, "" where they may be. load_before, load_after: of two masses, error of the load's balance over the joint's torque;
+    what acts behind the joint shows there, and need not show in the drive. power_up: whether its phase on validation is one of its
+    own, with which `after` is then.
     """
 
     effect: str
@@ -55,16 +57,35 @@ class Weighed:
     tolerance: float = 0.0
     law: str = "catalogue"
     implausible: str = ""
-    near_law: bool = False
+    load_before: Mapping[str, float] = field(default_factory=dict)
+    load_after: Mapping[str, float] = field(default_factory=dict)
+    power_up: bool = False
+
+    @property
+    def behind(self) -> bool:
+        """Whether it shows in the load's balance rather than in the drive."""
+        known = {"identification", "validation"} <= {*self.load_before} & {*self.load_after}
+        return known and self._share(self.load_before, self.load_after) > max(0.0, self._share(self.before, self.after))
+
+    def _share(self, before: Mapping[str, float], after: Mapping[str, float], role: str = "identification") -> float:
+        return 1.0 - (after[role] / before[role]) ** 2 if before[role] != 0.0 else 0.0
+
+    def errors(self, role: str) -> tuple[float, float]:
+        """Return the error before and after in the balance in which it shows most."""
+        before, after = (self.load_before, self.load_after) if self.behind else (self.before, self.after)
+        return before[role], after[role]
 
     def size(self, role: str) -> float:
-        """Return what it takes away, over the drive's rms; negative where the error grows."""
-        less = self.before[role] ** 2 - self.after[role] ** 2
-        return sqrt(less) if less >= 0.0 else -sqrt(-less)
+        """Return what it takes away, over the rms of the drive or of the joint's torque, in the balance in which it shows most;
+        negative where the error grows, NaN without such a record."""
+        before, after = self.errors(role)
+        less = before**2 - after**2
+        return copysign(sqrt(abs(less)), less)
 
     def share(self, role: str) -> float:
-        """Return the share of the residual's power that it takes away."""
-        return 1.0 - (self.after[role] / self.before[role]) ** 2 if self.before[role] > 0.0 else 0.0
+        """Return the share of the residual's power that it takes away there."""
+        before, after = self.errors(role)
+        return 1.0 - (after / before) ** 2 if before != 0.0 else 0.0
 
 
 @dataclass(frozen=True)

@@ -61,7 +61,7 @@ def explainable(state: State, criteria: Criteria) -> Explainable:
         exogenous=unit * sqrt(exogenous(parts)),
         time=unit * sqrt(over_time(parts)),
         line=unit * sqrt(share * whole),
-        burst=unit * sqrt(bursts(parts, criteria.burst)),
+        burst=unit * sqrt(burst if (burst := bursts(parts, criteria.burst)) > criteria.share * whole else 0.0),
         frequency=frequency,
         instrument="reference" if referenced else "low-passed position",
     )

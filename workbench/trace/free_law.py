@@ -19,9 +19,12 @@ from workbench.trace.state import State
 LEADERS = 3  # families that are asked, those of the best candidates
 
 
-def free_law(state: State, judgements: Sequence[Judgement], best: Judgement, criteria: Criteria) -> Judgement | None:
+def free_law(
+    state: State, judgements: Sequence[Judgement], best: Judgement, added: Sequence[Judgement], criteria: Criteria
+) -> Judgement | None:
     """Return the free-form law that is added in the place of `best`, or None where that formula says it as well.
 
+    added: before it; a formula of the class among them names the free form, which then says it all.
     judgements: of the step, best first. A formula says it as well that takes `near` of what the free form takes, or leaves no
     more than what is of practical size beside it; it names the class from `resembles` of it on.
     """
@@ -49,6 +52,13 @@ def free_law(state: State, judgements: Sequence[Judgement], best: Judgement, cri
         return None
     family = family_of(free.suspect.plant[free.suspect.key])
     nearest = asked[(family, free.suspect.at)]
+    earlier = [
+        j for j in added if j.suspect.at == free.suspect.at and family_of(j.suspect.plant[j.suspect.key]) == family
+    ]
+    if earlier:
+        return refitted_as(
+            state, replace(free, suspect=replace(free.suspect, stands=earlier[0].suspect.name)), criteria
+        )
     if whole - nearest.errors.total < criteria.resembles * most:
         return None
     named = replace(free.suspect, stands=nearest.suspect.effect)

@@ -54,7 +54,10 @@ def extended(
             spurious = of_counts(best.suspect, state, whole)
             if best.candidate.gain - spurious <= least:
                 judgements[0], best = replace(best, candidate=by_counts(best.candidate, spurious)), None
-        if best is not None and (free := free_law(state, judgements, best, criteria)) is not None:
+        if (
+            best is not None
+            and (free := free_law(state, judgements, best, [s.added for s in found], criteria)) is not None
+        ):
             judgements, best = [free, *judgements], free
         if best is None and credit is None and not noise_alone(state, level, PLAIN):
             best = credit = promised(judgements, criteria)

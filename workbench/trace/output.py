@@ -78,7 +78,7 @@ def by_name(fit: Fit) -> list[Estimate]:
 def located(trace: Trace) -> dict:
     """Return what is unknown and where it lives, with the unit of its coordinate."""
     x = trace.before.plant.displacement
-    unit = {"position": x, "velocity": f"{x}/s", "time": "s"}.get(trace.unknown.get("coordinate"))
+    unit = {"position": x, "velocity": f"{x}/s", "time": "s", "frequency": "Hz"}.get(trace.unknown.get("coordinate"))
     return {**trace.unknown, **({"unit": unit} if unit else {})}
 
 

@@ -69,7 +69,7 @@ def select(declared: State, whole: Sequence[Passes], offer: Offer, criteria: Cri
     base = with_curves(declared, known)
     if base is None or size(declared, base) < 0.5 * criteria.practical:
         base, known = declared, ()
-    offer = replace(offer, stands_for={law.key: law.declared.key for law in known})
+    offer = replace(offer, stands_for={law.key: law.declared for law in known})
     steps = extended(base, whole, progress, offer, criteria, freshly)
     looked = [s.judgements for s in steps]
     answer = Answer([s.added for s in steps if s.added is not None], base).standing
@@ -172,6 +172,9 @@ def revised(
         looked.append(lighter(judgements, best))
         if best is not None and best.suspect.key == present.suspect.key and present.candidate.earns:
             continue  # else what it comes to now is its evidence
+        if best is not None and best.suspect.key != present.suspect.key and present.candidate.earns:
+            if not better(best, present, answer.last, criteria):
+                continue
         if best is None:
             fewer = Answer(rest, answer.declared, reduced)
             return revised(fewer, declared, looked, progress, offer, criteria) if len(rest) > 1 else fewer
@@ -179,6 +182,13 @@ def revised(
         if len(answer.added) <= len(rest):
             return revised(answer, declared, looked, progress, offer, criteria)
     return answer
+
+
+def better(other: Judgement, present: Judgement, last: State, criteria: Criteria) -> bool:
+    """Whether another effect is the better answer: it leaves less by more than is of practical size, or no more and is simpler."""
+    less = last.errors.total - other.errors.total
+    small = criteria.practical**2 * last.power
+    return less > small or (other.freedom < present.freedom and less > -small)
 
 
 def promising(looked: Sequence[Sequence[Judgement]]) -> set[str]:

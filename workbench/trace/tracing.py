@@ -51,17 +51,19 @@ def trace(
     plant: Plant,
     passes: Sequence[Passes],
     progress: Progress = lambda _: None,
+    most: int | None = None,
     only: Collection[str] | None = None,
     own: Collection[Effect] = (),
     criteria: Criteria = STANDARD,
 ) -> Trace:
     """Trace the residual of `plant` on the identification records among `passes`.
 
-    only: names of the effects that are judged, all where absent. own: effects that are judged beside those of the catalogue.
+    most: effects added at most, as the criteria say where absent. only: names of the effects that are judged, all where absent. own: effects that are judged beside those of the catalogue.
     criteria: what decides. Returns the verdict with its evidence. Validation records choose no effect; they decide whether what
     was found is borne out.
     """
     whole = fitted_on(passes)
+    criteria = criteria if most is None else replace(criteria, steps=most)
     progress("fitting the declared model")
     try:
         late = late_encoder(plant, passes, only)
@@ -122,7 +124,7 @@ def evidence_of(
         floor=noise_floor(passes, steady),
         before=before,
         after=after,
-        added=weighed(selected, confirmed.added, confirmed.fits, criteria),
+        added=weighed(selected, confirmed.added, confirmed.fits, passes, criteria),
         place_instead=place is not None,
     )
     return evidence, Unexplained(place, base.solution.cost**0.5) if place else None
@@ -161,8 +163,8 @@ def reported(
     progress("looking for where the residual lives")
     lives = None
     if verdict.verdict == UNKNOWN:
-        calm = {p.motion.record.name: max(selected.base.steady, 1e-300) for p in passes}
-        lives = place or unexplained(selected.base, calm)
+        calm = {p.motion.record.name: max(selected.declared.steady, 1e-300) for p in passes}
+        lives = place or unexplained(selected.declared, calm)
     after = withheld(after, causes, passes)
     if late.skew:
         after = replace(after, estimates=with_clock(after.estimates, late.skew))

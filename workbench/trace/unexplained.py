@@ -112,7 +112,7 @@ def described(found: Unexplained | None, evidence: Evidence) -> dict[str, object
     if found is None:
         return {}
     size = evidence.before
-    if size.kind == "line":
+    if size.kind == "line" and not local(found.place):
         return {"coordinate": "frequency", "low": size.frequency, "high": size.frequency, "size": size.line}
     if found.place is None:
         return {"coordinate": "none", "size": size.size}

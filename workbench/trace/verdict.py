@@ -11,7 +11,7 @@ from workbench.record import IDENTIFICATION, VALIDATION
 from workbench.trace.decide import CAUSE, DRESSING, NOT_BORNE_OUT, UNKNOWN, Verdict
 from workbench.trace.evidence import ADDITION, CORRECTION, Evidence, Weighed
 from workbench.trace.judge import Judgement
-from workbench.trace.place import WAYS, Place
+from workbench.trace.place import WAYS, Place, local
 from workbench.trace.result import Candidate, Cause
 from workbench.trace.skew import Skew
 from workbench.trace.unexplained import Unexplained
@@ -189,9 +189,11 @@ def verdict_sentence(
             f"Something is missing that no effect of the catalogue explains: {100 * size.size:.1f} % of the drive's rms could be "
             f"predicted from {FROM[size.kind]}"
         )
-        if size.kind == "line":
-            return f"{said} of {size.frequency:.3g} Hz."
         place = lives_in.place if lives_in else None
+        if size.kind == "line":
+            said = f"{said} of {size.frequency:.3g} Hz"
+            if not local(place):
+                return f"{said}."
         if place is None:
             return f"{said}; it lives nowhere in particular: not in a place, not at a speed, not at moments."
         return (

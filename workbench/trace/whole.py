@@ -37,12 +37,10 @@ def in_turn(
     )
     fits = [identify(declared, passes, next(ends), solved=True)]
     kept: list[Judgement] = []
-    for j, end in zip(added, ends, strict=True):
+    for i, (j, end) in enumerate(zip(added, ends, strict=True)):
         plant = brought(fits[-1].plant, j.suspect, found)
-        again = (
-            (valued(plant, found), end if len(kept) + 1 == len(fits) and kept == list(added[: len(kept)]) else None),
-            (plant, None),
-        )
+        whole = i == len(kept)  # else `end` is of a plant with what was not borne out
+        again = ((valued(plant, found), end if whole else None), (plant, None))
         tried = (identify(p, passes, theta, solved=theta is not None) for p, theta in again)
         better = next((fit for fit in tried if borne_out(fits[-1], fit)), None)
         if better is not None:
