@@ -11,7 +11,7 @@ from workbench.plant import ONE_MASS, Limits, Plant
 from workbench.simulate import Loop
 from workbench.study import configuration
 from workbench.study.compensating import compensation
-from workbench.verify.compensating import Slow, worth
+from workbench.verify.compensating import Slow, bears, worth
 from workbench.verify.task import Task
 
 LOOP = Loop(5e-4, 2, 5e-4, 5e-4, 1e-6)
@@ -77,3 +77,10 @@ def test_what_is_misspelt_is_said(tmp_path):
 def test_a_controller_that_does_not_follow_is_refused():
     with pytest.raises(WorkbenchError, match="does not follow"):
         worth(PLANT, LOOP, fixed_pd(0.1, 0.1), Compensator.of(PLANT, ("stop",), source="reference"), Slow(1e-3, 0.5))
+
+
+def test_a_loop_that_friction_alone_holds_up_is_found():
+    """Without any damping of its own a double integrator swings under a position loop."""
+    named = Compensator.of(PLANT, ("stop",), source="measured")
+    assert bears(PLANT, LOOP, PD, named, Slow(0.01, 0.5))
+    assert not bears(PLANT, LOOP, fixed_pd(60.0, -0.02), named, Slow(0.01, 0.5))

@@ -15,16 +15,17 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from workbench.compensation import OBSERVED, SOURCES, Compensator, compensated
+from workbench.compensation import OBSERVED, REFERENCE, SOURCES, Compensator, compensated
 from workbench.control import Controller
 from workbench.errors import WorkbenchError, nearest
+from workbench.finding import Finding
 from workbench.plant import Plant
 from workbench.report import numbers
 from workbench.report.contents import Chapter, Figure, Paragraph, Table
 from workbench.report.drawing import AFTER, BEFORE, svg
 from workbench.study.configuration import Study
 from workbench.study.outcome import Part
-from workbench.verify.compensating import Slow, Worth, worth
+from workbench.verify.compensating import Slow, Worth, bears, worth
 from workbench.verify.task import Task
 
 KEYS = ("effects", "controller", "amplitude", "frequency")
@@ -59,7 +60,7 @@ def asked(study: Study, plant: Plant) -> Asked:
         raise WorkbenchError(f"{one.path('effects')}: give a list of names of effects.")
     slow = Slow(one.quantity("amplitude", x, above=0.0), one.quantity("frequency", "Hz", above=0.0))
     options = {
-        "source": one.choice("source", SOURCES, "source") if "source" in one else SOURCES[1],
+        "source": one.choice("source", SOURCES, "source") if "source" in one else REFERENCE,
         "delay": int(one.number("delay", 0)),
         "low_pass": one.quantity("low_pass", "Hz", above=0.0) if "low_pass" in one else 0.0,
         "bandwidth": one.quantity("bandwidth", "Hz", above=0.0) if "bandwidth" in one else 0.0,
@@ -99,7 +100,24 @@ def compensation(
     x = task.plant.displacement
     units = dict.fromkeys(("following_error_alone", "following_error_compensated"), x)
     rows = [{"gain": g, "following_error": e} for g, e in found.errors.items()]
-    return Part(figures, units, (chapter(given, found, true, x),), (), {"compensation": rows})
+    said = fallen(given, task, makers[given.controller](1))
+    return Part(figures, units, (chapter(given, found, true, x),), said, {"compensation": rows})
+
+
+def fallen(given: Asked, task: Task, controller: Controller) -> tuple[Finding, ...]:
+    """Return a finding where the controller does not stand on the plant that its compensation leaves, which sees its motion."""
+    compensator = given.on(task.plant)
+    if compensator.source == REFERENCE or bears(task.plant, task.loop, controller, compensator, given.slow):
+        return ()
+    sentence = (
+        f"Without {' and '.join(given.effects)} the controller “{given.controller}” does not follow a slow motion: what is to be "
+        "cancelled is what holds the loop up."
+    )
+    return (
+        Finding(
+            "not stable alone", "compensation", sentence, {}, "raise its gains first, or compensate from the reference"
+        ),
+    )
 
 
 def compensated_makers(study: Study, plant: Plant, makers: Mapping[str, Callable[[int], Controller]]) -> dict:
@@ -122,7 +140,7 @@ def chapter(given: Asked, found: Worth, true: Worth, x: str) -> Chapter:
     heading = f"Compensated, the error of a slow motion that turns falls to one {found.ratio:.2g}th"
     feedback = (
         "It hangs on the reference alone, so the loop's margins are what they were."
-        if source == "reference"
+        if source == REFERENCE
         else "It closes a path of its own around the plant: margins are those of the plant without these effects."
     )
     text = (

@@ -89,3 +89,16 @@ def worth(
         )
     errors = {g: float(e) for g, e in zip(gains, np.where(np.isfinite(largest), largest, np.inf), strict=True)}
     return Worth(errors, m.trajectories.time, reference, error[:, 0], error[:, 1])
+
+
+def bears(plant: Plant, loop: Loop, controller: Controller, compensator: Compensator, slow: Slow) -> bool:
+    """Return whether the controller follows the slow motion on the plant without what is cancelled.
+
+    Compensation that sees the plant's motion leaves the loop with that plant: one that friction alone holds up falls there.
+    """
+    for e in compensator.forces:
+        plant = plant.without(e.key)
+    reference = slow.reference(loop)
+    duration = reference.size * loop.sample_time
+    m = simulate(plant, loop, controller, ScenarioArrays(1), duration, reference=reference, lanes=1)
+    return bool(m.finite[0] and m.following_error[0] < LOST * slow.amplitude)
