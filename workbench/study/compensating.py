@@ -18,11 +18,12 @@ import numpy as np
 from workbench.compensation import OBSERVED, REFERENCE, SOURCES, Compensator, compensated
 from workbench.control import Controller
 from workbench.errors import WorkbenchError, nearest
-from workbench.finding import Finding
+from workbench.finding import Finding, title
 from workbench.plant import Plant
 from workbench.report import numbers
 from workbench.report.contents import Chapter, Figure, Paragraph, Table
 from workbench.report.drawing import AFTER, BEFORE, svg
+from workbench.report.wording import listed
 from workbench.study.configuration import Study
 from workbench.study.outcome import Part
 from workbench.verify.compensating import Slow, Worth, bears, worth
@@ -134,10 +135,10 @@ FOUR = range(4)  # lanes: without, with, and off either way
 
 def chapter(given: Asked, found: Worth, true: Worth, x: str) -> Chapter:
     """What it is worth, in a table and over time."""
-    names = " and ".join(given.effects)
+    names = listed([title(e.partition("@")[0]) for e in given.effects])
     source = given.options["source"]
     share = given.mismatch
-    heading = f"Compensated, the error of a slow motion that turns falls to one {found.ratio:.2g}th"
+    heading = f"Compensated, the error of a slow motion that turns is {numbers.number(found.ratio, 2)} times smaller"
     feedback = (
         "It hangs on the reference alone, so the loop's margins are what they were."
         if source == REFERENCE
@@ -145,19 +146,19 @@ def chapter(given: Asked, found: Worth, true: Worth, x: str) -> Chapter:
     )
     text = (
         f"The command gets what {names} will take of it, from the {source} position, by the definition that simulation and "
-        f"identification have. The controller is “{given.controller}”, the motion a sine of {numbers.quantity(given.slow.amplitude, x)} "
+        f"identification have. The controller is “{given.controller}”, the motion a sine of {numbers.scaled(given.slow.amplitude, x)} "
         f"at {given.slow.frequency:g} Hz. {feedback}"
     )
     rows = [
-        ("without", numbers.quantity(found.errors[0.0], x), ""),
-        ("compensated", numbers.quantity(found.errors[1.0], x), factor(found.ratio)),
+        ("without", numbers.scaled(found.errors[0.0], x), ""),
+        ("compensated", numbers.scaled(found.errors[1.0], x), factor(found.ratio)),
         *(
-            (f"compensation {100 * s:+.0f} %", numbers.quantity(found.errors[1.0 + s], x), factor(found.errors[0.0] / found.errors[1.0 + s]))
+            (f"compensation {100 * s:+.0f} %", numbers.scaled(found.errors[1.0 + s], x), factor(found.errors[0.0] / found.errors[1.0 + s]))
             for s in (-share, share)
         ),
     ]  # fmt: skip
     if true is not found:
-        rows.append(("by the plant's true law", numbers.quantity(true.errors[1.0], x), factor(true.ratio)))
+        rows.append(("by the plant's true law", numbers.scaled(true.errors[1.0], x), factor(true.ratio)))
     table = Table(
         ("", "largest following error", "smaller by"), tuple(rows), "Following error over the last two periods.", "lrr"
     )
