@@ -15,6 +15,7 @@ from workbench.report.contents import Chapter, Items, Paragraph
 from workbench.report.contest import asked_table, contest_chapter, margin_figure
 from workbench.report.reproduction import as_table, counted
 from workbench.study import standard
+from workbench.study.compensating import compensation
 from workbench.study.configuration import Study
 from workbench.study.controlling import control_of
 from workbench.study.outcome import Outcome, Part, with_part
@@ -75,7 +76,8 @@ def run(study: Study, say) -> Outcome:
     )
     held, margins = controllers.held(study, control, known, loop, say)
     outcome = with_part(outcome, contested(study, held, margins))
-    return with_part(outcome, robustness(study, held.task, held.makers, say))
+    outcome = with_part(outcome, robustness(study, held.task, held.makers, say))
+    return with_part(outcome, compensation(study, held.task, held.makers, say))
 
 
 def contested(study: Study, held: Contest, margins: AgainstMargin) -> Part:

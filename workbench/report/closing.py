@@ -9,6 +9,7 @@ from workbench.report.contents import Callout, Chapter, Figure, Items, Paragraph
 from workbench.report.drawing import AFTER, BEFORE, MUTED, STYLES, decades, envelope, svg
 from workbench.report.wording import listed
 from workbench.trace.result import Trace
+from workbench.verify.cancelling import take
 from workbench.verify.closing import DECLARED, EXTENDED, Closed, Response
 
 LEAST = 0.05  # of an encoder count, that an error is drawn down to
@@ -28,6 +29,8 @@ def closing(found: Trace, closed: Closed) -> Chapter:
         step(found, closed),
         gains(closed, plant.effort, plant.displacement),
     ]
+    if closed.cancelled:
+        blocks += compensation(closed, plant.displacement)
     if closed.followed:
         blocks.append(Items((followed(closed, plant.displacement),)))
     return Chapter("The loop, closed with what was found", tuple(blocks))
@@ -182,6 +185,38 @@ def followed(closed: Closed, x: str) -> str:
         f"{numbers.scaled(f.position, x)} rms, and their drives by {numbers.percent(f.drive)}. The extended model lags behind "
         f"the reference by {was} at most under the gains tuned on the declared one, and by {now} under its own."
     )
+
+
+ADVICE = {
+    "compensation": "Take the compensation: it gains more than new gains do, and keeps it where the effect is 30 % off.",
+    "gains": "Take the new gains: compensation gains less, or loses it where the effect is 30 % off.",
+    "both alike": "Compensation and new gains come to the same; the gains are simpler.",
+    "neither": "Neither is worth much here: these gains bear the effect as it is.",
+}
+
+
+def compensation(closed: Closed, x: str) -> list:
+    """Return what cancelling the causes is worth beside new gains, and which of the two to take."""
+    found = closed.cancelled
+    factor, unit = numbers.prefixed(max(closed.blind.final_error, found.exact["final_error"], 1e-12), x)
+
+    def row(name, one, following):
+        cells = (seconds(one["rise"]), seconds(one["time_1pct"]), hundredths(one["overshoot"]))
+        lag = numbers.number(following * factor) if np.isfinite(following) else ""
+        return (name, *cells, numbers.number(one["final_error"] * factor), lag)
+
+    lags = closed.followed.largest if closed.followed else {DECLARED: np.nan, EXTENDED: np.nan}
+    rows = [
+        row("gains as they were", vars(closed.blind), lags[DECLARED]),
+        row("new gains", vars(closed.knowing), lags[EXTENDED]),
+    ]
+    for g, one in found.figures.items():
+        rows.append(row("compensation" + (f", {100 * (g - 1):+.0f} %" if g != 1.0 else ""), one, one["following"]))
+    columns = ("", "rise", "1 % time", "overshoot", f"final error ({unit})", f"following ({unit})")
+    names = listed([k.partition("@")[0].replace("_", " ") for k in found.effects])
+    caption = f"Compensation of {names} from the measured position, under the gains as they were, beside new gains."
+    advice = take(vars(closed.blind), vars(closed.knowing), found)
+    return [Table(columns, tuple(rows), caption, "lrrrrr"), Paragraph(ADVICE[advice])]
 
 
 def absent(sentence: str) -> Chapter:

@@ -11,6 +11,7 @@ from math import isfinite
 import numpy as np
 
 from workbench import __version__
+from workbench.compensation import Compensated, Compensator, compensated
 from workbench.control import Controller, Table, law
 from workbench.effect import Effect, catalogue, find
 from workbench.errors import WorkbenchError
@@ -22,6 +23,8 @@ from workbench.simulate import Criteria, Loop
 from workbench.verify.task import Task
 
 FORMAT = 1
+PARTS = ("effects", "still", "inertial", "guides")  # of a compensator
+NUMBERS = ("source", "gain", "delay", "low_pass", "mass", "bandwidth", "ratio", "pole_pairs")
 
 
 def number(value: float) -> float | str:
@@ -59,7 +62,19 @@ def plant_of(given: Mapping) -> Plant:
     )
 
 
+def of_compensator(c: Compensator) -> dict:
+    parts = {n: [of_effect(e) for e in getattr(c, n)] for n in PARTS}
+    return parts | {n: getattr(c, n) for n in NUMBERS}
+
+
+def compensator_of(given: Mapping) -> Compensator:
+    parts = {n: tuple(find(e["effect"])(at=e["at"], **e["parameters"]) for e in given[n]) for n in PARTS}
+    return Compensator(**parts, **{n: given[n] for n in NUMBERS})
+
+
 def of_controller(controller: Controller) -> dict:
+    if isinstance(controller, Compensated):
+        return {"base": of_controller(controller.base), "compensation": of_compensator(controller.compensator)}
     tables = controller.tables
     if law(controller.law.name) is not controller.law:
         raise WorkbenchError(
@@ -77,6 +92,8 @@ def of_controller(controller: Controller) -> dict:
 
 
 def controller_of(given: Mapping) -> Controller:
+    if "compensation" in given:
+        return compensated(controller_of(given["base"]), compensator_of(given["compensation"]))
     columns = {n: np.array(c) for n, c in given["columns"].items()}
     return Controller(
         given["name"],

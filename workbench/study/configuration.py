@@ -22,7 +22,7 @@ CONTROL = (
     "export",
     "plan",
 )  # read by study.controlling, study.planning
-SERIES = ("robustness", "limit_cycle")  # read by study.series, study.hunting
+SERIES = ("robustness", "limit_cycle", "compensation")  # read by study.series, study.hunting, study.compensating
 
 
 class MissingData(WorkbenchError):

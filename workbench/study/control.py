@@ -20,6 +20,7 @@ from workbench.report.ladder import ladder_chapter
 from workbench.report.polish import as_table as gains_table
 from workbench.report.polish import polish_chapter
 from workbench.report.recommend import RECOMMENDED, recommended_chapter
+from workbench.study.compensating import compensated_makers, compensation
 from workbench.study.configuration import Study
 from workbench.study.controlling import Control, Shown, control_of
 from workbench.study.hunting import limit_cycles
@@ -58,7 +59,8 @@ def run(
     say("comparing the controllers")
     ours = f"scheduled PD ({control.rule})"
     makers = {name: tuned.controller for name, tuned in made.tuned.items()}
-    comparison = verdicts(compare(task, makers), ours, BASELINES, plant.displacement)
+    compared = makers | (compensated_makers(study, plant, makers) if "compensation" in study.table else {})
+    comparison = verdicts(compare(task, compared), ours, BASELINES, plant.displacement)
     choice = recommend(task, made.tuned, plant.displacement)
     kept, held = promise(plant, made.polished, task), made.climbed.regret
     parts = [
@@ -102,11 +104,13 @@ def run(
     said = (advice, *assumptions(study.table, control, shown), *raised(control, made), *limits, *comparison.findings)
     part = Part(figures, units, tuple(parts), said, tables, files)
     if "robustness" in study.table:
-        part = with_part(part, robustness(study, task, makers, say))
+        part = with_part(part, robustness(study, task, compared, say))
         share = part.figures.get(f"share_beyond_final_error_{slug(choice.name)}")
         part = part if share is None else replace(part, figures={**part.figures, "recommended_share_beyond": share})
     if "limit_cycle" in study.table:
         part = with_part(part, limit_cycles(study, task, makers, say))
+    if "compensation" in study.table:
+        part = with_part(part, compensation(study, task, makers, say))
     return part
 
 

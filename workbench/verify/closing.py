@@ -18,6 +18,7 @@ from workbench.processes import shared
 from workbench.record import Record
 from workbench.simulate import Loop, Metrics, ScenarioArrays, simulate
 from workbench.verify.assumed import judge, late, loop_of, task_of
+from workbench.verify.cancelling import Cancelled, cancelled, causes, take
 from workbench.verify.equivalent import friction_of
 from workbench.verify.families import Family, cascade_family
 from workbench.verify.optimise import Tuned, optimise
@@ -73,6 +74,7 @@ class Closed:
     followed: Followed | None
     time: np.ndarray
     signals: Mapping[tuple[str, str], tuple[np.ndarray, np.ndarray]]
+    cancelled: Cancelled | None = None
 
     @property
     def promised(self) -> Response:
@@ -197,7 +199,16 @@ def close(declared: Plant, extended: Plant, record: Record) -> Closed:
         followed = following((declared, extended), record, loop, [made[n].controller() for n in tasks])
     gains = {name: one.numbers for name, one in made.items()}
     task = tasks[DECLARED]
-    return Closed(loop, task.start, task.step, gains, tuple(responses), followed, time, signals)
+    compensation = compensated(declared, tasks[EXTENDED], made[DECLARED], record)
+    return Closed(loop, task.start, task.step, gains, tuple(responses), followed, time, signals, compensation)
+
+
+def compensated(declared: Plant, task: Task, one: Tuned, record: Record) -> Cancelled | None:
+    """Return what cancelling the causes is worth under gains tuned on the declared plant; None where none can be."""
+    can, left = causes(declared, task.plant)
+    if not can:
+        return None
+    return cancelled(task, one.controller, can, left, rise_of, PHASES, record.channels.get("reference"))
 
 
 def as_dict(closed: Closed) -> dict:
@@ -209,6 +220,14 @@ def as_dict(closed: Closed) -> dict:
     def plain(one: Mapping[str, object]) -> dict:
         return {n: number(x) if isinstance(x, float) else x for n, x in one.items()}
 
+    def compensation(closed: Closed) -> dict | None:
+        found = closed.cancelled
+        if found is None:
+            return None
+        figures = [{"gain": g, **plain(v)} for g, v in found.figures.items()]
+        advice = take(vars(closed.blind), vars(closed.knowing), found)
+        return {"effects": list(found.effects), "left": list(found.left), "figures": figures, "take": advice}
+
     followed = closed.followed
     return {
         "loop": plain(vars(closed.loop)),
@@ -217,5 +236,6 @@ def as_dict(closed: Closed) -> dict:
         "gains": {name: dict(values) for name, values in closed.gains.items()},
         "responses": [plain(vars(r)) for r in closed.responses],
         "change": plain(closed.change),
+        "compensation": compensation(closed),
         "followed": plain(vars(followed)) | {"largest": plain(followed.largest)} if followed else None,
     }
