@@ -216,7 +216,7 @@ NEUTRAL = [n for n, e in catalogue().items() if e.linear and not e.provides and 
 
 @pytest.mark.parametrize("name", NEUTRAL)
 def test_an_effect_with_zero_amplitudes_changes_no_result(name):
-    effect = find(name)(**dict.fromkeys(find(name).linear, 0.0))
+    effect = find(name)(at="axis", **dict.fromkeys(find(name).linear, 0.0))
     passes = Passes(motion(record(), 100.0))
     plant = declared()
     plant = plant.without(name) if name in plant else plant
