@@ -115,6 +115,22 @@ def test_whatever_was_tuned_the_shape_is_kept(noise, slope, bound, monotone, per
             assert there == pytest.approx(here, rel=1e-12)
 
 
+def test_the_shape_is_the_one_that_cvxpy_finds_for_the_same_problem_as_it_is_stated():
+    import cvxpy as cp
+
+    draw = np.random.default_rng(3)
+    m, n = 14, 60
+    rows = shape.interpolation(np.geomspace(1.0, 50.0, m), np.geomspace(1.0, 50.0, n))
+    target = np.cumsum(draw.standard_normal(n)) / 4.0
+    low, high, ceiling = np.full(m - 1, -0.8), np.full(m - 1, 0.05), np.arange(n) % 5 == 0
+    x = cp.Variable(m)
+    fit = cp.sum_squares(rows @ x - target) / n + shape.CURVATURE * cp.sum_squares(cp.diff(x, k=2))
+    limits = [cp.diff(x) >= low, cp.diff(x) <= high, rows[ceiling] @ x <= target[ceiling]]
+    cp.Problem(cp.Minimize(fit), limits).solve(solver=cp.CLARABEL, tol_gap_abs=1e-13, tol_gap_rel=1e-13, tol_feas=1e-13)
+    for start in (None, np.zeros(m)):
+        assert shape.solve(rows, target, low, high, ceiling, start) == pytest.approx(x.value, abs=1e-5)
+
+
 def test_gains_of_an_allowed_shape_are_fitted_as_they_are():
     amplitude = grid(1e-4, 1e-2, 4)
     gains = plain(amplitude, 3.3 / amplitude)

@@ -88,12 +88,12 @@ def held(
     time = asked.quantity("tuning_time", "s", above=0.0)
     found = contest(
         task, families, {SOFT: soft(study, known, REACHED * known.limits.speed)},
-        tuning_time=time, seeds=seeds, say=say,
+        tuning_time=time, seeds=seeds, known=model, say=say,
     )  # fmt: skip
     if names is not None:
         return made, found
     say(f"tuning {NOMINAL}")
-    narrow = replace(task, frictions=(1.0,), inertias=(1.0,), phases=4, duration=time)
+    narrow = replace(task, frictions=(1.0,), inertias=(1.0,), phases=4, duration=time).on(model)
     alone = entered(task, narrow, made.family(PAPER), seeds, NOMINAL)
     return made, replace(found, standings={**found.standings, NOMINAL: alone})
 

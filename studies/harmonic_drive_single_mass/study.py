@@ -7,6 +7,7 @@ identifies the model, and tunes on the identified one. The controllers are judge
 from dataclasses import replace
 
 from workbench.export.feed_forward import export_feed_forward
+from workbench.finding import Finding
 from workbench.identify.fit import identify, passes_of
 from workbench.plant import Plant
 from workbench.report import control as control_chapters
@@ -18,18 +19,21 @@ from workbench.report.ladder import figures_of as ladder_figures
 from workbench.report.ladder import ladder_chapter
 from workbench.report.polish import as_table as gains_table
 from workbench.report.polish import polish_chapter
+from workbench.report.recommend import RECOMMENDED, recommended_chapter
 from workbench.report.reproduction import as_table, counted
 from workbench.study import standard
 from workbench.study.configuration import Study
 from workbench.study.control import write_gains
 from workbench.study.controlling import Control, control_of, numbers
 from workbench.study.hunting import limit_cycles
+from workbench.study.leaving import leave
 from workbench.study.outcome import Outcome, Part, with_part
 from workbench.study.series import robustness
 from workbench.trace.tracing import trace
 from workbench.verify.contest import as_table as contest_table
 from workbench.verify.margin import against_margin
 from workbench.verify.promise import promise
+from workbench.verify.recommend import recommend
 
 from . import controllers, description, paper, records
 from .controllers import BEST as PROFILE_PI
@@ -38,6 +42,7 @@ from .records import FIRST, SECOND
 
 FURTHER = ("actuators", "friction", "records", "contest")
 SUSPECTS = ("viscous_friction", "stribeck_friction", "coulomb_asymmetry")  # the trace is asked about these
+TABLE = "gain table (error)"
 BASELINES = (FIXED, CASCADE, SOFT)
 SHOWN = (PAPER, ERROR, CASCADE, PROFILE_PI, SOFT)  # steps
 
@@ -76,6 +81,8 @@ def contested(study: Study, control: Control, model: Plant, known: Plant, say) -
     designed, checks, table = controllers.designed(made, held, control, model, say)
     polished, regret = designed.polished, table.regret_on(held.task)
     kept = promise(known, polished, held.task)
+    tuned = {n: t for n, t in designed.tuned.items() if n != NOMINAL} | {TABLE: table.climbed.best}
+    choice = recommend(held.task, tuned, model.displacement)
     say("error against margin")
     asked = study.table.table("contest", ("seeds", "tuning_time"), ("margins", "soft_cascade", "fits"))
     margins = against_margin(
@@ -116,7 +123,9 @@ def contested(study: Study, control: Control, model: Plant, known: Plant, say) -
         | dict.fromkeys(controllers.TIMES, "s")
         | {"phase_margin": "rad"}
         | {f"{m.name}_at_loosest_margin": m.unit for m in missed},
+        findings=(Finding(RECOMMENDED, "gains", choice.sentence),),
         chapters=(
+            recommended_chapter(choice, model, control.loop.count),
             control_chapters.schedule_chapter(designed, control.rule),
             polish_chapter(polished, kept, model),
             ladder_chapter(table.climbed, regret, model, control.rule),
@@ -126,6 +135,7 @@ def contested(study: Study, control: Control, model: Plant, known: Plant, say) -
             paper.chapter(printed),
         ),
         tables={
+            "recommended": {"controller": choice.name, "candidates": [vars(r) for r in choice.rows]},
             "tuned_plant": {"digest": model.digest, "lines": list(model.digest_lines())},
             "contest": contest_table(held),
             "gains": gains_table(polished),
@@ -137,6 +147,7 @@ def contested(study: Study, control: Control, model: Plant, known: Plant, say) -
         },
         files=(
             lambda folder: write_gains(designed, control, folder),
+            lambda folder: leave(tuned, choice.name, model, control.loop.sample_time, folder / "gains", TABLE),
             lambda folder: export_feed_forward(made.feed_forward, model, folder / "gains"),
         ),
     )

@@ -9,21 +9,25 @@ from dataclasses import replace
 import numpy as np
 
 from workbench.effect import find
+from workbench.finding import Finding
 from workbench.identify.fit import identify, passes_of
 from workbench.report import control as control_chapters
 from workbench.report.contents import Chapter, Items, Paragraph
 from workbench.report.contest import asked_table, contest_chapter, margin_figure
+from workbench.report.recommend import RECOMMENDED, recommended_chapter
 from workbench.report.reproduction import as_table, counted
 from workbench.study import standard
 from workbench.study.compensating import compensation
 from workbench.study.configuration import Study
 from workbench.study.controlling import control_of
+from workbench.study.leaving import leave
 from workbench.study.outcome import Outcome, Part, with_part
 from workbench.study.series import robustness
 from workbench.trace.tracing import trace
 from workbench.verify.contest import Contest, verdict
 from workbench.verify.contest import as_table as contest_table
 from workbench.verify.margin import AgainstMargin
+from workbench.verify.recommend import recommend
 
 from . import controllers, description, paper
 from .controllers import BEST, BOTH, FIXED, JOINT, ON_LOAD, ON_MOTOR, OUTPUT
@@ -89,6 +93,9 @@ def contested(study: Study, held: Contest, margins: AgainstMargin) -> Part:
     task = held.task
     loaded = replace(task, load_inertias=task.load_inertias[-1:])
     missed = controllers.asked_for(held, margins)
+    tuned = {n: s.tuned.median for n, s in held.standings.items() if s.tuned}
+    choice = recommend(task, tuned, "rad")
+    plant = task.plant
     limit = task.weights.sensitivity
     paid = (asked_table(missed, margins.limits, limit), margin_figure(margins, "rad", limit))
     against = contest_chapter(held, (JOINT,), (OUTPUT, FIXED, BOTH, BEST), tuple(held.standings))
@@ -100,7 +107,10 @@ def contested(study: Study, held: Contest, margins: AgainstMargin) -> Part:
             **{f"{m.name}_had_at_sensitivity": m.had_at(margins.limits) or np.inf for m in missed},
         },
         units=units,
+        findings=(Finding(RECOMMENDED, "gains", choice.sentence),),
+        files=(lambda folder: leave(tuned, choice.name, plant, task.loop.sample_time, folder / "gains"),),
         chapters=(
+            recommended_chapter(choice, plant, task.loop.count),
             Chapter(
                 "Gains over the relative displacement",
                 (Paragraph(GAINS_SAID), description.schedule_figure(held), variable),
@@ -112,6 +122,8 @@ def contested(study: Study, held: Contest, margins: AgainstMargin) -> Part:
             paper.chapter(printed, held),
         ),
         tables={
+            "recommended": {"controller": choice.name, "candidates": [vars(r) for r in choice.rows]},
+            "tuned_plant": {"digest": plant.digest, "lines": list(plant.digest_lines())},
             "contest": contest_table(held),
             "reproduction": as_table(printed),
             "error_against_margin": {"limits": margins.limits, **margins.values},

@@ -1,6 +1,4 @@
-"""Log gains at the knots: a least-squares quadratic program with bounded slopes, in cvxpy with OSQP."""
-
-import warnings
+"""Log gains at the knots: a least-squares quadratic program with bounded slopes, by OSQP."""
 
 import numpy as np
 
@@ -19,41 +17,52 @@ SETTINGS = {
 }
 
 
-def solve(rows: np.ndarray, target: np.ndarray, low: np.ndarray, high: np.ndarray, ceiling: np.ndarray) -> np.ndarray:
+def solve(
+    rows: np.ndarray,
+    target: np.ndarray,
+    low: np.ndarray,
+    high: np.ndarray,
+    ceiling: np.ndarray,
+    start: np.ndarray | None = None,
+) -> np.ndarray:
     """Return x (m,) that minimises |rows x - target|^2/n + CURVATURE |second differences|^2, low <= diff(x) <= high.
 
-    rows (n, m), target (n,); low, high (m - 1,). ceiling (n,): where True, rows x <= target also. OSQP's defaults end at
-    1e-3; here the answer's feasibility and its dual residual are checked, and the steps then clipped, so that bounds hold
-    exactly. WorkbenchError where they are not good enough.
+    rows (n, m), target (n,); low, high (m - 1,). ceiling (n,): where True, rows x <= target also. start (m,): where OSQP begins.
+    OSQP's defaults end at 1e-3; here the answer's feasibility and its dual residual are checked, and the steps then clipped, so
+    that bounds hold exactly. WorkbenchError where they are not good enough.
     """
-    import cvxpy as cp
+    import osqp
+    from scipy.sparse import csc_matrix
 
     m = rows.shape[1]
-    x = cp.Variable(m)
-    steps, bends = np.diff(np.eye(m), axis=0), np.diff(np.eye(m), n=2, axis=0)
-    share = m / target.size  # so that the Hessian's diagonal is about 1
-    hessian = share * rows.T @ rows + m * CURVATURE * bends.T @ bends
-    gradient = share * rows.T @ target
-    cost = 0.5 * cp.quad_form(x, cp.psd_wrap(hessian)) - gradient @ x
-    limits = [steps @ x >= low, steps @ x <= high]
-    if ceiling.any():
-        limits.append(rows[ceiling] @ x <= target[ceiling])
-    problem = cp.Problem(cp.Minimize(cost), limits)
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # "may be inaccurate": how inaccurate is measured below
-        problem.solve(solver=cp.OSQP, **SETTINGS)
-    if x.value is None:
-        raise WorkbenchError(f"the quadratic program of {m} gains did not end ({problem.status}); use fewer knots.")
-    dual = hessian @ x.value - gradient + steps.T @ (limits[1].dual_value - limits[0].dual_value)
-    if ceiling.any():
-        dual += rows[ceiling].T @ limits[2].dual_value
-    step = np.diff(x.value)
+    hessian, gradient = quadratic(rows, target)
+    limits = np.vstack([np.diff(np.eye(m), axis=0), rows[ceiling]])
+    least = np.concatenate([low, np.full(int(ceiling.sum()), -np.inf)])
+    most = np.concatenate([high, target[ceiling]])
+    problem = osqp.OSQP()
+    problem.setup(csc_matrix(np.triu(hessian)), -gradient, csc_matrix(limits), least, most, verbose=False, **SETTINGS)
+    if start is not None:
+        problem.warm_start(x=start)
+    found = problem.solve(raise_error=False)
+    x = found.x
+    if x is None or not np.isfinite(x).all():
+        raise WorkbenchError(f"the quadratic program of {m} gains did not end ({found.info.status}); use fewer knots.")
+    dual = hessian @ x - gradient + limits.T @ found.y
+    step = np.diff(x)
     wrong = max(np.abs(dual).max(), (low - step).max(), (step - high).max())
     if wrong > EXACT:
         raise WorkbenchError(f"the quadratic program of the gains ended {wrong:.1g} off its optimum; use fewer knots.")
     middle = m // 2
     out = np.concatenate([[0.0], np.cumsum(np.clip(step, low, high))])
-    return out - out[middle] + x.value[middle]
+    return out - out[middle] + x[middle]
+
+
+def quadratic(rows: np.ndarray, target: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return (H (m, m), g (m,)) of the objective x' H x/2 - g' x, scaled so that the diagonal of H is about 1."""
+    m = rows.shape[1]
+    bends = np.diff(np.eye(m), n=2, axis=0)
+    share = m / target.size
+    return share * rows.T @ rows + m * CURVATURE * bends.T @ bends, share * rows.T @ target
 
 
 def interpolation(knots: np.ndarray, amplitude: np.ndarray) -> np.ndarray:
@@ -77,5 +86,5 @@ def fit(knots, amplitude, gain, low: np.ndarray, high: np.ndarray, ceiling: np.n
     for _ in range(2):
         level = weights @ np.exp(x)
         rows = weights * np.exp(x) / level[:, None]
-        x = solve(rows, target - np.log(level) + rows @ x, low, high, ceiling)
+        x = solve(rows, target - np.log(level) + rows @ x, low, high, ceiling, x)
     return np.exp(x)

@@ -13,7 +13,7 @@ from workbench.plant import Plant
 
 UNITS = {  # of the numbers of every law; F and x are the plant's own
     "kp": "F/x", "kd": "F*s/x", "kv": "1/s", "kvp": "F*s/x", "ki": "F/x", "speed_limit": "x/s", "deceleration": "x/s^2",
-    "gate": "x", "mass": "F*s^2/x",
+    "gate": "x", "mass": "F*s^2/x", "per_first": "s/x",
 }  # fmt: skip
 LAWS = {
     "fixed_pd": "u = kp (r - y) - kd vh",
@@ -23,6 +23,7 @@ LAWS = {
         "u = kvp (v_r - vh) + ki integral of (v_r - vh) dt where |r - y| <= gate"
     ),
 }
+FED = ("feed_forward.h", "feed_forward.json")  # the friction that a law feeds forward, by speed
 CONTENTS = "contents.json"
 TABLE = "gains"
 
@@ -38,12 +39,13 @@ def leave(
     entries = []
     for name in sorted(tuned, key=lambda n: n != first):
         controller = tuned[name].controller(1)
-        if controller.tables:
+        if "kp" in controller.law.columns:
             files = [f"{TABLE}.h", f"{TABLE}.json", f"{TABLE}.bin"] if name == table else []
         else:
             numbers = numbers_of(controller, plant)
             law = LAWS.get(controller.law.name.split(",")[0], controller.law.name)
             files = [p.name for p in export_numbers(name, law, numbers, sample_time, plant, folder)]
+            files += list(FED) if controller.tables else []
         entries.append({"controller": name, "recommended": name == first, "law": controller.law.name, "files": files})
     content = {
         "format": "servo-workbench gains",

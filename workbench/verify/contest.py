@@ -11,6 +11,7 @@ import numpy as np
 
 from workbench.control import Controller
 from workbench.finding import Finding
+from workbench.plant import Plant
 from workbench.simulate import Metrics
 from workbench.verify.compare import LEVEL, PHASES, micro, ms, side, words
 from workbench.verify.families import Family
@@ -86,15 +87,16 @@ def contest(
     tuning_time: float,
     seeds: Sequence[int] = SEEDS,
     loaded: bool = False,
+    known: Plant | None = None,
     say: Callable[[str], None] = lambda _: None,
 ) -> Contest:
     """Tune every family from every seed on the grid of `task` (its frictions and inertias), and judge it with the stated ones.
 
-    tuning_time: duration of a simulation while tuning, s. The task's load inertias are none, then the load; tuning meets
+    known: the plant that is tuned for, where it is not the task's own, which judges. tuning_time: duration of a simulation while tuning, s. The task's load inertias are none, then the load; tuning meets
     the load where `loaded`.
     """
     loads = task.load_inertias if loaded else task.load_inertias[:1]
-    training = replace(task, load_inertias=loads, duration=tuning_time)
+    training = replace(task, load_inertias=loads, duration=tuning_time).on(known or task.plant)
     standings = {}
     for family in families:
         say(f"tuning {family.name} from {len(seeds)} seeds")
