@@ -538,10 +538,12 @@ def explanations_chapter(tried, traced) -> Chapter:
 def sliding(plant: Plant, speed: float) -> float:
     """Return the friction in N at a constant speed in m/s, mean of both directions, far from any reversal."""
     at = {e.name: {n: p.value for n, p in e.parameters.items()} for e in plant.effects}
-    force = at["viscous_friction"]["viscous"] * speed + at["coulomb_friction"]["coulomb"]
+    force = at["viscous_friction"]["viscous"] * speed + at.get("coulomb_friction", {}).get("coulomb", 0.0)
     if "film_friction" in at:
         force += at["film_friction"]["limit"] * np.tanh(speed / at["film_friction"]["speed"])
-    return force + at.get("presliding_hysteresis", {}).get("h0", 0.0)
+    curve = at.get("hysteresis_bank", {})
+    held = sum(value * curve[f"slip{name[1:]}"] for name, value in curve.items() if name.startswith("k"))
+    return force + held + at.get("presliding_hysteresis", {}).get("h0", 0.0)
 
 
 def attainable_chapter(floors, days: dict[str, Fit], traced: Fit) -> Chapter:

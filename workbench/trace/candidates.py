@@ -17,7 +17,8 @@ AGAIN = "2"  # label of a periodic effect beside the declared one
 class Suspect:
     """effect, at: what would be added, or whose fixed parameters would be set free. plant: the plant with it.
 
-    instead: keys of declared effects that an addition takes the place of. stands: name of the nearest formula, of a free form.
+    instead: keys of declared effects that an addition takes the place of. restored: keys of declared laws that it brings back in the
+    place of their free virgin curve. stands: name of the nearest formula, of a free form.
     """
 
     effect: str
@@ -26,6 +27,7 @@ class Suspect:
     plant: Plant
     instead: tuple[str, ...] = ()
     stands: str = ""
+    restored: tuple[str, ...] = ()
 
     @property
     def name(self) -> str:
@@ -90,13 +92,15 @@ def suspects(
             rest = plant
             for key in same:
                 rest = rest.without(key)
+            restored: tuple[str, ...] = ()
             if another.linear:
                 instead = (*same, *(stands_for[k].key for k in same if k in stands_for))
             else:  # a length of its own, by which the declared law builds up
                 instead = same
+                restored = tuple(stands_for[key].key for key in same)
                 for key in same:
                     rest = rest + stands_for[key]
-            found.append(Suspect(another.named, place, ADDITION, rest + another, instead))
+            found.append(Suspect(another.named, place, ADDITION, rest + another, instead, restored=restored))
             if same and FREE_CURVE not in {k.partition("@")[0] for k in same}:
                 # the same beside what it may take the place of: two contacts
                 found.append(Suspect(another.named, place, ADDITION, plant + another))
@@ -152,6 +156,8 @@ def without(plant: Plant, suspect: Suspect, declared: Plant) -> Plant:
     if suspect.kind != ADDITION:
         return plant.swap(declared[suspect.key])
     plant = plant.without(suspect.key)
+    for key in {e.key for e in plant.effects} & ({*suspect.restored} - {e.key for e in declared.effects}):
+        plant = plant.without(key)
     for e in declared.effects:  # what it took the place of may itself have been added
         if e.key in suspect.instead:
             plant = plant + e

@@ -19,9 +19,10 @@ from workbench.identify.problem import Problem
 from workbench.identify.solve import NoValue, solve
 from workbench.plant import Plant
 
-# Slips of the free curve of Coulomb friction, in encoder counts: from what no count shows, because a dead band of one count
-# lies before it. Half or twice as many change the curve's residual by less than 2 %.
-COUNTS = tuple(np.geomspace(0.3, 100.0, 9))
+# Slips of the free curve of Coulomb friction: from 0.3 of a count, which nothing shows because a dead band of one count lies
+# before it, to 100 counts or 1e-2 of the travel, the longest presliding of bearings and guides; a factor of 2.1 apart. Half or
+# twice as many change the curve's residual by less than 2 %.
+FIRST, COUNTS, TRAVEL, APART = 0.3, 100.0, 1e-2, 2.1
 LEAST = 3  # elements of a curve
 UNSEEN = 1e-6  # of the travel: stands for a count where none is known
 KEPT = 1e-3  # of the curve's height, below which an element is left out
@@ -52,8 +53,15 @@ def laws(plant: Plant, passes: Sequence[Passes]) -> tuple[Law, ...]:
         if "dir" in e.provides and "x0" in e.parameters:
             found.append(Law(e, tuple(e.parameters["x0"].value * k for k in LENGTHS)))
         elif e.reads == ("dir",) and len(e.linear) == 1 and not any(o.provides and o.at == e.at for o in plant.effects):
-            found.append(Law(e, tuple(count_at(e.at, passes) * k for k in COUNTS)))
+            found.append(Law(e, slips_at(e.at, passes)))
     return tuple(found)
+
+
+def slips_at(place: str, passes: Sequence[Passes]) -> tuple[float, ...]:
+    """Return the slips of the free curve of a Coulomb friction, SI."""
+    count = count_at(place, passes)
+    last = max(COUNTS * count, TRAVEL * max(float(np.ptp(p.motion.q)) for p in passes))
+    return tuple(np.geomspace(FIRST * count, last, 1 + int(np.ceil(np.log(last / (FIRST * count)) / np.log(APART)))))
 
 
 def count_at(place: str, passes: Sequence[Passes]) -> float:

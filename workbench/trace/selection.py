@@ -118,12 +118,14 @@ def of_declared_laws(
             answer = replace(answer, revised=plain)
             continue
         progress(f"asking what the virgin curve at the {law.declared.at} is")
-        formulas = replace(offer, only={"presliding_hysteresis", "fading_memory"}, stands_for={})
-        judgements = step(plain, progress, formulas, criteria)
+        offered = replace(offer, only={"presliding_hysteresis", "fading_memory"}, stands_for={})
+        judgements = step(plain, progress, offered, criteria)
         looked.append(judgements)
-        best = leading([j for j in judgements if j.suspect.at == law.declared.at and j.suspect.instead])
+        formulas = [j for j in judgements if j.suspect.at == law.declared.at and j.suspect.instead and j.refitted]
+        best = min(formulas, key=lambda j: (j.errors.total, j.suspect.key), default=None)
         near = best is not None and taken(plain, best) >= criteria.near * (plain.errors.total - last.errors.total)
         if near and length(best) > SEEN * count_at(law.declared.at, last.passes):
+            best = best if best.state else replace(best, state=best.refitted.state)
             first = taken(plain, best) > sum(j.candidate.gain for j in answer.added[:1]) * answer.declared.errors.total
             added = [best, *answer.added] if first else [*answer.added, best]
             answer = Answer(added, answer.declared, best.state)
@@ -139,7 +141,7 @@ def taken(before: State, j: Judgement) -> float:
 
 def length(j: Judgement) -> float:
     """Return the presliding length of a fitted friction with memory, SI: x0, or 1/alpha."""
-    values = {n: p.value for n, p in j.state.plant[j.suspect.key].parameters.items()}
+    values = {n: p.value for n, p in j.refitted.plant[j.suspect.key].parameters.items()}
     return values["x0"] if "x0" in values else 1.0 / max(values.get("alpha", 0.0), 1e-300)
 
 
