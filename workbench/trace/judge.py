@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from workbench.effect import simpler
+from workbench.effect import catalogue, simpler
 from workbench.effects.free_bank import NAME as FREE_CURVE
 from workbench.finding import capital, title
 from workbench.identify.problem import Problem
@@ -181,19 +181,22 @@ def plainest_first(judgements: Sequence[Judgement], criteria: Criteria, state: S
     """Let a simpler effect lead in the place of one that it then is: a parameter stands where the law is another one's.
 
     LuGre without presliding is Stribeck's friction, a kinematic error of order 1 an eccentricity. The simpler one leads where it
-    takes `near` of what the other takes.
+    takes `near` of what the other takes. What is nothing but a virgin curve says no more than the free curve that stands in the
+    present model, and does not lead.
     """
-    for _ in range(len(judgements[:1])):
+    curved = {e.at for e in state.plant.effects if e.name == FREE_CURVE}
+    for _ in range(min(LEADING, len(judgements))):
         first = judgements[0]
-        if not first.refitted or first.suspect.kind != ADDITION:
+        name = reduced(first, state)
+        if name is None:
             break
-        effect = first.refitted.plant[first.suspect.key]
-        counts = max(p.motion.counts for p in state.passes)
-        around = {
-            n: tuple(sorted((p.value * (1.0 - NEUTRAL), p.value * (1.0 + NEUTRAL))))
-            for n, p in effect.parameters.items()
-        }
-        name = simpler(effect, around, counts)
+        if first.suspect.at in curved and "masing" in catalogue()[name].holds if name else False:
+            rest = [j for j in judgements if j is not first]
+            judgements = [
+                *simplest_first(rest, criteria, state),
+                replace(first, candidate=replace(first.candidate, earns=False)),
+            ]
+            continue
         other = next(
             (j for j in judgements if j.suspect.effect == name and j.candidate.earns and j.theta is not None), None
         )
@@ -201,7 +204,20 @@ def plainest_first(judgements: Sequence[Judgement], criteria: Criteria, state: S
         if other and whole - other.errors.total >= criteria.near * (whole - first.errors.total):
             other = other if other.refitted else refitted_as(state, other, criteria)
             judgements = [other, *(j for j in judgements if j.suspect is not other.suspect)]
+        break
     return judgements
+
+
+def reduced(j: Judgement, state: State) -> str | None:
+    """Return the name of the simpler effect that a fitted addition is, "" for none at all, None where it is itself."""
+    if not j.refitted or j.suspect.kind != ADDITION:
+        return None
+    effect = j.refitted.plant[j.suspect.key]
+    counts = max(p.motion.counts for p in state.passes)
+    around = {
+        n: tuple(sorted((p.value * (1.0 - NEUTRAL), p.value * (1.0 + NEUTRAL)))) for n, p in effect.parameters.items()
+    }
+    return simpler(effect, around, counts)
 
 
 def absurd(j: Judgement, state: State) -> bool:

@@ -20,9 +20,9 @@ from workbench.identify.solve import NoValue, solve
 from workbench.plant import Plant
 
 # Slips of the free curve of Coulomb friction: from 0.3 of a count, which nothing shows because a dead band of one count lies
-# before it, to 100 counts or 2e-3 of the travel, the longest presliding of bearings and guides; a factor of 2.1 apart. Half or
+# before it, to 100 counts or 1e-2 of the travel, the longest presliding of bearings and guides; a factor of 2.1 apart. Half or
 # twice as many change the curve's residual by less than 2 %.
-FIRST, COUNTS, TRAVEL, APART = 0.3, 100.0, 2e-3, 2.1
+FIRST, COUNTS, TRAVEL, APART = 0.3, 100.0, 1e-2, 2.1
 LEAST = 3  # elements of a curve
 UNSEEN = 1e-6  # of the travel: stands for a count where none is known
 KEPT = 1e-3  # of the curve's height, below which an element is left out
