@@ -124,7 +124,9 @@ def test_the_study_passes_its_checks_and_says_what_symmetric_friction_lacks(stud
     # Each step lowers the error on the record that nothing was fitted to.
     errors = [figures["validation_error_before"], *(s["validation"] for s in content["evidence"])]
     assert errors == sorted(errors, reverse=True)
-    assert figures["validation_error_after"] < errors[-1] < 1.05 * figures["validation_error_after"]  # refinements beside
+    assert (
+        figures["validation_error_after"] < errors[-1] < 1.05 * figures["validation_error_after"]
+    )  # refinements beside
     # What is not borne out: a Coulomb part of the asymmetry, Stribeck's drop, drift, load; the ripple does not carry over.
     gains = {t["effect"]: (t["gain"], t["scatter"], t["validation"]) for t in content["explanations"]}
     for name in (

@@ -184,7 +184,9 @@ def test_a_gear_error_that_the_encoder_reads_is_in_the_final_error():
     t = task(noise=0.0, duration=1.2, loop=Loop(2.5e-4, 2))
     pi = {"PI": lambda lanes: pi_cascade(45.0, 1.3, 20.0, 12.0)}
     named = ("kinematic_error.amplitude", "kinematic_error.phase", "kinematic_error.order")
-    phase = np.pi / 2 - 30.0 * step  # sin(order*q + phase) = 1 at the target; at zero, where it was set to zero, it reads zero
+    phase = (
+        np.pi / 2 - 30.0 * step
+    )  # sin(order*q + phase) = 1 at the target; at zero, where it was set to zero, it reads zero
     values = np.array([[amplitude, phase, 30.0]])
     out = work(t, pi, tuple(Varied(n, fixed(v)) for n, v in zip(named, values[0], strict=True))).columns(
         Block(0, values)
