@@ -21,8 +21,10 @@ from workbench.report.contents import (  # fmt: skip
 )
 from workbench.report.recommend import RECOMMENDED
 from workbench.report.wording import bound, listed, said
+from workbench.trace.evidence import Evidence
 from workbench.trace.result import NOTHING, UNKNOWN, Cause
 
+ALARMS = ("below the floor", "joint carries nothing")
 TONES = {NOTHING: GOOD, UNKNOWN: BAD}
 
 
@@ -31,9 +33,15 @@ def finding(result: StudyResult) -> Chapter:
     trace = result.trace
     advice = [f for f in result.findings if f.kind == RECOMMENDED]
     blocks = [Callout(trace.sentence, TONES.get(trace.verdict, PLAIN)), *(Callout(f.sentence, GOOD) for f in advice)]
+    blocks += [Callout(f.sentence, BAD) for f in trace.findings if f.kind in ALARMS]
     blocks.append(errors(result))
+    if trace.evidence:
+        blocks.append(Paragraph(predictable(trace.evidence)))
     if trace.causes:
         blocks.append(Items(tuple(sized(c) for c in trace.causes)))
+    if trace.refinements:
+        blocks.append(Paragraph("Refinements, too small for a cause, leave the verdict as it is:"))
+        blocks.append(Items(tuple(r.sentence for r in trace.refinements)))
     if result.checks:
         blocks += [
             Callout(judged(result.checks), GOOD if all(c.passed for c in result.checks) else BAD),
@@ -41,6 +49,20 @@ def finding(result: StudyResult) -> Chapter:
         ]
     elsewhere = (*advice, *trace.findings, *trace.before.findings, *trace.after.findings)  # told where they belong
     return Chapter("The finding", (*blocks, *said(f for f in result.findings if f not in elsewhere)))
+
+
+def predictable(e: Evidence) -> str:
+    """Say how much of what is left anything could predict: the scale on which the verdict was taken."""
+    before, after = (numbers.percent(x.size) if x.size else "nothing" for x in (e.before, e.after))
+    text = f"Of the drive's rms, {before} of what the declared model leaves could be predicted from outside the loop"
+    if e.added:
+        text += f", and {after} with what was tried in place"
+    where = (
+        ""
+        if e.before.instrument == "reference"
+        else "; no reference was logged, so the low-passed position stood for it"
+    )
+    return f"{text}{where}. The rest is noise and disturbance, which no effect may claim."
 
 
 def sized(c: Cause) -> str:

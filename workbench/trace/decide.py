@@ -26,12 +26,18 @@ REFINEMENT, NOT_BORNE_OUT, DRESSING = "refinement", "not borne out", "dressing"
 class Verdict:
     """verdict: "cause", "nothing_missing" or "unknown". roles: of each effect of the evidence, in its order: "cause",
     "refinement", "not borne out" or "dressing" (it only dresses what no effect explains). something_else: whether more is
-    missing beside the causes. alarms: names of what an engineer must look at first."""
+    missing beside the causes. alarms: names of what an engineer must look at first. added: names of the causes, first found first."""
 
     verdict: str
     roles: tuple[str, ...]
     something_else: bool = False
     alarms: tuple[str, ...] = ()
+    added: tuple[str, ...] = ()
+
+    @property
+    def ranked(self) -> tuple[str, ...]:
+        """The causes, best first: in the order in which the search found them."""
+        return self.added
 
 
 def decide(evidence: Evidence, criteria: Criteria) -> Verdict:
@@ -45,7 +51,8 @@ def decide(evidence: Evidence, criteria: Criteria) -> Verdict:
     if causes or evidence.clock:
         size = evidence.after.size
         more = size >= criteria.beside and size >= 0.5 * evidence.before.size and not evidence.idle
-        return Verdict(CAUSE, roles, more, alarms(evidence, roles))
+        names = (*(("clock_skew",) if evidence.clock else ()), *(a.effect.partition(" ")[0] for a in causes))
+        return Verdict(CAUSE, roles, more, alarms(evidence, roles), names)
     missing = evidence.before.size >= criteria.explainable
     return Verdict(UNKNOWN if missing else NOTHING, roles, False, alarms(evidence, roles))
 
