@@ -102,6 +102,7 @@ class Evidence:
     place_instead: bool = False
     clock: bool = False
     idle: bool = False
+    refused: tuple[Weighed, ...] = ()
 
     def as_dict(self) -> dict[str, object]:
         """Return plain data, from which `evidence_of` makes it again."""
@@ -113,4 +114,5 @@ def evidence_of(data: Mapping[str, object]) -> Evidence:
     return Evidence(
         data["declared"], data["floor"], Explainable(**data["before"]), Explainable(**data["after"]),
         tuple(Weighed(**a) for a in data["added"]), data["place_instead"], data["clock"], data["idle"],
+        tuple(Weighed(**a) for a in data["refused"]),
     )  # fmt: skip

@@ -16,8 +16,8 @@ from workbench.threads import one_thread
 from workbench.trace.calibration import withheld
 from workbench.trace.candidates import Offer
 from workbench.trace.criteria import Criteria
-from workbench.trace.decide import CAUSE, NOTHING, REFINEMENT, UNKNOWN, Verdict, decide
-from workbench.trace.evidence import CORRECTION, Evidence
+from workbench.trace.decide import CAUSE, NOT_BORNE_OUT, NOTHING, REFINEMENT, UNKNOWN, Verdict, decide
+from workbench.trace.evidence import CORRECTION, Evidence, Weighed
 from workbench.trace.explainable import explainable
 from workbench.trace.floor import floor as noise_floor
 from workbench.trace.floor import levels
@@ -82,7 +82,23 @@ def trace(
     evidence, place = evidence_of(selected, confirmed, passes, criteria)
     evidence = replace(evidence, clock=late.skew is not None, idle=late.idle is not None)
     verdict = decide(evidence, criteria)
+    refused: list[Weighed] = []
+    while verdict.verdict == CAUSE and (kept := standing(confirmed, verdict)) is not confirmed.added:
+        # without what is not borne out, the others are weighed again: one may have been needed by it alone
+        refused += [a for a, r in zip(evidence.added, verdict.roles, strict=True) if r == NOT_BORNE_OUT]
+        added, fits = in_turn(late.plant, kept, found, passes)
+        confirmed = Confirmed(added, fits, confirmed.levels)
+        evidence = replace(evidence, added=weighed(selected, added, fits, passes, criteria))
+        verdict = decide(evidence, criteria)
+    evidence = replace(evidence, refused=tuple(refused))
     return reported(late, passes, selected, confirmed, evidence, verdict, place, criteria, progress)
+
+
+def standing(confirmed: Confirmed, verdict: Verdict) -> Sequence[Judgement]:
+    """Return what of the additions stays in the extended model; the same object where all of it does."""
+    roles = dict(zip((j.suspect.key for j in confirmed.added), verdict.roles, strict=True))
+    kept = [j for j in confirmed.added if roles[j.suspect.key] == CAUSE or stays(j, roles)]
+    return kept if len(kept) < len(confirmed.added) else confirmed.added
 
 
 @dataclass(frozen=True, eq=False)
@@ -144,11 +160,8 @@ def reported(
     """Return what a decision comes to: causes, refinements, the final fit, and the sentences."""
     plant, added = late.plant, confirmed.added
     roles = dict(zip((j.suspect.key for j in added), verdict.roles, strict=True))
-    taken = verdict.verdict == CAUSE
-    kept = [j for j in added if roles[j.suspect.key] == CAUSE or (taken and stays(j, roles))]
-    fits = list(confirmed.fits)
-    if len(kept) < len(added):
-        kept, fits = in_turn(plant, kept, as_declared(selected.answer.last.plant, selected.laws), passes)
+    # with a cause all that was added stands; without one nothing of it does
+    kept, fits = (added, list(confirmed.fits)) if verdict.verdict == CAUSE else ([], list(confirmed.fits[:1]))
     after = refined(fits[-1], selected, passes, criteria) if selected.refined else fits[-1]
     known = {j.suspect.key: i for i, j in enumerate(added)}
     causes = [clock(late.skew, late.before, fits[0])] if late.skew else []

@@ -91,7 +91,8 @@ def findings_of(verdict: Verdict, evidence: Evidence, causes: Sequence[Cause], p
             {r: evidence.floor[r] for r in evidence.floor},
         )  # fmt: skip
     yield from not_carried(causes)
-    for a, role in zip(evidence.added, verdict.roles, strict=True):
+    refused = [(a, NOT_BORNE_OUT) for a in evidence.refused]
+    for a, role in (*refused, *zip(evidence.added, verdict.roles, strict=True)):
         name = f"{capital(title(a.effect))} at the {a.at}"
         if role == NOT_BORNE_OUT:
             yield Finding(
