@@ -114,3 +114,11 @@ def test_a_criterion_outside_its_range_is_refused():
 def test_every_criterion_says_what_halving_and_doubling_does():
     for f in fields(Criteria):
         assert f"    {f.name}: " in Criteria.__doc__
+
+
+def test_a_free_form_is_found_in_the_plant_by_its_own_name_and_named_by_its_class():
+    from workbench.trace.result import Cause
+
+    formula = Cause("stribeck_friction", "axis", "", (), 0.9, 0.9)
+    free = replace(formula, law="free form", form="friction_over_speed")
+    assert (formula.key, free.key) == ("stribeck_friction@axis", "friction_over_speed@axis")

@@ -134,7 +134,7 @@ def later(result: StudyResult) -> tuple[Items, ...]:
 
 def described(c: Cause, plant: Plant) -> list:
     """One cause: its sentence, law, source, shares and parameters, and how it would be told from its rivals."""
-    effect = plant[f"{c.effect}@{c.at}"]
+    effect = plant[c.key]
     facts = [
         ("Acts at", c.at),
         ("Physical cause", effect.cause),

@@ -69,6 +69,11 @@ def sized(c: Cause) -> str:
     """Return how large a cause is, and how it would be told from its rivals."""
     values = (f"{e.meaning} {numbers.estimate(e.value, e.high - e.value, e.unit)}" for e in c.parameters)
     text = f"{capital(title(c.effect))} acts at the {c.at}: {listed(list(values))}."
+    if c.form:
+        text = (
+            f"{capital(title(c.effect))} acts at the {c.at}, by no catalogued law: {len(c.parameters)} numbers of its curve stand "
+            "with the cause."
+        )
     if c.rivals:
         text += f" These records hardly tell it from {listed([title(r) for r in c.rivals])}."
     return text + (f" An experiment that decides: {c.experiment.rstrip('.')}." if c.experiment else "")

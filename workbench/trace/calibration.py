@@ -126,11 +126,7 @@ def calibrations(passes: Sequence[Passes], found: Trace) -> tuple[Calibration, .
     """Return a calibration for every periodic cause of a trace that explains little of the validation records."""
     plant = found.after.plant
     identified = validation_error(plant, passes)
-    return tuple(
-        calibrate(plant, f"{c.effect}@{c.at}", passes, identified)
-        for c in lost(found.causes)
-        if periodic(plant[f"{c.effect}@{c.at}"])
-    )
+    return tuple(calibrate(plant, c.key, passes, identified) for c in lost(found.causes) if periodic(plant[c.key]))
 
 
 def validation_error(plant: Plant, passes: Sequence[Passes]) -> float:
@@ -150,7 +146,7 @@ def withheld(fit: Fit, causes: Sequence[Cause], passes: Sequence[Passes]) -> Fit
     Their phase is that of another power-up, and a ripple of a wrong phase is worse than none. The plant keeps them.
     """
     plant = fit.plant
-    for key in (f"{c.effect}@{c.at}" for c in lost(causes) if c.share_validation < 0.0):
+    for key in (c.key for c in lost(causes) if c.share_validation < 0.0):
         if periodic(fit.plant[key]):
             plant = plant.without(key)
     if plant is fit.plant:

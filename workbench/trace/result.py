@@ -55,7 +55,8 @@ class Cause:
     """One effect that was added: where it acts, its parameters, and the share of the residual's power that it explains.
 
     kind: "addition", or "correction" of a fixed value. was: parameter -> the fixed value that was corrected. law: "catalogue",
-    or "free form" where no formula of its class comes near. size: what it takes away, over the drive's rms, on identification.
+    or "free form" where no formula of its class comes near; form: name of that free form, `effect` being the nearest formula's.
+    size: what it takes away, over the drive's rms, on identification.
     """
 
     effect: str
@@ -70,6 +71,12 @@ class Cause:
     was: Mapping[str, float] = field(default_factory=dict)
     law: str = "catalogue"
     size: float = 0.0
+    form: str = ""
+
+    @property
+    def key(self) -> str:
+        """Key of its effect in the extended plant."""
+        return f"{self.form or self.effect}@{self.at}"
 
 
 @dataclass(frozen=True, eq=False)

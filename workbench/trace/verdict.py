@@ -67,6 +67,7 @@ def cause(
         name, candidate.at, sentence, estimates, identification, validation,
         kind=candidate.kind,
         was=held(declared, candidate) if candidate.kind == CORRECTION else {}, law=weight.law, size=weight.size(IDENTIFICATION),
+        form=candidate.effect if judgement.suspect.stands else "",
     )  # fmt: skip
 
 
