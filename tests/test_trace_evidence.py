@@ -21,9 +21,10 @@ from workbench.trace.greedy import Step, earned, promised
 from workbench.trace.judge import STANDARD, Judgement, judged, simplest_first
 from workbench.trace.result import CAUSE, NOTHING, Candidate
 from workbench.trace.score import HeldOut, followed
+from workbench.trace.selection import Answer
 from workbench.trace.state import State
 from workbench.trace.thin import thin
-from workbench.trace.tracing import Answer, trace
+from workbench.trace.tracing import trace
 
 FINE, COARSE = rig.COUNT, 15.0 * rig.COUNT
 

@@ -40,7 +40,6 @@ class Criteria:
         friction in a window is called cyclic; doubled, it is `near`.
     line: power of a spectral line over the median about it, from which it is one. White noise of 1e5 samples reaches 20.
     burst: robust standard deviations from which a sample is part of a burst.
-    local: share of the excess in a window less its share of samples, from which the residual lives there.
     steps: effects added at most.
     """
 
@@ -60,7 +59,6 @@ class Criteria:
     resembles: float = 0.5
     line: float = 50.0
     burst: float = 5.0
-    local: float = 0.55
     steps: int = 4
 
     def __post_init__(self):

@@ -5,7 +5,6 @@
 | does the angle between two encoders say that one is late? | cause, whatever else |
 | a correction within the fixed value's tolerance, or an effect below the practical size? | refinement |
 | does the error grow on validation, or does the effect explain nearly nothing there? | not borne out |
-| does a free form of the declared laws take what it takes? | refinement: the declared law is nearly right |
 | do the causes take `held` of the validation power, or leave little that is explainable? | cause |
 | is more than `explainable` of the drive predictable from outside the loop? | unknown |
 | else | nothing missing |

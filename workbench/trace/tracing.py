@@ -22,7 +22,7 @@ from workbench.trace.explainable import explainable
 from workbench.trace.floor import floor as noise_floor
 from workbench.trace.floor import levels
 from workbench.trace.judge import STANDARD, Judgement, Progress, shown
-from workbench.trace.near_law import Law, as_declared
+from workbench.trace.near_law import as_declared
 from workbench.trace.result import Candidate, Cause, Refinement, Trace
 from workbench.trace.rivals import experiment, rivals
 from workbench.trace.selection import Answer, Selection, select
@@ -252,6 +252,3 @@ def ranked(added: Sequence[Candidate], first: Sequence[Candidate]) -> tuple[Cand
     judged = {(c.effect, c.at): c for c in first}
     ahead = {(c.effect, c.at): judged.get((c.effect, c.at), c) for c in added}
     return (*ahead.values(), *(c for key, c in judged.items() if key not in ahead))
-
-
-__all__ = ["Answer", "Law", "trace"]
