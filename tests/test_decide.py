@@ -122,3 +122,11 @@ def test_a_free_form_is_found_in_the_plant_by_its_own_name_and_named_by_its_clas
     formula = Cause("stribeck_friction", "axis", "", (), 0.9, 0.9)
     free = replace(formula, law="free form", form="friction_over_speed")
     assert (formula.key, free.key) == ("stribeck_friction@axis", "friction_over_speed@axis")
+
+
+def test_a_refinement_is_not_said_to_be_missing():
+    from workbench.trace.result import Cause
+    from workbench.trace.verdict import refinement
+
+    found = refinement(Cause("fading_memory", "axis", "Fading memory is missing.", (), 0.004, 0.002, size=0.003))
+    assert "missing" not in found.sentence and "0.3 %" in found.sentence

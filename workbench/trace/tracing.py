@@ -23,7 +23,7 @@ from workbench.trace.floor import floor as noise_floor
 from workbench.trace.floor import levels
 from workbench.trace.judge import STANDARD, Judgement, Progress, shown
 from workbench.trace.near_law import as_declared
-from workbench.trace.result import Candidate, Cause, Refinement, Trace
+from workbench.trace.result import Candidate, Cause, Trace
 from workbench.trace.rivals import experiment, rivals
 from workbench.trace.selection import Answer, Selection, select
 from workbench.trace.skew import Skew, skew_of
@@ -31,7 +31,7 @@ from workbench.trace.smallest import named
 from workbench.trace.state import State
 from workbench.trace.thin import thin
 from workbench.trace.unexplained import Unexplained, described, instead, unexplained
-from workbench.trace.verdict import cause, clock, findings_of, verdict_sentence
+from workbench.trace.verdict import cause, clock, findings_of, refinement, verdict_sentence
 from workbench.trace.weighing import curve_of, weighed
 from workbench.trace.whole import in_turn
 
@@ -171,7 +171,7 @@ def reported(
         if roles[j.suspect.key] == CAUSE:
             causes.append(described_rivals(made, j, selected, plant, passes, confirmed, criteria, progress))
         else:
-            refinements.append(Refinement(made.effect, made.at, made.kind, made.sentence, made.parameters, made.size))
+            refinements.append(refinement(made))
     refinements += curve_of(selected, fits[-1], after)
     progress("looking for where the residual lives")
     lives = None

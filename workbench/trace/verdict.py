@@ -12,7 +12,7 @@ from workbench.trace.decide import CAUSE, DRESSING, NOT_BORNE_OUT, UNKNOWN, Verd
 from workbench.trace.evidence import ADDITION, CORRECTION, Evidence, Weighed
 from workbench.trace.judge import Judgement
 from workbench.trace.place import WAYS, Place, local
-from workbench.trace.result import Candidate, Cause
+from workbench.trace.result import Candidate, Cause, Refinement
 from workbench.trace.skew import Skew
 from workbench.trace.unexplained import Unexplained
 
@@ -69,6 +69,12 @@ def cause(
         was=held(declared, candidate) if candidate.kind == CORRECTION else {}, law=weight.law, size=weight.size(IDENTIFICATION),
         form=candidate.effect if judgement.suspect.stands else "",
     )  # fmt: skip
+
+
+def refinement(c: Cause) -> Refinement:
+    """Return what would be a cause, were it not too small for one: nothing says that it is missing."""
+    sentence = f"{capital(title(c.effect))} at the {c.at} takes away {100 * c.size:.2g} % of the drive's rms on the identification records."
+    return Refinement(c.effect, c.at, c.kind, sentence, c.parameters, c.size)
 
 
 def clock(skew: Skew, before: Fit, here: Fit) -> Cause:
