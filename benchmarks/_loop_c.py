@@ -10,8 +10,8 @@ from pathlib import Path
 import numpy as np
 
 from benchmarks._loop_work import BANK, JOINT, LUGRE, TWO, Work
-from workbench.simulate import Criteria
-from workbench.simulate.dynamics import constants_of
+from workbench.simulation import Criteria
+from workbench.simulation.dynamics import constants_of
 
 SOURCE = Path(__file__).parent / "reference" / "loop.c"
 FLAGS = ["-O3", "-march=native", "-std=c99", "-shared", "-fPIC"]

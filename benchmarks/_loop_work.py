@@ -12,13 +12,13 @@ import numpy as np
 
 from workbench.control import grid, scheduled_pd
 from workbench.control.law import Controller
-from workbench.effect import Effect, find, namespace
+from workbench.definition import Effect, find, namespace
 from workbench.effects.elementary import clip
 from workbench.effects.hysteresis import bank, knots
 from workbench.plant import Limits, Plant
-from workbench.simulate import Criteria, Loop, Scenario, ScenarioArrays
-from workbench.simulate.binding import Bound, bind
-from workbench.simulate.scenario import arrays_of
+from workbench.simulation import Criteria, Loop, Scenario, ScenarioArrays
+from workbench.simulation.binding import Bound, bind
+from workbench.simulation.scenario import arrays_of
 
 ELEMENTS = (1, 4, 10)
 SCENARIOS = 64

@@ -37,7 +37,7 @@ def library(q, v, a, u, t, way, rate, orders: Sequence[float], fastest: float) -
 
 
 def columns(series: Sequence, band: float, orders: Sequence[float], declared: set[str]):
-    """Return names (k,), columns (n, k) and residual (n,) of records (workbench.identify.result.Series).
+    """Return names (k,), columns (n, k) and residual (n,) of records (workbench.identification.result.Series).
 
     Terms of effects that are declared and fitted are projected out of the rest, and not for choice.
     """

@@ -123,7 +123,7 @@ def moved(before, after, added) -> list[str]:
 
 def evidence(found) -> object:
     """What a trace decided from, as trace.json holds it; None of a version that keeps none."""
-    from workbench.trace.output import as_dict
+    from workbench.tracing.output import as_dict
 
     return as_dict(found, {}).get("evidence")
 

@@ -1,7 +1,7 @@
 """What halving and doubling each criterion does: stored evidence decided again, without a simulation.
 
-Expected: `workbench.trace.criteria.Criteria`, a frozen dataclass whose fields have defaults, and
-`workbench.trace.decide.decide(evidence, criteria)`, a pure function whose answer has `verdict`, `ranked` and `added`.
+Expected: `workbench.tracing.criteria.Criteria`, a frozen dataclass whose fields have defaults, and
+`workbench.tracing.decide.decide(evidence, criteria)`, a pure function whose answer has `verdict`, `ranked` and `added`.
 Evidence is what trace.json holds under `evidence`.
 """
 
@@ -23,8 +23,8 @@ class NotYet(Exception):
 def interface() -> tuple[type, Callable]:
     """Return Criteria and decide; NotYet where this version has none."""
     try:
-        from workbench.trace.criteria import Criteria
-        from workbench.trace.decide import decide
+        from workbench.tracing.criteria import Criteria
+        from workbench.tracing.decide import decide
     except ImportError as e:
         raise NotYet(f"this version of the trace has no criteria that could be swept ({e}).") from e
     return Criteria, decide

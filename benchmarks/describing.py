@@ -8,8 +8,8 @@ import numpy as np
 from scipy.integrate import quad
 from scipy.special import ive
 
-from workbench.describe import equivalent
-from workbench.effect import find
+from workbench.definition import find
+from workbench.description import equivalent
 
 H0, A0 = 0.15, 636.0  # N*m, 1/rad
 AMPLITUDES = np.geomspace(1e-5, 1.0, 1000)  # rad

@@ -18,9 +18,9 @@ import numpy as np
 from benchmarks import _loop_c as c
 from benchmarks import _loop_peers as peers
 from benchmarks._loop_work import ELEMENTS, SCENARIOS, TWO, Work, bristles, one_mass, two_masses
-from workbench.simulate.closed import simulate
-from workbench.simulate.oracle import run_arrays
-from workbench.simulate.run import run_lanes
+from workbench.simulation.closed import simulate
+from workbench.simulation.oracle import run_arrays
+from workbench.simulation.run import run_lanes
 
 TURNS, SLOW_TURNS = 11, 3
 NUMPY_SAMPLES, NUMPY_COPIES = 100, 64

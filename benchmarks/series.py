@@ -6,7 +6,7 @@ from time import monotonic, process_time
 import numpy as np
 
 from workbench.control import fixed_pd
-from workbench.effect import find
+from workbench.definition import find
 from workbench.plant import ONE_MASS, Limits, Plant
 from workbench.robustness import (
     Varied,
@@ -23,8 +23,8 @@ from workbench.robustness import (
 from workbench.robustness.local import on_threads
 from workbench.robustness.vary import applied
 from workbench.robustness.work import digest
-from workbench.simulate import Loop
-from workbench.verify.task import Task
+from workbench.simulation import Loop
+from workbench.verification.task import Task
 
 DRAWS = 10_000
 STEP = 0.4 * 2 * np.pi  # rad

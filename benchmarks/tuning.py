@@ -6,12 +6,12 @@ from types import SimpleNamespace
 
 import numpy as np
 
-from workbench.describe import equivalent
-from workbench.effect import find
+from workbench.definition import find
+from workbench.description import equivalent
 from workbench.threads import one_thread
-from workbench.tune import Gains, TuningGoal, response, sampled, tune
-from workbench.tune.axis import Axis
-from workbench.tune.start import damped, stable_box, start
+from workbench.tuning import Gains, TuningGoal, response, sampled, tune
+from workbench.tuning.axis import Axis
+from workbench.tuning.start import damped, stable_box, start
 
 J, GOAL = 0.0074, TuningGoal(drive=3.3, speed=12.57)  # kg*m^2; N*m, rad/s
 TS = 0.25e-3  # s

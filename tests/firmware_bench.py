@@ -11,7 +11,7 @@ from workbench.control import FeedForward, fixed_pd, grid, pi_cascade, profile_p
 from workbench.control.laws import RULES
 from workbench.firmware import host
 from workbench.plant import ONE_MASS, TWO_MASS, Limits, Plant
-from workbench.simulate import Loop
+from workbench.simulation import Loop
 
 COUNT = 4.8e-6  # rad: one arc second
 AXIS = Plant(ONE_MASS, limits=Limits(3.3, 20.9))

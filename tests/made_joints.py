@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
-from workbench.effect import find
+from workbench.definition import find
 from workbench.plant import TWO_MASS, Geometry, Plant
 from workbench.record import Record, Source
 

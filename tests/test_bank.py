@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 from scipy.optimize import nnls
 
-from workbench.effect import find
+from workbench.definition import find
 from workbench.effects.hysteresis import maxwell_slip
 from workbench.errors import WorkbenchError
-from workbench.identify.bank import identify_bank
-from workbench.identify.fit import identify, passes_of
+from workbench.identification.bank import identify_bank
+from workbench.identification.fit import identify, passes_of
 from workbench.motion import motion
 from workbench.plant import Plant
 from workbench.record import Record, Source

@@ -227,7 +227,7 @@ def test_a_sweep_halves_and_doubles_each_number_and_decides_again():
 def test_a_sweep_says_what_it_lacks(monkeypatch):
     import sys
 
-    monkeypatch.setitem(sys.modules, "workbench.trace.criteria", None)
+    monkeypatch.setitem(sys.modules, "workbench.tracing.criteria", None)
     assert sweep_of([kept("c", "c01", TRUTH, SAID)]).startswith("No sweep: this version of the trace has no criteria")
 
 

@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 from test_identify import BAND, H0, B, J, believed, coloured, estimate, moved, recorded, smooth, torque
 
-from workbench.effect import find
-from workbench.identify.by_record import own_estimates
-from workbench.identify.fit import identify, passes_of
-from workbench.identify.problem import Problem
-from workbench.identify.solve import solve
+from workbench.definition import find
+from workbench.identification.by_record import own_estimates
+from workbench.identification.fit import identify, passes_of
+from workbench.identification.problem import Problem
+from workbench.identification.solve import solve
 from workbench.plant import Plant
 from workbench.study import results
 

@@ -9,12 +9,12 @@ import rig
 from test_report_example import trace as example
 
 from workbench.campaign import load
-from workbench.effect import find
-from workbench.identify.fit import identify, passes_of
+from workbench.definition import find
+from workbench.identification.fit import identify, passes_of
 from workbench.record import IDENTIFICATION, VALIDATION
-from workbench.trace.calibration import calibrate, calibrations, finding, periodic
-from workbench.trace.result import Cause
-from workbench.trace.tracing import trace
+from workbench.tracing.calibration import calibrate, calibrations, finding, periodic
+from workbench.tracing.result import Cause
+from workbench.tracing.tracing import trace
 
 OFFSET = 0.7  # rad, by which the axis stood elsewhere at power-up
 

@@ -14,7 +14,7 @@ import pytest
 
 from workbench.campaign import load
 from workbench.study.standard import trace_campaign
-from workbench.trace.output import write
+from workbench.tracing.output import write
 
 CARRIED = Path(__file__).resolve().parent.parent / "studies" / "harmonic_drive_axis" / "campaign"
 WITHIN = 1.1  # times the error of the true structure, refitted

@@ -8,11 +8,11 @@ import pytest
 from test_closing import plant, record
 from test_report_example import trace as example
 
-from workbench.effect import find
+from workbench.definition import find
 from workbench.report.closing import closing
 from workbench.report.contents import Paragraph, Table
-from workbench.verify.cancelling import Cancelled, causes, take
-from workbench.verify.closing import as_dict, close
+from workbench.verification.cancelling import Cancelled, causes, take
+from workbench.verification.closing import as_dict, close
 
 GOOD = {"rise": 0.1, "time_1pct": 0.1, "overshoot": 0.0, "final_error": 1e-5, "following": 1e-4}
 

@@ -8,7 +8,7 @@ from scipy.integrate import solve_ivp
 from scipy.linalg import expm
 
 from workbench.catalogue_page import page
-from workbench.effect import ANGLE, SENSOR, Effect, catalogue, find
+from workbench.definition import ANGLE, SENSOR, Effect, catalogue, find
 from workbench.effects.creep import creep
 from workbench.effects.fading import fading_memory
 from workbench.effects.gap import friction_behind_gap
@@ -19,7 +19,7 @@ from workbench.effects.virgin_curve import slip_of_curve
 from workbench.errors import WorkbenchError
 from workbench.kernel import step
 from workbench.plant import ONE_MASS, TWO_MASS, Plant, places
-from workbench.trace.candidates import suspects
+from workbench.tracing.candidates import suspects
 
 NAMES = (
     "inertia viscous_friction coulomb_friction presliding_hysteresis stribeck_friction nonlinear_viscous_friction "

@@ -15,8 +15,8 @@ import rig
 from conftest import measured
 from faults import Folder, clip, drop, faster, freeze, late, times
 
-from workbench.check.channels import _leaps, runs
-from workbench.check.checking import check
+from workbench.checking.channels import _leaps, runs
+from workbench.checking.checking import check
 from workbench.cli import main
 from workbench.intake.new import new
 

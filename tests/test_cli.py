@@ -31,7 +31,7 @@ def test_without_a_verb_the_help_is_shown_and_the_exit_code_is_2(capsys):
 def test_effects_lists_names_formulas_units_and_causes(capsys):
     assert main(["effects"]) == 0
     said = capsys.readouterr().out
-    from workbench.effect import catalogue
+    from workbench.definition import catalogue
 
     for e in catalogue().values():
         assert e.name in said and e.formula in said and e.cause in said

@@ -9,15 +9,15 @@ import pytest
 from test_report_example import trace as example
 
 from workbench.campaign import Campaign
-from workbench.effect import find
+from workbench.definition import find
 from workbench.errors import WorkbenchError
 from workbench.plant import ONE_MASS, TWO_MASS, Limits, Plant
 from workbench.record import VALIDATION, Record, Source
 from workbench.report.closing import absent, closing, heading
 from workbench.report.contents import Callout, Figure, Table
 from workbench.study.traced import closed_loop
-from workbench.verify.assumed import judge, loop_of
-from workbench.verify.closing import DECLARED, EXTENDED, as_dict, close, lacking, rise_of
+from workbench.verification.assumed import judge, loop_of
+from workbench.verification.closing import DECLARED, EXTENDED, as_dict, close, lacking, rise_of
 
 FRICTION = (find("viscous_friction")(viscous=0.01), find("coulomb_friction")(coulomb=0.1))
 

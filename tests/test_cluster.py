@@ -10,19 +10,19 @@ import numpy as np
 import pytest
 
 from workbench.control import fixed_pd
-from workbench.effect import find
+from workbench.definition import find
 from workbench.errors import WorkbenchError
 from workbench.plant import ONE_MASS, Limits, Plant
 from workbench.robustness import Varied, blocks, independent, joined, uniform, work
 from workbench.robustness.cluster import on_cluster
 from workbench.robustness.local import on_threads
 from workbench.robustness.work import digest
-from workbench.simulate import Loop
-from workbench.verify.task import Task
+from workbench.simulation import Loop
+from workbench.verification.task import Task
 
 PATIENCE = 60.0  # s for a process to come up on a busy machine
 TAMPER = """
-import workbench.simulate.noise as noise  # the noise of this worker is larger by some 4000 units in the last place
+import workbench.simulation.noise as noise  # the noise of this worker is larger by some 4000 units in the last place
 noise.SIGMA *= 1.0 + 1e-12
 """
 

@@ -5,14 +5,14 @@ import pytest
 
 from workbench.compensation import Compensator
 from workbench.control import fixed_pd
-from workbench.effect import find
+from workbench.definition import find
 from workbench.errors import WorkbenchError
 from workbench.plant import ONE_MASS, Limits, Plant
-from workbench.simulate import Loop
+from workbench.simulation import Loop
 from workbench.study import configuration
 from workbench.study.compensating import compensation
-from workbench.verify.compensating import Slow, bears, worth
-from workbench.verify.task import Task
+from workbench.verification.compensating import Slow, bears, worth
+from workbench.verification.task import Task
 
 LOOP = Loop(5e-4, 2, 5e-4, 5e-4, 1e-6)
 SPRING = find("stop")(stiffness=2000.0, radius=1e-4)

@@ -5,20 +5,20 @@ import pytest
 
 from workbench.compensation import READ, REFERENCE, Compensator, compensable, compensated, predicted, undone
 from workbench.control import fixed_pd
-from workbench.effect import find
+from workbench.definition import find
 from workbench.effects.play import play_bank
 from workbench.errors import WorkbenchError
 from workbench.kernel.step import build
 from workbench.plant import ONE_MASS, TWO_MASS, Limits, Plant
 from workbench.record import IDENTIFICATION
 from workbench.robustness.document import controller_of, of_controller
-from workbench.simulate import Loop, ScenarioArrays, simulate
-from workbench.simulate.binding import bind
-from workbench.simulate.criteria import Criteria
-from workbench.simulate.given import REFERENCE as GIVEN
-from workbench.simulate.given import given_of
-from workbench.simulate.oracle import run_arrays
-from workbench.simulate.run import run_lanes
+from workbench.simulation import Loop, ScenarioArrays, simulate
+from workbench.simulation.binding import bind
+from workbench.simulation.criteria import Criteria
+from workbench.simulation.given import REFERENCE as GIVEN
+from workbench.simulation.given import given_of
+from workbench.simulation.oracle import run_arrays
+from workbench.simulation.run import run_lanes
 from workbench.study.simulated import record_of
 
 LOOP = Loop(5e-4, 2, 0.0, 0.0, 1e-6)

@@ -13,8 +13,8 @@ from rig.signals import low_pass
 
 from workbench.campaign import load
 from workbench.compensation import Compensator, agreement, predicted
-from workbench.effect import find
-from workbench.identify.fit import identify, passes_of
+from workbench.definition import find
+from workbench.identification.fit import identify, passes_of
 from workbench.record import IDENTIFICATION
 from workbench.study.simulated import record_of
 

@@ -8,7 +8,7 @@ import pytest
 
 from workbench.conformance import PROPERTIES, check_effect, checks
 from workbench.conformance.memory import masing_stack
-from workbench.effect import FORCE, SENSOR, Effect, catalogue, find
+from workbench.definition import FORCE, SENSOR, Effect, catalogue, find
 from workbench.effects.creep import creep
 from workbench.effects.elementary import absolute, exp, sign0
 from workbench.effects.fading import fading_memory

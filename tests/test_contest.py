@@ -8,20 +8,20 @@ import numpy as np
 import pytest
 
 from workbench.control import FeedForward, fixed_pd, grid
-from workbench.effect import find
+from workbench.definition import find
 from workbench.errors import WorkbenchError
-from workbench.export.feed_forward import export_feed_forward
+from workbench.exporting.feed_forward import export_feed_forward
 from workbench.plant import ONE_MASS, TWO_MASS, Limits, Plant
 from workbench.report.contest import asked_table
 from workbench.report.reproduction import Printed, counted, reproduction_table
-from workbench.simulate import Loop
-from workbench.verify.bound import time_optimal
-from workbench.verify.contest import Contest, Standing, contest, verdict
-from workbench.verify.families import cascade_family, joint_family, joint_gains, pd_family
-from workbench.verify.line_up import feed_forward_of
-from workbench.verify.linear import Linear, TwoMasses
-from workbench.verify.margin import Asked, against_margin
-from workbench.verify.task import Task, Weights
+from workbench.simulation import Loop
+from workbench.verification.bound import time_optimal
+from workbench.verification.contest import Contest, Standing, contest, verdict
+from workbench.verification.families import cascade_family, joint_family, joint_gains, pd_family
+from workbench.verification.line_up import feed_forward_of
+from workbench.verification.linear import Linear, TwoMasses
+from workbench.verification.margin import Asked, against_margin
+from workbench.verification.task import Task, Weights
 
 LOOP = Loop(2.5e-4, 4, 2.5e-4, 2.5e-4, 4.848e-6)
 LIMITS = Limits(3.3, 12.57)
@@ -109,7 +109,7 @@ def test_a_verdict_says_who_is_beaten_on_what_nominally_and_over_the_grid():
 
 
 def test_a_contest_tunes_without_load_and_judges_with_it_and_over_the_grid(monkeypatch):
-    from workbench.verify import optimise as module
+    from workbench.verification import optimise as module
 
     for name, value in (("GENERATIONS", 2), ("LOCAL", 4), ("POPULATION", 3)):
         monkeypatch.setattr(module, name, value)
@@ -128,7 +128,7 @@ def test_a_contest_tunes_without_load_and_judges_with_it_and_over_the_grid(monke
 
 
 def test_the_searchs_own_run_stands_for_the_tasks_own_limit_on_the_sensitivity(monkeypatch):
-    from workbench.verify import optimise as module
+    from workbench.verification import optimise as module
 
     for name, value in (("GENERATIONS", 2), ("LOCAL", 4), ("POPULATION", 3)):
         monkeypatch.setattr(module, name, value)

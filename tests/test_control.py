@@ -75,9 +75,9 @@ def test_every_law_of_the_package_is_known_by_its_own_name():
 def test_a_controllers_own_velocity_filter_takes_the_place_of_the_loops():
     from dataclasses import replace
 
-    from workbench.effect import find
+    from workbench.definition import find
     from workbench.plant import ONE_MASS, Plant
-    from workbench.simulate import Loop, ScenarioArrays, simulate
+    from workbench.simulation import Loop, ScenarioArrays, simulate
 
     plant = Plant(ONE_MASS, (find("inertia")(inertia=0.01),))
     slow = Loop(2.5e-4, 4, 2.5e-4, 4e-3)

@@ -8,9 +8,9 @@ import pytest
 import rig
 from scipy.signal import lfilter
 
-from workbench.effect import find
-from workbench.identify.fit import identify
-from workbench.identify.passes import Passes
+from workbench.definition import find
+from workbench.identification.fit import identify
+from workbench.identification.passes import Passes
 from workbench.motion import Motion, motion
 from workbench.plant import ONE_MASS, Plant
 from workbench.record import Record, Source

@@ -9,25 +9,25 @@ import pytest
 
 from workbench.conformance import checks
 from workbench.control import FeedForward, fixed_pd
-from workbench.describe import first_harmonic
-from workbench.effect import TWO_COUNTS, catalogue, find, simpler
+from workbench.definition import TWO_COUNTS, catalogue, find, simpler
+from workbench.description import first_harmonic
 from workbench.effects import curves, free_maps
 from workbench.effects.families import FAMILIES, FREE_FORMS, family_of, knots_of
 from workbench.effects.free_bank import free_bank, hysteresis_bank, slips_of
 from workbench.effects.table import hats
 from workbench.errors import WorkbenchError
-from workbench.export.feed_forward import export_feed_forward
-from workbench.identify.curves import curve, curve_of
-from workbench.identify.fit import identify
-from workbench.identify.passes import Passes, predicted
-from workbench.identify.problem import Name
+from workbench.exporting.feed_forward import export_feed_forward
+from workbench.identification.curves import curve, curve_of
+from workbench.identification.fit import identify
+from workbench.identification.passes import Passes, predicted
+from workbench.identification.problem import Name
 from workbench.kernel.step import build
 from workbench.motion import motion
 from workbench.plant import Geometry, Plant
 from workbench.record import Record, Source
-from workbench.simulate import Loop, Scenario, simulate
-from workbench.trace.candidates import CORRECTION, suspects
-from workbench.trace.free_forms import free_forms
+from workbench.simulation import Loop, Scenario, simulate
+from workbench.tracing.candidates import CORRECTION, suspects
+from workbench.tracing.free_forms import free_forms
 
 DT, BAND, COUNT = 1e-3, 60.0, 1e-6
 ARCHITECTURE = Path(__file__).resolve().parent.parent / "docs" / "architecture.md"

@@ -5,9 +5,9 @@ from dataclasses import fields, replace
 import pytest
 
 from workbench.errors import WorkbenchError
-from workbench.trace.criteria import Criteria
-from workbench.trace.decide import CAUSE, DRESSING, NOT_BORNE_OUT, NOTHING, REFINEMENT, UNKNOWN, decide
-from workbench.trace.evidence import ADDITION, CORRECTION, Evidence, Explainable, Weighed, evidence_of
+from workbench.tracing.criteria import Criteria
+from workbench.tracing.decide import CAUSE, DRESSING, NOT_BORNE_OUT, NOTHING, REFINEMENT, UNKNOWN, decide
+from workbench.tracing.evidence import ADDITION, CORRECTION, Evidence, Explainable, Weighed, evidence_of
 
 STANDARD = Criteria()
 
@@ -117,7 +117,7 @@ def test_every_criterion_says_what_halving_and_doubling_does():
 
 
 def test_a_free_form_is_found_in_the_plant_by_its_own_name_and_named_by_its_class():
-    from workbench.trace.result import Cause
+    from workbench.tracing.result import Cause
 
     formula = Cause("stribeck_friction", "axis", "", (), 0.9, 0.9)
     free = replace(formula, law="free form", form="friction_over_speed")
@@ -125,8 +125,8 @@ def test_a_free_form_is_found_in_the_plant_by_its_own_name_and_named_by_its_clas
 
 
 def test_a_refinement_is_not_said_to_be_missing():
-    from workbench.trace.result import Cause
-    from workbench.trace.verdict import refinement
+    from workbench.tracing.result import Cause
+    from workbench.tracing.verdict import refinement
 
     found = refinement(Cause("fading_memory", "axis", "Fading memory is missing.", (), 0.004, 0.002, size=0.003))
     assert "missing" not in found.sentence and "0.3 %" in found.sentence

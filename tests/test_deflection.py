@@ -6,10 +6,10 @@ from conftest import measured
 from made_joints import BAND, BL, BM, JL, JM, K, joint, jointed
 
 from workbench.campaign import load
-from workbench.identify.angle import Ends
-from workbench.identify.blocks import Blocks
-from workbench.identify.deflection import deflection_of, zeros
-from workbench.identify.passes import Passes
+from workbench.identification.angle import Ends
+from workbench.identification.blocks import Blocks
+from workbench.identification.deflection import deflection_of, zeros
+from workbench.identification.passes import Passes
 from workbench.motion import motion
 
 

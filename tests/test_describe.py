@@ -9,8 +9,8 @@ import pytest
 from scipy.integrate import quad
 from scipy.special import ive
 
-from workbench.describe import bank_equivalent, equivalent, expressions, first_harmonic
-from workbench.effect import FORCE, Effect, find, namespace
+from workbench.definition import FORCE, Effect, find, namespace
+from workbench.description import bank_equivalent, equivalent, expressions, first_harmonic
 from workbench.effects.elementary import exp, sign0
 from workbench.errors import WorkbenchError
 from workbench.kernel import arrays, step

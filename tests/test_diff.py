@@ -11,10 +11,10 @@ from rig.motions import RECORDS
 from scipy.signal import lfilter
 
 from workbench.cli import main
-from workbench.diff import compare
-from workbench.diff.changes import holm
-from workbench.effect import find
-from workbench.identify.fit import passes_of
+from workbench.definition import find
+from workbench.difference import compare
+from workbench.difference.changes import holm
+from workbench.identification.fit import passes_of
 from workbench.plant import ONE_MASS, Plant, freed
 from workbench.record import IDENTIFICATION, Record, Source
 

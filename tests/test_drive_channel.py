@@ -8,14 +8,14 @@ import pytest
 from conftest import measured
 
 from workbench.campaign import load
-from workbench.effect import find
+from workbench.definition import find
 from workbench.errors import WorkbenchError
-from workbench.identify.fit import identify, passes_of
-from workbench.identify.passes import predicted
+from workbench.identification.fit import identify, passes_of
+from workbench.identification.passes import predicted
 from workbench.plant import ONE_MASS, TWO_MASS, Plant, places
 from workbench.record import Record, Source
-from workbench.trace.candidates import suspects
-from workbench.trace.tracing import trace
+from workbench.tracing.candidates import suspects
+from workbench.tracing.tracing import trace
 
 DT, BAND, RATE, INERTIA = 1e-3, 30.0, 0.02, 0.01
 

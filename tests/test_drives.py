@@ -10,6 +10,7 @@ import yaml
 from firmware_bench import AXIS, Gains
 
 from workbench.control import fixed_pd, pi_cascade, profile_pi, scheduled_pd
+from workbench.definition import find
 from workbench.drives import (
     Cascade,
     Units,
@@ -26,7 +27,6 @@ from workbench.drives import (
     twincat,
 )
 from workbench.drives.objects import Object, value_of
-from workbench.effect import find
 from workbench.errors import WorkbenchError
 from workbench.plant import ONE_MASS, Plant
 

@@ -12,12 +12,12 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from workbench import effect as fx
-from workbench.effect import COMMAND, FORCE, SENSOR, TIME, Border, Effect, catalogue, find
+from workbench import definition as fx
+from workbench.definition import COMMAND, FORCE, SENSOR, TIME, Border, Effect, catalogue, find
 from workbench.effects.direction import stop_direction
 from workbench.effects.hysteresis import knots, maxwell_slip, presliding_hysteresis
 from workbench.errors import WorkbenchError
-from workbench.identify.passes import Passes, required
+from workbench.identification.passes import Passes, required
 from workbench.kernel.step import build, check_linear
 from workbench.motion import motion
 from workbench.parameter import Parameter

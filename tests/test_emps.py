@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from conftest import measured
 
-from workbench.effect import find
+from workbench.definition import find
 from workbench.errors import WorkbenchError
 from workbench.plant import ONE_MASS, Plant
 from workbench.record import ROLES

@@ -13,10 +13,10 @@ import numpy as np
 import pytest
 
 from workbench import __version__
-from workbench.effect import FORCE, Effect
+from workbench.definition import FORCE, Effect
 from workbench.errors import WorkbenchError
-from workbench.export import changed, export, load, load_binary, lookup32
-from workbench.export.lookup import BOUND
+from workbench.exporting import changed, export, load, load_binary, lookup32
+from workbench.exporting.lookup import BOUND
 from workbench.parameter import Parameter
 from workbench.plant import ONE_MASS, Limits, Plant
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from test_export import SCALE, plant, schedule
 
-from workbench.export import export, lookup32
+from workbench.exporting import export, lookup32
 
 SOURCE = Path(__file__).parent / "consumer" / "consumer.c"
 WARNINGS = "-Wall -Wextra -Wconversion -Wdouble-promotion -Wpedantic -Werror -ffp-contract=off".split()
@@ -191,9 +191,9 @@ def test_c_and_python_schedule_the_same_gains(consumer, seed):
 def test_the_exported_rule_looks_up_where_the_simulated_law_does(rule, tmp_path):
     """A step of the simulated loop: its readings given to the C code, and the gains from there those that it commanded with."""
     from workbench.control import scheduled_pd
-    from workbench.effect import find
+    from workbench.definition import find
     from workbench.plant import ONE_MASS, Limits, Plant
-    from workbench.simulate import Loop, ScenarioArrays, simulate
+    from workbench.simulation import Loop, ScenarioArrays, simulate
 
     s = schedule(rule=rule)
     export(s, plant(), tmp_path)

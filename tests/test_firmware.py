@@ -13,7 +13,7 @@ from workbench.firmware import firmware
 from workbench.firmware.stages import stages
 from workbench.firmware.units import unit
 from workbench.plant import ONE_MASS, Limits, Plant
-from workbench.simulate import Loop
+from workbench.simulation import Loop
 
 ARITHMETICS = ("float32", "fixed")
 
@@ -109,8 +109,8 @@ def test_a_wrong_sign_is_found(arithmetic):
 @pytest.mark.parametrize("arithmetic", ARITHMETICS)
 def test_the_law_of_the_firmware_is_that_of_the_simulation(arithmetic):
     """Readings of a simulated step given to the reference: its commands are those that the loop acted on."""
-    from workbench.effect import find
-    from workbench.simulate import Scenario, simulate
+    from workbench.definition import find
+    from workbench.simulation import Scenario, simulate
 
     plant = Plant(
         ONE_MASS, (find("inertia")(inertia=0.0074), find("viscous_friction")(viscous=0.02)), limits=Limits(3.3, 20.9)

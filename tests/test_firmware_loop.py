@@ -9,7 +9,7 @@ from firmware_bench import COUNT, Gains, every, need_compiler
 
 from workbench.cli import main
 from workbench.control import fixed_pd, pi_cascade, scheduled_pd
-from workbench.effect import find
+from workbench.definition import find
 from workbench.firmware import firmware, quantisation
 from workbench.firmware.image import read
 from workbench.firmware.loop import Compiled, run_firmware
@@ -18,10 +18,10 @@ from workbench.robustness import worst
 from workbench.robustness.cases import Varied
 from workbench.robustness.distribution import Distribution
 from workbench.robustness.work import Work
-from workbench.simulate import Criteria, Loop, ScenarioArrays, simulate
-from workbench.simulate.binding import bind
-from workbench.simulate.run import run_lanes
-from workbench.verify.task import Task
+from workbench.simulation import Criteria, Loop, ScenarioArrays, simulate
+from workbench.simulation.binding import bind
+from workbench.simulation.run import run_lanes
+from workbench.verification.task import Task
 
 LOOP = Loop(2.5e-4, 4, 2.5e-4, 2.5e-4, COUNT)
 ARITHMETICS = ("float32", "fixed")

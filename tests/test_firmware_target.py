@@ -8,10 +8,10 @@ need("elftools", "no emulator here")
 from firmware_target import Target  # noqa: E402
 
 from workbench.control import scheduled_pd  # noqa: E402
-from workbench.effect import find  # noqa: E402
+from workbench.definition import find  # noqa: E402
 from workbench.firmware import firmware  # noqa: E402
 from workbench.plant import ONE_MASS, Limits, Plant  # noqa: E402
-from workbench.simulate import Scenario, simulate  # noqa: E402
+from workbench.simulation import Scenario, simulate  # noqa: E402
 
 # Instructions of one step, velocity filter and encoder included, in the worst case over the vectors; measured with zig
 # 0.17.1 at -O2. The rules that a study may choose are held to 120 and 200; what the others take is held where it is.

@@ -5,14 +5,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from workbench.effect import find
+from workbench.definition import find
 from workbench.errors import WorkbenchError
-from workbench.identify.fit import passes_of
-from workbench.identify.free_run import START, beginning, free_run, refine_free_run
+from workbench.identification.fit import passes_of
+from workbench.identification.free_run import START, beginning, free_run, refine_free_run
 from workbench.motion import motion
 from workbench.plant import ONE_MASS, TWO_MASS, Plant
 from workbench.record import VALIDATION, Record, Source
-from workbench.simulate import Scenario, open_loop
+from workbench.simulation import Scenario, open_loop
 
 MASS, VISCOUS, COULOMB, DT, BAND = 95.0, 200.0, 20.0, 1e-3, 40.0
 SOURCE = Source(path="made.csv", sha256="0" * 64, reader="csv", columns={})

@@ -10,10 +10,10 @@ import rig
 from scipy import signal
 
 from workbench.campaign import Campaign
-from workbench.check.modes import undeclared
-from workbench.check.seen import Seen
+from workbench.checking.modes import undeclared
+from workbench.checking.seen import Seen
 from workbench.cli import main
-from workbench.effect import Effect, find
+from workbench.definition import Effect, find
 from workbench.errors import WorkbenchError
 from workbench.finding import Finding
 from workbench.frequency import fit_modes, gain_limit, notch_for, response_of

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from conftest import measured
 
-from workbench.effect import find
+from workbench.definition import find
 from workbench.motion import motion
 from workbench.record import IDENTIFICATION, Record, Source
 from workbench.study.running import run, steps_of

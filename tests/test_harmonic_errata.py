@@ -9,13 +9,13 @@ from scipy.optimize import brentq
 from scipy.special import ive
 
 from workbench.control import fixed_pd, grid, scheduled_pd
-from workbench.describe import equivalent
-from workbench.effect import find
+from workbench.definition import find
+from workbench.description import equivalent
 from workbench.effects.hysteresis import presliding_hysteresis
 from workbench.plant import ONE_MASS, Limits, Plant
 from workbench.schedule import Schedule
 from workbench.schedule.check import pumping
-from workbench.simulate import Loop, Scenario, simulate
+from workbench.simulation import Loop, Scenario, simulate
 
 H0, A = 0.15, 636.0
 COUNT = 2 * pi / 1_296_000

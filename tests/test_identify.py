@@ -16,12 +16,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from threadpoolctl import threadpool_limits
 
-from workbench.effect import find
+from workbench.definition import find
 from workbench.errors import WorkbenchError
-from workbench.identify.command import REACH
-from workbench.identify.fit import identify, passes_of
-from workbench.identify.passes import Passes
-from workbench.identify.shift import shifted
+from workbench.identification.command import REACH
+from workbench.identification.fit import identify, passes_of
+from workbench.identification.passes import Passes
+from workbench.identification.shift import shifted
 from workbench.kernel.step import build
 from workbench.motion import motion
 from workbench.plant import ONE_MASS, Limits, Plant
@@ -286,7 +286,7 @@ def test_the_number_of_threads_does_not_matter(clean):
 
 def test_a_fresh_process_finds_the_same_numbers(clean):
     code = (
-        "import test_identify as t; from workbench.identify.fit import identify, passes_of\n"
+        "import test_identify as t; from workbench.identification.fit import identify, passes_of\n"
         "r = [t.recorded(*m[:2], t.torque(*m[1:]), f'r{s}', role, 10.0 * s)\n"
         "     for s, role in ((1, 'identification'), (2, 'identification'), (3, 'validation')) for m in [t.moved(s)]]\n"
         "print(t.numbers(identify(t.believed(), passes_of(r, t.BAND))))"

@@ -12,7 +12,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from workbench.effect import FORCE, Effect, catalogue, find, namespace
+from workbench.definition import FORCE, Effect, catalogue, find, namespace
 from workbench.errors import WorkbenchError
 from workbench.kernel import arrays, cache, scan, step
 from workbench.kernel.lanes import map_lanes
@@ -306,7 +306,7 @@ def test_the_folder_is_where_the_user_says(monkeypatch):
 def test_two_processes_at_once_compile_the_same_kernel(tmp_path):
     code = textwrap.dedent("""
         import numpy as np
-        from workbench.effect import find
+        from workbench.definition import find
         from workbench.kernel.step import build
         out = build(find("coulomb_friction")(coulomb=1.0)).run({"dir": np.ones(3)}, {"coulomb": 1.0})
         dq = np.full(3, 1e-3)

@@ -5,19 +5,19 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from workbench.describe import Equivalent
-from workbench.effect import find
+from workbench.definition import find
+from workbench.description import Equivalent
 from workbench.plant import ONE_MASS, Limits, Plant
-from workbench.simulate import Loop
-from workbench.tune import sampled
-from workbench.tune.axis import Axis
-from workbench.verify.climb import climb
-from workbench.verify.families import pd_family
-from workbench.verify.gain_table import gain_table, table_family
-from workbench.verify.ladder import all_rungs, climbed, corners, ladder, step_figures
-from workbench.verify.linear import Linear
-from workbench.verify.regret import BEATEN, first_grid, prices, references
-from workbench.verify.task import Task, Weights
+from workbench.simulation import Loop
+from workbench.tuning import sampled
+from workbench.tuning.axis import Axis
+from workbench.verification.climb import climb
+from workbench.verification.families import pd_family
+from workbench.verification.gain_table import gain_table, table_family
+from workbench.verification.ladder import all_rungs, climbed, corners, ladder, step_figures
+from workbench.verification.linear import Linear
+from workbench.verification.regret import BEATEN, first_grid, prices, references
+from workbench.verification.task import Task, Weights
 
 LOOP = Loop(2.5e-4, 4, 2.5e-4, 2.5e-4, 4.848e-6)
 COUNT = LOOP.count

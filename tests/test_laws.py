@@ -8,16 +8,16 @@ import pytest
 
 from workbench.control import FeedForward, fixed_pd, grid, pi_cascade, profile_pi, scheduled_pd
 from workbench.control.law import Law
-from workbench.effect import find
+from workbench.definition import find
 from workbench.effects.stiffness import linear_stiffness
 from workbench.errors import WorkbenchError
 from workbench.plant import ONE_MASS, TWO_MASS, Limits, Plant
-from workbench.simulate import Loop, Scenario, simulate
-from workbench.simulate.binding import bind
-from workbench.simulate.criteria import Criteria
-from workbench.simulate.oracle import run_arrays
-from workbench.simulate.run import run_lanes
-from workbench.simulate.scenario import arrays_of
+from workbench.simulation import Loop, Scenario, simulate
+from workbench.simulation.binding import bind
+from workbench.simulation.criteria import Criteria
+from workbench.simulation.oracle import run_arrays
+from workbench.simulation.run import run_lanes
+from workbench.simulation.scenario import arrays_of
 
 COUNT = 2.0 * pi / 2**20
 KNOTS = grid(2e-5, 2e-3)

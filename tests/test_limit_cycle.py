@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from workbench.control import fixed_pd, grid, pi_cascade, profile_pi, scheduled_pd
-from workbench.effect import find
+from workbench.definition import find
 from workbench.errors import WorkbenchError
 from workbench.limit_cycle import axis_of, balance, command, dials, region, turned
 from workbench.limit_cycle.describing import comes_back
@@ -16,8 +16,8 @@ from workbench.limit_cycle.simulated import LONGER, Motion, harmonics, simulated
 from workbench.limit_cycle.waves import clipped, found_after, harmonics_of, turning
 from workbench.plant import ONE_MASS, TWO_MASS, Limits, Plant
 from workbench.report.contents import Figure
-from workbench.simulate import Loop
-from workbench.verify.task import Task
+from workbench.simulation import Loop
+from workbench.verification.task import Task
 
 FAST, SLOW = Loop(2.5e-4, 4, 2.5e-4, 2.5e-4, 4.848e-6), Loop(1e-3, 4, 1e-3, 1e-3, 4.848e-6)
 J = 0.0074
@@ -112,8 +112,8 @@ def test_a_frozen_schedule_holds_the_gain_of_half_the_error_at_its_reversal():
 
 def test_the_integral_of_a_cascade_is_that_of_its_pulse_transfer_function():
     """Without a limit met: C = (kvp + ki Ts/(z - 1)) (kv + rate)."""
-    from workbench.tune import sampled
-    from workbench.tune.sampled import Clock
+    from workbench.tuning import sampled
+    from workbench.tuning.sampled import Clock
 
     theta = 0.2
     rate = complex(sampled.difference(np.array([theta]), Clock.of(FAST))[0]) / FAST.sample_time
@@ -137,7 +137,7 @@ def test_a_law_that_is_not_known_and_two_masses_are_refused():
 
 def test_on_the_edge_of_linear_stability_the_loop_hunts_with_the_frequency_of_its_eigenvalue():
     """Bare mass, gains 2 % beyond the edge, so that the limit is hardly met: the eigenvalue on the unit circle says w."""
-    from workbench.tune import sampled
+    from workbench.tuning import sampled
 
     bare = Plant(ONE_MASS, (find("inertia")(inertia=J),), limits=Limits(3.3))
     there = axis_of(bare, FAST, 1.0)

@@ -7,15 +7,15 @@ import numpy as np
 import pytest
 
 from workbench.conformance.prediction import sees_no_drive
-from workbench.effect import FORCE, Effect, catalogue, find
+from workbench.definition import FORCE, Effect, catalogue, find
 from workbench.errors import WorkbenchError
-from workbench.identify.fit import identify, passes_of
-from workbench.identify.passes import required
+from workbench.identification.fit import identify, passes_of
+from workbench.identification.passes import required
 from workbench.parameter import Parameter
 from workbench.plant import ONE_MASS, TWO_MASS, Plant
 from workbench.record import Record, Source
-from workbench.simulate import open_loop
-from workbench.trace.candidates import suspects
+from workbench.simulation import open_loop
+from workbench.tracing.candidates import suspects
 
 DT, BAND = 2.5e-4, 60.0
 INERTIA, WEIGHT, MU, SHARE = 0.01, 0.6, 0.08, 0.7
@@ -79,7 +79,7 @@ def test_a_simulated_motion_asks_for_the_drive_that_made_it(plant):
 
 
 def test_of_two_masses_the_load_balance_closes_with_friction_at_the_load():
-    from workbench.identify.passes import balances
+    from workbench.identification.passes import balances
 
     plant = elastic("load")
     for passes in passes_of(recorded(plant), BAND):

@@ -5,9 +5,9 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from workbench.trace.jumps import beside
-from workbench.trace.localise import jumped, lives
-from workbench.trace.place import Samples, local, over
+from workbench.tracing.jumps import beside
+from workbench.tracing.localise import jumped, lives
+from workbench.tracing.place import Samples, local, over
 
 N, NOISE = 6000, 0.1
 

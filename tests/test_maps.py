@@ -8,12 +8,12 @@ import pytest
 import rig
 
 from workbench.campaign import load
-from workbench.effect import find
-from workbench.identify.carrying import load_errors
-from workbench.identify.fit import identify, passes_of
+from workbench.definition import find
+from workbench.identification.carrying import load_errors
+from workbench.identification.fit import identify, passes_of
 from workbench.plant import ONE_MASS, TWO_MASS, Geometry, Plant
 from workbench.record import IDENTIFICATION, Record, Source
-from workbench.trace.maps import (
+from workbench.tracing.maps import (
     BACKWARD,
     BINS,
     BOTH,
@@ -27,9 +27,9 @@ from workbench.trace.maps import (
     pooled,
     ways,
 )
-from workbench.trace.places import explained, place, places, sentence
-from workbench.trace.spectra import half, over_frequency, over_order
-from workbench.trace.where import angle_residual, drives, identifying, joint_stiffness
+from workbench.tracing.places import explained, place, places, sentence
+from workbench.tracing.spectra import half, over_frequency, over_order
+from workbench.tracing.where import angle_residual, drives, identifying, joint_stiffness
 
 RATE, BAND = 1000.0, 100.0
 MASS = find("inertia")(inertia=1e-3)

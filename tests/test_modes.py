@@ -6,13 +6,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from workbench.effect import find
+from workbench.definition import find
 from workbench.errors import WorkbenchError
 from workbench.frequency import Mode, Modes, fit_modes, flexible_modes, response_of
-from workbench.identify.fit import identify, passes_of
+from workbench.identification.fit import identify, passes_of
 from workbench.plant import Plant
 from workbench.record import Record, Source
-from workbench.simulate import open_loop
+from workbench.simulation import open_loop
 
 J, B = 0.012, 0.05
 MODES = {"first": (0.004, 60.0, 0.03), "second": (0.0015, 140.0, 0.02)}  # mass, frequency, damping

@@ -10,15 +10,15 @@ import rig
 from scipy.linalg import expm
 
 from workbench.control import fixed_pd, pi_cascade
-from workbench.effect import find
+from workbench.definition import find
 from workbench.errors import WorkbenchError
-from workbench.identify.fit import identify, passes_of
-from workbench.identify.output_error import rerun
-from workbench.identify.refine import refine
+from workbench.identification.fit import identify, passes_of
+from workbench.identification.output_error import rerun
+from workbench.identification.refine import refine
 from workbench.motion import motion
 from workbench.plant import Limits, Plant
 from workbench.record import Record, Source
-from workbench.simulate import Loop, open_loop
+from workbench.simulation import Loop, open_loop
 
 BAND = 100.0
 SOURCE = Source(Path("none"), "", "none", {})

@@ -9,16 +9,16 @@ import pytest
 import rig
 
 from workbench.cli import main
-from workbench.effect import find
-from workbench.identify.fit import identify, passes_of
-from workbench.identify.problem import Problem
-from workbench.identify.solve import solve
-from workbench.plan import Envelope, Sensing, design, prospects, sensing_of, separate
-from workbench.plan.design import tried
-from workbench.plan.envelope import load_rest
-from workbench.plan.following import followed
-from workbench.plan.motions import moves, multisine, quantity, ramps, sine
-from workbench.plan.pool import pool
+from workbench.definition import find
+from workbench.identification.fit import identify, passes_of
+from workbench.identification.problem import Problem
+from workbench.identification.solve import solve
+from workbench.planning import Envelope, Sensing, design, prospects, sensing_of, separate
+from workbench.planning.design import tried
+from workbench.planning.envelope import load_rest
+from workbench.planning.following import followed
+from workbench.planning.motions import moves, multisine, quantity, ramps, sine
+from workbench.planning.pool import pool
 from workbench.plant import ONE_MASS, TWO_MASS, Limits, Plant, freed
 from workbench.record import IDENTIFICATION, Record, Source
 

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from workbench.effect import COMMAND, FORCE, TIME, catalogue, find
+from workbench.definition import COMMAND, FORCE, TIME, catalogue, find
 from workbench.errors import WorkbenchError
 from workbench.plant import KINDS, ONE_MASS, TWO_MASS, Geometry, Limits, Plant, places
 

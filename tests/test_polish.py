@@ -3,18 +3,18 @@
 import numpy as np
 import pytest
 
-from workbench.describe import Equivalent
-from workbench.effect import find
+from workbench.definition import find
+from workbench.description import Equivalent
 from workbench.plant import ONE_MASS, Limits, Plant
-from workbench.simulate import Loop
-from workbench.tune import TuningGoal, response, sampled
-from workbench.tune.axis import Axis
-from workbench.tune.reach import stiffest
-from workbench.verify.design import gains_of
-from workbench.verify.polish import Polished, Search, polish
-from workbench.verify.promise import promise
-from workbench.verify.stepping import figures_of
-from workbench.verify.task import Task, Weights
+from workbench.simulation import Loop
+from workbench.tuning import TuningGoal, response, sampled
+from workbench.tuning.axis import Axis
+from workbench.tuning.reach import stiffest
+from workbench.verification.design import gains_of
+from workbench.verification.polish import Polished, Search, polish
+from workbench.verification.promise import promise
+from workbench.verification.stepping import figures_of
+from workbench.verification.task import Task, Weights
 
 LOOP = Loop(2.5e-4, 4, 2.5e-4, 2.5e-4, 4.848e-6)
 AMPLITUDES = np.array([0.9e-3, 4.3e-3, 0.021])

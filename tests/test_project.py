@@ -81,12 +81,12 @@ def test_the_table_of_layers_is_read():
     ],
 )
 def test_every_way_to_import_is_seen(text):
-    assert upward(text, "trace", ["workbench", "trace"], layers())
+    assert upward(text, "tracing", ["workbench", "tracing"], layers())
 
 
 def test_an_import_of_an_earlier_or_the_own_layer_is_fine():
-    text = "import numpy.report\nfrom workbench import __version__, errors\nfrom ..verify import a\nfrom .report import b\n"
-    assert not upward(text, "trace", ["workbench", "trace"], layers())
+    text = "import numpy.report\nfrom workbench import __version__, errors\nfrom ..verification import a\nfrom .report import b\n"
+    assert not upward(text, "tracing", ["workbench", "tracing"], layers())
 
 
 def test_no_module_imports_from_a_later_layer():

@@ -20,7 +20,7 @@ from workbench.report.chapters import standard
 from workbench.report.contents import Callout, Chapter, Figure, Heading, Items, Marked, Paragraph, Table
 from workbench.report.model import declared
 from workbench.report.wording import printable
-from workbench.trace.result import NOTHING, UNKNOWN
+from workbench.tracing.result import NOTHING, UNKNOWN
 
 TESTS = Path(__file__).resolve().parent
 HOSTILE = (

@@ -5,15 +5,15 @@ from pathlib import Path
 
 import numpy as np
 
-from workbench.describe.result import Equivalent
-from workbench.effect import find
+from workbench.definition import find
+from workbench.description.result import Equivalent
 from workbench.finding import Finding
-from workbench.identify.result import Estimate, Fit, Series
+from workbench.identification.result import Estimate, Fit, Series
 from workbench.plant import ONE_MASS, Plant
 from workbench.record import IDENTIFICATION, VALIDATION, Record, Source
 from workbench.report.contents import Chapter, Check, Equation, Figure, Paragraph, Recorded, StudyResult, Table
 from workbench.report.drawing import svg
-from workbench.trace.result import CAUSE, NOTHING, UNKNOWN, Candidate, Cause, Trace
+from workbench.tracing.result import CAUSE, NOTHING, UNKNOWN, Candidate, Cause, Trace
 
 RATE = 500.0
 TRUE = {"inertia": 1.23e-3, "viscous": 0.0041, "coulomb": 0.182, "drop": 0.0553, "speed": 0.62}

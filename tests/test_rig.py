@@ -6,7 +6,7 @@ import rig
 from rig.machine import Machine, unexplained
 
 from workbench.campaign import load
-from workbench.identify.fit import identify, passes_of
+from workbench.identification.fit import identify, passes_of
 
 HELD = rig.Axis(
     inertia=0.002, viscous=0.05, h0=0.0, rate=0.0, load_inertia=0.003, load_viscous=0.0, k2=300.0, c2=0.3, count=1e-7
@@ -90,7 +90,7 @@ def test_every_kind_is_one_law_or_one_map_and_names_its_parameters():
 
 
 def test_the_rig_knows_every_effect_that_a_trace_may_name():
-    from workbench.effect import catalogue
+    from workbench.definition import catalogue
 
     known = {kind.effect for kind in rig.EFFECTS.values()}
     assert known - {""} <= set(catalogue())

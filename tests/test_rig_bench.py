@@ -239,7 +239,7 @@ def test_every_cause_and_every_kind_of_machine_is_drawn_and_may_be_there():
 
 
 def test_the_rigs_benches_lack_nothing_that_a_trace_cannot_name():
-    from workbench.effect import catalogue
+    from workbench.definition import catalogue
 
     assert set(CAUSES) <= set(catalogue())
 

@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from workbench.control import fixed_pd, pi_cascade, scheduled_pd
-from workbench.effect import find
+from workbench.definition import find
 from workbench.errors import WorkbenchError
 from workbench.plant import ONE_MASS, TWO_MASS, Limits, Plant
 from workbench.report.contents import Figure, Items
@@ -35,9 +35,9 @@ from workbench.robustness.influence import first_order
 from workbench.robustness.local import on_threads
 from workbench.robustness.perspective import ranking, share_beyond_worst, statement
 from workbench.robustness.work import Block, digest, probe
-from workbench.simulate import Loop
+from workbench.simulation import Loop
 from workbench.study.series import declared, robustness
-from workbench.verify.task import Task
+from workbench.verification.task import Task
 
 LOOP = Loop(2.5e-4, 2, 2.5e-4, 2.5e-4, 4.848e-6)
 SHAPE = (Varied("presliding_hysteresis.x0", log_uniform(0.7, 1.4), relative=True),)
@@ -159,7 +159,7 @@ def test_what_varies_twice_is_refused():
 
 
 def test_the_numbers_do_not_depend_on_blocks_or_threads(drawn, monkeypatch):
-    from workbench.simulate import run
+    from workbench.simulation import run
 
     w, cases, columns = drawn
     monkeypatch.setattr(run, "_CORES", 1)

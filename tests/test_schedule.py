@@ -10,11 +10,11 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from workbench.control import grid
-from workbench.describe import Equivalent
+from workbench.description import Equivalent
 from workbench.errors import WorkbenchError
 from workbench.schedule import Schedule, between_knots, fewest_knots, fit_schedule, passivity, shape
 from workbench.schedule.check import pumping
-from workbench.tune import TuningGoal, tune
+from workbench.tuning import TuningGoal, tune
 
 LOOP = SimpleNamespace(sample_time=0.25e-3, delay=0.25e-3, velocity_filter=0.25e-3, resolution=4.848e-6)
 QUICK = settings(max_examples=25, deadline=None, suppress_health_check=[HealthCheck.too_slow], derandomize=True)
@@ -294,7 +294,7 @@ def test_a_shape_that_no_knots_can_give_is_said(tuned):
 
 
 def test_a_fitted_schedule_is_exported_as_it_is(tuned, tmp_path):
-    from workbench.export.tables import tables
+    from workbench.exporting.tables import tables
 
     few = fewest_knots(tuned, loop=LOOP, highest=0.03)
     held = tables(few.per_octave, few.knots, few.kp, few.kd)

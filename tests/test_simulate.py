@@ -8,19 +8,19 @@ import numpy as np
 import pytest
 
 from workbench.control import fixed_pd, grid, pi_cascade, scheduled_pd
-from workbench.effect import FORCE, Effect, find
+from workbench.definition import FORCE, Effect, find
 from workbench.errors import WorkbenchError
-from workbench.identify.fit import identify, passes_of
+from workbench.identification.fit import identify, passes_of
 from workbench.parameter import Parameter
 from workbench.plant import Limits, Plant
 from workbench.record import Record, Source
-from workbench.simulate import Loop, Scenario, ScenarioArrays, open_loop, simulate
-from workbench.simulate.binding import bind
-from workbench.simulate.criteria import Criteria
-from workbench.simulate.metrics import entry_time
-from workbench.simulate.oracle import run_arrays
-from workbench.simulate.run import run_lanes
-from workbench.simulate.scenario import arrays_of
+from workbench.simulation import Loop, Scenario, ScenarioArrays, open_loop, simulate
+from workbench.simulation.binding import bind
+from workbench.simulation.criteria import Criteria
+from workbench.simulation.metrics import entry_time
+from workbench.simulation.oracle import run_arrays
+from workbench.simulation.run import run_lanes
+from workbench.simulation.scenario import arrays_of
 
 COUNT = 2.0 * pi / 2**20
 KNOTS = grid(4.0 * COUNT, 2e-3)

@@ -4,15 +4,15 @@ import numpy as np
 import pytest
 
 from workbench.control import fixed_pd, pi_cascade
-from workbench.effect import find
+from workbench.definition import find
 from workbench.errors import WorkbenchError
 from workbench.plant import Limits, Plant
-from workbench.simulate import Criteria, Loop, Scenario, simulate
-from workbench.simulate.binding import bind
-from workbench.simulate.given import INJECTED, REFERENCE, given_of
-from workbench.simulate.oracle import run_arrays
-from workbench.simulate.run import run_lanes
-from workbench.simulate.scenario import arrays_of
+from workbench.simulation import Criteria, Loop, Scenario, simulate
+from workbench.simulation.binding import bind
+from workbench.simulation.given import INJECTED, REFERENCE, given_of
+from workbench.simulation.oracle import run_arrays
+from workbench.simulation.run import run_lanes
+from workbench.simulation.scenario import arrays_of
 
 TS, N, LANES = 1e-3, 400, 37
 INERTIA, VISCOUS = 0.01, 0.02

@@ -9,21 +9,21 @@ import numpy as np
 import pytest
 
 from workbench.control import fixed_pd
-from workbench.effect import Effect, find
+from workbench.definition import Effect, find
 from workbench.effects.stiffness import linear_stiffness
 from workbench.errors import WorkbenchError
-from workbench.identify.bodies import Bodies
-from workbench.identify.fit import identify, passes_of
+from workbench.identification.bodies import Bodies
+from workbench.identification.fit import identify, passes_of
 from workbench.plant import Limits, Plant
 from workbench.record import Record, Source
-from workbench.simulate import Loop, Scenario, ScenarioArrays, open_loop, simulate
-from workbench.simulate.binding import bind
-from workbench.simulate.bodies import joint
-from workbench.simulate.criteria import Criteria
-from workbench.simulate.dynamics import Symbols, constants_of, fixed_signals
-from workbench.simulate.oracle import run_arrays
-from workbench.simulate.run import run_lanes
-from workbench.simulate.scenario import arrays_of
+from workbench.simulation import Loop, Scenario, ScenarioArrays, open_loop, simulate
+from workbench.simulation.binding import bind
+from workbench.simulation.bodies import joint
+from workbench.simulation.criteria import Criteria
+from workbench.simulation.dynamics import Symbols, constants_of, fixed_signals
+from workbench.simulation.oracle import run_arrays
+from workbench.simulation.run import run_lanes
+from workbench.simulation.scenario import arrays_of
 
 COUNT = 2.0 * pi / 2**20
 MOTOR, LOAD, STIFFNESS = 0.008, 0.002, 400.0

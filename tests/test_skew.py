@@ -8,13 +8,13 @@ from conftest import measured
 from made_joints import BAND, K, joint, jointed
 
 from workbench.campaign import load
-from workbench.effect import find
-from workbench.identify.carrying import NOTHING, idle
-from workbench.identify.clocks import plain
-from workbench.identify.fit import identify, passes_of
-from workbench.trace.candidates import ADDITION, CORRECTION, suspects
-from workbench.trace.skew import skew_of
-from workbench.trace.thin import thin
+from workbench.definition import find
+from workbench.identification.carrying import NOTHING, idle
+from workbench.identification.clocks import plain
+from workbench.identification.fit import identify, passes_of
+from workbench.tracing.candidates import ADDITION, CORRECTION, suspects
+from workbench.tracing.skew import skew_of
+from workbench.tracing.thin import thin
 
 KNOWN = {"inertia": True, "viscous": True}
 

@@ -5,15 +5,15 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from workbench.effect import find
-from workbench.identify.fit import passes_of
-from workbench.identify.problem import Problem
-from workbench.identify.shift import LAGRANGE, between, weights
-from workbench.identify.solve import bounded, solve, solved_at
+from workbench.definition import find
+from workbench.identification.fit import passes_of
+from workbench.identification.problem import Problem
+from workbench.identification.shift import LAGRANGE, between, weights
+from workbench.identification.solve import bounded, solve, solved_at
 from workbench.plant import TWO_MASS, Plant
 from workbench.record import IDENTIFICATION, Record, Source
-from workbench.trace.candidates import suspects
-from workbench.trace.linearised import Linearised
+from workbench.tracing.candidates import suspects
+from workbench.tracing.linearised import Linearised
 
 DT, BAND = 1e-3, 100.0
 

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 from scipy.optimize import nnls
 
-from workbench.effect import find
+from workbench.definition import find
 from workbench.effects.hysteresis import maxwell_slip
 from workbench.errors import WorkbenchError
-from workbench.identify import stream
-from workbench.identify.stream import fit_operators
+from workbench.identification import stream
+from workbench.identification.stream import fit_operators
 from workbench.kernel.step import build
 
 RADII = np.geomspace(1e-3, 0.3, 8)

@@ -13,7 +13,7 @@ from workbench.study import control
 from workbench.study.configuration import Requirement
 from workbench.study.controlling import Control
 from workbench.study.outcome import NOT_TUNED, Outcome
-from workbench.tune import OutOfReach
+from workbench.tuning import OutOfReach
 
 FEASIBLE = 1e-3  # the lowest amplitude that allows any gains
 

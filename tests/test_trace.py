@@ -9,15 +9,15 @@ import pytest
 import rig
 
 from workbench.campaign import Campaign, load
-from workbench.effect import find
-from workbench.identify.fit import identify, passes_of
+from workbench.definition import find
+from workbench.identification.fit import identify, passes_of
 from workbench.plant import ONE_MASS, TWO_MASS, Plant
-from workbench.trace.candidates import suspects
-from workbench.trace.output import as_dict, write
-from workbench.trace.result import CAUSE, NOTHING, UNKNOWN, Trace
-from workbench.trace.score import HeldOut, gain
-from workbench.trace.tracing import trace
-from workbench.trace.whole import borne_out
+from workbench.tracing.candidates import suspects
+from workbench.tracing.output import as_dict, write
+from workbench.tracing.result import CAUSE, NOTHING, UNKNOWN, Trace
+from workbench.tracing.score import HeldOut, gain
+from workbench.tracing.tracing import trace
+from workbench.tracing.whole import borne_out
 
 # What is missing, and the seed of its rig: axis, motions, noise and the effect's shape all differ.
 CAUSES = {
@@ -44,7 +44,7 @@ def few(monkeypatch):
     """A handful of candidates, where it is not the choice among all that is tested."""
     names = ("constant_offset", "coulomb_asymmetry", "gravity", "inertia", "stribeck_friction", "transport_delay")
     chosen = lambda plant, *more: [s for s in suspects(plant, *more) if s.effect in names]  # noqa: E731
-    monkeypatch.setattr("workbench.trace.candidates.suspects", chosen)
+    monkeypatch.setattr("workbench.tracing.candidates.suspects", chosen)
 
 
 def made(folder, seed: int, *missing: str, size: float = 2.0, **options) -> tuple[Campaign, dict]:
@@ -226,8 +226,8 @@ def test_a_suspect_without_a_value_on_the_records_is_ranked_and_harms_nothing(tm
     """A law outside its domain gives NaN; the trace says so and goes on."""
     import casadi as ca
 
-    from workbench.trace import candidates, judge
-    from workbench.trace.state import State
+    from workbench.tracing import candidates, judge
+    from workbench.tracing.state import State
 
     rig.campaign(tmp_path, 5, missing=("stribeck_friction",), short=True)
     campaign = load(tmp_path)
@@ -247,7 +247,7 @@ def test_a_suspect_without_a_value_on_the_records_is_ranked_and_harms_nothing(tm
 
 def test_the_package_is_called_with_a_fit(tmp_path, few):
     import workbench
-    from workbench.identify.fit import identify
+    from workbench.identification.fit import identify
 
     campaign, _ = made(tmp_path, 111, "transport_delay")
     passes = passes_of(campaign.records, campaign.bandwidth)

@@ -9,22 +9,22 @@ import pytest
 import rig
 
 from workbench.campaign import Campaign, load
-from workbench.effect import find
-from workbench.identify.fit import fitted_on, passes_of
-from workbench.identify.passes import Passes
-from workbench.identify.problem import Problem
+from workbench.definition import find
+from workbench.identification.fit import fitted_on, passes_of
+from workbench.identification.passes import Passes
+from workbench.identification.problem import Problem
 from workbench.plant import ONE_MASS, Plant
-from workbench.trace import judge
-from workbench.trace.candidates import Suspect, brought, suspects, without
-from workbench.trace.counted import of_counts
-from workbench.trace.greedy import Step, earned, promised
-from workbench.trace.judge import STANDARD, Judgement, judged, simplest_first
-from workbench.trace.result import CAUSE, NOTHING, Candidate
-from workbench.trace.score import HeldOut, followed
-from workbench.trace.selection import Answer
-from workbench.trace.state import State
-from workbench.trace.thin import thin
-from workbench.trace.tracing import trace
+from workbench.tracing import judge
+from workbench.tracing.candidates import Suspect, brought, suspects, without
+from workbench.tracing.counted import of_counts
+from workbench.tracing.greedy import Step, earned, promised
+from workbench.tracing.judge import STANDARD, Judgement, judged, simplest_first
+from workbench.tracing.result import CAUSE, NOTHING, Candidate
+from workbench.tracing.score import HeldOut, followed
+from workbench.tracing.selection import Answer
+from workbench.tracing.state import State
+from workbench.tracing.thin import thin
+from workbench.tracing.tracing import trace
 
 FINE, COARSE = rig.COUNT, 15.0 * rig.COUNT
 

@@ -7,16 +7,16 @@ import pytest
 from conftest import measured
 
 from workbench.campaign import load
-from workbench.effect import find
+from workbench.definition import find
 from workbench.errors import WorkbenchError
-from workbench.identify.fit import passes_of
+from workbench.identification.fit import passes_of
 from workbench.plant import ONE_MASS, TWO_MASS, Plant
-from workbench.trace.candidates import ADDITION, CORRECTION
-from workbench.trace.output import as_dict
-from workbench.trace.result import Cause, Trace
-from workbench.trace.tracing import trace
-from workbench.trace.verdict import what_of
-from workbench.trace.whole import valued
+from workbench.tracing.candidates import ADDITION, CORRECTION
+from workbench.tracing.output import as_dict
+from workbench.tracing.result import Cause, Trace
+from workbench.tracing.tracing import trace
+from workbench.tracing.verdict import what_of
+from workbench.tracing.whole import valued
 
 
 def folders() -> list[Path]:

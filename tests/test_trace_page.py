@@ -9,16 +9,16 @@ from test_report_example import records, study, trace
 
 from workbench.cli import main
 from workbench.errors import WorkbenchError
-from workbench.identify.fit import passes_of
+from workbench.identification.fit import passes_of
 from workbench.report import where_figures, write
 from workbench.report.chapters import standard
 from workbench.report.contents import Figure, Heading, Items, Table
 from workbench.report.unknown import Shade
 from workbench.report.where import where as chapter
 from workbench.study import traced
-from workbench.trace.output import as_dict
-from workbench.trace.result import NOTHING, UNKNOWN
-from workbench.trace.where import as_list, where
+from workbench.tracing.output import as_dict
+from workbench.tracing.result import NOTHING, UNKNOWN
+from workbench.tracing.where import as_list, where
 
 
 @pytest.fixture(scope="module")

@@ -8,13 +8,13 @@ import rig
 from scipy.interpolate import CubicSpline
 from test_plan import carried_out
 
-import workbench.plan
+import workbench.planning
 from workbench.campaign import load
-from workbench.identify.fit import passes_of
-from workbench.identify.problem import Problem
-from workbench.identify.solve import solve
-from workbench.plan.following import followed, with_effect
-from workbench.trace.tracing import trace
+from workbench.identification.fit import passes_of
+from workbench.identification.problem import Problem
+from workbench.identification.solve import solve
+from workbench.planning.following import followed, with_effect
+from workbench.tracing.tracing import trace
 
 DT = 1e-3  # s, of the rig's log
 NOISE = 2e-3  # N*m, of the rig's torque
@@ -25,13 +25,13 @@ def test_rivals_of_a_trace_part_along_the_experiment_that_it_names(tmp_path, mon
     """A late command and a late encoder explain these records alike; along the named motion the rig tells them apart."""
     truth = rig.campaign(tmp_path, 103, ("transport_delay",), 0.6, short=True)
     campaign, asked = load(tmp_path), []
-    separate = workbench.plan.separate
+    separate = workbench.planning.separate
 
     def watched(plant, a, b, envelope, sensing):
         asked.append((plant, a, b, sensing, separate(plant, a, b, envelope, sensing)))
         return asked[-1][-1]
 
-    monkeypatch.setattr(workbench.plan, "separate", watched)
+    monkeypatch.setattr(workbench.planning, "separate", watched)
     found = trace(campaign.plant, passes_of(campaign.records, campaign.bandwidth), only=LATE, most=1)
     (cause,) = found.causes
     assert (cause.effect, cause.rivals[0]) == ("transport_delay", "clock_skew")

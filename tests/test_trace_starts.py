@@ -8,17 +8,17 @@ import numpy as np
 import pytest
 from made_joints import joint, jointed
 
-from workbench.effect import find
-from workbench.identify.bodies import POSITION
-from workbench.identify.fit import passes_of
-from workbench.identify.passes import Passes
+from workbench.definition import find
+from workbench.identification.bodies import POSITION
+from workbench.identification.fit import passes_of
+from workbench.identification.passes import Passes
 from workbench.plant import ONE_MASS, Plant
 from workbench.record import IDENTIFICATION, Record, Source
-from workbench.trace import search
-from workbench.trace.candidates import suspects
-from workbench.trace.search import within_reach
-from workbench.trace.starts import lateness, resolved, starts, strokes
-from workbench.trace.tracing import trace
+from workbench.tracing import search
+from workbench.tracing.candidates import suspects
+from workbench.tracing.search import within_reach
+from workbench.tracing.starts import lateness, resolved, starts, strokes
+from workbench.tracing.tracing import trace
 
 COUNT, DT, BAND = 1e-4, 2e-3, 50.0
 T = DT * np.arange(20000)

@@ -6,11 +6,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from workbench.effect import find
-from workbench.identify.fit import identify, passes_of
+from workbench.definition import find
+from workbench.identification.fit import identify, passes_of
 from workbench.plant import ONE_MASS, Plant
 from workbench.record import IDENTIFICATION, Record, Source
-from workbench.trace.thin import LEAST, ratio, thin, thinned
+from workbench.tracing.thin import LEAST, ratio, thin, thinned
 
 SOURCE = Source(Path("made"), "", "made", {})
 BAND = 150.0

@@ -8,9 +8,9 @@ import rig
 
 from benchmarks._trace_run import place_right, ranges
 from workbench.campaign import load
-from workbench.identify.fit import passes_of
-from workbench.trace.result import NOTHING, UNKNOWN
-from workbench.trace.tracing import trace
+from workbench.identification.fit import passes_of
+from workbench.tracing.result import NOTHING, UNKNOWN
+from workbench.tracing.tracing import trace
 
 # What is missing, of which machine, the seed of the rig, and the coordinate and way of motion in which it lives.
 OUTSIDE = [

@@ -7,15 +7,15 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from workbench.describe import Equivalent
+from workbench.description import Equivalent
 from workbench.errors import WorkbenchError
 from workbench.threads import one_thread
-from workbench.tune import TuningGoal, response, sampled, tune
-from workbench.tune.axis import Axis
-from workbench.tune.curve import clenshaw, curve
-from workbench.tune.problem import solver
-from workbench.tune.solve import solve
-from workbench.tune.start import stable_box, start
+from workbench.tuning import TuningGoal, response, sampled, tune
+from workbench.tuning.axis import Axis
+from workbench.tuning.curve import clenshaw, curve
+from workbench.tuning.problem import solver
+from workbench.tuning.solve import solve
+from workbench.tuning.start import stable_box, start
 
 
 def presliding(amplitude, h0: float = 0.15, a: float = 636.0) -> Equivalent:

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from scipy.linalg import expm
 
-from workbench.describe import Equivalent
+from workbench.description import Equivalent
 from workbench.frequency import Response
-from workbench.tune import TuningGoal, sampled, tune, tune_within
-from workbench.tune.measured import law_of
+from workbench.tuning import TuningGoal, sampled, tune, tune_within
+from workbench.tuning.measured import law_of
 
 TS, TOTAL = 0.25e-3, 0.0046
 LOOP = SimpleNamespace(sample_time=TS, delay=TS, velocity_filter=TS)
@@ -102,10 +102,10 @@ def test_the_law_is_that_of_the_sampled_loop():
 
 def test_a_study_tunes_within_the_response_of_its_records():
     """The gains at each amplitude that a controller is designed from are those that the measured mode allows."""
-    from workbench.effect import find
+    from workbench.definition import find
     from workbench.plant import Limits, Plant
-    from workbench.simulate import Loop
-    from workbench.verify.design import gains_of
+    from workbench.simulation import Loop
+    from workbench.verification.design import gains_of
 
     plant = Plant(
         "one mass",

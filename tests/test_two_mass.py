@@ -10,10 +10,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from workbench.effect import find
-from workbench.identify.fit import identify, passes_of
-from workbench.identify.passes import balances
-from workbench.identify.problem import Problem
+from workbench.definition import find
+from workbench.identification.fit import identify, passes_of
+from workbench.identification.passes import balances
+from workbench.identification.problem import Problem
 from workbench.motion import LowPass
 from workbench.plant import ONE_MASS, TWO_MASS, Geometry, Plant
 from workbench.record import Record, Source

@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from workbench.effect import find
+from workbench.definition import find
 from workbench.hysteresis import Bank
 from workbench.hysteresis.fit import Periodic, nonnegative
 from workbench.study.running import steps_of

@@ -6,19 +6,19 @@ import numpy as np
 import pytest
 
 from workbench.control import fixed_pd
-from workbench.describe import equivalent
-from workbench.effect import find
+from workbench.definition import find
+from workbench.description import equivalent
 from workbench.errors import WorkbenchError
 from workbench.plant import ONE_MASS, Limits, Plant
-from workbench.simulate import Loop
-from workbench.verify.bound import time_optimal
-from workbench.verify.compare import Comparison, Row, compare, verdicts
-from workbench.verify.design import gains_of, linear_of
-from workbench.verify.equivalent import equivalent_of, friction_of
-from workbench.verify.families import blended, cascade_family, pd_family
-from workbench.verify.linear import Linear
-from workbench.verify.optimise import Trail, optimise, optimise_seeds
-from workbench.verify.task import Task, Weights, cost
+from workbench.simulation import Loop
+from workbench.verification.bound import time_optimal
+from workbench.verification.compare import Comparison, Row, compare, verdicts
+from workbench.verification.design import gains_of, linear_of
+from workbench.verification.equivalent import equivalent_of, friction_of
+from workbench.verification.families import blended, cascade_family, pd_family
+from workbench.verification.linear import Linear
+from workbench.verification.optimise import Trail, optimise, optimise_seeds
+from workbench.verification.task import Task, Weights, cost
 
 STEP = 0.4 * 2 * np.pi
 LOOP = Loop(2.5e-4, 2, 2.5e-4, 2.5e-4, 4.848e-6)
@@ -81,7 +81,7 @@ def test_a_part_that_swings_is_mass_of_the_rigid_axis_and_no_friction_over_ampli
 
 
 def test_gains_of_a_plant_hold_their_limits_at_every_amplitude():
-    from workbench.tune import TuningGoal
+    from workbench.tuning import TuningGoal
 
     a = np.geomspace(1e-4, 1.0, 8)
     equivalents, gains = gains_of(axis(), a, TuningGoal(drive=3.3, speed=12.57), LOOP)
@@ -122,13 +122,13 @@ def test_a_step_that_never_settles_costs_more_than_any_that_does():
 
 
 def test_the_search_improves_on_its_start_and_keeps_to_the_sensitivity_limit(monkeypatch):
-    from workbench.verify import optimise as module
+    from workbench.verification import optimise as module
 
     monkeypatch.setattr(module, "GENERATIONS", 6)
     monkeypatch.setattr(module, "LOCAL", 20)
     plant = axis()
     task = Task(plant, LOOP, STEP, 0.4, phases=1, weights=Weights(overshoot=0.008))
-    from workbench.tune import TuningGoal
+    from workbench.tuning import TuningGoal
 
     equivalents, _ = gains_of(plant, np.geomspace(1e-3, 1.0, 4), TuningGoal(drive=3.3, speed=12.57), LOOP)
     linear = linear_of(plant, equivalents, LOOP)
@@ -152,7 +152,7 @@ def test_two_modes_are_the_scaled_schedule_below_the_switch_and_one_pair_of_gain
 
 def test_a_loop_beyond_the_border_of_stability_has_no_sensitivity_however_small_its_peak():
     """A double integrator a sample late under gains far too stiff: |S| is small again, the eigenvalues are not."""
-    from workbench.tune import sampled
+    from workbench.tuning import sampled
 
     linear = Linear(LOOP, 0.0074, 0.0, np.array([0.0, 95.0]))
     family = pd_family(linear, (428.0, 8.8))
@@ -214,9 +214,9 @@ def test_every_controller_meets_the_same_scenarios():
 
 
 def test_a_gain_table_for_a_plant_that_has_changed_since_tuning_is_refused(tmp_path):
-    from workbench.export import export
+    from workbench.exporting import export
     from workbench.schedule import fit_schedule
-    from workbench.tune import TuningGoal
+    from workbench.tuning import TuningGoal
 
     plant = axis()
     _, gains = gains_of(plant, np.geomspace(1e-4, 1.0, 20), TuningGoal(drive=3.3, speed=12.57), LOOP)

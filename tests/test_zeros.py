@@ -8,15 +8,15 @@ import pytest
 from conftest import measured
 
 from workbench.campaign import load
-from workbench.effect import find
-from workbench.identify.bodies import Bodies
-from workbench.identify.fit import identify, passes_of
-from workbench.identify.passes import predicted
-from workbench.identify.zeros import relaxed
+from workbench.definition import find
+from workbench.identification.bodies import Bodies
+from workbench.identification.fit import identify, passes_of
+from workbench.identification.passes import predicted
+from workbench.identification.zeros import relaxed
 from workbench.motion import motion
 from workbench.plant import ONE_MASS, TWO_MASS, Plant
 from workbench.record import Record, Source
-from workbench.simulate import open_loop
+from workbench.simulation import open_loop
 
 DT, BAND = 5e-4, 60.0
 STIFFNESS, DISC = 800.0, 2e-3

@@ -2,11 +2,22 @@
 
 __version__ = "0.1.0"
 
+# What `import workbench as wb` hands on, and the module that holds it: imported where it is first asked for.
+HELD = {
+    "trace": "workbench.tracing.tracing",
+}
+
+__all__ = ["__version__", *HELD]
+
 
 def __getattr__(name: str):
-    """Import `workbench.trace` where it is used: it can be called (workbench.trace(fit, passes))."""
-    if name == "trace":
-        from importlib import import_module
+    """Return a name of the front door, importing the module that holds it."""
+    if name not in HELD:
+        raise AttributeError(f"module 'workbench' has no attribute '{name}'; it hands on {', '.join(sorted(HELD))}")
+    from importlib import import_module
 
-        return import_module("workbench.trace")
-    raise AttributeError(f"module 'workbench' has no attribute '{name}'")
+    return getattr(import_module(HELD[name]), name)
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)

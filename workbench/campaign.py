@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from types import MappingProxyType
 
-from workbench import effect as fx
+from workbench import definition as fx
 from workbench.errors import UnsoundRecord, WorkbenchError
 from workbench.finding import Finding
 from workbench.plant import KINDS, TWO_MASS, Geometry, Limits, Plant

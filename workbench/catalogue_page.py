@@ -7,7 +7,7 @@ import inspect
 import sys
 from collections.abc import Callable, Mapping
 
-from workbench.effect import TWO_COUNTS, Effect, catalogue
+from workbench.definition import TWO_COUNTS, Effect, catalogue
 from workbench.effects import curves, free_bank, free_maps
 from workbench.effects.hysteresis import maxwell_slip
 from workbench.effects.play import inverse, play_bank

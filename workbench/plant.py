@@ -8,7 +8,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from math import inf
 
-from workbench.effect import FORCE, Effect, catalogue
+from workbench.definition import FORCE, Effect, catalogue
 from workbench.errors import WorkbenchError, nearest
 
 ONE_MASS, TWO_MASS = "one mass", "two mass"

@@ -7,25 +7,25 @@ import numpy as np
 
 from workbench import readers
 from workbench.control import Controller, Law
-from workbench.effect import Effect, find
+from workbench.definition import Effect, find
 from workbench.finding import capital, title
-from workbench.identify.fit import identify, passes_of
-from workbench.identify.free_run import START, free_run, refine_free_run
-from workbench.identify.output_error import rerun
-from workbench.identify.passes import Passes
-from workbench.identify.refine import refine
-from workbench.identify.result import Fit
+from workbench.identification.fit import identify, passes_of
+from workbench.identification.free_run import START, free_run, refine_free_run
+from workbench.identification.output_error import rerun
+from workbench.identification.passes import Passes
+from workbench.identification.refine import refine
+from workbench.identification.result import Fit
 from workbench.motion import Motion
 from workbench.plant import ONE_MASS, Plant
 from workbench.record import IDENTIFICATION, ROLES, VALIDATION, Record
 from workbench.report.contents import BAD, GOOD, Callout, Chapter, Equation, Items, Paragraph, Table
-from workbench.simulate import Loop
+from workbench.simulation import Loop
 from workbench.study import evidence, standard
 from workbench.study.configuration import Study
 from workbench.study.outcome import Outcome
-from workbench.trace.calibration import calibrate
-from workbench.trace.result import Trace
-from workbench.trace.tracing import trace
+from workbench.tracing.calibration import calibrate
+from workbench.tracing.result import Trace
+from workbench.tracing.tracing import trace
 
 FURTHER = ("rig", "published")
 COLUMNS = {"time": "t", "position": "qm", "reference": "qg", "force": "vir"}

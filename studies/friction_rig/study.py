@@ -10,11 +10,11 @@ from statistics import median
 import numpy as np
 
 from workbench import readers
-from workbench.effect import find
+from workbench.definition import find
 from workbench.effects.hysteresis import maxwell_slip
 from workbench.finding import Finding, title
-from workbench.identify.fit import identify, passes_of
-from workbench.identify.result import Fit
+from workbench.identification.fit import identify, passes_of
+from workbench.identification.result import Fit
 from workbench.motion import Motion
 from workbench.plant import ONE_MASS, Plant
 from workbench.record import IDENTIFICATION, ROLES, VALIDATION, Record
@@ -23,8 +23,8 @@ from workbench.report.contents import Chapter, Figure, Items, Paragraph, Table
 from workbench.study import evidence, standard
 from workbench.study.configuration import Study
 from workbench.study.outcome import Outcome
-from workbench.trace.result import Trace
-from workbench.trace.tracing import trace
+from workbench.tracing.result import Trace
+from workbench.tracing.tracing import trace
 from workbench.units import to_si
 
 FURTHER = ("rig",)

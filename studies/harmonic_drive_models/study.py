@@ -7,12 +7,12 @@ models says for and against each family becomes a sentence with the numbers of t
 import numpy as np
 
 from workbench.campaign import load
-from workbench.effect import find
+from workbench.definition import find
 from workbench.effects.fading import fading_memory
 from workbench.effects.hysteresis import maxwell_slip
-from workbench.identify.fit import fitted_on, identify, passes_of
-from workbench.identify.passes import balances
-from workbench.identify.problem import Problem
+from workbench.identification.fit import fitted_on, identify, passes_of
+from workbench.identification.passes import balances
+from workbench.identification.problem import Problem
 from workbench.kernel.step import build
 from workbench.record import VALIDATION
 from workbench.report import drawing
@@ -20,8 +20,8 @@ from workbench.report.contents import Chapter, Figure, Marked, Paragraph, Table
 from workbench.report.numbers import percent, plus_minus
 from workbench.study import standard
 from workbench.study.outcome import Outcome
-from workbench.trace.starts import order_spectrum
-from workbench.trace.tracing import trace
+from workbench.tracing.starts import order_spectrum
+from workbench.tracing.tracing import trace
 
 ONLY = (
     "backlash",

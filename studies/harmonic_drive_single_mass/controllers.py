@@ -9,17 +9,17 @@ from workbench.plant import Plant
 from workbench.study.configuration import Study
 from workbench.study.controlling import Control
 from workbench.study.controlling import numbers as numbers_of
-from workbench.verify.checks import Checks, checked
-from workbench.verify.compare import PHASES
-from workbench.verify.contest import Contest, contest, entered
-from workbench.verify.design import Designed, two_modes
-from workbench.verify.families import Family
-from workbench.verify.line_up import REACHED, LineUp, line_up
-from workbench.verify.margin import AgainstMargin, Asked
-from workbench.verify.polish import Polished, polish
-from workbench.verify.promise import Promise
-from workbench.verify.tabled import Tabled, tabled
-from workbench.verify.task import Task
+from workbench.verification.checks import Checks, checked
+from workbench.verification.compare import PHASES
+from workbench.verification.contest import Contest, contest, entered
+from workbench.verification.design import Designed, two_modes
+from workbench.verification.families import Family
+from workbench.verification.line_up import REACHED, LineUp, line_up
+from workbench.verification.margin import AgainstMargin, Asked
+from workbench.verification.polish import Polished, polish
+from workbench.verification.promise import Promise
+from workbench.verification.tabled import Tabled, tabled
+from workbench.verification.task import Task
 
 from .records import assumed
 

@@ -4,7 +4,7 @@ from math import pi
 
 import numpy as np
 
-from workbench.describe import equivalent
+from workbench.description import equivalent
 from workbench.plant import Plant
 from workbench.report.contents import Chapter, Equation, Figure, Paragraph
 from workbench.report.drawing import AFTER, BEFORE, decades, svg

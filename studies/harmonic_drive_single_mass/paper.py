@@ -4,7 +4,7 @@ from collections.abc import Mapping
 
 from workbench.report.contents import Chapter, Heading, Items, Paragraph
 from workbench.report.reproduction import FIT, Printed, places_table, reproduction_table
-from workbench.verify.contest import Contest
+from workbench.verification.contest import Contest
 
 from .controllers import NOMINAL, PAPER
 

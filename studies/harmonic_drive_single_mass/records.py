@@ -6,17 +6,17 @@ from math import pi
 import numpy as np
 
 from workbench.control import fixed_pd
-from workbench.effect import find
-from workbench.identify.fit import fitted_on
-from workbench.identify.intervals import covariance
-from workbench.identify.problem import Problem
-from workbench.identify.solve import solve
+from workbench.definition import find
+from workbench.identification.fit import fitted_on
+from workbench.identification.intervals import covariance
+from workbench.identification.problem import Problem
+from workbench.identification.solve import solve
 from workbench.plant import ONE_MASS, Limits, Plant
 from workbench.record import IDENTIFICATION, VALIDATION, Record
 from workbench.report import numbers
 from workbench.report.contents import Chapter, Figure, Paragraph
 from workbench.report.drawing import AFTER, BEFORE, MEASURED, MUTED, svg
-from workbench.simulate import ScenarioArrays, simulate
+from workbench.simulation import ScenarioArrays, simulate
 from workbench.study.configuration import Study
 from workbench.study.controlling import Control
 from workbench.study.controlling import numbers as numbers_of

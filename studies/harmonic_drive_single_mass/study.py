@@ -6,9 +6,9 @@ identifies the model, and tunes on the identified one. The controllers are judge
 
 from dataclasses import replace
 
-from workbench.export.feed_forward import export_feed_forward
+from workbench.exporting.feed_forward import export_feed_forward
 from workbench.finding import Finding
-from workbench.identify.fit import identify, passes_of
+from workbench.identification.fit import identify, passes_of
 from workbench.plant import Plant
 from workbench.report import control as control_chapters
 from workbench.report.checks import checks_chapter
@@ -29,11 +29,11 @@ from workbench.study.hunting import limit_cycles
 from workbench.study.leaving import leave
 from workbench.study.outcome import Outcome, Part, with_part
 from workbench.study.series import robustness
-from workbench.trace.tracing import trace
-from workbench.verify.contest import as_table as contest_table
-from workbench.verify.margin import against_margin
-from workbench.verify.promise import promise
-from workbench.verify.recommend import recommend
+from workbench.tracing.tracing import trace
+from workbench.verification.contest import as_table as contest_table
+from workbench.verification.margin import against_margin
+from workbench.verification.promise import promise
+from workbench.verification.recommend import recommend
 
 from . import controllers, description, paper, records
 from .controllers import BEST as PROFILE_PI

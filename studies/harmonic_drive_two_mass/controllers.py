@@ -5,15 +5,22 @@ from dataclasses import replace
 import numpy as np
 
 from workbench.control import grid
-from workbench.simulate import Loop
+from workbench.simulation import Loop
 from workbench.study.configuration import Study
 from workbench.study.controlling import Control
 from workbench.study.controlling import numbers as numbers_of
-from workbench.verify.contest import Contest, contest
-from workbench.verify.families import Family, cascade_family, joint_family, pd_family, profile_family, scheduled_family
-from workbench.verify.line_up import BRAKING, REACHED, line_up
-from workbench.verify.linear import TwoMasses
-from workbench.verify.margin import AgainstMargin, Asked, against_margin
+from workbench.verification.contest import Contest, contest
+from workbench.verification.families import (
+    Family,
+    cascade_family,
+    joint_family,
+    pd_family,
+    profile_family,
+    scheduled_family,
+)
+from workbench.verification.line_up import BRAKING, REACHED, line_up
+from workbench.verification.linear import TwoMasses
+from workbench.verification.margin import AgainstMargin, Asked, against_margin
 
 from .plant import Assumed
 

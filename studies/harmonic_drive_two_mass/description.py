@@ -5,13 +5,13 @@ from dataclasses import replace
 import numpy as np
 
 from workbench.control import Table, gains_at, grid
-from workbench.describe import Equivalent, equivalent
+from workbench.description import Equivalent, equivalent
 from workbench.plant import Plant
 from workbench.report import numbers
 from workbench.report.contents import Chapter, Figure, Paragraph
 from workbench.report.drawing import AFTER, BEFORE, MEASURED, MUTED, SERIES, decades, svg
-from workbench.verify.contest import Contest
-from workbench.verify.families import joint_gains
+from workbench.verification.contest import Contest
+from workbench.verification.families import joint_gains
 
 from .controllers import JOINT, PER_OCTAVE
 

@@ -2,7 +2,7 @@
 
 from workbench.report.contents import Chapter, Items, Paragraph
 from workbench.report.reproduction import DERIVED, Printed, places_table, reproduction_table
-from workbench.verify.contest import Contest
+from workbench.verification.contest import Contest
 
 from .controllers import JOINT, OUTPUT
 

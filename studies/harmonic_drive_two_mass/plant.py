@@ -5,10 +5,10 @@ from math import pi
 
 import numpy as np
 
-from workbench.effect import find
+from workbench.definition import find
 from workbench.plant import ONE_MASS, TWO_MASS, Geometry, Limits, Plant
 from workbench.record import IDENTIFICATION, VALIDATION, Record
-from workbench.simulate import Loop, Scenario, open_loop
+from workbench.simulation import Loop, Scenario, open_loop
 from workbench.study.configuration import Study
 from workbench.study.simulated import record_of
 

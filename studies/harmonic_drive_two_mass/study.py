@@ -8,9 +8,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from workbench.effect import find
+from workbench.definition import find
 from workbench.finding import Finding
-from workbench.identify.fit import identify, passes_of
+from workbench.identification.fit import identify, passes_of
 from workbench.report import control as control_chapters
 from workbench.report.contents import Chapter, Items, Paragraph
 from workbench.report.contest import asked_table, contest_chapter, margin_figure
@@ -23,11 +23,11 @@ from workbench.study.controlling import control_of
 from workbench.study.leaving import leave
 from workbench.study.outcome import Outcome, Part, with_part
 from workbench.study.series import robustness
-from workbench.trace.tracing import trace
-from workbench.verify.contest import Contest, verdict
-from workbench.verify.contest import as_table as contest_table
-from workbench.verify.margin import AgainstMargin
-from workbench.verify.recommend import recommend
+from workbench.tracing.tracing import trace
+from workbench.verification.contest import Contest, verdict
+from workbench.verification.contest import as_table as contest_table
+from workbench.verification.margin import AgainstMargin
+from workbench.verification.recommend import recommend
 
 from . import controllers, description, paper
 from .controllers import BEST, BOTH, FIXED, JOINT, ON_LOAD, ON_MOTOR, OUTPUT

@@ -6,9 +6,9 @@ printed, and every stiffness and mass is over it.
 
 import numpy as np
 
-from workbench.effect import find
+from workbench.definition import find
 from workbench.hysteresis import Bank
-from workbench.identify.fit import passes_of
+from workbench.identification.fit import passes_of
 from workbench.plant import ONE_MASS, Plant
 from workbench.record import IDENTIFICATION, VALIDATION, Record
 from workbench.study.simulated import record_of

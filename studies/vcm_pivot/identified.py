@@ -158,7 +158,7 @@ def with_count(noise: Noise, count: float) -> Noise:
 
 def identities(seed: int = 1) -> tuple[float, float, float]:
     """Return errors of: x - play against a Maxwell-slip element; an inverse's round trip; play's describing function."""
-    from workbench.describe import first_harmonic
+    from workbench.description import first_harmonic
     from workbench.effects.hysteresis import maxwell_slip
     from workbench.effects.play import inverse, play_bank
     from workbench.kernel.step import build

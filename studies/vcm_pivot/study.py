@@ -7,7 +7,7 @@ workbench's own.
 from workbench.study import standard
 from workbench.study.configuration import Study
 from workbench.study.outcome import Outcome, Part, with_part
-from workbench.trace.tracing import trace
+from workbench.tracing.tracing import trace
 
 from . import actuator, bias, chapters, compensated, identified, paper
 from .identified import Sizes

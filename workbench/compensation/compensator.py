@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from math import isfinite
 
-from workbench.effect import ANGLE, FORCE, SENSOR, Effect
+from workbench.definition import ANGLE, FORCE, SENSOR, Effect
 from workbench.effects.play import inverse, play_bank
 from workbench.errors import WorkbenchError, nearest
 from workbench.plant import Plant, carried, reads_load

@@ -10,7 +10,7 @@ from workbench.compensation.parts import asked, forces
 from workbench.compensation.structure import PREFIX, Structure, states_of, structure, values_names, values_of
 from workbench.control.law import Controller, Law
 from workbench.errors import WorkbenchError
-from workbench.simulate.dynamics import DIRECTION
+from workbench.simulation.dynamics import DIRECTION
 
 
 @dataclass(frozen=True, eq=False)

@@ -5,10 +5,10 @@ import numpy as np
 
 from workbench.compensation import parts, structure
 from workbench.compensation.compensator import OBSERVED, READ, REFERENCE, Compensator
-from workbench.effect import namespace
+from workbench.definition import namespace
 from workbench.errors import WorkbenchError
-from workbench.identify.fit import series_of
-from workbench.identify.passes import Passes
+from workbench.identification.fit import series_of
+from workbench.identification.passes import Passes
 from workbench.kernel.program import read
 from workbench.kernel.scan import scan
 from workbench.plant import Plant

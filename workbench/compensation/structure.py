@@ -3,8 +3,8 @@
 from dataclasses import dataclass
 
 from workbench.compensation.compensator import OBSERVED, Compensator
-from workbench.effect import Effect
-from workbench.simulate.dynamics import directed, ordered
+from workbench.definition import Effect
+from workbench.simulation.dynamics import directed, ordered
 
 PREFIX = "comp"  # before the names of its parameters and states
 

@@ -5,7 +5,7 @@ import numpy as np
 
 from workbench.conformance.result import within
 from workbench.conformance.scene import drawn, output, outputs, scene
-from workbench.effect import COMMAND, FORCE, TIME, Effect, namespace
+from workbench.definition import COMMAND, FORCE, TIME, Effect, namespace
 from workbench.kernel import arrays, scan, step
 from workbench.kernel.step import apply, view
 

@@ -4,8 +4,8 @@ import numpy as np
 
 from workbench.conformance.result import within
 from workbench.conformance.scene import along, drawn, scene
-from workbench.describe import equivalent, first_harmonic
-from workbench.effect import Effect, namespace
+from workbench.definition import Effect, namespace
+from workbench.description import equivalent, first_harmonic
 
 SAME = 1e-9  # of the largest force
 CURVE = 0.01  # of the curve's largest force: a bank of elements follows its curve within this

@@ -6,7 +6,7 @@ import numpy as np
 
 from workbench.conformance.result import within
 from workbench.conformance.scene import along, drawn, output, scene
-from workbench.effect import Effect
+from workbench.definition import Effect
 
 TURNED = (
     "q",

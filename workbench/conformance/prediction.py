@@ -6,8 +6,8 @@ import numpy as np
 
 from workbench.conformance.recovery import BAND, SAMPLES, record
 from workbench.conformance.scene import drawn, scene
-from workbench.effect import ANGLE, FORCE, Effect, find
-from workbench.identify.passes import Passes, balances, predicted
+from workbench.definition import ANGLE, FORCE, Effect, find
+from workbench.identification.passes import Passes, balances, predicted
 from workbench.motion import motion
 from workbench.plant import ONE_MASS, TWO_MASS, Plant, places
 

@@ -8,9 +8,9 @@ import numpy as np
 
 from workbench.conformance.result import within
 from workbench.conformance.scene import drawn, output, scene
-from workbench.effect import FORCE, Effect, find
-from workbench.identify.fit import identify
-from workbench.identify.passes import Passes, predicted
+from workbench.definition import FORCE, Effect, find
+from workbench.identification.fit import identify
+from workbench.identification.passes import Passes, predicted
 from workbench.motion import motion
 from workbench.parameter import Parameter
 from workbench.plant import ONE_MASS, Plant, reads_load

@@ -6,7 +6,7 @@ from math import pi
 
 import numpy as np
 
-from workbench.effect import Effect
+from workbench.definition import Effect
 from workbench.kernel import step
 
 WAVES = ((1.0, 0.55, 0.0), (2.7, 0.3, 0.4), (7.3, 0.15, 1.1))  # (frequency, amplitude, phase): reversals of many sizes

@@ -6,7 +6,7 @@ import numpy as np
 from workbench.conformance.arithmetic import rows
 from workbench.conformance.result import within
 from workbench.conformance.scene import drawn
-from workbench.effect import Effect, namespace
+from workbench.definition import Effect, namespace
 from workbench.kernel import arrays, step
 from workbench.kernel.step import apply, view
 

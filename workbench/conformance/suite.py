@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 from workbench.conformance import arithmetic, memory, physics, prediction, recovery, slopes, written
 from workbench.conformance.result import Result
-from workbench.effect import FORCE, Effect
+from workbench.definition import FORCE, Effect
 from workbench.errors import WorkbenchError
 
 

@@ -2,7 +2,7 @@
 
 import sys
 
-from workbench.effect import PLACES, Effect
+from workbench.definition import PLACES, Effect
 from workbench.kernel.step import check_linear
 from workbench.units import effect_unit, to_si
 

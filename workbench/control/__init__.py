@@ -1,4 +1,4 @@
-"""Controllers as data: a law, its numbers and its tables. What runs them is workbench.simulate."""
+"""Controllers as data: a law, its numbers and its tables. What runs them is workbench.simulation."""
 
 from workbench.control.law import Controller, Law
 from workbench.control.laws import RULES, fixed_pd, pi_cascade, scheduled_pd

@@ -5,7 +5,7 @@ import numpy as np
 from workbench.drives.maps import Map, cells_of, read, values_of
 from workbench.errors import WorkbenchError
 from workbench.plant import Plant
-from workbench.simulate.dynamics import is_friction
+from workbench.simulation.dynamics import is_friction
 
 WHAT = "friction"
 SAMPLES = 200  # of a slide over one rad or m, far beyond presliding: friction with memory has forgotten its start then

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from workbench.definition import Effect
 from workbench.drives.fields import LICENCE, number
-from workbench.effect import Effect
 from workbench.errors import WorkbenchError
 from workbench.kernel.step import build
 

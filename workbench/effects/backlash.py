@@ -1,6 +1,6 @@
 """Lost motion in a joint."""
 
-from workbench.effect import ANGLE, TWO_COUNTS, Effect, effect
+from workbench.definition import ANGLE, TWO_COUNTS, Effect, effect
 from workbench.effects.elementary import clip
 from workbench.parameter import Parameter
 

@@ -1,6 +1,6 @@
 """What happens to the command before it acts: transport delay, actuator lag, a torque constant that falls."""
 
-from workbench.effect import COMMAND, TIME, Effect, effect
+from workbench.definition import COMMAND, TIME, Effect, effect
 from workbench.effects._arithmetic import sqrt
 from workbench.effects.elementary import exp, square
 from workbench.parameter import Parameter

@@ -1,6 +1,6 @@
 """Multi-body compliance: flexspline and wave generator in series, each stiffer the more it carries."""
 
-from workbench.effect import FORCE, Border, Effect, effect
+from workbench.definition import FORCE, Border, Effect, effect
 from workbench.effects.elementary import absolute, clip, cos, exp, maximum, minimum, sign0, sin, where
 from workbench.parameter import Parameter
 

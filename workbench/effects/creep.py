@@ -1,6 +1,6 @@
 """Creep: a spring whose foot follows slowly (linear creep operators)."""
 
-from workbench.effect import FORCE, Effect, effect
+from workbench.definition import FORCE, Effect, effect
 from workbench.effects.elementary import expm1
 from workbench.parameter import Parameter
 

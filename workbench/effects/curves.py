@@ -8,7 +8,7 @@ free and lies in the span of the table (Coulomb friction is a level, viscous fri
 from collections.abc import Sequence
 from functools import cache
 
-from workbench.effect import FORCE, Effect
+from workbench.definition import FORCE, Effect
 from workbench.effects.elementary import absolute
 from workbench.effects.table import (
     SOURCE,

@@ -1,6 +1,6 @@
 """Dry friction that depends on something beside the motion: on the load, and on time."""
 
-from workbench.effect import FORCE, Effect, effect
+from workbench.definition import FORCE, Effect, effect
 from workbench.effects.elementary import absolute
 from workbench.parameter import Parameter
 

@@ -9,7 +9,7 @@ from functools import lru_cache
 
 import casadi as ca
 
-from workbench.effect import FORCE, Effect, namespace
+from workbench.definition import FORCE, Effect, namespace
 from workbench.effects.elementary import clip
 from workbench.parameter import Parameter
 

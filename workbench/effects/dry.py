@@ -1,6 +1,6 @@
 """Dry friction: Coulomb, Stribeck, asymmetry. All read `dir`, the smooth direction, never sign(v)."""
 
-from workbench.effect import FORCE, Effect, effect
+from workbench.definition import FORCE, Effect, effect
 from workbench.effects.elementary import absolute, exp, square
 from workbench.parameter import Parameter
 

@@ -1,6 +1,6 @@
 """Fading memory: a force that forgets exponentially over the distance travelled (Dahl's friction)."""
 
-from workbench.effect import FORCE, TWO_COUNTS, Border, Effect, effect
+from workbench.definition import FORCE, TWO_COUNTS, Border, Effect, effect
 from workbench.effects.elementary import absolute, exp, sign0
 from workbench.parameter import Parameter
 

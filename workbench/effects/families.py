@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from workbench.effect import Effect
+from workbench.definition import Effect
 from workbench.effects import curves, free_bank, free_maps
 from workbench.errors import WorkbenchError
 

@@ -6,7 +6,7 @@ from math import exp
 
 import casadi as ca
 
-from workbench.effect import FORCE, Effect
+from workbench.definition import FORCE, Effect
 from workbench.effects.elementary import clip, minimum
 from workbench.effects.table import at as of
 from workbench.effects.table import increasing, names

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from functools import cache
 
-from workbench.effect import ANGLE, COMMAND, FORCE, Effect
+from workbench.definition import ANGLE, COMMAND, FORCE, Effect
 from workbench.effects.elementary import clip, cos, expm1, sin
 from workbench.effects.table import at as of
 from workbench.effects.table import held_knots, increasing, names

@@ -2,7 +2,7 @@
 
 import casadi as ca
 
-from workbench.effect import FORCE, TWO_COUNTS, Effect, effect, namespace
+from workbench.definition import FORCE, TWO_COUNTS, Effect, effect, namespace
 from workbench.effects.elementary import clip
 from workbench.effects.hysteresis import bank, knots
 from workbench.parameter import Parameter

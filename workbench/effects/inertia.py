@@ -1,6 +1,6 @@
 """Inertia of a rigid body."""
 
-from workbench.effect import FORCE, Effect, effect
+from workbench.definition import FORCE, Effect, effect
 from workbench.parameter import Parameter
 
 

@@ -1,6 +1,6 @@
 """LuGre friction: bristles that deflect, slip, and are fewer at speed."""
 
-from workbench.effect import FORCE, TWO_COUNTS, Effect, effect
+from workbench.definition import FORCE, TWO_COUNTS, Effect, effect
 from workbench.effects.elementary import absolute, exp, sign0, square
 from workbench.parameter import Parameter
 

@@ -2,7 +2,7 @@
 
 from math import pi
 
-from workbench.effect import FORCE, Effect, effect
+from workbench.definition import FORCE, Effect, effect
 from workbench.effects._arithmetic import sqrt
 from workbench.effects.elementary import cos, exp, sin
 from workbench.parameter import Parameter

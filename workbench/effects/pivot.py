@@ -1,6 +1,6 @@
 """Preload and two slopes: the bearing pivot of disk drives before hysteresis operators; for comparison, not for a trace."""
 
-from workbench.effect import FORCE, Effect, effect
+from workbench.definition import FORCE, Effect, effect
 from workbench.effects.elementary import clip
 from workbench.parameter import Parameter
 

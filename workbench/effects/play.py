@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 
-from workbench.effect import FORCE, TWO_COUNTS, Effect, effect
+from workbench.definition import FORCE, TWO_COUNTS, Effect, effect
 from workbench.effects.elementary import clip, maximum, minimum
 from workbench.errors import WorkbenchError
 from workbench.parameter import Parameter

@@ -4,7 +4,7 @@ from math import atan2, hypot
 from math import cos as cosine
 from math import sin as sine
 
-from workbench.effect import FORCE, Border, Effect, effect
+from workbench.definition import FORCE, Border, Effect, effect
 from workbench.effects.elementary import cos, sin
 from workbench.parameter import Parameter
 

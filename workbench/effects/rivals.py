@@ -1,6 +1,6 @@
 """Hysteresis of a flexspline without memory, as the harmonic-drive literature has it: for comparison, not for a trace."""
 
-from workbench.effect import FORCE, TWO_COUNTS, Effect, effect
+from workbench.definition import FORCE, TWO_COUNTS, Effect, effect
 from workbench.effects.elementary import absolute, power, tanh
 from workbench.parameter import Parameter
 

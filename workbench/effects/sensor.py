@@ -1,6 +1,6 @@
 """What a channel does beside measuring: it drifts, or its clock is another one."""
 
-from workbench.effect import SENSOR, TIME, Effect, effect
+from workbench.definition import SENSOR, TIME, Effect, effect
 from workbench.parameter import Parameter
 
 

@@ -1,6 +1,6 @@
 """Friction of a lubricant film that is sheared until it yields."""
 
-from workbench.effect import FORCE, Effect, effect
+from workbench.definition import FORCE, Effect, effect
 from workbench.effects.elementary import tanh
 from workbench.parameter import Parameter
 

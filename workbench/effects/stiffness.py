@@ -1,6 +1,6 @@
 """Stiffness: of a joint in its deflection, or of a spring to ground in the axis' position."""
 
-from workbench.effect import FORCE, Effect, effect
+from workbench.definition import FORCE, Effect, effect
 from workbench.effects.elementary import clip
 from workbench.parameter import Parameter
 

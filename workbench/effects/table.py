@@ -7,7 +7,7 @@ beyond the first and the last knot it is held or, where springs and loads are me
 from collections.abc import Sequence
 from dataclasses import replace
 
-from workbench.effect import Effect
+from workbench.definition import Effect
 from workbench.effects.elementary import clip, cos, maximum, minimum, sin
 from workbench.errors import WorkbenchError
 from workbench.parameter import Parameter

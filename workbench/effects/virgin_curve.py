@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 
-from workbench.effect import Effect
+from workbench.definition import Effect
 from workbench.effects.hysteresis import maxwell_slip
 from workbench.errors import WorkbenchError
 

@@ -1,6 +1,6 @@
 """Friction that depends on velocity alone."""
 
-from workbench.effect import FORCE, Effect, effect
+from workbench.definition import FORCE, Effect, effect
 from workbench.effects.elementary import absolute, maximum, minimum
 from workbench.parameter import Parameter
 

@@ -5,7 +5,7 @@ from os import PathLike
 from pathlib import Path
 
 from workbench.errors import WorkbenchError
-from workbench.export.whole import write_together
+from workbench.exporting.whole import write_together
 from workbench.firmware.a2l import a2l
 from workbench.firmware.document import SCHEMA, document, text
 from workbench.firmware.hexfile import intel_hex

@@ -7,7 +7,7 @@ from workbench.firmware.numbers import Numbers
 from workbench.firmware.reference import WIDE, Axes, Reference, signed
 from workbench.firmware.scales import GAIN, REACH, Scales, stored
 from workbench.firmware.stages import COMMAND, INCREMENT, Part
-from workbench.simulate.given import REFERENCE
+from workbench.simulation.given import REFERENCE
 
 MOST = 2**30
 

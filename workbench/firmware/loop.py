@@ -1,6 +1,6 @@
 """The sampled loop with the compiled firmware as its controller: the plant's programs as C in double, one lane.
 
-Stages, their order, noise and delay are those of workbench.simulate; the controller is the C that a drive would run, which
+Stages, their order, noise and delay are those of workbench.simulation; the controller is the C that a drive would run, which
 reads encoder counts and gives a command in its own arithmetic.
 """
 
@@ -15,11 +15,11 @@ from workbench.firmware import host
 from workbench.firmware.make import Firmware
 from workbench.kernel.c import Writer
 from workbench.plant import Plant
-from workbench.simulate import Criteria, Loop, Metrics
-from workbench.simulate.binding import Bound, bind, samples_of
-from workbench.simulate.design import Design, Piece
-from workbench.simulate.metrics import Trajectories, finished
-from workbench.simulate.scenario import ScenarioArrays, arrays_of
+from workbench.simulation import Criteria, Loop, Metrics
+from workbench.simulation.binding import Bound, bind, samples_of
+from workbench.simulation.design import Design, Piece
+from workbench.simulation.metrics import Trajectories, finished
+from workbench.simulation.scenario import ScenarioArrays, arrays_of
 
 HERE = Path(__file__).parent
 CLOCKS = "double clock_k, double clock_t, double clock_window"

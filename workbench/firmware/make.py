@@ -7,7 +7,7 @@ import numpy as np
 
 from workbench.control.law import Controller
 from workbench.errors import WorkbenchError, nearest
-from workbench.export.tables import grid
+from workbench.exporting.tables import grid
 from workbench.firmware.fixed_reference import FixedReference
 from workbench.firmware.fixed_source import FixedSource
 from workbench.firmware.image import FIXED, FLOAT32, Image
@@ -15,7 +15,7 @@ from workbench.firmware.numbers import Numbers, numbers
 from workbench.firmware.reference import Reference
 from workbench.firmware.write import Source
 from workbench.plant import Plant
-from workbench.simulate.scenario import Loop
+from workbench.simulation.scenario import Loop
 
 ARITHMETICS = {"float32": FLOAT32, "fixed": FIXED}
 

@@ -11,8 +11,8 @@ from workbench.firmware.stages import Stages, stages
 from workbench.firmware.units import power_of
 from workbench.kernel import arrays
 from workbench.plant import Plant
-from workbench.simulate.binding import BACK
-from workbench.simulate.scenario import Loop
+from workbench.simulation.binding import BACK
+from workbench.simulation.scenario import Loop
 
 FAR = 2**22  # counts from which the firmware moves its origin along: WB_FAR of wb_runtime.h
 MARGIN = 4.0  # times the axis' speed that one sample may show before it is taken for a broken encoder

@@ -10,8 +10,8 @@ import numpy as np
 from workbench.firmware.numbers import FAR, Numbers
 from workbench.firmware.stages import ADDED, COMMAND, INCREMENT, POSITIONS, Part
 from workbench.kernel import single
-from workbench.simulate.given import REFERENCE
-from workbench.simulate.sampled import AMPLITUDE
+from workbench.simulation.given import REFERENCE
+from workbench.simulation.sampled import AMPLITUDE
 
 F, U, WIDE = np.float32, np.uint32, np.int64
 END = 2**30  # WB_END
@@ -147,7 +147,7 @@ def _downwards(x: float) -> np.float32:
 
 def rows(numbers: Numbers) -> list[np.ndarray]:
     """Return gain and slope of each column, float32 (m,): slopes of the rounded gains, the last zero."""
-    from workbench.export.tables import slopes
+    from workbench.exporting.tables import slopes
 
     knots, out = numbers.knots.astype(F), []
     for column in numbers.columns.values():

@@ -10,8 +10,8 @@ from workbench.errors import WorkbenchError
 from workbench.firmware.fixed import WHOLE, Format, Typed, envelope, fitting
 from workbench.firmware.numbers import FAR, Numbers
 from workbench.firmware.stages import ADDED, COMMAND, INCREMENT, Part
-from workbench.simulate.given import REFERENCE
-from workbench.simulate.sampled import AMPLITUDE
+from workbench.simulation.given import REFERENCE
+from workbench.simulation.sampled import AMPLITUDE
 
 REACH = 2**24  # counts: how far a target, a turn or a second encoder is told from the origin; WB_REACH of wb_fixed.h
 GAIN = 18  # bits of a gain beside its sign. With 15, steps landed 2.3 counts elsewhere than in float64, for small gains far

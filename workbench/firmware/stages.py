@@ -15,10 +15,10 @@ from workbench.firmware.units import Power, power_of, spread
 from workbench.kernel.choice import with_choices
 from workbench.kernel.program import Line, Program
 from workbench.kernel.split import split
-from workbench.simulate.dynamics import Symbols
-from workbench.simulate.given import INJECTED, REFERENCE
-from workbench.simulate.sampled import AMPLITUDE, command, followed, observed
-from workbench.simulate.stage import stage
+from workbench.simulation.dynamics import Symbols
+from workbench.simulation.given import INJECTED, REFERENCE
+from workbench.simulation.sampled import AMPLITUDE, command, followed, observed
+from workbench.simulation.stage import stage
 
 COMMAND, ADDED = "u_c", "added"
 INCREMENT = "increment"  # counts since the last sample

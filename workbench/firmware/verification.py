@@ -18,8 +18,8 @@ from workbench.robustness import worst
 from workbench.robustness.cases import independent
 from workbench.robustness.vary import applied
 from workbench.robustness.work import Block, Work
-from workbench.simulate import Metrics, ScenarioArrays
-from workbench.verify.task import Task
+from workbench.simulation import Metrics, ScenarioArrays
+from workbench.verification.task import Task
 
 FILE = "verify.json"
 COUNTS = 2.0  # of the encoder, by which final errors may differ

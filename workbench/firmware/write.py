@@ -10,7 +10,7 @@ from workbench.firmware.stages import COMMAND, POSITIONS, Part, Stages, identifi
 from workbench.firmware.units import power_of, unit
 from workbench.kernel.c import Writer, bare
 from workbench.kernel.choice import Choice
-from workbench.simulate.sampled import AMPLITUDE
+from workbench.simulation.sampled import AMPLITUDE
 
 HERE = Path(__file__).parent
 PARAMETERS = {"now.y": "y", "now.motor.y": "motor_counts", "now.load.y": "load_counts"}

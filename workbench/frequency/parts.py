@@ -8,7 +8,7 @@ from math import prod
 
 import numpy as np
 
-from workbench.effect import Effect, find
+from workbench.definition import Effect, find
 from workbench.frequency.modes import LARGEST, Modes
 
 PART = "flexible_mode"

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 import numba
 import numpy as np
 
-from workbench.describe.bank import bank_equivalent
-from workbench.effect import Effect, find
+from workbench.definition import Effect, find
+from workbench.description.bank import bank_equivalent
 from workbench.effects.hysteresis import maxwell_slip
 from workbench.errors import WorkbenchError
 

@@ -11,7 +11,7 @@ from functools import lru_cache
 import casadi as ca
 import numpy as np
 
-from workbench.effect import Effect, namespace
+from workbench.definition import Effect, namespace
 from workbench.errors import WorkbenchError
 from workbench.kernel import arrays, scan
 from workbench.kernel.program import Program, read

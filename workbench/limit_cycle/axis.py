@@ -7,10 +7,10 @@ import numpy as np
 
 from workbench.errors import WorkbenchError
 from workbench.plant import ONE_MASS, Plant
-from workbench.simulate import Loop
-from workbench.tune import sampled
-from workbench.tune.sampled import Clock
-from workbench.verify.equivalent import cycles_of, equivalent_from, friction_of
+from workbench.simulation import Loop
+from workbench.tuning import sampled
+from workbench.tuning.sampled import Clock
+from workbench.verification.equivalent import cycles_of, equivalent_from, friction_of
 
 COUNTS = 10.0  # encoder counts at which amplitudes of interest begin: smaller cycles are shaped by the encoder
 HALF = 129  # phases from a turning point to the next, of a cycle's friction

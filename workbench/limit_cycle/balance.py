@@ -15,7 +15,7 @@ import numpy as np
 from workbench.limit_cycle.axis import COUNTS, Axis
 from workbench.limit_cycle.describing import Command
 from workbench.limit_cycle.further import Cycle, refined
-from workbench.tune import sampled
+from workbench.tuning import sampled
 
 AMPLITUDES, THETAS = 36, 72
 PHASES = 64  # of a cycle, of the command

@@ -17,13 +17,13 @@ import casadi as ca
 import numpy as np
 
 from workbench.control import Controller, Law, gains_at
-from workbench.effect import namespace
+from workbench.definition import namespace
 from workbench.errors import WorkbenchError
 from workbench.kernel.arrays import evaluate
 from workbench.limit_cycle.waves import along, clipped, found_after, harmonics_of, shifted, turning
-from workbench.simulate import Loop
-from workbench.simulate.binding import BACK
-from workbench.simulate.stage import Stage, stage
+from workbench.simulation import Loop
+from workbench.simulation.binding import BACK
+from workbench.simulation.stage import Stage, stage
 
 CYCLES = 2  # that states are stepped until they repeat
 SIGNALS = ("r", "y", "e", "vh", "dt", "limit", "count", "stroke", "share", "reversal")

@@ -20,7 +20,7 @@ import numpy as np
 from workbench.limit_cycle.axis import Axis
 from workbench.limit_cycle.describing import Command
 from workbench.limit_cycle.waves import along, harmonics_of, turning
-from workbench.tune import sampled
+from workbench.tuning import sampled
 
 ORDERS = np.arange(1, 20, 2)
 NYQUIST = 0.9 * np.pi  # rad a sample, up to which a harmonic is balanced

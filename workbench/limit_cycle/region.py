@@ -11,7 +11,7 @@ from workbench.limit_cycle.describing import Dials, command, dials, turned
 from workbench.limit_cycle.further import Cycle
 from workbench.limit_cycle.simulated import as_simulated, simulated
 from workbench.plant import Plant
-from workbench.simulate import Loop
+from workbench.simulation import Loop
 from workbench.threads import one_thread
 
 THIRD = 0.05  # largest third harmonic at which one harmonic says enough

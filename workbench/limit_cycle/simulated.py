@@ -8,7 +8,7 @@ import numpy as np
 from workbench.control import Controller, Table
 from workbench.limit_cycle.axis import COUNTS
 from workbench.plant import Plant
-from workbench.simulate import Loop, ScenarioArrays, simulate
+from workbench.simulation import Loop, ScenarioArrays, simulate
 
 SUBSTEPS = 32  # a sample, at least
 KEEPS = 0.9  # share of its amplitude that a motion keeps from the third quarter of the time to the fourth

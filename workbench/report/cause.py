@@ -18,8 +18,8 @@ from workbench.report.contents import (
     Table,
 )
 from workbench.report.wording import listed, parameters, said
-from workbench.trace.result import CAUSE, Candidate, Cause
-from workbench.trace.smallest import Smallest
+from workbench.tracing.result import CAUSE, Candidate, Cause
+from workbench.tracing.smallest import Smallest
 
 BEST = 10
 

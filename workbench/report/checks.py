@@ -5,7 +5,7 @@ import numpy as np
 from workbench.report import numbers
 from workbench.report.contents import Chapter, Figure, Items, Paragraph, Table
 from workbench.report.drawing import AFTER, BEFORE, MUTED, decades, svg
-from workbench.verify.checks import Checks
+from workbench.verification.checks import Checks
 
 
 def margins_figure(checks: Checks, limit: float, unit: str, name: str) -> Figure:

@@ -8,9 +8,9 @@ from workbench.report import numbers
 from workbench.report.contents import Callout, Chapter, Figure, Items, Paragraph, Table
 from workbench.report.drawing import AFTER, BEFORE, MUTED, STYLES, decades, envelope, svg
 from workbench.report.wording import listed
-from workbench.trace.result import Trace
-from workbench.verify.cancelling import take
-from workbench.verify.closing import DECLARED, EXTENDED, Closed, Response
+from workbench.tracing.result import Trace
+from workbench.verification.cancelling import take
+from workbench.verification.closing import DECLARED, EXTENDED, Closed, Response
 
 LEAST = 0.05  # of an encoder count, that an error is drawn down to
 NEGLIGIBLE = 0.005  # overshoot: what is less is equal

@@ -10,13 +10,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from workbench.describe.result import Equivalent
-from workbench.effect import Effect
+from workbench.definition import Effect
+from workbench.description.result import Equivalent
 from workbench.finding import Finding
 from workbench.plant import Plant
 from workbench.record import Record
-from workbench.trace.result import Trace
-from workbench.trace.where import Where
+from workbench.tracing.result import Trace
+from workbench.tracing.where import Where
 
 GOOD, BAD, QUIET, STRONG, CODE, PLAIN = "good", "bad", "quiet", "strong", "code", "plain"
 

@@ -5,11 +5,11 @@ from collections.abc import Sequence
 import numpy as np
 
 from workbench.finding import capital, title
-from workbench.identify.result import Fit, Series
+from workbench.identification.result import Fit, Series
 from workbench.report import figures, numbers
 from workbench.report.contents import Figure, StudyResult
 from workbench.report.wording import listed
-from workbench.trace.maps import BINS, borders
+from workbench.tracing.maps import BINS, borders
 
 LEAST = 0.1  # share of the residual power from which a coordinate is said to explain it
 SHOWN = 2  # coordinates in the figure

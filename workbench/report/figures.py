@@ -4,13 +4,13 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from workbench.describe.result import Equivalent
-from workbench.identify.result import Series
+from workbench.description.result import Equivalent
+from workbench.identification.result import Series
 from workbench.report import drawing, numbers
 from workbench.report.drawing import AFTER, BEFORE, GRID, INK, MEASURED, MUTED, SERIES, STYLES, envelope
 from workbench.report.wording import title as title_of
-from workbench.trace.maps import borders
-from workbench.trace.result import Candidate
+from workbench.tracing.maps import borders
+from workbench.tracing.result import Candidate
 
 WITH, WITHOUT = {"color": AFTER, "linestyle": "-"}, {"color": BEFORE, "linestyle": (0, (4, 1.5))}
 DENSE = 1500  # samples of an excerpt from which dashes would only look like noise

@@ -6,9 +6,9 @@ from workbench.plant import Plant
 from workbench.report import numbers
 from workbench.report.contents import Chapter, Figure, Paragraph, Table
 from workbench.report.drawing import AFTER, BEFORE, MUTED, decades, svg
-from workbench.verify.climb import Climbed
-from workbench.verify.ladder import COUNTS, timed
-from workbench.verify.regret import Regret
+from workbench.verification.climb import Climbed
+from workbench.verification.ladder import COUNTS, timed
+from workbench.verification.regret import Regret
 
 
 def ladder_chapter(climbed: Climbed, held: Regret, plant: Plant, rule: str) -> Chapter:

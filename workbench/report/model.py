@@ -3,8 +3,8 @@
 from collections.abc import Sequence
 
 from workbench.finding import Finding, title
-from workbench.identify.findings import DISAGREE
-from workbench.identify.result import Fit
+from workbench.identification.findings import DISAGREE
+from workbench.identification.result import Fit
 from workbench.plant import MASSES, Plant
 from workbench.report.contents import CODE, Chapter, Heading, Marked, Paragraph, StudyResult, Table
 from workbench.report.wording import listed, parameters, said

@@ -21,8 +21,8 @@ from workbench.report.contents import (  # fmt: skip
 )
 from workbench.report.recommend import RECOMMENDED
 from workbench.report.wording import bound, listed, said
-from workbench.trace.evidence import Evidence
-from workbench.trace.result import NOTHING, UNKNOWN, Cause
+from workbench.tracing.evidence import Evidence
+from workbench.tracing.result import NOTHING, UNKNOWN, Cause
 
 ALARMS = ("below the floor", "joint carries nothing")
 TONES = {NOTHING: GOOD, UNKNOWN: BAD}

@@ -6,8 +6,8 @@ from workbench.plant import Plant
 from workbench.report import numbers
 from workbench.report.contents import Chapter, Figure, Paragraph, Table
 from workbench.report.drawing import AFTER, BEFORE, MUTED, decades, svg
-from workbench.verify.polish import Polished
-from workbench.verify.promise import Promise
+from workbench.verification.polish import Polished
+from workbench.verification.promise import Promise
 
 ROWS = 9
 

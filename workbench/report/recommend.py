@@ -5,7 +5,7 @@ import numpy as np
 from workbench.plant import Plant
 from workbench.report import numbers
 from workbench.report.contents import GOOD, PLAIN, Callout, Chapter, Marked, Table
-from workbench.verify.recommend import Recommended
+from workbench.verification.recommend import Recommended
 
 RECOMMENDED = "recommended"  # kind of the finding that says which controller to take
 

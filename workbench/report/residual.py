@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from workbench.finding import title
-from workbench.identify.result import Fit, Series
+from workbench.identification.result import Fit, Series
 from workbench.record import VALIDATION
 from workbench.report import figures, numbers
 from workbench.report.contents import Chapter, Figure, Paragraph, StudyResult

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from workbench.plan import Envelope
+from workbench.planning import Envelope
 from workbench.report.drawing import AFTER, BEFORE, MUTED, envelope, svg
 
 

@@ -7,8 +7,8 @@ from workbench.finding import capital
 from workbench.report import numbers
 from workbench.report.contents import Items, StudyResult
 from workbench.report.wording import listed, span
-from workbench.trace.maps import BACKWARD, BOTH, TIME, WAYS
-from workbench.trace.output import located
+from workbench.tracing.maps import BACKWARD, BOTH, TIME, WAYS
+from workbench.tracing.output import located
 
 SPANS = 12  # told in words
 

@@ -11,10 +11,10 @@ from workbench.report.contents import Block, Chapter, Figure, Heading, Items, Pa
 from workbench.report.unknown import Shade
 from workbench.report.where_figures import SPREAD
 from workbench.report.wording import listed, span
-from workbench.trace.maps import BINS, MOTOR_TURN, POSITION_NAME, TIME, TURN, WAY
-from workbench.trace.places import Place, sentence
-from workbench.trace.spectra import STANDS_OUT
-from workbench.trace.where import Where
+from workbench.tracing.maps import BINS, MOTOR_TURN, POSITION_NAME, TIME, TURN, WAY
+from workbench.tracing.places import Place, sentence
+from workbench.tracing.spectra import STANDS_OUT
+from workbench.tracing.where import Where
 
 ANGLE = (
     "With an encoder on both sides the load's motion asks for a deflection of the joint, and there is a measured one; the angle "

@@ -7,8 +7,8 @@ import numpy as np
 from workbench.report import numbers
 from workbench.report.drawing import AFTER, BEFORE, MEASURED, MUTED, decades, svg
 from workbench.report.unknown import Shade
-from workbench.trace.maps import BACKWARD, FORWARD, STROKE, TIME, Map
-from workbench.trace.where import Residual, Where
+from workbench.tracing.maps import BACKWARD, FORWARD, STROKE, TIME, Map
+from workbench.tracing.where import Residual, Where
 
 ROW = 1.3  # inches of a row
 HEAD = 0.95  # inches of title and legend

@@ -4,8 +4,8 @@ import re
 from collections.abc import Collection, Iterable, Mapping, Sequence
 
 from workbench.finding import Finding, title
-from workbench.identify.findings import DISAGREE
-from workbench.identify.result import Estimate, Fit
+from workbench.identification.findings import DISAGREE
+from workbench.identification.result import Estimate, Fit
 from workbench.report import numbers
 from workbench.report.contents import BAD, CODE, QUIET, Items, Marked, Table
 

@@ -13,14 +13,14 @@ import numpy as np
 from workbench import __version__
 from workbench.compensation import Compensated, Compensator, compensated
 from workbench.control import Controller, Table, law
-from workbench.effect import Effect, catalogue, find
+from workbench.definition import Effect, catalogue, find
 from workbench.errors import WorkbenchError
 from workbench.plant import Geometry, Limits, Plant
 from workbench.robustness.cases import Varied
 from workbench.robustness.distribution import Distribution
 from workbench.robustness.work import Work
-from workbench.simulate import Criteria, Loop
-from workbench.verify.task import Task
+from workbench.simulation import Criteria, Loop
+from workbench.verification.task import Task
 
 FORMAT = 1
 PARTS = ("effects", "still", "inertial", "guides")  # of a compensator

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from workbench.effect import Effect, catalogue, find
+from workbench.definition import Effect, catalogue, find
 from workbench.errors import WorkbenchError, nearest
 from workbench.parameter import Parameter
 from workbench.plant import Plant, places

@@ -13,8 +13,8 @@ import numpy as np
 from workbench.control import Controller
 from workbench.robustness.cases import Cases, Varied
 from workbench.robustness.vary import applied, checked, extended
-from workbench.simulate import Metrics, ScenarioArrays
-from workbench.verify.task import Task
+from workbench.simulation import Metrics, ScenarioArrays
+from workbench.verification.task import Task
 
 BLOCK = 512  # cases a piece of work: a second's work or less, and enough of it to keep lanes and threads busy
 KEPT = ("final_error", "time_1pct", "overshoot", "ripple")  # metrics of a case
@@ -83,7 +83,7 @@ def single(controller: Controller) -> Controller:
 
 
 def work(task: Task, makers: Mapping[str, Callable[[int], Controller]], varied: Iterable[Varied]) -> Work:
-    """Return the work of a task. makers: controller name -> maker(lanes), as workbench.verify.compare takes them.
+    """Return the work of a task. makers: controller name -> maker(lanes), as workbench.verification.compare takes them.
 
     Raises WorkbenchError for a name that does not exist or a distribution beyond what is physical.
     """

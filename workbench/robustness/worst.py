@@ -10,8 +10,8 @@ from workbench.errors import WorkbenchError
 from workbench.robustness.cases import Cases
 from workbench.robustness.document import number, of_work, work_of
 from workbench.robustness.work import KEPT, Block, Columns, Work
-from workbench.simulate import Trajectories
-from workbench.simulate.bodies import OUTPUT
+from workbench.simulation import Trajectories
+from workbench.simulation.bodies import OUTPUT
 
 FILE = "worst.json"
 

@@ -8,8 +8,8 @@ import numpy as np
 from workbench.finding import Finding
 from workbench.schedule.table import Schedule
 from workbench.threads import one_thread
-from workbench.tune import sampled
-from workbench.tune.axis import Axis
+from workbench.tuning import sampled
+from workbench.tuning.axis import Axis
 
 LOOSE = 1.005  # of the sensitivity limit: what tuning itself allows
 NODES = 400
@@ -52,7 +52,7 @@ def between_knots(
 ) -> BetweenKnots:
     """Return sensitivity peak and stability of the linear axis under scheduled gains, at `points` amplitudes a segment.
 
-    equivalent_at(amplitudes (n,)) -> amplitude, stiffness, loss (n,), SI, as workbench.describe gives them. inertia:
+    equivalent_at(amplitudes (n,)) -> amplitude, stiffness, loss (n,), SI, as workbench.description gives them. inertia:
     kg*m^2 or kg. viscous: N*m*s/rad or N*s/m. A peak above `sensitivity` by 0.5 %, or an eigenvalue outside the unit circle,
     is a finding.
     """

@@ -10,7 +10,7 @@ from workbench.finding import Finding
 from workbench.schedule import shape
 from workbench.schedule.table import Schedule
 from workbench.threads import one_thread
-from workbench.tune.gains import check_gains
+from workbench.tuning.gains import check_gains
 
 REVERSAL = 2.5  # encoder counts: three back are a reversal; between counts, so that no rounding decides
 DENSE = 8  # amplitudes a segment at which the schedule is held against the tuned gains

@@ -9,7 +9,7 @@ from workbench.control import Table, gains_at
 from workbench.control.laws import RULES
 from workbench.errors import WorkbenchError, nearest
 from workbench.finding import Finding
-from workbench.tune.gains import check_gains
+from workbench.tuning.gains import check_gains
 
 
 @dataclass(frozen=True, eq=False)

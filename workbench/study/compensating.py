@@ -26,8 +26,8 @@ from workbench.report.drawing import AFTER, BEFORE, svg
 from workbench.report.wording import listed
 from workbench.study.configuration import Study
 from workbench.study.outcome import Part
-from workbench.verify.compensating import Slow, Worth, bears, worth
-from workbench.verify.task import Task
+from workbench.verification.compensating import Slow, Worth, bears, worth
+from workbench.verification.task import Task
 
 KEYS = ("effects", "controller", "amplitude", "frequency")
 MORE = ("source", "delay", "low_pass", "bandwidth", "mismatch")

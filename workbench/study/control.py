@@ -9,7 +9,7 @@ import numpy as np
 from workbench.errors import WorkbenchError
 from workbench.finding import Finding, title
 from workbench.frequency import Response
-from workbench.identify.passes import Passes
+from workbench.identification.passes import Passes
 from workbench.plant import TWO_MASS, Plant
 from workbench.readers.declaration import Table
 from workbench.record import VALIDATION, Record
@@ -27,14 +27,14 @@ from workbench.study.hunting import limit_cycles
 from workbench.study.leaving import leave
 from workbench.study.outcome import NOT_TUNED, Outcome, Part, with_part
 from workbench.study.series import robustness, slug
-from workbench.trace.result import Trace
-from workbench.tune import OutOfReach
-from workbench.verify.assumed import loop_of, move_of
-from workbench.verify.compare import Comparison, compare, verdicts
-from workbench.verify.design import Designed, design
-from workbench.verify.promise import promise
-from workbench.verify.recommend import Recommended, recommend
-from workbench.verify.task import Task
+from workbench.tracing.result import Trace
+from workbench.tuning import OutOfReach
+from workbench.verification.assumed import loop_of, move_of
+from workbench.verification.compare import Comparison, compare, verdicts
+from workbench.verification.design import Designed, design
+from workbench.verification.promise import promise
+from workbench.verification.recommend import Recommended, recommend
+from workbench.verification.task import Task
 
 BASELINES = ("fixed PD", "PI cascade", "profile with PI")
 BLIND = (1, 2)  # seeds of the search on the declared model, one from each arrival
@@ -138,7 +138,7 @@ def resonant(records: Sequence[Record], plant: Plant, bandwidth: float) -> Respo
         return None
     for e in plant.effects:
         plant = plant.without(e.key) if e.name == "flexible_mode" else plant
-    from workbench.check.modes import resonances
+    from workbench.checking.modes import resonances
 
     response, modes = resonances(records, plant, bandwidth)
     return response if modes else None
@@ -146,7 +146,7 @@ def resonant(records: Sequence[Record], plant: Plant, bandwidth: float) -> Respo
 
 def write_gains(made: Designed, control: Control, folder) -> None:
     """Write the gain table of the study's rule into gains/."""
-    from workbench.export import export
+    from workbench.exporting import export
 
     place = folder / "gains"
     place.mkdir()

@@ -8,12 +8,12 @@ import numpy as np
 from workbench.errors import WorkbenchError
 from workbench.plant import Plant
 from workbench.readers.declaration import Table
-from workbench.simulate import Criteria, Loop
-from workbench.tune import TuningGoal
+from workbench.simulation import Criteria, Loop
+from workbench.tuning import TuningGoal
 from workbench.units import effect_unit
-from workbench.verify.assumed import COUNTS, lasting
-from workbench.verify.tabled import RUNS
-from workbench.verify.task import Task, Weights
+from workbench.verification.assumed import COUNTS, lasting
+from workbench.verification.tabled import RUNS
+from workbench.verification.task import Task, Weights
 
 RULES = ("error", "following", "frozen")
 RANGE = ("lowest", "highest", "count")  # of [tuning]

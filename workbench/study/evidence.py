@@ -6,17 +6,17 @@ from types import SimpleNamespace
 
 import numpy as np
 
-from workbench.effect import Effect
+from workbench.definition import Effect
 from workbench.finding import capital, title
-from workbench.identify.fit import fitted_on, identify
-from workbench.identify.passes import Passes
-from workbench.identify.result import Fit
+from workbench.identification.fit import fitted_on, identify
+from workbench.identification.passes import Passes
+from workbench.identification.result import Fit
 from workbench.plant import Plant
 from workbench.record import IDENTIFICATION, ROLES, VALIDATION
 from workbench.report.contents import Table
-from workbench.trace.repeats import between, repeats
-from workbench.trace.result import Trace
-from workbench.trace.tracing import trace
+from workbench.tracing.repeats import between, repeats
+from workbench.tracing.result import Trace
+from workbench.tracing.tracing import trace
 
 Say = Callable[[str], None]
 

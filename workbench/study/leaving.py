@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 
 from workbench.errors import WorkbenchError
-from workbench.export.numbers import export_numbers
-from workbench.export.whole import write_together
+from workbench.exporting.numbers import export_numbers
+from workbench.exporting.whole import write_together
 from workbench.plant import Plant
 
 UNITS = {  # of the numbers of every law; F and x are the plant's own

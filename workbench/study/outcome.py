@@ -4,14 +4,14 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
-from workbench.describe import Equivalent
-from workbench.effect import Effect
+from workbench.definition import Effect
+from workbench.description import Equivalent
 from workbench.finding import Finding
 from workbench.plant import Plant
 from workbench.record import Record
 from workbench.report.contents import Chapter
-from workbench.trace.result import Trace
-from workbench.trace.where import Where
+from workbench.tracing.result import Trace
+from workbench.tracing.where import Where
 
 NOT_TUNED = "not tuned"  # kind of the finding that says why there are no gains
 

@@ -7,15 +7,15 @@ import numpy as np
 
 from workbench.campaign import Campaign
 from workbench.campaign import load as load_campaign
-from workbench.effect import Effect
+from workbench.definition import Effect
 from workbench.errors import WorkbenchError, nearest
-from workbench.identify.fit import fitted_on, identify, passes_of
-from workbench.identify.passes import Passes
-from workbench.identify.problem import Problem
-from workbench.identify.result import Fit
-from workbench.identify.solve import solve
-from workbench.plan import Envelope, Sensing, envelope_of, sensing_of
-from workbench.plan.envelope import load_rest
+from workbench.identification.fit import fitted_on, identify, passes_of
+from workbench.identification.passes import Passes
+from workbench.identification.problem import Problem
+from workbench.identification.result import Fit
+from workbench.identification.solve import solve
+from workbench.planning import Envelope, Sensing, envelope_of, sensing_of
+from workbench.planning.envelope import load_rest
 from workbench.plant import Plant, freed
 from workbench.readers.declaration import Table
 from workbench.record import IDENTIFICATION
@@ -71,7 +71,7 @@ def basis_of(name: str, say: Callable[[str], None] = lambda _: None) -> Basis:
 
 def excess_of(fit: Fit, passes: tuple[Passes, ...]) -> float:
     """Return the rms that a fit leaves of the drive over what noise and encoder counts alone would leave."""
-    from workbench.trace.floor import levels
+    from workbench.tracing.floor import levels
 
     alone = levels(fitted_on(passes), fit.plant)
     least = float(np.sqrt(np.mean(np.array(list(alone.values())) ** 2)))
@@ -100,8 +100,8 @@ def suspect(basis: Basis, text: str) -> tuple[Plant, Effect, float]:
     text: "effect" or "effect@place". A declared effect keeps its fitted values; another one is fitted jointly with the
     declared model, as a trace does.
     """
-    from workbench.trace.candidates import suspects
-    from workbench.trace.search import fitted
+    from workbench.tracing.candidates import suspects
+    from workbench.tracing.search import fitted
 
     plant, (name, _, place) = basis.fit.plant, text.partition("@")
     for e in plant.effects:

@@ -9,7 +9,7 @@ from workbench.errors import WorkbenchError, nearest
 from workbench.report.contents import Check
 from workbench.study.configuration import Study
 from workbench.study.outcome import Outcome
-from workbench.trace.output import estimate
+from workbench.tracing.output import estimate
 
 FORMAT = 1
 

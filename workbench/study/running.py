@@ -96,8 +96,8 @@ def run(name: str, out: Path | None = None, say: Callable[[str], None] = lambda 
     outcome = (module.run if module else standard.run)(study, say)
     judged = results.checks(study, outcome)
     from workbench.report import write as write_report
-    from workbench.trace.output import write as write_trace
-    from workbench.trace.where import as_list
+    from workbench.tracing.output import write as write_trace
+    from workbench.tracing.where import as_list
 
     say("writing the report")
     with whole(place, stamp.FILE) as beside:

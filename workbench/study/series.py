@@ -23,7 +23,7 @@ from workbench.study.configuration import Study
 from workbench.study.controlling import numbers
 from workbench.study.outcome import Part
 from workbench.units import to_si
-from workbench.verify.task import Task
+from workbench.verification.task import Task
 
 FOLDER = "robustness"
 LEVELS = (0.5, 1.0, 1.5)

@@ -5,17 +5,17 @@ from collections.abc import Callable
 import numpy as np
 
 from workbench.campaign import Campaign, load
-from workbench.describe import Equivalent, equivalent
-from workbench.effect import Effect
+from workbench.definition import Effect
+from workbench.description import Equivalent, equivalent
 from workbench.errors import WorkbenchError
-from workbench.identify.fit import passes_of
+from workbench.identification.fit import passes_of
 from workbench.plant import Plant
 from workbench.record import IDENTIFICATION, VALIDATION
 from workbench.study.configuration import Study
 from workbench.study.outcome import Outcome
-from workbench.trace.result import Trace
-from workbench.trace.tracing import trace
-from workbench.trace.where import where
+from workbench.tracing.result import Trace
+from workbench.tracing.tracing import trace
+from workbench.tracing.where import where
 
 Say = Callable[[str], None]
 

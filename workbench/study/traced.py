@@ -7,8 +7,8 @@ from pathlib import Path
 from workbench.campaign import FILE as CAMPAIGN
 from workbench.campaign import Campaign
 from workbench.errors import WorkbenchError
-from workbench.identify.fit import passes_of
-from workbench.identify.passes import Passes
+from workbench.identification.fit import passes_of
+from workbench.identification.passes import Passes
 from workbench.outputs import replaceable, whole
 from workbench.plant import Plant
 from workbench.record import VALIDATION
@@ -16,13 +16,13 @@ from workbench.report import write as write_page
 from workbench.report.closing import absent
 from workbench.report.closing import closing as closing_chapter
 from workbench.report.contents import Recorded, StudyResult
-from workbench.trace.calibration import as_dict, calibrations, finding
-from workbench.trace.output import write
-from workbench.trace.result import Trace
-from workbench.trace.tracing import trace
-from workbench.trace.where import as_list, load_as_dict, where
-from workbench.verify.closing import Closed, close, lacking
-from workbench.verify.closing import as_dict as loop_as_dict
+from workbench.tracing.calibration import as_dict, calibrations, finding
+from workbench.tracing.output import write
+from workbench.tracing.result import Trace
+from workbench.tracing.tracing import trace
+from workbench.tracing.where import as_list, load_as_dict, where
+from workbench.verification.closing import Closed, close, lacking
+from workbench.verification.closing import as_dict as loop_as_dict
 
 Say = Callable[[str], None]
 

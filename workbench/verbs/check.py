@@ -16,7 +16,7 @@ def declare(verbs) -> None:
 
 
 def do(given: argparse.Namespace) -> int:
-    from workbench.check.checking import check
+    from workbench.checking.checking import check
     from workbench.study.running import campaign_of
 
     folder = campaign_of(given.study)

@@ -18,9 +18,9 @@ def declare(verbs) -> None:
 
 def do(given: argparse.Namespace) -> int:
     from workbench.campaign import load
-    from workbench.diff import check_models, compare, doubts
-    from workbench.diff.output import JSON, write
-    from workbench.identify.fit import passes_of
+    from workbench.difference import check_models, compare, doubts
+    from workbench.difference.output import JSON, write
+    from workbench.identification.fit import passes_of
     from workbench.outputs import whole
     from workbench.plant import freed
     from workbench.study.running import campaign_of

@@ -14,7 +14,7 @@ def declare(verbs) -> None:
 
 
 def do(given: argparse.Namespace) -> int:
-    from workbench.effect import catalogue, find
+    from workbench.definition import catalogue, find
 
     if given.markdown:
         from workbench.catalogue_page import page

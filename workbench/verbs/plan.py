@@ -40,8 +40,8 @@ def do(given: argparse.Namespace) -> int:
 
 def _determine(given: argparse.Namespace, basis, say) -> int:
     from workbench.outputs import whole
-    from workbench.plan import design, prospects
-    from workbench.plan.output import FIGURE, JSON, TRAJECTORY, write_plan
+    from workbench.planning import design, prospects
+    from workbench.planning.output import FIGURE, JSON, TRAJECTORY, write_plan
     from workbench.report.trajectory import figure
 
     accuracy = given.accuracy / 100.0 if given.accuracy else basis.accuracy
@@ -75,9 +75,9 @@ def _determine(given: argparse.Namespace, basis, say) -> int:
 def _separate(given: argparse.Namespace, basis) -> int:
     from workbench.errors import WorkbenchError
     from workbench.outputs import whole
-    from workbench.plan import sensing_of, separate
-    from workbench.plan.following import followed, with_effect
-    from workbench.plan.output import FIGURE, JSON, TRAJECTORY, write_separation
+    from workbench.planning import sensing_of, separate
+    from workbench.planning.following import followed, with_effect
+    from workbench.planning.output import FIGURE, JSON, TRAJECTORY, write_separation
     from workbench.report.trajectory import figure
     from workbench.study.planning import suspect
 

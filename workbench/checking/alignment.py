@@ -1,0 +1,75 @@
+"""Channels that are not on one time axis: the drive against the motion it causes, the motion against its reference."""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from workbench.checking.seen import Seen
+from workbench.checking.shift import FARTHEST, LATE
+from workbench.finding import Finding
+from workbench.motion import LowPass
+
+FOLLOWS = 0.9  # share of one channel that another explains
+
+
+def misaligned(seen: Seen) -> Iterator[Finding]:
+    """Say where the drive in the log comes later or earlier than the motion that it causes."""
+    for b, late in zip(seen.balances, seen.delays, strict=True):
+        if late:
+            word = "after" if late > 0 else "before"
+            yield Finding(
+                "misaligned", f"{b.record.name}.{seen.drive}",
+                f"In record '{b.record.name}' the drive stands {1e3 * abs(late):.1f} ms {word} the motion that it causes; a "
+                f"drive itself is late by less than {1e3 * LATE:g} ms.",
+                {"late": late},
+                "Log all channels in one task, or shift the drive's column by this time.",
+            )  # fmt: skip
+
+
+def apart(seen: Seen) -> Iterator[Finding]:
+    """Say where two encoders are shifted in time as no axis shifts them; less of it is said by their angle (`check.clocks`)."""
+    for r in seen.campaign.records:
+        if "load_position" in r.channels and not r.locked:
+            late = lag_of(r.channels["load_position"], r.channels["position"], r.dt, seen.campaign.bandwidth)
+            if abs(late) > max(LATE, 1.5 * r.dt):
+                yield shifted_apart(r.name, "load_position", "position", late, "the joint carries motion at once")
+
+
+def ahead(seen: Seen) -> Iterator[Finding]:
+    """Say where a position comes before its reference."""
+    for r in seen.campaign.records:
+        if "reference" in r.channels:
+            late = lag_of(r.channels["position"], r.channels["reference"], r.dt, seen.campaign.bandwidth)
+            if late < -max(LATE, 1.5 * r.dt):
+                yield shifted_apart(r.name, "position", "reference", late, "no axis moves before it is told to")
+
+
+def lag_of(x: np.ndarray, of: np.ndarray, dt: float, bandwidth: float) -> float:
+    """Return the time in s by which x is later than `of`, 0 where they do not follow each other.
+
+    Both as velocities below a fifth of the bandwidth, where a joint is stiff.
+    """
+    slow = LowPass(0.2 * bandwidth, 1.0 / dt, x.size)
+    a, b = slow(x, 1), slow(of, 1)
+    size = 1 << (2 * x.size - 1).bit_length()
+    far = min(round(FARTHEST / dt), x.size // 4)
+    both = np.fft.irfft(np.fft.rfft(a, size) * np.conj(np.fft.rfft(b, size)), size)
+    shifts = np.arange(-far, far + 1)
+    values = both[shifts % size]
+    k = int(np.argmax(values))
+    whole = float(np.sqrt((a @ a) * (b @ b)))
+    if not values[k] > np.sqrt(FOLLOWS) * whole or k in (0, shifts.size - 1):
+        return 0.0
+    before, at, after = values[k - 1 : k + 2]
+    return float((shifts[k] + 0.5 * (before - after) / (before - 2 * at + after)) * dt)
+
+
+def shifted_apart(record: str, channel: str, other: str, late: float, why: str) -> Finding:
+    """Return the finding that one channel of a record stands `late` s after another one."""
+    word = "after" if late > 0 else "before"
+    return Finding(
+        "misaligned", f"{record}.{channel}",
+        f"In record '{record}' {channel} stands {1e3 * abs(late):.1f} ms {word} {other}, and {why}.",
+        {"late": late},
+        "Log all channels in one task, or shift this column by this time.",
+    )  # fmt: skip

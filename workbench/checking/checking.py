@@ -1,0 +1,82 @@
+"""All checks of a campaign, in stages: what a stage finds is left out of the next, which would see nonsense."""
+
+from collections.abc import Collection, Iterable
+from dataclasses import replace
+from pathlib import Path
+
+from workbench.campaign import load
+from workbench.checking import alignment, channels, clocks, excitation, modes, sampling, scale, sign
+from workbench.checking.seen import Seen
+from workbench.errors import UnsoundRecord
+from workbench.finding import Finding
+from workbench.threads import one_thread
+
+# What reading itself finds, and which findings leave the records fit for use.
+CARRIED = ("start time", "unit", "assumed scale")
+HARMLESS = ("unit", "assumed scale", "sampling rate", "encoder resolution")
+# (check, whether the records it speaks of are left out of the next): a late drive is put right instead
+STAGES = (
+    (scale.encoders, True),
+    (channels.unsound, True),
+    (alignment.apart, True),
+    (clocks.skewed, True),
+    (alignment.ahead, True),
+    (alignment.misaligned, False),
+    (sign.signs, True),
+    (scale.drives, True),
+)
+
+
+@one_thread
+def check(folder: Path) -> tuple[Finding, ...]:
+    """Return what is wrong with the records of a campaign, an empty tuple where nothing is.
+
+    Raises WorkbenchError where the campaign cannot be read; what keeps a record from being used is a finding.
+    """
+    try:
+        seen = Seen(load(folder, resample=True))
+    except UnsoundRecord as e:
+        return (Finding(e.kind, e.record, str(e), {}, "Mend this first: nothing else could be checked."),)
+    names = {r.name for r in seen.campaign.records}
+    found = [f for f in seen.campaign.findings if f.kind in CARRIED]
+    if short := list(sampling.lengths(seen)):
+        return gathered((*found, *short), names)  # nothing can be computed of such records
+    found += [*channels.resampled(seen), *sampling.rates(seen), *sampling.strokes(seen)]
+    found += faults(seen)
+    if all(f.kind in HARMLESS for f in found):
+        found += [*excitation.missing(seen), *modes.undeclared(seen)]
+    return gathered(found, names)
+
+
+def faults(seen: Seen) -> list[Finding]:
+    """Return what is wrong with channels, time axes, signs and scales."""
+    found: list[Finding] = []
+    for look, leaves_out in STAGES:
+        if not seen.campaign.records:
+            break
+        said = list(look(seen))
+        found += said
+        seen = without(seen, said) if leaves_out else seen
+    return found
+
+
+def without(seen: Seen, found: Iterable[Finding]) -> Seen:
+    """Return this without the records that findings are about."""
+    return seen.only({r.name for r in seen.campaign.records} - {f.subject.split(".")[0] for f in found})
+
+
+def gathered(found: Iterable[Finding], records: Collection[str]) -> tuple[Finding, ...]:
+    """Return one finding where several records have the same: subjects are "record.channel", or parameters."""
+    same: dict[tuple[str, str], list[Finding]] = {}
+    for f in found:
+        record, _, channel = f.subject.partition(".")
+        same.setdefault((f.kind, channel if record in records else f.subject), []).append(f)
+    return tuple(_one(group) for group in same.values())
+
+
+def _one(group: list[Finding]) -> Finding:
+    first, *others = group
+    if not others:
+        return first
+    names = " and ".join(f"'{f.subject.split('.')[0]}'" for f in others)
+    return replace(first, sentence=f"{first.sentence} So it is in {names}.")

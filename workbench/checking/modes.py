@@ -1,0 +1,42 @@
+"""Modes that a plant declared as one mass does not have, from the frequency response of the record that is shaken most."""
+
+from collections.abc import Iterator, Sequence
+
+from workbench.checking.seen import Seen
+from workbench.errors import WorkbenchError
+from workbench.finding import Finding
+from workbench.frequency import Response, fit_modes, response_of, shaken
+from workbench.frequency.output import decibels
+from workbench.plant import ONE_MASS, Plant
+from workbench.record import Record
+
+RISES = 2.0  # factor by which a resonance must rise: below, it is a slope of friction in presliding
+DAMPEST = 0.15  # damping ratio above which it may be the axis on its own presliding stiffness
+
+
+def resonances(records: Sequence[Record], plant: Plant, bandwidth: float) -> tuple[Response | None, list]:
+    """Return (response of the record that is shaken most, modes below the bandwidth that one mass cannot have).
+
+    The response is None where nothing shakes the axis, or where the plant declares more than one mass.
+    """
+    if plant.kind != ONE_MASS or any(e.name == "flexible_mode" for e in plant.effects):
+        return None, []
+    try:
+        response = response_of(shaken(records, bandwidth))
+        found = fit_modes(response).modes
+    except WorkbenchError:
+        return None, []
+    return response, [m for m in found if m.frequency < bandwidth and m.rise > RISES and m.damping < DAMPEST]
+
+
+def undeclared(seen: Seen) -> Iterator[Finding]:
+    """Say which resonances below the evaluation bandwidth one mass cannot have."""
+    response, found = resonances(seen.campaign.records, seen.campaign.plant, seen.campaign.bandwidth)
+    for m in found:
+        yield Finding(
+            "mode", f"{response.record}.position",
+            f"Record '{response.record}' shows a mode at {m.frequency:.3g} Hz (damping ratio {m.damping:.2g}, "
+            f"{decibels(m.rise):.0f} dB above the rest), which the declared single mass does not have.",
+            {"frequency": m.frequency, "damping": m.damping, "rise": m.rise},
+            f"Declare a flexible_mode or two masses, or set evaluation_bandwidth below {0.5 * m.frequency:.2g} Hz.",
+        )  # fmt: skip

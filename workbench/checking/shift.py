@@ -1,0 +1,52 @@
+"""By how much the drive in a log is shifted in time against the motion that it causes."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from workbench.checking.balance import Balance
+
+# A drive answers within a millisecond (sampling, computation, pulse widths, current loop): what is later is the log's.
+LATE = 1.5e-3  # s, and as many samples
+FARTHEST = 50e-3  # s
+BETTER = 0.7  # of the residual that is left at the best shift: a smaller gain is any model's lack
+LEAST = 0.05  # share of the drive's power that may be left at the best shift: else it is something else that is wrong
+INERTIAL = 0.3  # share of the drive that inertia must have: only there is a moment sharp
+
+
+def lags(b: Balance) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return (shifts (k,) in samples, residual powers (k,), parameters (p, k)): the drive taken that much later."""
+    far = min(round(FARTHEST / b.dt), b.drive.size // 4)
+    size = 1 << (2 * b.drive.size - 1).bit_length()
+    forward = np.fft.rfft(b.drive - np.mean(b.drive), size)
+    spectra = np.conj(np.fft.rfft(b.columns, size, axis=0)) * forward[:, None]
+    correlation = np.fft.irfft(spectra, size, axis=0)
+    shifts = np.arange(-far, far + 1)
+    moments = correlation[shifts % size].T
+    parameters = b.solved(moments)
+    return shifts, b.power - np.einsum("pk,pk->k", moments, parameters), parameters
+
+
+def delay(b: Balance, inertia: str) -> float:
+    """Return the s by which the drive comes late in the log, 0 where no shift is plainly better.
+
+    inertia: name of the column whose share says whether a moment is sharp.
+    """
+    shifts, left, parameters = lags(b)
+    zero, best = int(np.flatnonzero(shifts == 0)[0]), int(np.argmin(left))
+    if inertia not in b.names or best in (0, shifts.size - 1):
+        return 0.0
+    late = abs(shifts[best]) * b.dt
+    sharp = b.share(inertia, parameters[:, best]) > INERTIAL
+    if late > max(LATE, 1.5 * b.dt) and left[best] < min(BETTER * left[zero], LEAST * b.power) and sharp:
+        return float(shifts[best] * b.dt)
+    return 0.0
+
+
+def realigned(b: Balance, late: float) -> Balance:
+    """Return the balance with the drive moved back by `late` s; samples that would wrap round are left out."""
+    shift = round(late / b.dt)
+    if not shift:
+        return b
+    inside = slice(abs(shift), b.drive.size - abs(shift))
+    return replace(b, drive=np.roll(b.drive, -shift)[inside], columns=b.columns[inside])

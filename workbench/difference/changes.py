@@ -1,0 +1,184 @@
+"""Which parameters moved between two sets of records beyond what their intervals allow.
+
+The same model is fitted to each with every value free. A parameter has moved where |b - a|/sqrt(s_a^2 + s_b^2) is beyond
+Student's quantile, with Satterthwaite's degrees of freedom and Holm's correction for the number of parameters: of campaigns
+between which nothing changed, 95 in 100 show no change at all. Of parameters that the records know only together, none may
+move by itself though all of them together do: the whole vector is compared too, by the same sum of covariances.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from workbench.finding import capital, located
+from workbench.identification import intervals
+from workbench.identification.fit import fitted_on
+from workbench.identification.passes import Passes
+from workbench.identification.problem import Name, Problem
+from workbench.identification.result import Estimate
+from workbench.identification.solve import Solution, solve
+from workbench.plant import Plant
+from workbench.threads import one_thread
+
+CHANCE = 0.05  # that anything is said to have moved where nothing has
+MATTERS = 0.01  # of the value: a smaller difference is not worth a sentence, however sure it is
+
+
+@dataclass(frozen=True)
+class Change:
+    """One parameter as it is written outside, SI. half: half width of the difference's interval, all parameters at once.
+
+    chance: of a difference as large where nothing changed, corrected for the number of parameters. moved: whether it is said
+    to have changed.
+    """
+
+    effect: str
+    at: str
+    parameter: str
+    unit: str
+    before: float
+    after: float
+    half: float
+    chance: float
+    moved: bool
+    sentence: str
+
+
+@dataclass(frozen=True, eq=False)
+class Difference:
+    """changes: every free parameter that both sets of records determine. together: chance of the whole vector's difference."""
+
+    changes: tuple[Change, ...]
+    undetermined: tuple[str, ...]
+    together: float
+    sentence: str
+
+    @property
+    def moved(self) -> tuple[Change, ...]:
+        return tuple(c for c in self.changes if c.moved)
+
+
+@dataclass(frozen=True, eq=False)
+class Side:
+    """One set of records: a plant fitted to it, each estimate with its standard deviation, and the degrees of freedom."""
+
+    plant: Plant
+    estimates: dict[tuple[str, str, str], Estimate]
+    names: tuple[Name, ...]
+    values: np.ndarray
+    covariance: np.ndarray
+    freedom: float
+
+
+def side(plant: Plant, passes: Sequence[Passes], theta: np.ndarray | None = None) -> tuple[Side, Solution]:
+    """Return one side. theta: where the search of the shape parameters starts."""
+    problem = Problem(plant, fitted_on(passes))
+    solution = solve(problem, theta)
+    found = problem.with_linear(problem.with_shape(solution.theta), solution.c)
+    names, covariance, _, _ = intervals.covariance(problem, solution)
+    told = {(e.effect, e.at, e.parameter): e for e in intervals.estimates(found, names, covariance, 1.0)}
+    values = np.array([found[n.key].parameters[n.parameter].value for n in names])
+    freedom = max(len(problem.blocks(intervals.block_seconds(problem))) - len(names), 1)
+    return Side(found, told, tuple(names), values, covariance, float(freedom)), solution
+
+
+@one_thread
+def compare(plant: Plant, before: Sequence[Passes], after: Sequence[Passes]) -> Difference:
+    """Return what moved of a plant's free parameters between the identification records of two campaigns."""
+    first, solution = side(plant, before)
+    second, _ = side(plant, after, solution.theta)
+    both = [k for k, e in first.estimates.items() if known(e) and known(second.estimates[k])]
+    lost = tuple(
+        f"{e.effect}@{e.at}.{e.parameter}" for k, e in first.estimates.items() if not e.fixed and k not in both
+    )
+    pairs = [(first.estimates[k], second.estimates[k]) for k in both]
+    raw = [chance_of(a, b, first.freedom, second.freedom) for a, b in pairs]
+    changes = tuple(_change(a, b, p, first, second, len(pairs)) for (a, b), p in zip(pairs, holm(raw), strict=True))
+    together = jointly(first, second)
+    return Difference(changes, lost, together, sentence_of(changes, together))
+
+
+def known(e: Estimate) -> bool:
+    """Whether the records determine a parameter at all."""
+    return not e.fixed and e.high > e.low
+
+
+def deviation(e: Estimate) -> float:
+    """Standard deviation of an estimate whose interval is one deviation wide to each side."""
+    return 0.5 * (e.high - e.low)
+
+
+def freedom_of(a: Estimate, b: Estimate, first: float, second: float) -> float:
+    """Return Satterthwaite's degrees of freedom of a difference."""
+    va, vb = deviation(a) ** 2, deviation(b) ** 2
+    return (va + vb) ** 2 / (va**2 / first + vb**2 / second)
+
+
+def chance_of(a: Estimate, b: Estimate, first: float, second: float) -> float:
+    """Return the chance of a difference as large as this where nothing changed."""
+    from scipy.special import stdtr
+
+    apart = abs(b.value - a.value) / np.hypot(deviation(a), deviation(b))
+    return float(2.0 * stdtr(freedom_of(a, b, first, second), -apart))
+
+
+def holm(chances: Sequence[float]) -> list[float]:
+    """Return chances corrected for their number (Holm 1979): the smallest times n, the next times n - 1, never falling."""
+    order = np.argsort(chances, kind="stable")
+    corrected = np.empty(len(chances))
+    corrected[order] = np.maximum.accumulate(np.array(chances)[order] * np.arange(len(chances), 0, -1))
+    return [float(min(p, 1.0)) for p in corrected]
+
+
+def jointly(first: Side, second: Side) -> float:
+    """Return the chance of the whole vector's difference: d' (A + B)^-1 d, as Hotelling's T^2, smaller freedom counting."""
+    from scipy.special import fdtrc
+
+    names = [n for n in first.names if n in second.names]
+    if not names:
+        return 1.0
+    i, j = ([s.names.index(n) for n in names] for s in (first, second))
+    d = second.values[j] - first.values[i]
+    spread = first.covariance[np.ix_(i, i)] + second.covariance[np.ix_(j, j)]
+    sizes = np.sqrt(np.diag(spread))
+    d, spread = d / sizes, spread / np.outer(sizes, sizes)
+    k, freedom = len(names), min(first.freedom, second.freedom)
+    if freedom <= k:
+        return 1.0
+    squared = float(d @ np.linalg.pinv(spread, rcond=1e-8, hermitian=True) @ d)
+    return float(fdtrc(k, freedom - k + 1, squared * (freedom - k + 1) / (freedom * k)))
+
+
+def _change(a: Estimate, b: Estimate, chance: float, first: Side, second: Side, count: int) -> Change:
+    from scipy.special import stdtrit
+
+    t = stdtrit(freedom_of(a, b, first.freedom, second.freedom), 1.0 - CHANCE / (2 * count))
+    half = float(t * np.hypot(deviation(a), deviation(b)))
+    apart, size = b.value - a.value, max(abs(a.value), abs(b.value))
+    moved = chance < CHANCE and abs(apart) > MATTERS * size
+    what = f"{capital(located(a.effect, a.at))}, {a.meaning}"
+    unit = "" if a.unit in ("1", "") else f" {a.unit}"
+    if moved:
+        share = f" ({100 * abs(apart) / abs(a.value):.2g} %)" if a.value else ""
+        text = (
+            f"{what} {'rose' if apart > 0 else 'fell'} from {a.value:.4g} to {b.value:.4g}{unit}, by {abs(apart):.2g}{share} "
+            f"with an interval of +-{half:.1g}."
+        )
+    else:
+        text = f"{what} did not move: {a.value:.4g} and {b.value:.4g}{unit}; a change of {half:.1g} would have shown."
+    return Change(a.effect, a.at, a.parameter, a.unit, a.value, b.value, half, chance, moved, text)
+
+
+def sentence_of(changes: Sequence[Change], together: float) -> str:
+    """Return what a difference comes to."""
+    moved = [c for c in changes if c.moved]
+    if moved:
+        names = ", ".join(f"{c.effect}.{c.parameter}" for c in moved)
+        return f"{len(moved)} of {len(changes)} parameters moved: {names}."
+    if changes and together < CHANCE:
+        return (
+            f"No parameter moved by itself, but together they did (chance {together:.1g} where nothing changed): these records "
+            "know some of them only together."
+        )
+    return f"Nothing moved that these records can show, of {len(changes)} parameters."

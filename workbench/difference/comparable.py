@@ -1,0 +1,73 @@
+"""Whether two campaigns can be compared: of one axis, by one model, on records that show the same."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from workbench.campaign import Campaign
+from workbench.errors import WorkbenchError
+from workbench.finding import Finding
+from workbench.identification.fit import fitted_on
+from workbench.identification.passes import Passes
+from workbench.plant import MASSES
+
+APART = 2.0  # factor between what two campaigns cover from which on it is said
+SIGNALS = (("speeds", "v"), ("accelerations", "a"), ("positions", "q"))
+
+
+def check_models(before: Campaign, after: Campaign) -> None:
+    """WorkbenchError where the two declare different plants, or a resolution or a kind of axis that differs."""
+    a, b = before.plant, after.plant
+    if (a.kind, a.rotary) != (b.kind, b.rotary):
+        raise WorkbenchError(
+            f"'{before.folder}' is {_kind(a)} and '{after.folder}' {_kind(b)}; these are not one axis."
+        )
+    mine, yours = {e.key for e in a.effects}, {e.key for e in b.effects}
+    if mine != yours:
+        only = [
+            f"{key} by '{c.folder}' only"
+            for c, keys in ((before, mine - yours), (after, yours - mine))
+            for key in sorted(keys)
+        ]
+        raise WorkbenchError(
+            f"the two campaigns declare different models: {', '.join(only)}; declare the same effects in both, so that the "
+            "same parameters are compared."
+        )
+
+
+def _kind(plant) -> str:
+    return f"a {'rotary' if plant.rotary else 'linear'} axis of {MASSES[plant.kind]}"
+
+
+def doubts(before: Campaign, after: Campaign, first: Sequence[Passes], second: Sequence[Passes]) -> tuple[Finding, ...]:
+    """Say what the records of the two do not share: encoder, and ranges of speed, acceleration and position."""
+    said = []
+    for name in sorted(set().union(*(r.resolution for r in (*before.records, *after.records)))):
+        steps = [max(r.resolution.get(name, 0.0) for r in c.records) for c in (before, after)]
+        if steps[0] != steps[1]:
+            said.append(
+                _finding(
+                    "encoder", f"'{name}' is read in steps of {steps[0]:.3g} before and {steps[1]:.3g} after", *steps
+                )
+            )
+    for what, signal in SIGNALS:
+        reach = [_reach(fitted_on(passes), signal) for passes in (first, second)]
+        if max(reach) > APART * min(reach):
+            said.append(_finding(what, f"{what} reach over {reach[0]:.3g} before and {reach[1]:.3g} after", *reach))
+    return tuple(said)
+
+
+def _reach(passes: Sequence[Passes], signal: str) -> float:
+    """Return what records cover of a signal: the span of positions, else the largest."""
+    kept = [getattr(p.motion, signal)[p.motion.keep] for p in passes]
+    if signal == "q":
+        return max(max(float(x.max()) for x in kept) - min(float(x.min()) for x in kept), 1e-300)
+    return max(*(float(np.abs(x).max()) for x in kept), 1e-300)
+
+
+def _finding(subject: str, what: str, before: float, after: float) -> Finding:
+    return Finding(
+        "not alike", subject,
+        f"The records are not alike: {what}; a parameter that stands in for an effect that the model lacks may move with this alone.",
+        {"before": before, "after": after}, "record the same motions in both campaigns",
+    )  # fmt: skip

@@ -1,0 +1,82 @@
+"""gains.h: the gain table as C99, written from the template gains.h.in."""
+
+from pathlib import Path
+from string import Template
+
+import numpy as np
+
+from workbench.exporting.document import FORMAT_VERSION
+from workbench.exporting.tables import Tables
+
+TEMPLATE = Path(__file__).with_name("gains.h.in")
+DRIVE_TEMPLATE = Path(__file__).with_name("gains_drive.h.in")
+
+
+def header(contents: dict, held: Tables) -> bytes:
+    """Return the C header of a document and its tables; the template says what is in it."""
+    rows = held.rows
+    unit = contents["units"]
+    units = {"knots": unit["knots"]}
+    for key in ("kp", "kd"):
+        units |= {key: unit[key], f"{key}_slope": f"({unit[key]})/{unit['knots']}"}
+        if "drive" in contents:
+            drive = contents["drive"][key]["unit"]
+            units |= {f"{key}_drive": drive, f"{key}_drive_slope": f"({drive})/{unit['knots']}"}
+    p = f"wb_{contents['name']}"
+    fields = {
+        "p": p,
+        "P": p.upper(),
+        "name": contents["name"],
+        "format_version": FORMAT_VERSION,
+        "project_version": contents["project_version"],
+        "count": held.count,
+        "last": held.count - 1,
+        "per_octave": held.per_octave,
+        "shift": held.shift,
+        "first": held.first,
+        "rule": contents["rule"],
+        "frozen": int(contents["rule"] == "frozen"),
+        "error": int(contents["rule"] == "error"),
+        "reversal": literal(contents["reversal"]),
+        "reversal_said": f"{contents['reversal']:.9g}",
+        "sample_time": literal(contents["sample_time"]),
+        "sample_time_said": f"{contents['sample_time']:.9g}",
+        "crc": f"0x{held.crc:08X}",
+        "digest": contents["plant"]["digest"],
+        "lines": "\n".join(f" *   {harmless(line)}" for line in contents["plant"]["lines"]),
+        "x": unit["knots"],
+        "kp_unit": unit["kp"],
+        "kd_unit": unit["kd"],
+        "tables": "\n\n".join(table(f"{p}_{key}", units[key], row, p.upper()) for key, row in rows.items()),
+        "checks": "\n".join(f"    crc = wb_crc32_table(crc, {p}_{key}, {p.upper()}_COUNT);" for key in rows),
+    }
+    fields["drive"] = drive_part(contents, fields) if "drive" in contents else ""
+    return Template(TEMPLATE.read_text(encoding="utf-8")).substitute(fields).encode()
+
+
+def drive_part(contents: dict, fields: dict) -> str:
+    """Return what a header with gains in the drive's units holds beyond the others."""
+    drive = contents["drive"]
+    own = {f"{key}_drive_unit": drive[key]["unit"] for key in drive}
+    own |= {f"{key}_per_si": f"{drive[key]['per_si']:.9g}" for key in drive}
+    return Template(DRIVE_TEMPLATE.read_text(encoding="utf-8")).substitute(fields | own)
+
+
+def literal(value) -> str:
+    """Return the float32 nearest to a number as a C99 literal: hexadecimal, so that no compiler rounds it again."""
+    mantissa, _, exponent = float(np.float32(value)).hex().partition("p")
+    whole, _, fraction = mantissa.partition(".")
+    return f"{whole}.{fraction.rstrip('0') or '0'}p{exponent}f"
+
+
+def table(name: str, unit: str, row: np.ndarray, prefix: str) -> str:
+    """Return one constant array, each entry with its decimal value beside it."""
+    entries = "\n".join(
+        f"    {literal(v)}{',' if i + 1 < row.size else ' '} /* [{i}] {float(v):.9g} */" for i, v in enumerate(row)
+    )
+    return f"/** [{unit}] */\nstatic const float {name}[{prefix}_COUNT] = {{\n{entries}\n}};"
+
+
+def harmless(line: str) -> str:
+    """Return a line that ends and begins no C comment."""
+    return line.replace("*/", "* /").replace("/*", "/ *")

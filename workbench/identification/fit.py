@@ -1,0 +1,102 @@
+"""Fit a plant to identification records, and see it on all records."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from workbench.errors import WorkbenchError
+from workbench.identification import findings, intervals, zeros
+from workbench.identification.by_record import own_estimates, spread
+from workbench.identification.passes import Passes, predicted
+from workbench.identification.problem import Problem
+from workbench.identification.result import Fit, Series
+from workbench.identification.solve import ITERATIONS, NoValue, Solution, solve
+from workbench.motion import motion
+from workbench.plant import Plant
+from workbench.record import IDENTIFICATION, ROLES, VALIDATION, Record
+from workbench.threads import one_thread
+
+
+def passes_of(records: Sequence[Record], bandwidth: float) -> tuple[Passes, ...]:
+    """Return passes over the motions of the records; they may be shared by fits of many plants."""
+    return tuple(Passes(motion(r, bandwidth)) for r in zeros.relaxed(records, bandwidth))
+
+
+def fitted_on(passes: Sequence[Passes]) -> list[Passes]:
+    """Return the identification records among `passes`, by name: in whatever order given, sums have the same last bits."""
+    chosen = [p for p in passes if p.motion.record.role == IDENTIFICATION]
+    return sorted(chosen, key=lambda p: p.motion.record.name)
+
+
+@one_thread
+def identify(plant: Plant, passes: Sequence[Passes], theta: np.ndarray | None = None, *, solved: bool = False) -> Fit:
+    """Fit `plant` on the identification records among `passes` and evaluate it on all of them.
+
+    theta: start of the free shape parameters on their search scale; the plant's values where absent. solved: that is where
+    their search has ended before.
+    """
+    problem = Problem(plant, fitted_on(passes))
+    try:
+        solution = solve(problem, theta, most=0 if solved else ITERATIONS)
+    except NoValue:
+        names = ", ".join(e.name for e in plant.effects if e.shape)
+        raise WorkbenchError(
+            f"one of the effects {names} has no value on these records with its declared parameters; check them and their units."
+        ) from None
+    return seen(problem, solution, passes)
+
+
+def series_of(plant: Plant, passes: Passes) -> tuple[Series, np.ndarray]:
+    """Return one record seen through the evaluation filter, and the unfiltered prediction (n,)."""
+    m = passes.motion
+    prediction = predicted(passes, plant)
+    both = m.filter(np.stack([m.u, prediction]))
+    series = Series(m.record.name, m.record.role, m.t, m.q, m.v, both[0], both[1], m.keep)
+    return series, prediction
+
+
+def seen(problem: Problem, solution: Solution, passes: Sequence[Passes]) -> Fit:
+    """Return the Fit of a solved problem."""
+    plant = problem.with_linear(problem.with_shape(solution.theta), solution.c)
+    names, cov, t, condition = intervals.covariance(problem, solution)
+    estimates = intervals.estimates(plant, names, cov, t)
+    linear = [n for n in names if n in problem.free_linear]
+    owns = own_estimates(problem, solution, linear)
+    noise = float(np.sqrt(np.mean(solution.residual**2)))
+    # a cause before what it causes: what is not excited is not determined
+    half = dict(zip(names, t * np.sqrt(np.maximum(np.diag(cov), 0.0)), strict=True))
+    said = findings.excitation(problem, solution, half, noise)
+    said += findings.disagreements(problem, plant, linear, owns) + intervals.findings(problem, estimates, names, cov)
+    said += zeros.findings([p.motion.record for p in passes], plant.displacement)
+    series, predictions = {}, {}
+    for p in passes:
+        series[p.motion.record.name], predictions[p.motion.record.name] = series_of(plant, p)
+    power = dict.fromkeys(ROLES, 0.0)
+    left = dict.fromkeys(ROLES, 0.0)
+    count = dict.fromkeys(ROLES, 0)
+    nrmse = {}
+    for name, s in sorted(series.items()):
+        measured, residual = s.measured[s.keep], s.residual[s.keep]
+        nrmse[name] = ratio(residual @ residual, measured @ measured)
+        power[s.role] += measured @ measured
+        left[s.role] += residual @ residual
+        count[s.role] += measured.size
+    return Fit(
+        plant=plant,
+        estimates=estimates,
+        identification=ratio(left[IDENTIFICATION], power[IDENTIFICATION]),
+        validation=ratio(left[VALIDATION], power[VALIDATION]),
+        nrmse=nrmse,
+        rms={r: float(np.sqrt(left[r] / max(count[r], 1))) for r in ROLES},
+        series=series,
+        predictions=predictions,
+        findings=tuple(said),
+        condition=condition,
+        details={"theta": solution.theta, "cost": solution.cost, "covariance": (names, cov, t)},
+        spread=spread(plant, linear, owns),
+    )
+
+
+def ratio(left: float, whole: float) -> float:
+    """Root of a ratio of powers; NaN where there is nothing to compare with."""
+    return float(np.sqrt(left / whole)) if whole > 0 else float("nan")

@@ -1,0 +1,210 @@
+"""The separable least-squares problem that a plant and some records pose.
+
+Residual: F(chain(u) - required(q)), stacked over records without the trimmed ends. Linear in the linear parameters; the
+shape parameters are searched on a scale of their own (logarithmic where the parameter is positive by nature).
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from math import exp, log
+
+import numpy as np
+
+from workbench import definition as fx
+from workbench.identification.command import command_maps
+from workbench.identification.passes import Passes
+from workbench.parameter import Parameter
+from workbench.plant import Plant, reads_load
+
+LOGARITHMIC = ("speed", "stroke", "rate")
+STEP = 1e-4  # relative step of the directional derivative of a pass
+
+
+@dataclass(frozen=True)
+class Name:
+    """One parameter of a plant: effect key and inside name."""
+
+    key: str
+    parameter: str
+
+
+def scale_of(p: Parameter) -> float:
+    """The size of one unit of the search scale where it is not logarithmic."""
+    return max(abs(p.value), 1e-3 * (p.upper - p.lower) if np.isfinite(p.upper - p.lower) else 0.0, 1e-12)
+
+
+def to_search(p: Parameter) -> float:
+    return log(p.value) if p.scale in LOGARITHMIC else p.value
+
+
+def from_search(p: Parameter, value: float) -> float:
+    return float(np.clip(exp(value) if p.scale in LOGARITHMIC else value, p.lower, p.upper))
+
+
+def stacked(balances: np.ndarray, keep: slice) -> np.ndarray:
+    """Return (rows, n) as one vector of the samples kept, the balances of a sample side by side."""
+    if len(balances) == 1:
+        return balances[0, keep]
+    rows = len(balances)
+    found = np.empty(rows * (keep.stop - keep.start))
+    for r, balance in enumerate(balances):
+        found[r::rows] = balance[keep]
+    return found
+
+
+def needed_by(plant: Plant, key: str) -> Plant:
+    """Return what of a plant a change of one effect shows in: all of it, unless that is a force from which no other one reads.
+
+    Such a force needs the maps, and what gives the direction of motion at its place. What follows the load reads them all.
+    """
+    changed = plant[key]
+    if any(reads_load(e) for e in plant.effects):
+        return plant
+    if changed.port != fx.FORCE or changed.provides:
+        return plant
+    kept = (e for e in plant.effects if e.port != fx.FORCE or e.key == key or (e.at == changed.at and e.provides))
+    return replace(plant, effects=tuple(kept))
+
+
+class Problem:
+    """`free_linear`, `free_shape`: what is searched, as Name; `fixed` linear parameters move to the measured side."""
+
+    def __init__(self, plant: Plant, passes: Sequence[Passes]):
+        self.plant = plant
+        self.present = plant  # whose linear values make the load that forces follow
+        self.passes = tuple(passes)
+        self.free_linear: list[Name] = []
+        self.fixed_linear: list[Name] = []
+        self.free_shape: list[Name] = []
+        for e in sorted(plant.effects, key=lambda e: e.key):  # in whatever order declared, the same last bits
+            for n, p in e.parameters.items():
+                if n in e.linear and e.port == fx.FORCE:
+                    (self.fixed_linear if p.fixed else self.free_linear).append(Name(e.key, n))
+                elif not p.fixed:
+                    self.free_shape.append(Name(e.key, n))
+
+    def parameter(self, name: Name) -> Parameter:
+        return self.plant[name.key].parameters[name.parameter]
+
+    @cached_property
+    def bounds(self) -> tuple[np.ndarray, np.ndarray]:
+        """Lower and upper bounds of the free linear parameters."""
+        free = [self.parameter(n) for n in self.free_linear]
+        return np.array([p.lower for p in free]), np.array([p.upper for p in free])
+
+    @property
+    def lengths(self) -> list[int]:
+        """Equations per record: samples that count, times balances. Both balances of a sample stand side by side."""
+        return [(p.motion.keep.stop - p.motion.keep.start) * p.rows(self.plant) for p in self.passes]
+
+    def start(self) -> np.ndarray:
+        return np.array([to_search(self.parameter(n)) for n in self.free_shape])
+
+    def with_shape(self, theta: np.ndarray) -> Plant:
+        """Return the plant with the free shape parameters set from their search values."""
+        values: dict[str, dict[str, float]] = {}
+        for n, value in zip(self.free_shape, theta, strict=True):
+            values.setdefault(n.key, {})[n.parameter] = from_search(self.parameter(n), value)
+        return self.present.with_values(values)
+
+    @property
+    def follows_load(self) -> bool:
+        """Whether a force follows the load, which the linear parameters make: columns then depend on their values."""
+        return any(reads_load(e) for e in self.plant.effects)
+
+    def carry(self, c: np.ndarray) -> None:
+        """From now on the load is that of these linear values."""
+        self.present = self.with_linear(self.present, c[: len(self.free_linear)])
+
+    def with_linear(self, plant: Plant, c: np.ndarray) -> Plant:
+        """Return `plant` with the free linear parameters set."""
+        values: dict[str, dict[str, float]] = {}
+        for n, value in zip(self.free_linear, c, strict=True):
+            p = self.parameter(n)
+            values.setdefault(n.key, {})[n.parameter] = float(np.clip(value, p.lower, p.upper))
+        return plant.with_values(values)
+
+    def assemble(self, theta: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return (y (N,), Phi (N, m)): measured less fixed, and the columns of the free linear parameters, filtered."""
+        plant = self.with_shape(theta)
+        at = {(n.key, n.parameter): i for i, n in enumerate(self.free_linear)}
+        y = np.empty(sum(self.lengths))
+        phi = np.zeros((y.size, len(at)), order="F")  # a locked load has no balance: its columns stay zero there
+        row = 0
+        for p, length in zip(self.passes, self.lengths, strict=True):
+            keep, part = p.motion.keep, slice(row, row + length)
+            y[part] = stacked(p.filtered_drive(plant), keep)
+            for e, name, column in p.filtered(plant):
+                index = at.get((e.key, name))
+                if index is None:
+                    value = e.parameters[name].value if name else 1.0
+                    if value != 0.0:
+                        y[part] -= value * stacked(column, keep)
+                else:
+                    phi[part, index] = stacked(column, keep)
+            row += length
+        factor = self.command_scale(plant)
+        return (y, phi) if factor == 1.0 else (y * factor, phi * factor)
+
+    def command_scale(self, plant: Plant) -> float:
+        """Return rms of the command over rms of what command maps make of it, both filtered and about each record's mean; 1
+        without such maps.
+
+        Residuals are compared as commands: else a map that attenuates everything would explain everything. A mean may be a
+        weight's; a map that leaves nothing but that would explain everything still.
+        """
+        if not command_maps(plant):
+            return 1.0
+        bare = replace(plant, effects=tuple(e for e in plant.effects if e.at != "command"))
+        power = [0.0, 0.0]
+        for p in self.passes:
+            for k, q in enumerate((bare, plant)):
+                drive = p.filtered_drive(q)[0][p.motion.keep]
+                power[k] += float(drive.size * np.var(drive))
+        return float(np.sqrt(power[0] / power[1])) if power[1] > 0.0 else np.inf
+
+    def tangents(self, theta: np.ndarray, c: np.ndarray, y: np.ndarray, phi: np.ndarray) -> np.ndarray:
+        """Return d(Phi c - y)/d theta (N, k), one directional derivative of the whole pass each."""
+        base = phi @ c - y
+        plant = self.with_linear(self.with_shape(theta), c[: len(self.free_linear)])
+        factor = self.command_scale(plant)
+        result = np.empty((y.size, theta.size), order="F")
+        for k, name in enumerate(self.free_shape):
+            p = self.parameter(name)
+            step = STEP if p.scale in LOGARITHMIC else self.step_of(p, theta[k])
+            if from_search(p, theta[k] + step) >= p.upper:
+                step = -step
+            part = needed_by(plant, name.key)
+            other = part.with_values({name.key: {name.parameter: from_search(p, theta[k] + step)}})
+            more = np.concatenate([stacked(q.moved(part, other), q.motion.keep) for q in self.passes])
+            scale = self.command_scale(other)
+            result[:, k] = ((scale / factor - 1.0) * base - scale * more) / step
+        return result
+
+    def step_of(self, p: Parameter, value: float) -> float:
+        """Step of the directional derivative for a parameter on a linear scale."""
+        if p.scale == "time":
+            return 0.02 * self.passes[0].motion.dt
+        if p.scale == "order":  # a phase of 0.01 rad at the end of the travel
+            travel = max(float(np.ptp(q.motion.q)) for q in self.passes)
+            return 0.01 / max(travel, 1e-12)
+        return STEP * max(abs(value), 1e-3)
+
+    def drive_part(self, residual: np.ndarray) -> list[np.ndarray]:
+        """Return the drive's balance (samples kept,) of each record out of a stacked vector."""
+        edges = np.cumsum([0, *self.lengths])
+        return [
+            residual[a : b : p.rows(self.plant)] for a, b, p in zip(edges[:-1], edges[1:], self.passes, strict=True)
+        ]
+
+    def blocks(self, seconds: float) -> list[slice]:
+        """Return contiguous blocks of about this length, none across records."""
+        found, row = [], 0
+        for p, length in zip(self.passes, self.lengths, strict=True):
+            rows = p.rows(self.plant)
+            count = max(1, round(length // rows * p.motion.dt / seconds))
+            edges = row + rows * np.linspace(0, length // rows, count + 1).astype(int)
+            found += [slice(a, b) for a, b in zip(edges[:-1], edges[1:], strict=True)]
+            row += length
+        return found

@@ -1,0 +1,226 @@
+"""Variable projection: bounded linear least squares inside, damped Gauss-Newton over the shape parameters outside."""
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+
+from workbench.identification.problem import LOGARITHMIC, Problem, from_search
+
+ITERATIONS = 25
+TOLERANCE = 1e-9  # relative decrease of the cost at which the search stops
+WELL_CONDITIONED = 1e8  # of the normal equations: eight digits are left
+CORRECTED = 1e13  # of the normal equations, up to which one correction brings what they have lost
+TRUSTED = 0.5  # of what the linear model promised, that a step must bring for the next one to be damped less
+LOADS = 8  # times a load is found anew: each leaves mu times the error of the one before
+FOLLOWING = 2  # steps at a load found anew, which is near the last one
+CARRIED = 1e-6  # of the drive, by which a fit may still move with its load
+LARGEST = 1.0  # largest step of a shape parameter on its logarithmic scale
+
+
+@dataclass(frozen=True, eq=False)
+class Solution:
+    """theta: shape on the search scale; c: free linear; y, phi: assembled at theta; tangents: d(Phi c - y)/d theta."""
+
+    theta: np.ndarray
+    c: np.ndarray
+    y: np.ndarray
+    phi: np.ndarray
+    cost: float
+    tangents: np.ndarray
+
+    @cached_property
+    def residual(self) -> np.ndarray:
+        """What is left, (N,)."""
+        return self.y - self.phi @ self.c
+
+    @cached_property
+    def columns(self) -> np.ndarray:
+        """phi and tangents side by side, (N, m + k): all that the model may give way along, to first order."""
+        return np.hstack([self.phi, self.tangents])
+
+    @cached_property
+    def gram(self) -> np.ndarray:
+        """columns' columns, (m + k, m + k)."""
+        return self.columns.T @ self.columns
+
+
+def scales(phi: np.ndarray) -> np.ndarray:
+    """Column norms, one where a column is zero."""
+    norms = np.sqrt(np.einsum("ij,ij->j", phi, phi))
+    return np.where(norms > 0, norms, 1.0)
+
+
+def bounded(
+    phi: np.ndarray,
+    y: np.ndarray,
+    lower: np.ndarray,
+    upper: np.ndarray,
+    normal: tuple[np.ndarray, np.ndarray] | None = None,
+) -> np.ndarray:
+    """Return c of min |phi c - y| with lower <= c <= upper. normal: phi' phi and phi' y, where they are known.
+
+    Normal equations of the scaled columns and their Cholesky factor, with one correction from the residual where these are
+    not well conditioned (Bjorck 1987, the corrected seminormal equations); QR where the factor is lost. Directions that the
+    columns do not determine (below 1e-9 of the largest singular value) take the least norm.
+    """
+    gram, moment = normal or (phi.T @ phi, phi.T @ y)
+    seen = np.diag(gram) > 0.0  # a column of zeros says nothing, and its parameter stays as small as its bounds let it
+    c = np.clip(np.zeros(phi.shape[1]), lower, upper)
+    if not seen.any():
+        return c
+    norms = np.sqrt(np.diag(gram)[seen])
+    lower, upper = lower[seen] * norms, upper[seen] * norms
+    scaled = gram[np.ix_(seen, seen)] / np.outer(norms, norms)
+    condition = np.linalg.cond(scaled)
+    if not condition < CORRECTED:
+        q, r = np.linalg.qr(phi[:, seen] / norms)
+        c[seen] = bounded_small(r, q.T @ y, lower, upper) / norms
+        return c
+    factor = np.linalg.cholesky(scaled)
+    found = bounded_small(factor.T, np.linalg.solve(factor, moment[seen] / norms), lower, upper)
+    if condition >= WELL_CONDITIONED:
+        c[seen] = found / norms
+        left = (phi.T @ (y - phi @ c))[seen] / norms
+        more = bounded_small(factor.T, np.linalg.solve(factor, left), lower - found, upper - found)
+        found = np.clip(found + more, lower, upper)
+    c[seen] = found / norms
+    return c
+
+
+def bounded_small(r: np.ndarray, b: np.ndarray, lower: np.ndarray, upper: np.ndarray) -> np.ndarray:
+    """The bounded problem on a small square matrix."""
+    c = np.linalg.lstsq(r, b, rcond=1e-9)[0]
+    if np.all(c >= lower) and np.all(c <= upper):
+        return c
+    from scipy.optimize import lsq_linear
+
+    c = lsq_linear(r, b, bounds=(lower, upper), method="bvls", tol=1e-12).x
+    return np.clip(c, lower, upper)
+
+
+class At(NamedTuple):
+    """A shape with the linear parameters solved there. cost: squared residual, infinite where an effect has no value on this
+    motion (outside its domain, or grown beyond it). gram: phi' phi."""
+
+    cost: float
+    c: np.ndarray
+    y: np.ndarray
+    phi: np.ndarray
+    gram: np.ndarray
+
+
+def solved_at(problem: Problem, theta: np.ndarray) -> At:
+    """Solve the linear parameters at a shape."""
+    y, phi = problem.assemble(theta)
+    with np.errstate(all="ignore"):  # what is not finite shows in these sums, and far sooner than in every sample
+        gram, moment, power = phi.T @ phi, phi.T @ y, y @ y
+    if not (np.isfinite(gram).all() and np.isfinite(moment).all() and np.isfinite(power)):
+        return At(np.inf, np.zeros(phi.shape[1]), y, phi, gram)
+    c = bounded(phi, y, *problem.bounds, (gram, moment))
+    e = y - phi @ c
+    return At(float(e @ e), c, y, phi, gram)
+
+
+class NoValue(ArithmeticError):
+    """The start of a search lies where an effect of the plant has no value on these records."""
+
+
+def slopes(problem: Problem, theta, c, y, phi) -> np.ndarray:
+    """Return the tangents, zero where a step of the derivative leaves an effect's domain: that direction is not searched."""
+    tangents = problem.tangents(theta, c, y, phi)
+    return np.where(np.isfinite(tangents).all(axis=0), tangents, 0.0)
+
+
+def solve(
+    problem: Problem,
+    theta: np.ndarray | None = None,
+    tolerance: float = TOLERANCE,
+    least: float = 0.0,
+    most: int = ITERATIONS,
+) -> Solution:
+    """Minimise over shape and linear parameters from a start; the result is never worse than the start.
+
+    tolerance: relative decrease of the cost at which the search stops, or that a step no longer promises. least: what the
+    first step must promise, else the start is all. most: steps. Raises NoValue where the start has no value. Where a force
+    follows the load, which is the sum of other forces, it is solved again at the load that was found until that stays.
+    """
+    found = searched(problem, theta, tolerance, least, most)
+    for _ in range(LOADS if problem.follows_load else 0):
+        before = found
+        problem.carry(found.c)
+        found = searched(problem, found.theta, tolerance, 0.0, min(most, FOLLOWING))
+        if np.linalg.norm(found.phi @ (found.c - before.c)) <= CARRIED * np.linalg.norm(found.y):
+            break
+    return found
+
+
+def searched(problem: Problem, theta: np.ndarray | None, tolerance: float, least: float, most: int) -> Solution:
+    """Return what `solve` does, at the load that the problem's values make."""
+    theta = problem.start() if theta is None else np.array(theta, dtype=float)
+    at = solved_at(problem, theta)
+    if not np.isfinite(at.cost):
+        raise NoValue
+    tangents = slopes(problem, theta, at.c, at.y, at.phi)
+    damping = 1e-3
+    enough = max(tolerance, least)
+    for _ in range(most if theta.size else 0):
+        linear = at.c.size
+        g, h, sizes = normal_equations(at, tangents)
+        new = None
+        for _ in range(8):
+            damped = h.copy()
+            index = np.arange(linear, len(h))
+            damped[index, index] += damping
+            whole = np.linalg.lstsq(damped, g, rcond=1e-12)[0]
+            promised = whole @ (2.0 * g - h @ whole)
+            if promised <= enough * at.cost:
+                break  # not even the linear model of the residual promises more
+            step = limited(problem, theta, whole[linear:] / sizes)
+            trial = clipped(problem, theta + step)
+            tried = solved_at(problem, trial)
+            if tried.cost < at.cost:
+                new = tried
+                break
+            damping *= 10
+        if new is None:
+            break
+        gained, enough = at.cost - new.cost, tolerance
+        if gained > TRUSTED * promised:  # else the next step would be as long as one that was refused
+            damping = max(damping / 10, 1e-9)
+        done = gained < tolerance * at.cost
+        theta, at = trial, new
+        tangents = slopes(problem, theta, at.c, at.y, at.phi)
+        if done:
+            break
+    return Solution(theta, at.c, at.y, at.phi, at.cost, tangents)
+
+
+def normal_equations(at: At, tangents: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return (g, h, sizes) of a joint Gauss-Newton step in (c, theta), the linear part may move along: h step = g.
+
+    Columns are of unit length; sizes (k,) are the tangents' own.
+    """
+    norms, sizes = np.sqrt(np.diag(at.gram)), scales(tangents)
+    norms = np.concatenate([np.where(norms > 0.0, norms, 1.0), sizes])
+    e, across = at.y - at.phi @ at.c, at.phi.T @ tangents
+    h = np.block([[at.gram, across], [across.T, tangents.T @ tangents]])
+    return np.concatenate([at.phi.T @ e, tangents.T @ e]) / norms, h / np.outer(norms, norms), sizes
+
+
+def limited(problem: Problem, theta: np.ndarray, step: np.ndarray) -> np.ndarray:
+    """Shorten a step so that no logarithmic parameter moves by more than a factor e."""
+    logs = [problem.parameter(n).scale in LOGARITHMIC for n in problem.free_shape]
+    largest = max((abs(s) for s, is_log in zip(step, logs, strict=True) if is_log), default=0.0)
+    return step * min(1.0, LARGEST / largest) if largest > 0 else step
+
+
+def clipped(problem: Problem, theta: np.ndarray) -> np.ndarray:
+    """Keep shape parameters within their bounds."""
+    result = theta.copy()
+    for k, name in enumerate(problem.free_shape):
+        p = problem.parameter(name)
+        value = from_search(p, theta[k])
+        result[k] = np.log(value) if p.scale in LOGARITHMIC else value
+    return result

@@ -1,0 +1,58 @@
+"""A plant that follows a reference: the record that it would leave, without noise."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from workbench.definition import Effect
+from workbench.identification.passes import Passes, predicted
+from workbench.motion import motion
+from workbench.planning.envelope import Sensing
+from workbench.planning.joint import deflection
+from workbench.planning.motions import Reference
+from workbench.plant import ONE_MASS, Plant
+from workbench.record import IDENTIFICATION, Record, Source
+
+SOURCE = Source(Path("planned"), "", "planned", {})
+
+
+def followed(reference: Reference, plant: Plant, sensing: Sensing) -> Passes:
+    """Return passes over the record of a plant whose encoder reads the reference: the drive that this takes.
+
+    Of two masses the load follows the reference, and the motor is where the joint needs it. Raises WorkbenchError where an
+    effect reads a channel that a plan does not have.
+    """
+    given = np.array(reference.position)
+    if plant.kind == ONE_MASS:
+        passes = recorded(reference, plant, sensing, {"position": given})
+    else:
+
+        def make(deflection: np.ndarray) -> Passes:
+            positions = {"position": given + deflection, "load_position": given.copy()}
+            return recorded(reference, plant, sensing, positions)
+
+        passes = make(deflection(plant, make, sensing.counts, given.size))
+    return driven(passes, predicted(passes, plant))
+
+
+def recorded(reference: Reference, plant: Plant, sensing: Sensing, positions: dict[str, np.ndarray]) -> Passes:
+    """Return passes over a record of these positions, its drive zero."""
+    channel = "torque" if plant.rotary else "force"
+    channels = {channel: np.zeros(reference.position.size), **positions}
+    counts = dict.fromkeys(positions, sensing.counts)
+    record = Record("planned", IDENTIFICATION, reference.time, channels, {}, SOURCE, counts)
+    return Passes(motion(record, sensing.bandwidth))
+
+
+def driven(passes: Passes, drive: np.ndarray) -> Passes:
+    """Return passes over the same motion under another drive (n,)."""
+    m = passes.motion
+    channel = "torque" if "torque" in m.record.channels else "force"
+    record = replace(m.record, channels={**m.record.channels, channel: drive})
+    return Passes(replace(m, record=record, u=drive))
+
+
+def with_effect(plant: Plant, effect: Effect) -> Plant:
+    """Return the plant with an effect: in place of the one of the same name and place, or added."""
+    return plant.swap(effect) if effect.key in (e.key for e in plant.effects) else plant + effect

@@ -1,0 +1,8 @@
+"""The sampled loop, in lanes: one generated kernel a plant and controller (docs/architecture.md, section 7)."""
+
+from workbench.simulation.closed import open_loop, simulate
+from workbench.simulation.criteria import Criteria
+from workbench.simulation.metrics import Metrics, Trajectories
+from workbench.simulation.scenario import Loop, Scenario, ScenarioArrays
+
+__all__ = ["Criteria", "Loop", "Metrics", "Scenario", "ScenarioArrays", "Trajectories", "open_loop", "simulate"]

@@ -1,0 +1,94 @@
+"""Run a bound design in lanes: chunks of lanes, shared by threads, which give the same bits as one."""
+
+import os
+from concurrent.futures import ThreadPoolExecutor
+from functools import lru_cache
+
+import numpy as np
+
+from workbench.kernel.cache import load
+from workbench.simulation.binding import Bound
+from workbench.simulation.design import Design
+from workbench.simulation.source import Layout, places, source
+
+LANES = 32
+WORTH = 5000  # chunks times samples, about a millisecond, from which on threads are worth their start
+_CORES = os.cpu_count() or 1
+
+
+@lru_cache(maxsize=4)
+def _pool(workers: int) -> ThreadPoolExecutor:
+    return ThreadPoolExecutor(workers)
+
+
+if hasattr(os, "register_at_fork"):  # a forked child has none of its parent's threads
+    os.register_at_fork(after_in_child=_pool.cache_clear)
+
+
+@lru_cache(maxsize=128)
+def kernel(design: Design, layout: Layout):
+    """Return the compiled loop."""
+    return load(source(design, layout), "loop").run
+
+
+def layout_of(bound: Bound, lanes: int, record: tuple[str, ...]) -> Layout:
+    """How the kernel for these numbers is laid out."""
+    most = int(np.max(bound.delays))
+    delay = "none" if most == 0 else "uniform" if np.min(bound.delays) == most else "varying"
+    varying = tuple(tuple(bool(np.ndim(v)) for v in values) for values in bound.frontier)
+    slots = 1 if delay == "none" else 1 << (-(-most // bound.loop.substeps)).bit_length()
+    return Layout(varying, bound.loop.substeps, lanes, delay, slots, record, *bound.given.structure)
+
+
+def chunked(values: np.ndarray, lanes: int, dtype=None) -> np.ndarray:
+    """Return (..., n) as (chunks, ..., lanes), the last chunk filled with the last value."""
+    n = values.shape[-1]
+    pad = [(0, 0)] * (values.ndim - 1) + [(0, -n % lanes)]
+    full = np.pad(values, pad, mode="edge").reshape(*values.shape[:-1], -(-n // lanes), lanes)
+    return np.ascontiguousarray(np.moveaxis(full, -2, 0), dtype=dtype)
+
+
+def run_lanes(
+    bound: Bound, record: tuple[str, ...] = (), every: int = 1, lanes: int = LANES, threads: int | None = None
+):
+    """Return (row -> (lanes,) final values, recorded (n, signals, lanes) or None)."""
+    layout = layout_of(bound, lanes, record)
+    at = places(bound.design, layout)
+    rows = len(set(at.values()))
+    n, chunks = bound.lanes, -(-bound.lanes // lanes)
+    whole = np.zeros((rows + layout.extra_rows, n))
+    for name, value in bound.initial.items():
+        if name in at:
+            whole[at[name]] = value
+    flat = [v for values in bound.frontier for v in values]
+    varying = [v for v in flat if np.ndim(v)]
+    if varying:
+        whole[rows:] = varying
+    scalars = np.array([v for v in flat if not np.ndim(v)], dtype=float)
+    x = chunked(whole, lanes)
+    seeds = chunked(np.broadcast_to(bound.scenarios.seed, (n,)), lanes, np.uint64)
+    base, delays = chunked(bound.base, lanes), chunked(np.broadcast_to(bound.delays, (n,)), lanes)
+    strength = chunked(bound.strength, lanes)
+    own, shared = chunked(bound.given.own, lanes), np.ascontiguousarray(bound.given.shared).ravel()
+    kept = -(-bound.samples // every) if record else 0
+    out = np.empty((chunks, kept, len(record), lanes))
+    run = kernel(bound.design, layout)
+    table = np.ascontiguousarray(bound.table).ravel()
+    uniform = int(np.max(bound.delays))
+    shift, offset = bound.grid
+
+    def chunk(i: int) -> None:
+        ring = np.zeros(layout.slots * lanes)
+        run(x[i].ravel(), scalars, table, base[i], seeds[i], strength[i], delays[i], ring, shared, own[i].ravel(),
+            out[i].ravel(), bound.samples, bound.window_from, every, shift, offset, uniform,
+            bound.loop.sample_time, bound.loop.substep)  # fmt: skip
+
+    workers = min(threads or (_CORES if chunks * bound.samples > WORTH else 1), chunks)
+    if workers > 1:
+        list(_pool(workers).map(chunk, range(chunks)))
+    else:
+        for i in range(chunks):
+            chunk(i)
+    final = {name: x[:, row].reshape(-1)[:n] for name, row in at.items()}
+    recorded = np.moveaxis(out, 0, -2).reshape(kept, len(record), -1)[..., :n] if record else None
+    return final, recorded

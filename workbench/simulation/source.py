@@ -1,0 +1,206 @@
+"""The text of one loop kernel: samples outside, lanes inside, every value at a constant place of one flat array.
+
+Row r of the chunk lies at x[r L] .. x[r L + L - 1]. A loop over lanes loads rows, does the arithmetic of a program and
+stores rows; offsets and L are written out as numbers, so the compiler sees that rows do not overlap, and vectorises.
+"""
+
+from dataclasses import dataclass
+
+import casadi as ca
+
+from workbench.kernel.choice import Choice
+from workbench.kernel.program import Line
+from workbench.simulation import noise
+from workbench.simulation.design import Design, Piece
+from workbench.simulation.sampled import AMPLITUDE
+
+ARGUMENTS = (
+    "x, c, table, base, seeds, strength, delays, ring, shared, own, out, "
+    "samples, window_from, every, shift, offset, delay, sample_time, h"
+)
+HEAD = '''"""Generated: one sampled loop. Strict arithmetic in the order of the symbolic steps, so the bits are the same."""
+
+import numba
+import numpy as np
+from numpy import floor, sqrt
+
+from workbench.kernel.intrinsics import bits, branch, select
+
+INF, NAN = np.inf, np.nan
+fabs = np.abs
+
+
+@numba.njit(cache=True, nogil=True, error_model="numpy")
+def run({arguments}):
+'''
+
+
+@dataclass(frozen=True)
+class Layout:
+    """How a kernel is laid out.
+
+    varying: for each piece, whether each of its constants has a value a lane. record: rows written out, if any. shared, own: signals given over time.
+    delay: "none", "uniform" or "varying"; slots: samples that the ring holds. substeps, lanes: written into the text.
+    """
+
+    varying: tuple[tuple[bool, ...], ...]
+    substeps: int
+    lanes: int
+    delay: str
+    slots: int
+    record: tuple[str, ...] = ()
+    shared: tuple[str, ...] = ()
+    own: tuple[str, ...] = ()
+
+    def constants(self, at: int) -> list[tuple[str, int]]:
+        """(kind, number) of each constant of piece `at`: "row" counted after the design's rows, or "scalar"."""
+        flat = [v for piece in self.varying for v in piece]
+        first = sum(len(piece) for piece in self.varying[:at])
+        return [
+            ("row", sum(flat[: first + m])) if v else ("scalar", first + m - sum(flat[: first + m]))
+            for m, v in enumerate(self.varying[at])
+        ]
+
+    @property
+    def extra_rows(self) -> int:
+        return sum(v for piece in self.varying for v in piece)
+
+
+def places(design: Design, layout: Layout) -> dict[str, int]:
+    """Row of every name. Without a delay the command acts at once: "u" is the row of "u_c"."""
+    at = {n: i for i, n in enumerate(n for n in design.rows if layout.delay != "none" or n != "u")}
+    return at if "u" in at else at | {"u": at["u_c"]}
+
+
+def expression(line: Line, lanes: int) -> str:
+    """The text of a line. Beside a constant, which is never NaN, fmin and fmax need one comparison, and in this form are
+    one instruction of the processor; of two zeros of unlike sign they may return the other one."""
+    if line.op in (ca.OP_FMIN, ca.OP_FMAX):
+        sign = "<" if line.op == ca.OP_FMIN else ">"
+        if _known(line.b):
+            return f"select({line.a} {sign} {line.b}, {line.a}, {line.b})"
+        if _known(line.a):
+            return f"select({line.b} {sign} {line.a}, {line.b}, {line.a})"
+    if isinstance(line, Choice) and lanes == 1:
+        return line.text.replace("select", "branch", 1)
+    return line.text
+
+
+def _known(name: str) -> bool:
+    return not name.startswith(("w", "i0_")) and name != "NAN"
+
+
+def cell(row: int, lanes: int) -> str:
+    """Where a row is in one lane. A single lane has its rows in variables: a store and a load would cost it latency."""
+    return f"r_{row}" if lanes == 1 else f"x[{row * lanes} + lane]"
+
+
+def lanes_loop(piece: Piece, at: dict[str, int], constants, rows: int, lanes: int) -> list[str]:
+    """Lines of one loop over lanes."""
+    text = [f"for lane in range({lanes}):"]
+    for j, name in enumerate(piece.rows):
+        text.append(f"    i0_{j} = " + (cell(at[name], lanes) if name in at else f"clock_{name}"))
+    for m, (kind, number) in enumerate(constants):
+        text.append(f"    i1_{m} = " + (cell(rows + number, lanes) if kind == "row" else f"c_{number}"))
+    text += [f"    {line.out} = {expression(line, lanes)}" for line in piece.after.lines]
+    outputs = zip(piece.outputs, piece.after.outputs[0], strict=True)
+    return text + [f"    {cell(at[name], lanes)} = {value}" for name, value in outputs]
+
+
+def look_up(design: Design, at: dict[str, int], lanes: int) -> list[str]:
+    """Lines that read the law's table: see workbench.control.table."""
+    columns = design.law.columns if design.law is not None else ()
+    if not columns:
+        return []
+    text = [
+        f"for lane in range({lanes}):",
+        f"    amplitude = {cell(at[AMPLITUDE], lanes)}",
+        f"    row = {2 * len(columns)} * (base[lane] + ((bits(amplitude) >> shift) - offset))",
+    ]
+    for j, name in enumerate(columns):
+        place = cell(at[f"gain.{name}"], lanes)
+        text.append(f"    {place} = table[row + {2 * j}] + table[row + {2 * j + 1}] * amplitude")
+    return text
+
+
+def delayed(at: dict[str, int], layout: Layout) -> tuple[list[str], list[str]]:
+    """Lines that put a sample's command into the ring, and lines that take out what acts in substep j."""
+    lanes, slots, steps = layout.lanes, layout.slots, layout.substeps
+    if layout.delay == "none":
+        return [], []
+    put = [
+        f"slot = (k % {slots}) * {lanes}",
+        f"for lane in range({lanes}):",
+        f"    ring[slot + lane] = {cell(at['u_c'], lanes)}",
+    ]
+    if layout.delay == "uniform":
+        take = [
+            f"past = k * {steps} + j - delay",
+            "if past >= 0:",
+            f"    slot = ((past // {steps}) % {slots}) * {lanes}",
+            f"    for lane in range({lanes}):",
+            f"        {cell(at['u'], lanes)} = ring[slot + lane]",
+        ]
+    else:
+        take = [
+            f"for lane in range({lanes}):",
+            f"    past = k * {steps} + j - delays[lane]",
+            "    if past >= 0:",
+            f"        {cell(at['u'], lanes)} = ring[((past // {steps}) % {slots}) * {lanes} + lane]",
+        ]
+    return put, take
+
+
+def given(at: dict[str, int], layout: Layout) -> list[str]:
+    """Lines that take a sample of the signals given over time."""
+    lanes, n, m = layout.lanes, len(layout.shared), len(layout.own)
+    text = [f"clock_{name} = shared[k * {n} + {i}]" for i, name in enumerate(layout.shared)]
+    rows = [(i, name) for i, name in enumerate(layout.own) if name in at]
+    text += [f"for lane in range({lanes}):"] if rows else []
+    return text + [f"    {cell(at[name], lanes)} = own[k * {m * lanes} + {i * lanes} + lane]" for i, name in rows]
+
+
+def recorded(at: dict[str, int], layout: Layout) -> list[str]:
+    """Lines that write the rows asked for, every so many samples."""
+    lanes, n = layout.lanes, len(layout.record)
+    if not n:
+        return []
+    text = ["if k % every == 0:", f"    place = (k // every) * {n * lanes}", f"    for lane in range({lanes}):"]
+    return text + [
+        f"        out[place + {i * lanes} + lane] = {cell(at[name], lanes)}" for i, name in enumerate(layout.record)
+    ]
+
+
+def source(design: Design, layout: Layout) -> str:
+    """Return the text of a module with `run(...)`, which moves one chunk of lanes through all samples."""
+    at, lanes = places(design, layout), layout.lanes
+    rows = len(set(at.values()))
+    sense, control, step = (lanes_loop(p, at, layout.constants(i), rows, lanes) for i, p in enumerate(design.pieces))
+    scalars = sum(len(v) for v in layout.varying) - layout.extra_rows
+    put, take = delayed(at, layout)
+    noisy = noise.source(cell(at["noise"], lanes), "strength[lane]", lanes) if design.noisy else []
+    clocks = [
+        "clock_k = float(k)",
+        "clock_t = clock_k * sample_time",
+        "clock_window = 1.0 if k >= window_from else 0.0",
+    ]
+    sample = [
+        *clocks,
+        *given(at, layout),
+        *sense,
+        *look_up(design, at, lanes),
+        *control,
+        *recorded(at, layout),
+        *noisy,
+        *put,
+    ]
+    inner = [*take, "clock_t = clock_k * sample_time + j * h", *step]
+    text = [f"    c_{i} = c[{i}]" for i in range(scalars)]
+    own = range(rows + layout.extra_rows) if lanes == 1 else ()
+    text += [f"    r_{i} = x[{i}]" for i in own]
+    text += ["    for k in range(samples):"]
+    text += [f"        {line}" for line in sample]
+    text += [f"        for j in range({layout.substeps}):"]
+    text += [f"            {line}" for line in inner]
+    text += [f"    x[{i}] = r_{i}" for i in own]
+    return HEAD.format(arguments=ARGUMENTS) + "\n".join(text) + "\n"

@@ -1,0 +1,174 @@
+"""What a declared model may lack: undeclared effects of the catalogue where they can act, and fixed values that are wrong."""
+
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass, field
+from types import MappingProxyType
+
+from workbench.definition import Effect, catalogue
+from workbench.effects.free_bank import NAME as FREE_CURVE
+from workbench.plant import Plant, places
+from workbench.tracing.evidence import ADDITION, CORRECTION
+
+__all__ = ["ADDITION", "CORRECTION"]
+AGAIN = "2"  # label of a periodic effect beside the declared one
+
+
+@dataclass(frozen=True)
+class Suspect:
+    """effect, at: what would be added, or whose fixed parameters would be set free. plant: the plant with it.
+
+    instead: keys of declared effects that an addition takes the place of. restored: keys of declared laws that it brings back in the
+    place of their free virgin curve. stands: name of the nearest formula, of a free form.
+    """
+
+    effect: str
+    at: str
+    kind: str
+    plant: Plant
+    instead: tuple[str, ...] = ()
+    stands: str = ""
+    restored: tuple[str, ...] = ()
+
+    @property
+    def name(self) -> str:
+        """What it is called: of a free form its class' nearest formula."""
+        return self.stands or self.effect
+
+    @property
+    def key(self) -> str:
+        return f"{self.effect}@{self.at}"
+
+
+@dataclass(frozen=True)
+class Offer:
+    """only: names of the effects that are judged, all where None. own: effects offered beside those of the catalogue.
+
+    declared: keys of the declared effects; a periodic one of them is offered once more, at another order. stands_for: key of a
+    free virgin curve -> the declared friction that it takes the place of.
+    """
+
+    only: Collection[str] | None = None
+    own: Collection[Effect] = ()
+    declared: Collection[str] = ()
+    stands_for: Mapping[str, Effect] = field(default_factory=dict)
+
+    def suspects(self, plant: Plant) -> list[Suspect]:
+        """Return the candidates of a plant that are judged."""
+        found = suspects(plant, self.own, self.declared, self.stands_for)
+        return [s for s in found if self.only is None or {s.effect, s.effect.partition(" ")[0]} & set(self.only)]
+
+
+WHOLE = Offer()  # all of the catalogue, and nothing else
+
+
+def suspects(
+    plant: Plant,
+    own: Collection[Effect] = (),
+    declared: Collection[str] = (),
+    stands_for: Mapping[str, Effect] = MappingProxyType({}),
+) -> list[Suspect]:
+    """Return every candidate, in the order of their names (the result does not depend on the order of declaration).
+
+    own: effects that are offered beside those of the catalogue, and judged as they are: one that the catalogue has and does
+    not trace, or one with a parameter that the rig makes known (a ripple once a motor revolution).
+    """
+    found = []
+    motion = "rotary" if plant.rotary else "linear"
+    traced = [e for e in catalogue().values() if e.traced]
+    for effect in (*traced, *own):
+        if motion not in effect.motions:
+            continue
+        for place in places(plant.kind, effect, plant.rotary):
+            if place in effect.stated or not offered(effect, place, plant):
+                continue
+            if not all(s in plant_signals(plant) for s in effect.reads):
+                continue
+            another = effect(at=place)
+            if another.key in declared and periodic(effect):
+                another = another(label=AGAIN)
+            if another.key in (*(e.key for e in plant.effects), *(e.key for e in stands_for.values())):
+                continue
+            same = needless(another, plant)
+            rest = plant
+            for key in same:
+                rest = rest.without(key)
+            restored: tuple[str, ...] = ()
+            if another.linear:
+                instead = (*same, *(stands_for[k].key for k in same if k in stands_for))
+            else:  # a length of its own, by which the declared law builds up
+                instead = same
+                restored = tuple(stands_for[key].key for key in same)
+                for key in same:
+                    rest = rest + stands_for[key]
+            found.append(Suspect(another.named, place, ADDITION, rest + another, instead, restored=restored))
+            if same and FREE_CURVE not in {k.partition("@")[0] for k in same}:
+                # the same beside what it may take the place of: two contacts
+                found.append(Suspect(another.named, place, ADDITION, plant + another))
+    for e in plant.effects:
+        # a parameter held by definition (the exponent of a virgin curve) is no value from a data sheet
+        default = catalogue()[e.name](at=e.at) if e.name in catalogue() else None
+        by_definition = {n for n, p in default.parameters.items() if p.fixed} if default else set()
+        held = [n for n, p in e.parameters.items() if p.fixed and n not in by_definition and n not in e.knots]
+        # what an instrument told (a clock, by the angle between encoders) was measured, and is no value from a data sheet either
+        if held and (not declared or e.key in declared):
+            found.append(Suspect(e.named, e.at, CORRECTION, plant.swap(e.free(*held))))
+    return sorted(found, key=lambda s: (s.effect, s.at, s.kind, not s.instead))
+
+
+def needless(effect: Effect, plant: Plant) -> tuple[str, ...]:
+    """Return the keys of declared effects that an effect takes the place of.
+
+    A force that provides the direction of motion is a friction with memory, and goes with that direction; what
+    reads nothing but the direction at its place (Coulomb friction) would be the same force once more.
+    """
+    if "dir" not in effect.provides:
+        return ()
+    return tuple(
+        e.key
+        for e in plant.effects
+        if e.at == effect.at and (e.name == FREE_CURVE or (effect.linear and tuple(e.reads) == ("dir",)))
+    )
+
+
+def periodic(effect: Effect) -> bool:
+    """Whether an effect has an order, so that an axis may have it once more at another one."""
+    return any(p.scale == "order" and not p.fixed for p in effect.parameters.values())
+
+
+def offered(effect: Effect, place: str, plant: Plant) -> bool:
+    """Whether an effect is a candidate at a place: not a second source of the direction of motion there.
+
+    Two effects that provide `dir` are two descriptions of one contact; and the second would change what others read. In place
+    of a free virgin curve one may be offered, unless it is a formula for such a curve.
+    """
+    given = {s for e in plant.effects if e.at == place and e.name != FREE_CURVE for s in e.provides}
+    curved = any(e.at == place and e.name == FREE_CURVE for e in plant.effects)
+    return not given & set(effect.provides) and not (curved and effect.virgin is not None and "masing" in effect.holds)
+
+
+def plant_signals(plant: Plant) -> set[str]:
+    """Signals that every record of such a plant has."""
+    return set("q dq v a dt t u tau tau_inertia dir motor_q load_q ratio pole_pairs locked".split())
+
+
+def without(plant: Plant, suspect: Suspect, declared: Plant) -> Plant:
+    """Return `plant` without what a suspect brought to the declared one."""
+    if suspect.kind != ADDITION:
+        return plant.swap(declared[suspect.key])
+    plant = plant.without(suspect.key)
+    for key in {e.key for e in plant.effects} & ({*suspect.restored} - {e.key for e in declared.effects}):
+        plant = plant.without(key)
+    for e in declared.effects:  # what it took the place of may itself have been added
+        if e.key in suspect.instead:
+            plant = plant + e
+    return plant
+
+
+def brought(plant: Plant, suspect: Suspect, last: Plant) -> Plant:
+    """Return `plant` with what a suspect brings, as it came out in `last`."""
+    effect = last[suspect.key]
+    if suspect.kind != ADDITION:
+        return plant.swap(effect)
+    for key in {e.key for e in plant.effects} & {*suspect.instead}:
+        plant = plant.without(key)
+    return plant + effect

@@ -1,0 +1,77 @@
+"""What an effect would explain of a machine that lacks nothing, for no reason but its encoders' counts.
+
+Counts are noise in the motion, from which every column of the model is made, and least squares lean on a noisy column: an
+inertia comes out too small, and setting a fixed one free explains a part of what the counts leave (errors in variables;
+Fuller, Measurement Error Models, 1987). So the present model is made the machine: it moves between the counts, its drive is
+what the model asks for, as is what drives its load, and its encoders read counts.
+"""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from workbench.identification.passes import Passes, balances, predicted
+from workbench.identification.solve import NoValue
+from workbench.motion import motion
+from workbench.plant import Plant
+from workbench.tracing.candidates import Suspect
+from workbench.tracing.floor import read_again
+from workbench.tracing.result import Candidate
+from workbench.tracing.search import fitted, within_reach
+from workbench.tracing.state import State
+from workbench.tracing.thin import thin_one
+
+LOAD = "asked at the load"  # channel of what drives the load of a machine that is the present model
+
+
+class Sound(Passes):
+    """Passes of a machine that the present model is exact for, but for its counts: of two masses its load is driven, too."""
+
+    def filtered_drive(self, plant: Plant) -> np.ndarray:
+        drive = super().filtered_drive(plant)
+        if len(drive) > 1:
+            drive[1] = self.motion.filter(self.motion.record.channels[LOAD])
+        return drive
+
+
+def sound(passes: Sequence[Passes], plant: Plant) -> list[Passes]:
+    """Return thinned passes of the records that this plant would leave, without noise of the drive; none where counts are
+    unknown."""
+    found = []
+    for p in passes:
+        records = read_again(p)
+        if records is None:
+            return []
+        band = p.motion.filter.bandwidth
+        true, read = Passes(motion(records[0], band)), records[1]
+        made = {"torque" if "torque" in read.channels else "force": predicted(true, plant)}
+        if true.rows(plant) > 1:
+            made[LOAD] = balances(true, plant)[1]
+        found.append(thin_one(Sound(motion(replace(read, channels={**read.channels, **made}), band)), of=Sound))
+    return found
+
+
+def of_counts(suspect: Suspect, state: State, whole: Sequence[Passes]) -> float:
+    """Return the power that a suspect takes away of what counts alone leave, over that of the state's residual.
+
+    whole: passes of the identification records as they are. 0 where nothing comes of it.
+    """
+    made = sound(whole, state.plant)
+    if not made:
+        return 0.0
+    try:
+        alone = State(within_reach(state.plant, made), made)  # whose travel is not quite that of the records
+        _, solution = fitted(suspect, alone.problem, alone.solution, alone.residuals)
+    except NoValue:
+        return 0.0
+    taken = max(alone.solution.cost - solution.cost, 0.0)
+    return taken / state.solution.cost if state.solution.cost > 0.0 else 0.0
+
+
+def by_counts(c: Candidate, spurious: float) -> Candidate:
+    """Return a candidate that does not earn its place, because of what it would take away of the counts alone."""
+    more = (
+        f" Of what counts alone would leave of a machine that lacks nothing it would take away {100 * spurious:.1f} %."
+    )
+    return replace(c, earns=False, sentence=c.sentence + more)

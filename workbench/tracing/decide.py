@@ -1,0 +1,105 @@
+"""The decision: evidence in, verdict out. No record, no model and no search is seen here.
+
+| question, in this order | answer |
+|---|---|
+| does the angle between two encoders say that one is late? | cause, whatever else |
+| a correction within the fixed value's tolerance, or an effect below the practical size? | refinement |
+| does the error grow on validation, or does the effect explain nearly nothing there? | not borne out |
+| do the causes take `held` of the validation power, or leave little that is explainable? | cause |
+| is more than `explainable` of the drive predictable from outside the loop? | unknown |
+| else | nothing missing |
+"""
+
+from dataclasses import dataclass
+from math import isfinite
+
+from workbench.record import IDENTIFICATION, VALIDATION
+from workbench.tracing.criteria import Criteria
+from workbench.tracing.evidence import CORRECTION, Evidence, Weighed
+
+CAUSE, NOTHING, UNKNOWN = "cause", "nothing_missing", "unknown"
+REFINEMENT, NOT_BORNE_OUT, DRESSING = "refinement", "not borne out", "dressing"
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """verdict: "cause", "nothing_missing" or "unknown". roles: of each effect of the evidence, in its order: "cause",
+    "refinement", "not borne out" or "dressing" (it only dresses what no effect explains). something_else: whether more is
+    missing beside the causes. alarms: names of what an engineer must look at first. added: names of the causes, first found first."""
+
+    verdict: str
+    roles: tuple[str, ...]
+    something_else: bool = False
+    alarms: tuple[str, ...] = ()
+    added: tuple[str, ...] = ()
+
+    @property
+    def ranked(self) -> tuple[str, ...]:
+        """The causes, best first: in the order in which the search found them."""
+        return self.added
+
+
+def decide(evidence: Evidence, criteria: Criteria) -> Verdict:
+    """Return the verdict on this evidence."""
+    roles = tuple(role(a, criteria) for a in evidence.added)
+    causes = [a for a, r in zip(evidence.added, roles, strict=True) if r == CAUSE]
+    spread = evidence.place_instead and not little_left(evidence, criteria)
+    if causes and (spread or not answers(evidence, causes, criteria)):
+        roles = tuple(DRESSING if r == CAUSE else r for r in roles)
+        causes = []
+    if causes or evidence.clock:
+        size = evidence.after.size
+        more = size >= criteria.beside and size >= 0.5 * evidence.before.size and not evidence.idle
+        names = (*(("clock_skew",) if evidence.clock else ()), *(a.effect.partition(" ")[0] for a in causes))
+        return Verdict(CAUSE, roles, more, alarms(evidence, roles), names)
+    missing = evidence.before.size >= criteria.explainable
+    return Verdict(UNKNOWN if missing else NOTHING, roles, False, alarms(evidence, roles))
+
+
+def role(a: Weighed, criteria: Criteria) -> str:
+    """Return what one effect is by itself."""
+    if a.kind == CORRECTION and a.changed <= a.tolerance:
+        return REFINEMENT
+    # without a validation record both are NaN, and say nothing
+    if a.size(VALIDATION) < 0.0 or a.share(VALIDATION) < criteria.carried * a.share(IDENTIFICATION):
+        return NOT_BORNE_OUT
+    if a.size(IDENTIFICATION) < criteria.practical:
+        return REFINEMENT
+    return CAUSE
+
+
+def answers(evidence: Evidence, causes: list[Weighed], criteria: Criteria) -> bool:
+    """Whether the causes are the answer: they hold on validation, or leave little of what could be explained.
+
+    What only an injected torque shows (a delay, a lag) is in no reference, and moves excite it little: then it is enough that the
+    causes take as much of the identification records, by blocks that were not seen, and that nothing explainable stays.
+    """
+    judge = VALIDATION if isfinite(evidence.declared[VALIDATION]) else IDENTIFICATION
+    if share_of(causes, evidence, judge) >= criteria.held:
+        return True
+    if any(a.behind and a.share(judge) >= criteria.held for a in causes):
+        return True
+    if evidence.before.size >= criteria.explainable:
+        return little_left(evidence, criteria)
+    return share_of(causes, evidence, IDENTIFICATION) >= criteria.held and evidence.after.size < criteria.explainable
+
+
+def share_of(causes: list[Weighed], evidence: Evidence, role: str) -> float:
+    """Return the share of the declared model's residual power that causes take away together."""
+    taken = sum(max(a.before[role] ** 2 - a.after[role] ** 2, 0.0) for a in causes)
+    declared = evidence.declared[role] ** 2
+    return taken / declared if declared > 0.0 else 0.0
+
+
+def little_left(evidence: Evidence, criteria: Criteria) -> bool:
+    """Whether what was added leaves little of what could be explained."""
+    return evidence.after.size**2 <= criteria.left * evidence.before.size**2
+
+
+def alarms(evidence: Evidence, roles: tuple[str, ...]) -> tuple[str, ...]:
+    """Return "below floor" where the extended model's error is less than noise alone would leave."""
+    kept = [a for a, r in zip(evidence.added, roles, strict=True) if r in (CAUSE, REFINEMENT)]
+    if not kept:
+        return ()
+    below = [r for r in (IDENTIFICATION, VALIDATION) if kept[-1].after[r] < 0.9 * evidence.floor[r]]
+    return ("below floor",) if below else ()

@@ -1,0 +1,241 @@
+"""How much of a residual anything could predict: out of sample, from what is outside the loop.
+
+In a closed loop noise becomes motion, so that of pure noise more than half is "predicted" from the measured motion. What is
+outside the loop is not moved by it: the reference and its past, where it is, which way it goes, how far since it turned, and
+bench time (instruments: Young 2011; Janot, Gautier, Brunot 2019). Four kinds are asked, each out of sample:
+
+- exogenous: boosted trees over the reference's motion, blocks of BLOCK s left out by turns, no standstill;
+- time: a stretch of STRETCH s from its neighbours in bench time, as a level or as a level that goes with the direction;
+- line: the strongest line of the spectrum that neither the reference nor the drive has;
+- burst: power of the samples far outside what the residual usually is.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import sqrt
+
+import numpy as np
+
+from workbench.identification.passes import Passes
+from workbench.motion import MOTION_BAND, LowPass
+from workbench.tracing.criteria import Criteria
+from workbench.tracing.evidence import Explainable
+from workbench.tracing.score import Deviations, parted
+from workbench.tracing.state import State
+
+BLOCK = 0.7  # s, left out together: longer than the memory of filters and of trees over neighbouring samples
+STRETCH = 0.25  # s
+SPANS = (0.5, 2.0, 8.0)  # s, widths of the neighbourhood in bench time
+FOLDS = 5
+CERTAIN = 3.0  # standard errors over blocks by which a share must differ from zero
+TREES, LEAVES, LEAST_LEAF = 80, 16, 40
+RANKS = 128
+STILL, TURNING = 0.05, 0.06  # of the speed's rms, and s after a reversal, that are standstill
+HEAVY = 20.0  # evaluation bandwidth over that of the position's low pass, where no reference was logged
+
+
+@dataclass(frozen=True, eq=False)
+class Part:
+    """One record's residual of the drive (n,), what is outside the loop (n, features), and when it moves (n,) of bool."""
+
+    residual: np.ndarray
+    outside: np.ndarray
+    moves: np.ndarray
+    way: np.ndarray
+    time: np.ndarray
+    dt: float
+    drive: np.ndarray
+    reference: np.ndarray
+    bandwidth: float
+
+
+def explainable(state: State, criteria: Criteria) -> Explainable:
+    """Return what could be explained of a state's residual of the drive, over the drive's rms."""
+    residuals = state.problem.drive_part(unseen(state))
+    parts = [part(p, r, state.plant.geometry.gear_ratio) for p, r in zip(state.passes, residuals, strict=True)]
+    whole = sum(float(p.residual @ p.residual) for p in parts)
+    unit = 1.0 / sqrt(state.power) if state.power > 0.0 else 0.0
+    referenced = all("reference" in p.motion.record.channels for p in state.passes)
+    share, frequency = strongest_line(parts, criteria.line)
+    return Explainable(
+        exogenous=unit * sqrt(exogenous(parts)),
+        time=unit * sqrt(over_time(parts)),
+        line=unit * sqrt(share * whole),
+        burst=unit * sqrt(burst if (burst := bursts(parts, criteria.burst)) > criteria.share * whole else 0.0),
+        frequency=frequency,
+        instrument="reference" if referenced else "low-passed position",
+    )
+
+
+def unseen(state: State) -> np.ndarray:
+    """Return the residual (N,) of each block by a fit to the others: what free laws would take of noise is not taken."""
+    model, residual = Deviations(state.problem, state.solution), state.solution.residual
+    blocks = state.problem.blocks(BLOCK)
+    grams = np.array([model.columns[b].T @ model.columns[b] for b in blocks])
+    moments = np.array([model.columns[b].T @ residual[b] for b in blocks])
+    found = np.array(residual)
+    for out, rest in parted(len(blocks), FOLDS):
+        d = model.best(grams[rest].sum(axis=0), moments[rest].sum(axis=0))
+        for i in out:
+            found[blocks[i]] -= model.columns[blocks[i]] @ d
+    return found
+
+
+def part(p: Passes, residual: np.ndarray, ratio: float) -> Part:
+    """Return a record's Part. residual: of the drive, in the samples that count. ratio: motor turns per output turn."""
+    m = p.motion
+    keep = m.keep
+    logged = m.record.channels.get("reference")
+    band = MOTION_BAND * m.filter.bandwidth if logged is not None else m.filter.bandwidth / HEAVY
+    reference = m.record.channels["position"] if logged is None else logged
+    q, v, a = LowPass(band, 1 / m.dt, m.u.size).derivatives(reference, 3)
+    way = held_sign(v)
+    near, far = (max(1, round(k / m.filter.bandwidth / m.dt)) for k in (0.5, 2.0))
+    turn = 2.0 * np.pi / max(ratio, 1e-12)
+    features = [q, v, a, way, np.log(travelled(q, way) + 1e-3 * np.ptp(q) + 1e-300), np.abs(v)]
+    features += [np.roll(a, near), np.roll(a, -near), np.roll(v, far), np.mod(q, turn)]
+    return Part(
+        residual, np.column_stack(features)[keep], moving(m.v, m.dt, keep)[keep], held_sign(m.v)[keep], m.t[keep], m.dt,
+        m.filter(m.u)[keep], q[keep], m.filter.bandwidth,
+    )  # fmt: skip
+
+
+def held_sign(v: np.ndarray) -> np.ndarray:
+    """Return the sign of v (n,), where it is 1 % of its rms or less the one before."""
+    plain = np.where(np.abs(v) > 0.01 * np.sqrt(np.mean(v**2)), np.sign(v), 0.0)
+    last = np.maximum.accumulate(np.where(plain != 0.0, np.arange(v.size), 0))
+    return plain[last]
+
+
+def travelled(q: np.ndarray, way: np.ndarray) -> np.ndarray:
+    """Return the distance (n,) since the way last turned."""
+    distance = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(q)))])
+    mark = np.zeros(q.size)
+    turns = np.flatnonzero(np.diff(way)) + 1
+    mark[turns] = distance[turns]
+    return distance - np.maximum.accumulate(mark)
+
+
+def moving(v: np.ndarray, dt: float, keep: slice) -> np.ndarray:
+    """Return where (n,) the axis is neither at rest nor just turned: there friction is a matter of counts."""
+    moves = np.abs(v) > STILL * np.sqrt(np.mean(v[keep] ** 2))
+    turned = np.concatenate([[0], np.cumsum(np.diff(np.sign(v)) != 0)])
+    before = np.concatenate([np.zeros(min(v.size, round(TURNING / dt)), int), turned])[: v.size]
+    return moves & (turned == before)
+
+
+def gained(before: np.ndarray, after: np.ndarray) -> float:
+    """Return the power taken away over blocks, 0 where it does not differ from zero by CERTAIN standard errors of the share."""
+    whole = float(before.sum())
+    g = 1.0 - float(after.sum()) / whole if whole > 0.0 else 0.0
+    spread = (before - after) - g * before
+    n = before.size
+    scatter = np.sqrt(n / max(n - 1, 1) * (spread @ spread)) / whole if whole > 0.0 else np.inf
+    return g * whole if g > CERTAIN * scatter else 0.0
+
+
+def exogenous(parts: Sequence[Part]) -> float:
+    """Return the power that the reference's motion predicts out of sample, standstill left out; records weigh alike."""
+    from sklearn.ensemble import HistGradientBoostingRegressor
+    from threadpoolctl import threadpool_limits
+
+    x = ranked(np.vstack([p.outside for p in parts]))
+    y, moves = np.concatenate([p.residual for p in parts]), np.concatenate([p.moves for p in parts])
+    weight = np.concatenate([np.full(p.residual.size, 1.0 / max(np.count_nonzero(p.moves), 1)) for p in parts])
+    block = numbered(parts)
+    fold = block % FOLDS
+    before, after = np.zeros(block[-1] + 1), np.zeros(block[-1] + 1)
+    for k in range(FOLDS):
+        seen, out = moves & (fold != k), moves & (fold == k)
+        if np.count_nonzero(seen) < 10 * LEAST_LEAF or not out.any():
+            continue
+        trees = HistGradientBoostingRegressor(
+            max_iter=TREES, max_leaf_nodes=LEAVES, min_samples_leaf=LEAST_LEAF, early_stopping=False, random_state=0
+        )
+        with threadpool_limits(limits=1):  # after the import: what it loads is not known before
+            left = y[out] - trees.fit(x[seen], y[seen], weight[seen]).predict(x[out])
+        before += np.bincount(block[out], y[out] ** 2, before.size)
+        after += np.bincount(block[out], left**2, before.size)
+    return gained(before, after)
+
+
+def ranked(x: np.ndarray) -> np.ndarray:
+    """Return each column of x (n, features) in RANKS steps of as many samples: all that trees see of it."""
+    cuts = np.quantile(x, np.linspace(0.0, 1.0, RANKS + 1)[1:-1], axis=0)
+    return np.stack([np.searchsorted(c, v) for c, v in zip(cuts.T, x.T, strict=True)], axis=1).astype(np.float32)
+
+
+def numbered(parts: Sequence[Part]) -> np.ndarray:
+    """Return the number of each sample's block of about BLOCK s, none across records."""
+    found, first = [], 0
+    for p in parts:
+        n = p.residual.size
+        count = max(1, round(n * p.dt / BLOCK))
+        found.append(first + (np.arange(n) * count) // n)
+        first += count
+    return np.concatenate(found)
+
+
+def over_time(parts: Sequence[Part]) -> float:
+    """Return the power that neighbours in bench time predict, as a level or as friction: the best of SPANS."""
+    sums = []
+    for p in parts:
+        stretch = np.floor((p.time - p.time[0]) / STRETCH).astype(int)
+        r, moves, way = np.where(p.moves, p.residual, 0.0), p.moves.astype(float), np.where(p.moves, p.way, 0.0)
+        at = p.time[0] + (np.arange(stretch[-1] + 1) + 0.5) * STRETCH
+        sums.append(np.stack([at, *(np.bincount(stretch, w) for w in (r, moves, r * way, way**2, r**2))]))
+    at, level, count, friction, ways, power = np.concatenate(sums, axis=1)
+    best = 0.0
+    for span in SPANS:
+        near = np.exp(-0.5 * ((at[:, None] - at) / span) ** 2)
+        np.fill_diagonal(near, 0.0)
+        for total, weight in ((level, count), (friction, ways)):
+            mean = near @ total / np.maximum(near @ weight, 1e-300)
+            best = max(best, gained(power, power - 2.0 * mean * total + mean**2 * weight))
+    return best
+
+
+def strongest_line(parts: Sequence[Part], least: float) -> tuple[float, float]:
+    """Return (share of the residual's power, Hz) of the strongest spectral line; zeros where none stands out of its
+    surroundings by `least` in power, or where the reference or the drive has it."""
+    whole = sum(float(p.residual @ p.residual) for p in parts)
+    best = (0.0, 0.0)
+    for p in parts:
+        own, drive, reference = (lines(x, p.dt, p.bandwidth) for x in (p.residual, p.drive, p.reference))
+        if own is None:
+            continue
+        f, power, ratio = own
+        ratio = np.where((drive[2] > 0.5 * ratio) | (reference[2] > least), 0.0, ratio)
+        k = int(np.argmax(ratio))
+        if ratio[k] < least or whole <= 0.0:
+            continue
+        inside = power[max(k - 2, 0) : k + 3].sum() / power.sum() * float(p.residual @ p.residual) / whole
+        best = max(best, (float(inside), float(f[k])))
+    return best
+
+
+def lines(x: np.ndarray, dt: float, bandwidth: float) -> tuple[np.ndarray, np.ndarray, np.ndarray] | None:
+    """Return (Hz, power, power over the median of 101 neighbours) in the band, or None for a record too short."""
+    from scipy.ndimage import median_filter
+
+    power = np.abs(np.fft.rfft((x - x.mean()) * np.hanning(x.size))) ** 2
+    f = np.fft.rfftfreq(x.size, dt)
+    power, f = power[f <= bandwidth], f[f <= bandwidth]
+    if f.size < 200:
+        return None
+    ratio = power / np.maximum(median_filter(power, 101), 1e-300)
+    ratio[f < 1.0] = 0.0  # slow changes are the business of bench time
+    return f, power, ratio
+
+
+def bursts(parts: Sequence[Part], least: float) -> float:
+    """Return the power of moving samples beyond `least` robust standard deviations of their surroundings of 2 s."""
+    power = 0.0
+    for p in parts:
+        count = max(1, round(p.residual.size * p.dt / 2.0))
+        for r, moves in zip(np.array_split(p.residual, count), np.array_split(p.moves, count), strict=True):
+            x = r[moves]
+            if x.size >= LEAST_LEAF:
+                usual = 1.4826 * np.median(np.abs(x - np.median(x)))
+                power += float(np.sum(x[np.abs(x) > least * usual] ** 2))
+    return power

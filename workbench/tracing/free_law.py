@@ -1,0 +1,65 @@
+"""The class of a cause by its free-form law, where no formula of the class comes near.
+
+Nature keeps to no formula: viscous friction grows with some power of speed, a warm-up decays. The free-form law of the leading
+families bounds what any of their formulas could take. Where the best formula takes plainly less than that, and yet enough to say
+which class it is, the free form is added in its stead and bears the formula's name.
+"""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+from workbench.effects.families import FREE_FORMS, family_of
+from workbench.processes import shared
+from workbench.tracing.candidates import ADDITION
+from workbench.tracing.criteria import Criteria
+from workbench.tracing.free_forms import MEMORY, free_forms
+from workbench.tracing.judge import Judgement, judged, refitted_as
+from workbench.tracing.state import State
+
+LEADERS = 3  # families that are asked, those of the best candidates
+
+
+def free_law(
+    state: State, judgements: Sequence[Judgement], best: Judgement, added: Sequence[Judgement], criteria: Criteria
+) -> Judgement | None:
+    """Return the free-form law that is added in the place of `best`, or None where that formula says it as well.
+
+    added: before it; a formula of the class among them names the free form, which then says it all.
+    judgements: of the step, best first. A formula says it as well that takes `near` of what the free form takes, or leaves no
+    more than what is of practical size beside it; it names the class from `resembles` of it on.
+    """
+    formulas = [j for j in judgements if j.suspect.kind == ADDITION and j.candidate.gain > criteria.share]
+    asked: dict[tuple[str, str], Judgement] = {}
+    for j in formulas:
+        asked.setdefault((family_of(j.suspect.plant[j.suspect.key]), j.suspect.at), j)
+    asked = {k: j for k, j in list(asked.items())[:LEADERS] if k[0] in FREE_FORMS and k[0] != MEMORY}
+    forms = [
+        f
+        for f in free_forms(state.plant, state.passes, sorted({family for family, _ in asked}), state.residuals)
+        if (f.family, f.suspect.at) in asked
+    ]
+    forms = [
+        Judgement(f.suspect, **found)
+        for f, found in zip(forms, shared(lambda f: judged(state, f.suspect, criteria), forms), strict=True)
+    ]
+    forms = [j for j in forms if j.candidate.earns and j.theta is not None]
+    if not forms:
+        return None
+    free = min(forms, key=lambda j: (j.errors.total, j.suspect.key))
+    whole = state.errors.total
+    most, own = whole - free.errors.total, whole - best.errors.total
+    if own >= criteria.near * most or best.errors.total - free.errors.total <= criteria.practical**2 * state.power:
+        return None
+    family = family_of(free.suspect.plant[free.suspect.key])
+    nearest = asked[(family, free.suspect.at)]
+    earlier = [
+        j for j in added if j.suspect.at == free.suspect.at and family_of(j.suspect.plant[j.suspect.key]) == family
+    ]
+    if earlier:
+        return refitted_as(
+            state, replace(free, suspect=replace(free.suspect, stands=earlier[0].suspect.name)), criteria
+        )
+    if whole - nearest.errors.total < criteria.resembles * most:
+        return None
+    named = replace(free.suspect, stands=nearest.suspect.effect)
+    return refitted_as(state, replace(free, suspect=named), criteria)

@@ -1,0 +1,114 @@
+"""The search: one effect after another, each the one that explains most of what the others leave on data not seen."""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+from workbench.identification.passes import Passes
+from workbench.tracing.candidates import Offer
+from workbench.tracing.counted import by_counts, of_counts
+from workbench.tracing.criteria import Criteria
+from workbench.tracing.floor import levels, steadied
+from workbench.tracing.free_law import free_law
+from workbench.tracing.judge import Judgement, Progress, lighter, step
+from workbench.tracing.state import State
+from workbench.tracing.unexplained import PLAIN, noise_alone
+
+
+@dataclass(frozen=True)
+class Step:
+    """One round of the search: every judgement, best first, and the one whose effect was added; None where it ended.
+
+    credit: whether it was added on credit.
+    """
+
+    judgements: Sequence[Judgement]
+    added: Judgement | None
+    credit: bool = False
+
+
+def extended(
+    state: State,
+    whole: Sequence[Passes],
+    progress: Progress,
+    offer: Offer,
+    criteria: Criteria,
+    freshly: Callable[[State], State],
+) -> list[Step]:
+    """Add effects one after another while one earns its place. Only the last step may have added nothing.
+
+    whole: passes of the identification records as they are. Where the declared model leaves no more than the floor nothing is
+    added, and the search ends where only the noise of drive and encoders is left: an effect could only be fitted to that. Near
+    the floor an effect must take away a plain share, and of more than what counts alone would leave. One effect may be added
+    on credit (see `promised`): it stays where a later one earns its place, and `revised` asks whether it earns its own.
+    freshly: a state with its free virgin curves found anew.
+    """
+    found: list[Step] = []
+    quiet = levels(whole, state.plant)
+    credit: Judgement | None = None
+    for _ in range(criteria.steps):
+        level = steadied(quiet, whole, state.steady)
+        judgements = step(state, progress, offer, criteria)
+        least = least_share(state, level, not found, criteria)
+        best = leading(judgements, least)
+        if best is not None and least > 0.0:
+            spurious = of_counts(best.suspect, state, whole)
+            if best.candidate.gain - spurious <= least:
+                judgements[0], best = replace(best, candidate=by_counts(best.candidate, spurious)), None
+        if (
+            best is not None
+            and (free := free_law(state, judgements, best, [s.added for s in found], criteria)) is not None
+        ):
+            judgements, best = [free, *judgements], free
+        if best is None and credit is None and not noise_alone(state, level, PLAIN):
+            best = credit = promised(judgements, criteria)
+        found.append(Step(lighter(judgements, best), best, best is not None and best is credit))
+        if best is None:
+            break
+        state = freshly(best.state)
+        quiet = levels(whole, state.plant)
+        if quieted(state, whole, quiet):
+            break
+    return earned(found)
+
+
+def quieted(state: State, whole: Sequence[Passes], level: Mapping[str, float]) -> bool:
+    """Whether a state leaves the noise alone: on the thinned records or, where these leave little more, on whole ones."""
+    if noise_alone(state, level):
+        return True
+    near = noise_alone(state, level, PLAIN)
+    return near and noise_alone(State(state.problem.plant, whole, state.solution.theta, solved=True), level)
+
+
+def earned(steps: list[Step]) -> list[Step]:
+    """Return the steps without what was added on credit, and what came of it, where no effect was added after it."""
+    added = [s for s in steps if s.added is not None]
+    if not added or not added[-1].credit:
+        return steps
+    until = steps.index(added[-1])
+    return [*steps[:until], Step(steps[until].judgements, None)]
+
+
+def promised(judgements: Sequence[Judgement], criteria: Criteria) -> Judgement | None:
+    """Return the leading judgement where its gain is plain though not certain, or None.
+
+    Where two effects are missing each explains the blocks in which it acts and leaves the other's as they are, so that the
+    gain of either scatters from block to block.
+    """
+    best = judgements[0] if judgements else None
+    c = best.candidate if best else None
+    plain = best is not None and best.state is not None and c.gain > max(criteria.plain, criteria.hint * c.scatter)
+    return best if plain else None
+
+
+def least_share(state: State, level: Mapping[str, float], first: bool, criteria: Criteria) -> float:
+    """Return the share of the residual's power that an effect must take away to be added to a state."""
+    if first and noise_alone(state, level, 1.0):
+        return 1.0
+    return criteria.plain if noise_alone(state, level, PLAIN) else 0.0
+
+
+def leading(judgements: Sequence[Judgement], least: float = 0.0) -> Judgement | None:
+    """Return the judgement whose effect is to be added, or None. least: share that it must take away."""
+    best = judgements[0] if judgements else None
+    worth = best is not None and best.state is not None and best.candidate.earns and best.candidate.gain > least
+    return best if worth else None

@@ -1,0 +1,244 @@
+"""Candidates judged: each fitted beside the present model, scored on data that its fold did not see, and ordered."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from workbench.definition import catalogue, simpler
+from workbench.effects.free_bank import NAME as FREE_CURVE
+from workbench.finding import capital, title
+from workbench.identification.problem import Problem
+from workbench.identification.solve import NoValue
+from workbench.plant import Plant
+from workbench.processes import shared
+from workbench.tracing.candidates import ADDITION, WHOLE, Offer, Suspect
+from workbench.tracing.criteria import Criteria
+from workbench.tracing.plausible import implausible
+from workbench.tracing.result import Candidate
+from workbench.tracing.score import HeldOut, gain, held_out
+from workbench.tracing.search import fitted, suspected
+from workbench.tracing.smallest import Smallest, smallest
+from workbench.tracing.state import Refitted, State
+
+LEADING = 6  # candidates that are fitted again with everything free
+LOST = 0.4  # of a first fit's gain, lost on held-out blocks, from which its folds are followed
+COMPARED = 1e-4  # relative decrease of the cost at which these fits are as good as they are compared
+FURTHER = 12  # steps of these fits: where more would be wanted, shape parameters are hard to tell apart
+BEHIND = 0.4  # of the best one's gain, below which a candidate is not
+NEUTRAL = 0.05  # relative distance within which a parameter stands at the value of a simpler law
+EQUAL = 0.1  # standard errors of a gain within which two effects as simple explain the same
+
+Progress = Callable[[str], None]
+STANDARD = Criteria()
+
+
+@dataclass(frozen=True, eq=False)
+class Judgement:
+    """A suspect and what it came to beside the present model.
+
+    theta: where a search with everything free starts, on the search scale; None where the suspect has no value on these
+    records. refitted: that fit, of those that lead. state: the state that it ended in, of the one that is chosen.
+    """
+
+    suspect: Suspect
+    candidate: Candidate
+    errors: HeldOut
+    freedom: int
+    theta: np.ndarray | None = None
+    shows: Smallest | None = None
+    refitted: Refitted | None = None
+    state: State | None = None
+
+
+def judged(state: State, suspect: Suspect, criteria: Criteria) -> dict:
+    """Fit one suspect beside the present model and score it against the present state: all but the suspect of a Judgement.
+
+    Plain data, because it may come from another process.
+    """
+    try:
+        problem, solution = fitted(suspect, state.problem, state.solution, state.residuals)
+    except NoValue:
+        sentence = f"{capital(title(suspect.effect))} has no value on these records."
+        whole = float(np.sqrt(state.errors.total / state.power))
+        hopeless = Candidate(suspect.effect, suspect.at, suspect.kind, 0.0, 0.0, whole, whole, False, sentence)
+        return {"candidate": hopeless, "errors": state.errors, "freedom": freedom(suspect.plant)}
+    errors = held_out(problem, solution, state.solution.cost, LOST)
+    return {
+        "candidate": scored(state, suspect, errors, solution.cost, criteria),
+        "errors": errors,
+        "freedom": freedom(suspect.plant),
+        "theta": problem.onward(solution),
+        "shows": smallest(suspect.key, suspect.kind != ADDITION, problem, solution, state.absorbed, criteria.share),
+    }
+
+
+def freedom(plant: Plant) -> int:
+    """Return the free parameters of a plant; a free virgin curve counts as the one law that it stands for."""
+    return sum(1 if e.name == FREE_CURVE else sum(not p.fixed for p in e.parameters.values()) for e in plant.effects)
+
+
+def refitted(state: State, j: Judgement, criteria: Criteria) -> dict:
+    """Fit a suspect with everything free: what changes of its judgement, as plain data; nothing where that has no value."""
+    try:
+        after = State(
+            free_of(state, j).plant, state.passes, j.theta, base=state.solution.cost, most=FURTHER, tolerance=COMPARED
+        )
+    except NoValue:
+        return {}
+    candidate = scored(state, j.suspect, after.errors, after.solution.cost, criteria)
+    return {"candidate": candidate, "errors": after.errors, "fit": (after.solution.theta, after.solution.c)}
+
+
+def refitted_as(state: State, j: Judgement, criteria: Criteria) -> Judgement:
+    """Return a judgement fitted with everything free, with the state that it ended in; as it is where that has no value."""
+    more = refitted(state, j, criteria)
+    if not more:
+        return j
+    fit = Refitted(free_of(state, j), *more.pop("fit"))
+    return replace(j, refitted=fit, state=fit.state, **more)
+
+
+def free_of(state: State, j: Judgement) -> Problem:
+    """Return the problem of a suspect beside the present model with everything free."""
+    return suspected(j.suspect, state.problem, state.solution).free
+
+
+def scored(state: State, suspect: Suspect, errors: HeldOut, cost: float, criteria: Criteria) -> Candidate:
+    """Return the candidate that a suspect is, by its held-out errors against those of the present state."""
+    g, scatter = gain(state.errors, errors)
+    name = title(suspect.effect)
+    verb = "Correcting the declared" if suspect.kind != ADDITION else "Adding"
+    sentence = (
+        f"{verb} {name} takes away {100 * g:.1f} % of the held-out residual power (standard error {100 * scatter:.1f} %)."
+        if g > 0
+        else f"{verb} {name} explains nothing on held-out blocks."
+    )
+    return Candidate(
+        suspect.effect, suspect.at, suspect.kind, g, scatter,
+        float(np.sqrt(errors.total / state.power)), float(np.sqrt(cost / state.power)),
+        g > criteria.share and g > criteria.certain * scatter, sentence,
+    )  # fmt: skip
+
+
+def step(state: State, progress: Progress, offer: Offer = WHOLE, criteria: Criteria = STANDARD) -> list[Judgement]:
+    """Judge every suspect that is offered; return them best first, those that lead fitted with everything free."""
+    suspects = offer.suspects(state.plant)
+    # made here, else by every process for itself
+    _ = state.power, state.residuals, state.absorbed, state.solution.columns, state.solution.gram
+    judgements = []
+    for suspect, found in zip(suspects, shared(lambda s: judged(state, s, criteria), suspects), strict=True):
+        progress(f"trying {suspect.key}")
+        judgements.append(Judgement(suspect, **found))
+    judgements = by_gain(judgements)
+    least = max(criteria.share / 2, BEHIND * judgements[0].candidate.gain) if judgements else 0.0
+    leaders = [j for j in judgements[:LEADING] if j.candidate.gain > least and j.theta is not None]
+    for i, more in enumerate(shared(lambda j: refitted(state, j, criteria), leaders)):
+        progress(f"fitting {leaders[i].suspect.key} with everything free")
+        if more:
+            fit = Refitted(free_of(state, leaders[i]), *more.pop("fit"))
+            judgements[judgements.index(leaders[i])] = replace(leaders[i], refitted=fit, **more)
+    judgements = plainest_first(simplest_first(judgements, criteria, state), criteria, state)
+    if judgements and (first := judgements[0]).refitted:
+        judgements[0] = replace(first, state=first.refitted.state)
+    return judgements
+
+
+def lighter(judgements: Sequence[Judgement], chosen: Judgement | None) -> list[Judgement]:
+    """Return judgements without the state of one that leads and was not chosen: it is hundreds of megabytes."""
+    return [j if j is chosen or j.state is None else replace(j, state=None) for j in judgements]
+
+
+def by_gain(judgements: Sequence[Judgement]) -> list[Judgement]:
+    """Order by gain, those that earn their place ahead of those that do not."""
+    return sorted(
+        judgements,
+        key=lambda j: (not j.candidate.earns, -j.candidate.gain, j.candidate.effect, j.candidate.at),
+    )
+
+
+def simplest_first(judgements: Sequence[Judgement], criteria: Criteria, state: State) -> list[Judgement]:
+    """Order by gain; of those that explain practically the same as the best, the one with the fewest free parameters leads.
+
+    Of several as simple the one with the largest gain, and a rare effect behind another one whose gain is as large. A value that
+    no machine has does not lead where a plausible effect explains nearly as much.
+    """
+    judgements = by_gain(judgements)
+    if not judgements:
+        return judgements
+    leader = judgements[0]
+    level = [j for j in judgements if j is leader or (j.refitted and alike(leader, j, criteria, state.power))]
+    sound = [j for j in level if not j.refitted or not absurd(j, state)]
+    level = sorted(sound or level, key=lambda j: (j.freedom, -j.candidate.gain, j.candidate.effect, j.candidate.at))
+    first = level[0]
+    least = first.candidate.gain - EQUAL * first.candidate.scatter
+    equal = [j for j in level if j.freedom == first.freedom and j.candidate.gain >= least]
+    simplest = next((j for j in equal if not j.suspect.plant[j.suspect.key].rare), first)
+    return [simplest, *(j for j in judgements if j is not simplest)]
+
+
+def plainest_first(judgements: Sequence[Judgement], criteria: Criteria, state: State) -> list[Judgement]:
+    """Let a simpler effect lead in the place of one that it then is: a parameter stands where the law is another one's.
+
+    LuGre without presliding is Stribeck's friction, a kinematic error of order 1 an eccentricity. The simpler one leads where it
+    takes `near` of what the other takes. What is nothing but a virgin curve says no more than the free curve that stands in the
+    present model, and does not lead.
+    """
+    curved = {e.at for e in state.plant.effects if e.name == FREE_CURVE}
+    for _ in range(min(LEADING, len(judgements))):
+        first = judgements[0]
+        name = reduced(first, state)
+        if name is None:
+            break
+        if first.suspect.at in curved and "masing" in catalogue()[name].holds if name else False:
+            rest = [j for j in judgements if j is not first]
+            judgements = [
+                *simplest_first(rest, criteria, state),
+                replace(first, candidate=replace(first.candidate, earns=False)),
+            ]
+            continue
+        other = next(
+            (j for j in judgements if j.suspect.effect == name and j.candidate.earns and j.theta is not None), None
+        )
+        whole = state.errors.total
+        if other and whole - other.errors.total >= criteria.near * (whole - first.errors.total):
+            other = other if other.refitted else refitted_as(state, other, criteria)
+            judgements = [other, *(j for j in judgements if j.suspect is not other.suspect)]
+        break
+    return judgements
+
+
+def reduced(j: Judgement, state: State) -> str | None:
+    """Return the name of the simpler effect that a fitted addition is, "" for none at all, None where it is itself."""
+    if not j.refitted or j.suspect.kind != ADDITION:
+        return None
+    effect = j.refitted.plant[j.suspect.key]
+    counts = max(p.motion.counts for p in state.passes)
+    around = {
+        n: tuple(sorted((p.value * (1.0 - NEUTRAL), p.value * (1.0 + NEUTRAL)))) for n, p in effect.parameters.items()
+    }
+    return simpler(effect, around, counts)
+
+
+def absurd(j: Judgement, state: State) -> bool:
+    """Whether a fitted candidate has values that no machine has."""
+    plant = j.refitted.plant
+    return bool(implausible(plant[j.suspect.key], plant, state.problem.plant, state.passes))
+
+
+def alike(best: Judgement, other: Judgement, criteria: Criteria, power: float) -> bool:
+    """Whether `best` takes away no more of what `other` leaves on held-out blocks than its scatter, or than what is of
+    practical size. power: of the drive.
+
+    A ratio over blocks, as every gain: a few blocks in which much is left would drown a plain difference in scatter.
+    """
+    further, scatter = gain(other.errors, best.errors)
+    small = other.errors.total - best.errors.total <= criteria.practical**2 * power
+    level = further <= max(criteria.alike * scatter, criteria.share) or small
+    return level and best.candidate.gain > criteria.share
+
+
+def shown(judgements: Sequence[Judgement]) -> tuple[Smallest, ...]:
+    """Return the smallest effect of each kind that a step could have shown, by name and place."""
+    found = [j.shows for j in judgements if j.shows is not None]
+    return tuple(sorted(found, key=lambda s: (s.effect, s.at, s.change)))

@@ -1,0 +1,155 @@
+"""A candidate fitted jointly with the present model, whose own shape parameters move to first order only.
+
+Near its optimum a change of a present shape parameter changes the residual along its tangent. Appended as columns beside the
+linear parameters, the tangents let the present model give way to a candidate at the cost of one linear solution; so many
+candidates are fitted in earnest, and only those that lead are fitted again with everything free.
+"""
+
+from functools import cached_property
+
+import numpy as np
+
+from workbench.definition import FORCE
+from workbench.identification.problem import Problem, needed_by, stacked
+from workbench.identification.solve import Solution, solved_at
+from workbench.plant import Plant
+from workbench.tracing.score import from_normal, shape_room
+
+
+class Linearised(Problem):
+    """The problem of `plant`, an extension of the plant that `base` was solved for, on the same records.
+
+    `free_shape` holds what the extension brings. c ends with the present shape parameters' deviations on their search
+    scale, which stay within the room that a fold of the cross-validation has.
+    """
+
+    def __init__(self, plant: Plant, base: Problem, solution: Solution):
+        super().__init__(held(plant, base, solution.theta), base.passes)
+        self.base, self.solution = base, solution
+        self.room = shape_room(base, solution.theta)
+        self.base_scale = base.command_scale(base.with_shape(solution.theta))
+        self.beside = beside(self.plant, base.plant)
+
+    @property
+    def bounds(self) -> tuple[np.ndarray, np.ndarray]:
+        lower, upper = super().bounds
+        least, most = self.room
+        return np.concatenate([lower, least]), np.concatenate([upper, most])
+
+    def assemble(self, theta: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        if self.beside is not None:
+            return self.with_one_more(theta)
+        y, phi = super().assemble(theta)
+        beside = self.solution.tangents
+        if not beside.shape[1]:
+            return y, phi
+        scale = self.command_scale(self.with_shape(theta)) / self.base_scale
+        return y, np.hstack([phi, beside if scale == 1.0 else beside * scale])
+
+    def with_one_more(self, theta: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Assemble a force beside a present model, whose own balance and columns stay what they are."""
+        own, fixed = self.of_one_more(theta)
+        phi = np.empty((fixed.size, own.shape[1] + self.solution.columns.shape[1]), order="F")
+        phi[:, self.at_own], phi[:, self.at_present] = own, self.solution.columns
+        return self.solution.y - fixed, phi
+
+    @cached_property
+    def at_own(self) -> list[int]:
+        """Where among all columns those of a force beside the present model stand."""
+        return [i for i, n in enumerate(self.free_linear) if n.key == self.beside]
+
+    @cached_property
+    def at_present(self) -> list[int]:
+        """Where among all columns those of the present model stand: linear ones, then tangents."""
+        at = {n: i for i, n in enumerate(self.free_linear)}
+        return [at[n] for n in self.base.free_linear] + [len(at) + k for k in range(len(self.base.free_shape))]
+
+    def of_one_more(self, theta: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return a force's own columns (N, free) in the order of its names, and what of it is fixed, (N,)."""
+        part = needed_by(self.with_shape(theta), self.beside)
+        at = {self.free_linear[i].parameter: k for k, i in enumerate(self.at_own)}
+        fixed = np.zeros(self.solution.y.size)
+        own = np.zeros((fixed.size, len(at)), order="F")  # a locked load has no balance: its columns stay zero there
+        row = 0
+        for p, length in zip(self.passes, self.lengths, strict=True):
+            rows, keep = slice(row, row + length), p.motion.keep
+            for e, name, column in p.filtered(part):
+                if e.key != self.beside:
+                    continue
+                values = stacked(column, keep) * self.base_scale
+                if name in at:
+                    own[rows, at[name]] = values
+                else:
+                    fixed[rows] += (e.parameters[name].value if name else 1.0) * values
+            row += length
+        return own, fixed
+
+    def cost(self, theta: np.ndarray) -> float:
+        """Return the squared residual with the linear parameters solved at a shape: infinite where it has no value.
+
+        Of a force beside a present model from products with that model's columns, none of which is copied, and from how far
+        that model gives way: what nothing determines stays.
+        """
+        if self.beside is None:
+            return solved_at(self, theta).cost
+        own, fixed = self.of_one_more(theta)
+        present, left = self.solution.columns, self.solution.residual - fixed
+        with np.errstate(all="ignore"):
+            across, gram, moment = present.T @ own, own.T @ own, np.concatenate([present.T @ left, own.T @ left])
+        if not (np.isfinite(gram).all() and np.isfinite(across).all() and np.isfinite(moment).all()):
+            return np.inf
+        whole = np.block([[self.solution.gram, across], [across.T, gram]])
+        norms = np.sqrt(np.diag(whole))
+        norms = np.where(norms > 0.0, norms, 1.0)
+        lower, upper = self.room_of_one_more
+        d = from_normal(whole / np.outer(norms, norms), moment / norms, lower * norms, upper * norms) / norms
+        left = left - present @ d[: present.shape[1]] - own @ d[present.shape[1] :]
+        return float(left @ left)
+
+    @cached_property
+    def room_of_one_more(self) -> tuple[np.ndarray, np.ndarray]:
+        """By how much the present model may give way, and what a force beside it may be: columns in that order."""
+        order = [*self.at_present, *self.at_own]
+        lower, upper = (bound[order] for bound in self.bounds)
+        solved = np.zeros(len(order))
+        solved[: self.solution.c.size] = self.solution.c
+        return np.minimum(lower - solved, 0.0), np.maximum(upper - solved, 0.0)
+
+    @property
+    def free(self) -> Problem:
+        """The problem with everything free."""
+        return Problem(freed(self.plant, self.base), self.passes)
+
+    def onward(self, found: Solution) -> np.ndarray:
+        """Return where `found` says that the search with everything free should start."""
+        deviation = found.c[len(self.free_linear) :]
+        start = dict(zip(self.base.free_shape, self.solution.theta + deviation, strict=True))
+        start |= dict(zip(self.free_shape, found.theta, strict=True))
+        return np.array([start[n] for n in self.free.free_shape])
+
+
+def beside(plant: Plant, base: Plant) -> str | None:
+    """Return the key of the one force that `plant` has and `base` has not, or None where more than a force beside the others
+    differs."""
+    known = {e.key for e in base.effects}
+    more = [e for e in plant.effects if e.key not in known]
+    if len(more) != 1 or len(plant.effects) != len(base.effects) + 1:
+        return None
+    (new,) = more
+    return new.key if new.port == FORCE and not new.provides else None
+
+
+def held(plant: Plant, base: Problem, theta: np.ndarray) -> Plant:
+    """Return `plant` with the shape parameters that `base` searched fixed at `theta`."""
+    solved = base.with_shape(theta)
+    for n in base.free_shape:
+        value = solved[n.key].parameters[n.parameter].value
+        plant = plant.swap(plant[n.key](fixed=True, **{n.parameter: value}))
+    return plant
+
+
+def freed(plant: Plant, base: Problem) -> Plant:
+    """Return `plant` with the shape parameters that `base` searched free again."""
+    for n in base.free_shape:
+        plant = plant.swap(plant[n.key].free(n.parameter))
+    return plant

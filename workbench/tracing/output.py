@@ -1,0 +1,150 @@
+"""trace.json and the predictions beside it."""
+
+import json
+from collections.abc import Mapping
+from math import isfinite
+from pathlib import Path
+from types import MappingProxyType
+
+import numpy as np
+
+from workbench.identification.result import Estimate, Fit
+from workbench.record import IDENTIFICATION, VALIDATION
+from workbench.tracing.result import Cause, Refinement, Trace
+
+FORMAT = 1
+
+
+def number(value: float) -> float | None:
+    """A float that JSON can hold; None for NaN and infinity."""
+    return float(value) if isfinite(value) else None
+
+
+def plain(data):
+    """Return nested plain data in which what is not finite is None."""
+    if isinstance(data, dict):
+        return {k: plain(v) for k, v in data.items()}
+    if isinstance(data, list | tuple):
+        return [plain(v) for v in data]
+    return number(data) if isinstance(data, float) else data
+
+
+def estimate(e: Estimate) -> dict:
+    return {
+        "value": number(e.value),
+        "unit": e.unit,
+        "interval_95": [number(e.low), number(e.high)],
+        "fixed": e.fixed,
+        "meaning": e.meaning,
+    }
+
+
+def cause(c: Cause) -> dict:
+    return {
+        "effect": c.effect,
+        "at": c.at,
+        "kind": c.kind,
+        "law": c.law,
+        "sentence": c.sentence,
+        "parameters": {e.parameter: estimate(e) | was(c, e) for e in c.parameters},
+        "size": number(c.size),
+        "share": {IDENTIFICATION: number(c.share_identification), VALIDATION: number(c.share_validation)},
+        "rivals": list(c.rivals),
+        "experiment": c.experiment,
+    }
+
+
+def refinement(r: Refinement) -> dict:
+    return {
+        "effect": r.effect,
+        "at": r.at,
+        "kind": r.kind,
+        "sentence": r.sentence,
+        "size": number(r.size),
+        "parameters": {e.parameter: estimate(e) for e in r.parameters},
+    }
+
+
+def was(c: Cause, e: Estimate) -> dict:
+    """Return the value that a corrected parameter was declared with."""
+    return {"was": number(c.was[e.parameter])} if e.parameter in c.was else {}
+
+
+def by_name(fit: Fit) -> list[Estimate]:
+    """Return the estimates by effect and place, whatever the order in which the effects were declared."""
+    return sorted(fit.estimates, key=lambda e: (e.effect, e.at))
+
+
+def located(trace: Trace) -> dict:
+    """Return what is unknown and where it lives, with the unit of its coordinate."""
+    x = trace.before.plant.displacement
+    unit = {"position": x, "velocity": f"{x}/s", "time": "s", "frequency": "Hz"}.get(trace.unknown.get("coordinate"))
+    return {**trace.unknown, **({"unit": unit} if unit else {})}
+
+
+def as_dict(trace: Trace, predictions: dict[str, str]) -> dict:
+    """Return the content of trace.json. predictions: record stem -> path of its CSV relative to trace.json."""
+    before, after = trace.before, trace.after
+    return {
+        "format": FORMAT,
+        "verdict": trace.verdict,
+        "sentence": trace.sentence,
+        "ranked": list(dict.fromkeys(c.effect.partition(" ")[0] for c in trace.ranked)),
+        "added": list(trace.added),
+        "causes": [cause(c) for c in trace.causes],
+        "refinements": [refinement(r) for r in trace.refinements],
+        "evidence": plain(trace.evidence.as_dict()) if trace.evidence else {},
+        "criteria": trace.criteria.as_dict,
+        "nrmse": {
+            IDENTIFICATION: {
+                "before": number(before.identification),
+                "after": number(after.identification),
+                "floor": number(trace.floor[IDENTIFICATION]),
+            },
+            VALIDATION: {
+                "before": number(before.validation),
+                "after": number(after.validation),
+                "floor": number(trace.floor[VALIDATION]),
+            },
+        },
+        "candidates": [
+            [
+                {
+                    "effect": c.effect,
+                    "at": c.at,
+                    "kind": c.kind,
+                    "gain": number(c.gain),
+                    "standard_error": number(c.scatter),
+                    "nrmse_held_out": number(c.held_out),
+                    "nrmse": number(c.nrmse),
+                    "earns_its_place": c.earns,
+                }
+                for c in step
+            ]
+            for step in trace.steps
+        ],
+        "model": [{"effect": e.effect, "at": e.at, "parameter": e.parameter, **estimate(e)} for e in by_name(after)],
+        "findings": [
+            {"kind": f.kind, "subject": f.subject, "sentence": f.sentence, "remedy": f.remedy}
+            for f in (*trace.findings, *after.findings)
+        ],
+        "unknown": located(trace),
+        "smallest_shown": [
+            {"effect": s.effect, "at": s.at, "parameter": s.parameter, "value": number(s.value), "unit": s.unit}
+            | {"of": "a change of the declared value" if s.change else "the effect"}
+            for s in trace.smallest
+        ],
+        "predictions": predictions,
+    }
+
+
+def write(trace: Trace, folder: Path, more: Mapping[str, object] = MappingProxyType({})) -> None:
+    """Write trace.json and predictions/<record>.csv into an existing folder. more: further keys of trace.json."""
+    paths = {}
+    (folder / "predictions").mkdir()
+    for name, prediction in sorted(trace.after.predictions.items()):
+        paths[name] = f"predictions/{name}.csv"
+        rows = np.column_stack([trace.after.series[name].time, prediction])
+        np.savetxt(folder / paths[name], rows, fmt="%.9g", delimiter=",", header="time_s,prediction", comments="")
+    text = json.dumps(as_dict(trace, paths) | dict(more), indent=1, allow_nan=False)
+    (folder / "trace.json").write_text(text + "\n", encoding="utf-8")

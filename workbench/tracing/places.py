@@ -1,0 +1,128 @@
+"""Which window of a coordinate a residual is concentrated in: the scan statistic for variances.
+
+Of all windows of neighbouring bins that hold at most half of the samples, the one whose variance and that of the rest make
+the data likeliest: the largest N ln s^2 - n ln s_in^2 - (N - n) ln s_out^2 with s_in > s_out.
+
+Source: Kulldorff, Huang and Konty 2009 (a scan statistic for continuous data based on the normal model), for variances.
+"""
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from workbench.tracing.maps import BOTH, TIME, WAY, Map
+
+STANDS_OUT = 1.5  # times the rms elsewhere from which a place is named
+LEAST = 0.05  # of the residual's power that a place must hold to be named
+MOST = 0.5  # of the samples that a place may hold
+QUIET = 1e-300
+
+Shown = Callable[[float, float, str], str]
+
+
+@dataclass(frozen=True)
+class Place:
+    """Where a residual is largest: between low and high of a coordinate, SI, this way, in this record ("": in all).
+
+    times: rms there over rms elsewhere. share: of the residual's power that is there; samples: share of the samples.
+    """
+
+    coordinate: str
+    unit: str
+    way: str
+    record: str
+    low: float
+    high: float
+    times: float
+    share: float
+    samples: float
+
+    @property
+    def stands_out(self) -> bool:
+        """Whether the residual is plainly larger there than elsewhere, and not a trifle of it."""
+        return self.times >= STANDS_OUT and self.share >= LEAST
+
+
+def windows(m: Map) -> tuple[np.ndarray, ...]:
+    """Return (first bin, last bin + 1, samples, power) of every window of neighbouring bins, (windows,) each."""
+    count = np.concatenate([[0.0], np.cumsum(m.count)])
+    power = np.concatenate([[0.0], np.cumsum(np.nan_to_num(m.rms) ** 2 * m.count)])
+    a, b = np.triu_indices(count.size, 1)
+    return a, b, count[b] - count[a], power[b] - power[a]
+
+
+def place(group: Sequence[Map]) -> Place | None:
+    """Return the place of a residual among maps of one coordinate; None where no window is larger than the rest.
+
+    A window of one way, or of one record, is compared with all else: the other way and the other records too.
+    """
+    whole = [m for m in group if m.way == BOTH]
+    samples = float(sum(m.count.sum() for m in whole))
+    total = float(sum((np.nan_to_num(m.rms) ** 2 * m.count).sum() for m in whole))
+    best, most = None, 0.0
+    for m in group:
+        a, b, n, power = windows(m)
+        keep = (n >= 1) & (n <= MOST * samples)
+        if m.coordinate == WAY:  # what moves backward, rests and moves forward are no neighbours
+            keep &= b == a + 1
+        if not keep.any():
+            continue
+        a, b, n, power = a[keep], b[keep], n[keep], power[keep]
+        inside, outside = np.maximum(power, QUIET) / n, np.maximum(total - power, QUIET) / (samples - n)
+        likelier = samples * np.log(max(total, QUIET) / samples) - n * np.log(inside) - (samples - n) * np.log(outside)
+        likelier = np.where(inside > outside, likelier, -np.inf)
+        k = int(np.argmax(likelier))
+        if likelier[k] > most:
+            most = float(likelier[k])
+            times, share = float(np.sqrt(inside[k] / outside[k])), float(power[k] / max(total, QUIET))
+            low, high = (float(m.edges[i[k]]) for i in (a, b))
+            best = Place(m.coordinate, m.unit, m.way, m.record, low, high, times, share, float(n[k] / samples))
+    return best
+
+
+def places(found: Iterable[Map]) -> tuple[Place, ...]:
+    """Return the place in each coordinate that has one, the one where the residual stands out most first."""
+    groups: dict[str, list[Map]] = {}
+    for m in found:
+        groups.setdefault(m.coordinate, []).append(m)
+    named = [p for p in map(place, groups.values()) if p is not None]
+    return tuple(sorted(named, key=lambda p: (not p.stands_out, -p.times, p.coordinate)))
+
+
+def explained(group: Sequence[Map]) -> float:
+    """Return the share of a residual's power that is a function of this coordinate and the way, by the bins' means.
+
+    The power of a mean is less by its squared standard error, so that noise alone explains nothing.
+    """
+    whole = [m for m in group if m.way == BOTH]
+    total = sum(float((np.nan_to_num(m.rms) ** 2 * m.count).sum()) for m in whole)
+    known = sum(float(np.nansum(m.count * (m.mean**2 - m.error**2))) for m in group if m.way != BOTH or len(group) == 1)
+    return max(known / total, 0.0) if total > 0.0 else 0.0
+
+
+def plain(low: float, high: float, unit: str) -> str:
+    """Return "between 1.2 and 1.5 rad"."""
+    return f"between {low:.3g} and {high:.3g} {unit}"
+
+
+def sentence(p: Place, of: str = "residual", shown: Shown = plain) -> str:
+    """Return "the residual is 4 times larger between 1.2 and 1.5 rad when moving forward", or that no place stands out."""
+    if not p.stands_out:
+        over = {WAY: "ways of motion", TIME: "times and records"}.get(p.coordinate, f"of the {p.coordinate}")
+        return f"the {of} is about the same over all {over}"
+    if p.coordinate == WAY:
+        where = next(
+            w for k, w in enumerate(("moving backward", "at rest", "moving forward")) if p.low < k - 1 < p.high
+        )
+        return f"the {of} is {p.times:.2g} times larger when {where}"
+    span = shown(p.low, p.high, p.unit)
+    way = "" if p.way == BOTH else f" when moving {p.way}"
+    return f"the {of} is {p.times:.2g} times larger {span}{named(p)}{way}"
+
+
+def named(p: Place) -> str:
+    """Return of what the window is, where its unit does not tell: " of velocity", " of record x"."""
+    if p.record:
+        return f" of the record {p.record}"
+    return "" if p.coordinate == "position" else f" of {p.coordinate}"

@@ -1,0 +1,44 @@
+"""Values that no machine has: a cause with such a value does not lead where a plausible one explains nearly as much."""
+
+from collections.abc import Sequence
+from math import hypot
+
+import numpy as np
+
+from workbench.definition import Effect
+from workbench.identification.intervals import on_bound
+from workbench.identification.passes import Passes
+from workbench.plant import Plant
+
+LARGEST_ECCENTRICITY = 0.0175  # rad: a disc that reads a degree wrong would not have been mounted
+FACTOR = 5.0  # by which a data-sheet value may be off before its unit is to be doubted; `check` allows as much
+STANDS = ("k1",)  # parameters that may stand on their bound as a law of their own (a gap: no stiffness inside)
+
+
+def implausible(effect: Effect, plant: Plant, declared: Plant, passes: Sequence[Passes]) -> str:
+    """Return why an effect's values are no machine's, as part of a sentence, or "".
+
+    plant: solved, holds the effect. declared: what a corrected value was before.
+    """
+    travel = max(float(np.ptp(p.motion.q)) for p in passes)
+    for name, p in effect.parameters.items():
+        if p.fixed:
+            continue
+        if p.scale == "stroke" and effect.at != "joint" and p.value > travel:
+            return f"its {p.meaning} of {p.value:.3g} is longer than the travel"
+        bounded = p.upper - p.lower > 0.0 and (p.value != 0.0 or name in effect.linear)
+        if bounded and name not in STANDS and on_bound(p.value, p.lower, p.upper):
+            if name in effect.linear and len(effect.linear) > 1:
+                continue  # one part of it is not needed
+            return f"its {p.meaning} stands on its bound"
+    if effect.name == "encoder_eccentricity":
+        values = effect.parameters
+        if hypot(values["sine"].value, values["cosine"].value) > LARGEST_ECCENTRICITY:
+            return "an eccentricity of degrees would not have been mounted"
+    known = {e.key: e for e in declared.effects}
+    if effect.key in known:
+        for name, p in known[effect.key].parameters.items():
+            new = effect.parameters[name].value
+            if p.fixed and p.value != 0.0 and not 1.0 / FACTOR < new / p.value < FACTOR:
+                return f"its {p.meaning} would be {new / p.value:.3g} times the declared value"
+    return ""

@@ -1,0 +1,110 @@
+"""What a trace returns."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+from workbench.finding import Finding
+from workbench.identification.result import Estimate, Fit
+from workbench.tracing.criteria import Criteria
+from workbench.tracing.decide import CAUSE, NOTHING, UNKNOWN
+from workbench.tracing.evidence import ADDITION, Evidence
+from workbench.tracing.smallest import Smallest
+
+__all__ = ["CAUSE", "NOTHING", "UNKNOWN"]
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """One effect that was tried jointly with the declared model.
+
+    effect, at: its name and place ("inertia at axis" where a fixed parameter was set free: kind "correction", else
+    "addition"). gain: relative reduction of the held-out squared error by blocked cross-validation (1 is all of it).
+    scatter: one standard error of that gain over blocks. held_out: nrmse on held-out blocks. nrmse: on what was fitted.
+    earns: whether it would be added.
+    """
+
+    effect: str
+    at: str
+    kind: str
+    gain: float
+    scatter: float
+    held_out: float
+    nrmse: float
+    earns: bool
+    sentence: str
+
+
+@dataclass(frozen=True)
+class Refinement:
+    """What is too small to be a cause, or what a declared law is only nearly right about.
+
+    kind: "addition", "correction" (within the value's tolerance: it is not moved) or "law". size: what it takes away, over the
+    drive's rms, on identification.
+    """
+
+    effect: str
+    at: str
+    kind: str
+    sentence: str
+    parameters: tuple[Estimate, ...] = ()
+    size: float = 0.0
+
+
+@dataclass(frozen=True)
+class Cause:
+    """One effect that was added: where it acts, its parameters, and the share of the residual's power that it explains.
+
+    kind: "addition", or "correction" of a fixed value. was: parameter -> the fixed value that was corrected. law: "catalogue",
+    or "free form" where no formula of its class comes near; form: name of that free form, `effect` being the nearest formula's.
+    size: what it takes away, over the drive's rms, on identification.
+    """
+
+    effect: str
+    at: str
+    sentence: str
+    parameters: tuple[Estimate, ...]
+    share_identification: float
+    share_validation: float
+    rivals: tuple[str, ...] = ()
+    experiment: str = ""
+    kind: str = ADDITION
+    was: Mapping[str, float] = field(default_factory=dict)
+    law: str = "catalogue"
+    size: float = 0.0
+    form: str = ""
+
+    @property
+    def key(self) -> str:
+        """Key of its effect in the extended plant."""
+        return f"{self.form or self.effect}@{self.at}"
+
+
+@dataclass(frozen=True, eq=False)
+class Trace:
+    """verdict: "cause", "nothing_missing" or "unknown". ranked: candidates, best first, of the first step.
+
+    steps: the ranked candidates of every step (one list an addition tried). before, after: fits of the declared and of
+    the extended plant. floor: role -> nrmse that encoder resolution and torque noise alone would leave. unknown: where what
+    no effect explains lives. smallest: of each kind, the smallest effect that the records could have shown. refinements: what is
+    too small to be a cause. evidence, criteria: what the decision rests on.
+    """
+
+    verdict: str
+    sentence: str
+    ranked: tuple[Candidate, ...]
+    steps: tuple[tuple[Candidate, ...], ...]
+    causes: tuple[Cause, ...]
+    before: Fit
+    after: Fit
+    floor: Mapping[str, float]
+    findings: tuple[Finding, ...] = ()
+    unknown: Mapping[str, object] = field(default_factory=dict)
+    smallest: tuple[Smallest, ...] = ()
+    refinements: tuple[Refinement, ...] = ()
+    evidence: Evidence | None = None
+    criteria: Criteria = Criteria()
+
+    @property
+    def added(self) -> tuple[str, ...]:
+        """Names of the effects in the extended model that the declared one lacks, as the catalogue has them."""
+        return tuple(c.effect.partition(" ")[0] for c in self.causes)

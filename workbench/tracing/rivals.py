@@ -1,0 +1,60 @@
+"""Rivals of a cause: candidates that these records cannot tell from it, and the motion that would."""
+
+from collections.abc import Sequence
+
+from workbench.errors import WorkbenchError
+from workbench.identification.passes import Passes
+from workbench.plant import Plant
+from workbench.tracing.candidates import ADDITION, without
+from workbench.tracing.criteria import Criteria
+from workbench.tracing.judge import Judgement, alike
+from workbench.tracing.thin import thin
+
+PLANNED = (
+    6.5  # rate over the evaluation bandwidth at which motions are compared: a coarser one parts what does not part
+)
+MOST = 4  # named with a cause
+
+
+def rivals(
+    found: Judgement, added: Sequence[Judgement], steps: Sequence[Sequence[Judgement]], criteria: Criteria, power: float
+) -> list[Judgement]:
+    """Return the candidates that could not be told from an added one in the step in which it was chosen, best first.
+
+    What was added beside it is no rival: it explains something else.
+    """
+    level: dict[str, Judgement] = {}
+    for judgements in steps:
+        if any(j is found for j in judgements):
+            for j in judgements:
+                if j is not found and j.refitted and j.candidate.earns and alike(found, j, criteria, power):
+                    level.setdefault(j.candidate.effect, j)
+    taken = {j.candidate.effect for j in added}
+    return [j for name, j in level.items() if name not in taken][:MOST]
+
+
+def experiment(
+    plant: Plant,
+    declared: Plant,
+    found: Judgement,
+    rival: Judgement,
+    whole: Sequence[Passes],
+    rms: float,
+) -> str:
+    """Return, in a sentence, the motion that tells a cause from its first rival, or "" where none can be planned.
+
+    plant, declared: the extended one and the one without. whole: passes of the identification records as they are. rms: of
+    the noise behind the evaluation filter.
+    """
+    from workbench.planning import envelope_of, load_rest, sensing_of, separate
+
+    a, b = plant[found.suspect.key], rival.refitted.plant[rival.suspect.key]
+    passes = thin(whole, PLANNED)
+    bare = without(plant, found.suspect, declared)
+    bare = bare.without(b.key) if b.key in {e.key for e in bare.effects} and rival.suspect.kind == ADDITION else bare
+    try:
+        return separate(
+            bare, a, b, envelope_of(bare, passes), sensing_of(passes, rms, load_rest(plant, passes), whole)
+        ).sentence
+    except WorkbenchError:
+        return ""

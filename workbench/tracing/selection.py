@@ -1,0 +1,198 @@
+"""The search: what it adds beside declared laws that may be only nearly right, and what later additions made needless."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+from workbench.identification.passes import Passes
+from workbench.identification.solve import NoValue
+from workbench.plant import Plant
+from workbench.tracing.candidates import Offer, without
+from workbench.tracing.criteria import Criteria
+from workbench.tracing.greedy import Step, extended, leading
+from workbench.tracing.judge import Judgement, Progress, lighter, step
+from workbench.tracing.near_law import Law, as_declared, count_at, freed, laws
+from workbench.tracing.state import State
+
+PROMISE = 0.05  # of the residual's power, from which a candidate is asked again when others are taken out
+SEEN = 2.0  # encoder counts above which a presliding length is the axis' own and not a matter of counts
+
+
+@dataclass(frozen=True)
+class Answer:
+    """What is added to the declared model, and the state with all of it: that of the last addition, unless it is given."""
+
+    added: Sequence[Judgement]
+    declared: State
+    revised: State | None = None
+
+    @property
+    def last(self) -> State:
+        return self.revised or (self.added[-1].state if self.added else self.declared)
+
+    @property
+    def standing(self) -> "Answer":
+        """The answer without effects that a later one took the place of."""
+        held = {e.key for e in self.last.plant.effects}
+        return replace(self, added=[j for j in self.added if j.suspect.key in held])
+
+
+@dataclass(frozen=True, eq=False)
+class Selection:
+    """declared: the model as declared, solved; base: with free virgin curves where these take what is of practical size.
+
+    steps: of the search; looked: every step's judgements, those of the revision too; credited: keys of what was taken on
+    credit. laws: declared frictions that a curve stood for; refined: those whose curve stays, as a refinement.
+    """
+
+    declared: State
+    base: State
+    answer: Answer
+    steps: Sequence[Step]
+    looked: Sequence[Sequence[Judgement]]
+    laws: tuple[Law, ...]
+    refined: tuple[Law, ...] = ()
+
+    @property
+    def credited(self) -> set[str]:
+        return {s.added.suspect.key for s in self.steps if s.credit}
+
+
+def select(declared: State, whole: Sequence[Passes], offer: Offer, criteria: Criteria, progress: Progress) -> Selection:
+    """Return what the search adds to a declared model. whole: passes of the identification records as they are."""
+    known = laws(declared.plant, declared.passes)
+
+    def freshly(state: State) -> State:
+        """Return a state with its free curves found anew."""
+        here = tuple(law for law in known if law.key in {e.key for e in state.plant.effects})
+        return with_curves(state, here) or state if here else state
+
+    base = with_curves(declared, known)
+    if base is None or size(declared, base) < 0.5 * criteria.practical:
+        base, known = declared, ()
+    offer = replace(offer, stands_for={law.key: law.declared for law in known})
+    steps = extended(base, whole, progress, offer, criteria, freshly)
+    looked = [s.judgements for s in steps]
+    answer = Answer([s.added for s in steps if s.added is not None], base).standing
+    if len(answer.added) > 1:
+        answer = revised(answer, base.plant, looked, progress, offer, criteria)
+    answer, refined = of_declared_laws(answer, known, looked, progress, offer, criteria)
+    return Selection(declared, base, answer, steps, looked, known, refined)
+
+
+def with_curves(state: State, known: Sequence[Law]) -> State | None:
+    """Return a state with the free virgin curves of `known`, or None where none is found."""
+    plant = freed(state.plant, known, state.passes)
+    if not any(law.key in {e.key for e in plant.effects} for law in known):
+        return None
+    try:
+        return State(plant, state.passes)
+    except NoValue:
+        return None
+
+
+def size(before: State, after: State) -> float:
+    """Return what a state takes away of another's held-out residual, over the drive's rms."""
+    return (max(before.errors.total - after.errors.total, 0.0) / before.power) ** 0.5 if before.power > 0.0 else 0.0
+
+
+def of_declared_laws(
+    answer: Answer,
+    known: Sequence[Law],
+    looked: list[Sequence[Judgement]],
+    progress: Progress,
+    offer: Offer,
+    criteria: Criteria,
+) -> tuple[Answer, tuple[Law, ...]]:
+    """Say what the free virgin curves are: nothing, a law of the catalogue other than the declared one, or a refinement.
+
+    A curve that takes less than what is of practical size gives way to the declared law. Where a law of the catalogue takes
+    nearly what the curve takes, over a length that the encoder sees, that law is missing. Else the declared law is nearly right.
+    """
+    refined = []
+    for law in known:
+        last = answer.last
+        if law.key not in {e.key for e in last.plant.effects}:
+            continue
+        plain = State(as_declared(last.plant, [law]), last.passes)
+        if size(plain, last) < criteria.practical:
+            answer = replace(answer, revised=plain)
+            continue
+        progress(f"asking what the virgin curve at the {law.declared.at} is")
+        offered = replace(offer, only={"presliding_hysteresis", "fading_memory"}, stands_for={})
+        judgements = step(plain, progress, offered, criteria)
+        looked.append(judgements)
+        formulas = [j for j in judgements if j.suspect.at == law.declared.at and j.suspect.instead and j.refitted]
+        best = min(formulas, key=lambda j: (j.errors.total, j.suspect.key), default=None)
+        near = best is not None and taken(plain, best) >= criteria.near * (plain.errors.total - last.errors.total)
+        if near and length(best) > SEEN * count_at(law.declared.at, last.passes):
+            best = best if best.state else replace(best, state=best.refitted.state)
+            first = taken(plain, best) > sum(j.candidate.gain for j in answer.added[:1]) * answer.declared.errors.total
+            added = [best, *answer.added] if first else [*answer.added, best]
+            answer = Answer(added, answer.declared, best.state)
+        else:
+            refined.append(law)
+    return answer, tuple(refined)
+
+
+def taken(before: State, j: Judgement) -> float:
+    """Return the held-out power that a judged candidate takes away."""
+    return before.errors.total - j.errors.total
+
+
+def length(j: Judgement) -> float:
+    """Return the presliding length of a fitted friction with memory, SI: x0, or 1/alpha."""
+    values = {n: p.value for n, p in j.refitted.plant[j.suspect.key].parameters.items()}
+    return values["x0"] if "x0" in values else 1.0 / max(values.get("alpha", 0.0), 1e-300)
+
+
+def revised(
+    answer: Answer,
+    declared: Plant,
+    looked: list[Sequence[Judgement]],
+    progress: Progress,
+    offer: Offer,
+    criteria: Criteria,
+) -> Answer:
+    """Ask of each effect but the last whether the later ones made it needless, or made another one the better answer.
+
+    Greedy selection cannot take back a choice made while something else was missing. Each effect is taken out in turn and
+    the search repeated with the others in place, among all that ever promised something; what leads then stands in its
+    stead. looked: every step's judgements, to which these are added. Returns `answer` itself where every effect stands.
+    """
+    for i in range(len(answer.added) - 1):
+        present = answer.added[i]
+        if present.suspect.stands:
+            continue  # no formula comes near to a free form: that was asked
+        progress(f"asking again for {present.suspect.key}")
+        rest = [j for k, j in enumerate(answer.added) if k != i]
+        try:
+            reduced = State(without(answer.last.plant, present.suspect, declared), answer.last.passes)
+        except NoValue:
+            continue
+        judgements = step(reduced, progress, replace(offer, only=promising(looked)), criteria)
+        best = leading(judgements)
+        looked.append(lighter(judgements, best))
+        if best is not None and best.suspect.key == present.suspect.key and present.candidate.earns:
+            continue  # else what it comes to now is its evidence
+        if best is not None and best.suspect.key != present.suspect.key and present.candidate.earns:
+            if not better(best, present, answer.last, criteria):
+                continue
+        if best is None:
+            fewer = Answer(rest, answer.declared, reduced)
+            return revised(fewer, declared, looked, progress, offer, criteria) if len(rest) > 1 else fewer
+        answer = Answer([*rest[:i], best, *rest[i:]], answer.declared, best.state).standing
+        if len(answer.added) <= len(rest):
+            return revised(answer, declared, looked, progress, offer, criteria)
+    return answer
+
+
+def better(other: Judgement, present: Judgement, last: State, criteria: Criteria) -> bool:
+    """Whether another effect is the better answer: it leaves less by more than is of practical size, or no more and is simpler."""
+    less = last.errors.total - other.errors.total
+    small = criteria.practical**2 * last.power
+    return less > small or (other.freedom < present.freedom and less > -small)
+
+
+def promising(looked: Sequence[Sequence[Judgement]]) -> set[str]:
+    """Return the names of the candidates that explained something in one of these steps."""
+    return {j.candidate.effect for judgements in looked for j in judgements if j.candidate.gain > PROMISE}

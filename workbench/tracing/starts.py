@@ -1,0 +1,154 @@
+"""Where a candidate's shape parameters start: from the data, by the word in each parameter's `scale`.
+
+A residual is binned over position and transformed, so that orders are read off its spectrum over angle; speeds, strokes
+and times come from what the records cover.
+"""
+
+from collections.abc import Sequence
+from itertools import product
+
+import numpy as np
+
+from workbench.definition import TIME, Effect
+from workbench.identification.bodies import POSITION
+from workbench.identification.deflection import deflection_of
+from workbench.identification.passes import Passes
+from workbench.identification.problem import to_search
+from workbench.plant import Plant
+
+BINS = 1 << 14  # of position, for the spectrum over angle
+PEAKS = 4  # orders tried, the largest first, beside the known ones
+MOST = 64  # starts a candidate
+SHORTEST = 4.0  # counts, of the shortest stroke that is tried
+STROKES, APART = 6, 8.0  # strokes tried at most, and the factor between two of them
+SLOW = 0.05  # share of the distance travelled at a speed at which a wave must pass the evaluation filter
+
+
+def order_spectrum(passes: Sequence[Passes], residuals: Sequence[np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
+    """Return (orders, amplitude): |sum r exp(-i k q)| 2/N over all records, k in 1/x up to half the bins.
+
+    residuals: (n,) each, zero where nothing counts. Padded four times, so that a peak is found within a quarter of the
+    resolution 2 pi/travel.
+    """
+    low = min(float(p.motion.q.min()) for p in passes)
+    high = max(float(p.motion.q.max()) for p in passes)
+    width = max(high - low, 1e-300) / BINS
+    total = np.zeros(BINS)
+    for p, r in zip(passes, residuals, strict=True):
+        index = np.clip(((p.motion.q - low) / width).astype(int), 0, BINS - 1)
+        # a dwell would put many samples into one bin: weigh samples by the distance they cover
+        weight = np.abs(p.motion.v) * p.motion.dt / width
+        total += np.bincount(index, weights=r * np.minimum(weight, 1.0), minlength=BINS)
+    spectrum = np.abs(np.fft.rfft(total, 4 * BINS))
+    orders = 2 * np.pi * np.arange(spectrum.size) / (4 * BINS * width)
+    return orders, 2 * spectrum / max(np.count_nonzero(total), 1)
+
+
+def resolved(passes: Sequence[Passes]) -> float:
+    """Return the highest order, in 1/x, that the records can show: min(pi/count, 2 pi f_c/v).
+
+    A wave shorter than two encoder counts is a slow one in disguise (Nyquist). One that passes faster than the evaluation
+    filter f_c is seen where the axis stands, and nowhere else: v is the speed below which SLOW of the distance is travelled.
+    """
+    counts = max(p.motion.counts for p in passes)
+    least = np.inf
+    for p in passes:
+        speed = np.sort(np.abs(p.motion.v))
+        distance = np.cumsum(speed)
+        slow = float(speed[np.searchsorted(distance, SLOW * distance[-1])])
+        least = min(least, slow / (2 * np.pi * p.motion.filter.bandwidth))
+    return min(1.0 / max(least, 1e-300), np.pi / max(counts, 1e-300))
+
+
+def peaks(orders: np.ndarray, amplitude: np.ndarray, travel: float, most: float = np.inf) -> list[float]:
+    """Return the orders of the largest local maxima with at least one period in the travel, and no higher than `most`."""
+    middle = orders[1:-1]
+    inside = np.flatnonzero(
+        (amplitude[1:-1] > amplitude[:-2])
+        & (amplitude[1:-1] >= amplitude[2:])
+        & (middle * travel > 2 * np.pi)
+        & (middle <= most)
+    )
+    best = sorted(inside + 1, key=lambda i: -amplitude[i])[: 4 * PEAKS]
+    chosen: list[float] = []
+    for i in best:  # a lobe of a larger peak is no order of its own
+        if all(abs(orders[i] - c) * travel > 4 * np.pi for c in chosen):
+            chosen.append(float(orders[i]))
+    return chosen[:PEAKS]
+
+
+def strokes(passes: Sequence[Passes], plant: Plant, at: str) -> list[float]:
+    """Return start values for a stroke: from SHORTEST to a fifth of the travel or, at a joint, to half of its deflection."""
+    if at == "joint":
+        most = 0.5 * max(float(np.ptp(p.bodies.body(plant, "joint")[1][POSITION])) for p in passes)
+    else:
+        most = 0.2 * max(float(np.ptp(p.motion.q)) for p in passes)
+    least = min(max(SHORTEST * max(p.motion.counts for p in passes), 5e-5 * most), 0.5 * most)
+    many = min(STROKES, 2 + int(np.log(most / least) / np.log(APART))) if most > least > 0.0 else 1
+    return list(np.geomspace(least, most, many)) if many > 1 else [most]
+
+
+def grid(
+    scale: str, passes: Sequence[Passes], residuals: Sequence[np.ndarray], plant: Plant, effect: Effect
+) -> list[float]:
+    """Return start values for one shape parameter of an effect, in SI."""
+    motions = [p.motion for p in passes]
+    if scale == "speed":
+        top = max(float(np.abs(m.v).max()) for m in motions)
+        return list(top * np.array([0.003, 0.01, 0.03, 0.07, 0.15, 0.3]))
+    if scale == "stroke":
+        return strokes(passes, plant, effect.at)
+    if scale == "time":
+        return list(min(m.dt for m in motions) * np.array([0.1, 0.5, 1.5, 4.0]))
+    if scale == "rate":
+        longest = max(float(np.ptp(m.t)) for m in motions)
+        return list(np.geomspace(3.0 / longest, 0.1 / min(m.dt for m in motions), 6))
+    if scale == "order":
+        travel = max(float(np.ptp(m.q)) for m in motions)
+        most = resolved(passes)
+        if "dir" in effect.reads:  # to and fro cancel in the spectrum of what changes sign with the way
+            residuals = [np.sign(p.motion.v) * r for p, r in zip(passes, residuals, strict=True)]
+        found = peaks(*order_spectrum(passes, residuals), travel, most)
+        halves = [f / 2 for f in found]  # a peak may be the second harmonic
+        if plant.rotary:  # orders that a motor behind a gear makes; the spectrum decides among them
+            ratio, pairs = plant.geometry.gear_ratio, plant.geometry.pole_pairs
+            known = {1.0, 2.0, ratio, 2 * ratio, pairs * ratio, 2 * pairs * ratio, 6 * pairs * ratio}
+            found += sorted(k for k in known if 2 * np.pi < k * travel and k <= most)
+        return found + halves
+    return []
+
+
+def lateness(passes: Sequence[Passes], plant: Plant, channel: str) -> dict[str, float]:
+    """Return how late a channel of two encoders is, by the angle between them: {"time": d, "drift": s}, s and s a second.
+
+    Empty with one encoder, and where the drive feels no inertia.
+    """
+    found = deflection_of(passes, plant)
+    if found is None:
+        return {}
+    sign = 1.0 if channel == "load_position" else -1.0
+    return {"time": sign * found.start, "drift": sign * found.gains}
+
+
+def starts(
+    effect: Effect, passes: Sequence[Passes], residuals: Sequence[np.ndarray], plant: Plant
+) -> list[dict[str, float]]:
+    """Return starts of a candidate: {shape parameter: search value}, every combination of its grids, and of a channel's clock
+    what two encoders say of it."""
+    free = [n for n in effect.shape if not effect.parameters[n].fixed]
+    grids = []
+    for n in free:
+        p = effect.parameters[n]
+        values = [float(np.clip(v, p.lower, p.upper)) for v in grid(p.scale, passes, residuals, plant, effect)] or [
+            p.value
+        ]
+        if p.scale == "time" and p.value == 0.0:
+            values.insert(0, 0.0)  # what changes nothing: from there the slope points to either side
+        grids.append([to_search(p.at(v)) for v in dict.fromkeys(values)])
+    found = [dict(zip(free, combination, strict=True)) for combination in product(*grids)][:MOST]
+    if effect.port == TIME and effect.at.startswith("sensor."):
+        late = lateness(passes, plant, effect.at.partition(".")[2])
+        own = {n: p for n in free if (p := effect.parameters[n]).scale in late}
+        told = {n: to_search(p.at(float(np.clip(late[p.scale], p.lower, p.upper)))) for n, p in own.items()}
+        found += [told] if told else []
+    return found

@@ -1,0 +1,102 @@
+"""A plant solved on records: its residual, what it can absorb, and its errors on data that a fold did not see."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from math import isclose
+
+import numpy as np
+
+from workbench.identification.passes import Passes
+from workbench.identification.problem import Problem
+from workbench.identification.solve import ITERATIONS, scales, solve
+from workbench.plant import Plant
+from workbench.tracing.floor import calm
+from workbench.tracing.score import HeldOut, held_out
+
+ALIKE_RATES = 1e-6  # relative difference of two sample times that are one: a record's comes from its stamps
+POLISHED = 3  # steps from a fit that led to one that others are judged beside
+SETTLED = 1e-6  # relative decrease of the cost at which a fit is as good as others are judged beside it
+
+
+class State:
+    """A plant with its solution on the thinned identification records, and its held-out errors.
+
+    theta: where the search starts. solved: it has ended there before, and only its columns are wanted again. base: squared
+    error of the model that this one is compared with. most: steps of the search. tolerance: relative decrease of the cost at
+    which it stops.
+    """
+
+    def __init__(
+        self,
+        plant: Plant,
+        passes: Sequence[Passes],
+        theta: np.ndarray | None = None,
+        *,
+        solved: bool = False,
+        base: float = 0.0,
+        most: int = ITERATIONS,
+        tolerance: float = SETTLED,
+    ):
+        self.passes = passes
+        self.problem = Problem(plant, passes)
+        self.solution = solve(self.problem, theta, tolerance, most=0 if solved else most)
+        self.plant = self.problem.with_linear(self.problem.with_shape(self.solution.theta), self.solution.c)
+        self.errors: HeldOut = held_out(self.problem, self.solution, base)
+
+    @cached_property
+    def power(self) -> float:
+        """Sum of squares of the measured drive behind the filter, where errors count."""
+        return sum(float(np.sum(p.motion.filter(p.motion.u)[p.motion.keep] ** 2)) for p in self.passes)
+
+    @property
+    def freedom(self) -> int:
+        """Free parameters."""
+        return len(self.problem.free_linear) + len(self.problem.free_shape)
+
+    @cached_property
+    def absorbed(self) -> np.ndarray:
+        """Orthonormal columns (N, r): what this model can absorb, to first order in its shape parameters."""
+        columns = self.solution.columns / scales(self.solution.columns)
+        left, singular, _ = np.linalg.svd(columns, full_matrices=False)
+        return left[:, singular > 1e-7 * max(singular[:1], default=0.0)]
+
+    @property
+    def steady(self) -> float:
+        """Rms of the residual's steady part."""
+        first = self.passes[0].motion
+        parts = zip(self.passes, self.problem.drive_part(self.solution.residual), strict=True)
+        return calm(
+            [r for p, r in parts if isclose(p.motion.dt, first.dt, rel_tol=ALIKE_RATES)],
+            first.dt,
+            first.filter.bandwidth,
+        )
+
+    @cached_property
+    def residuals(self) -> list[np.ndarray]:
+        """Residual of each identification record (n,), zero in the trimmed ends."""
+        found = []
+        for p, part in zip(self.passes, self.problem.drive_part(self.solution.residual), strict=True):
+            full = np.zeros(p.motion.u.size)
+            full[p.motion.keep] = part
+            found.append(full)
+        return found
+
+
+@dataclass(frozen=True, eq=False)
+class Refitted:
+    """A fit with everything free, without its columns, which are many megabytes. theta: on the search scale; c: free linear."""
+
+    problem: Problem
+    theta: np.ndarray
+    c: np.ndarray
+
+    @property
+    def plant(self) -> Plant:
+        """The plant with the values that were found."""
+        return self.problem.with_linear(self.problem.with_shape(self.theta), self.c)
+
+    @property
+    def state(self) -> State:
+        """The state of this fit, which only led, brought to where others are judged beside it."""
+        return State(self.problem.plant, self.problem.passes, self.theta, most=POLISHED)

@@ -1,0 +1,130 @@
+"""What no effect of the catalogue explains: whether something is left, where it lives, and whether an effect only dresses it."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from workbench.tracing.evidence import Evidence
+from workbench.tracing.jumps import beside
+from workbench.tracing.localise import jumped, lives, plainer
+from workbench.tracing.place import WAYS, Place, Samples, excess_of, local, samples, score, weighed
+from workbench.tracing.score import Deviations
+from workbench.tracing.state import State
+
+PLAIN = 2.0  # residual over floor from which something is plainly left
+NOISE = 1.1  # residual over floor up to which only noise is left
+LEFT = 1.4  # residual over floor up to which effects that were added have explained what there was
+EXPLAINED = 0.9  # share of the excess power from which added effects are the answer
+STAYS = 0.5  # of the rms inside a place, that must stay there with the effects
+BRIEF = 0.1  # share of the samples below which moments are a place: more of them are a way of moving
+ALONE = 4.0  # rms inside a place over rms outside, from which there is little but what lives in the place
+
+
+@dataclass(frozen=True)
+class Unexplained:
+    """place: where it lives, None where nowhere in particular. times: residual over what is calm of it."""
+
+    place: Place | None
+    times: float
+
+
+def instead(declared: State, last: State, level: Mapping[str, float]) -> Place | None:
+    """Return the place that says more of the declared model's residual than the added effects do, or None.
+
+    level: record -> rms of what is calm with the effects in place. Where most of the excess lives in one place and the effects
+    leave it there, they only spread over the record what belongs to that place.
+    """
+    known = samples_of(declared, level)
+    before, after = times(declared, known), times(last, known)
+    if last is declared or after <= LEFT or (before**2 - after**2) / max(before**2 - 1.0, 1e-12) >= EXPLAINED:
+        return None
+    place, stays = living(declared, known), say_more(declared, last, known)
+    if stays and not plainer(place, stays):
+        return stays
+    brief = local(place) and (place.coordinate != "time" or place.covered < BRIEF)
+    alone = brief and place.inside > ALONE * place.outside
+    if not alone:
+        return None
+    left = weighed(place, last.solution.residual, known).inside
+    return place if left > max(LEFT, STAYS * weighed(place, declared.solution.residual, known).inside) else None
+
+
+def unexplained(state: State, level: Mapping[str, float]) -> Unexplained:
+    """Return where the residual of a state lives. level: record -> rms of what is calm in it."""
+    known = samples_of(state, level)
+    return Unexplained(named(living(state, known), state, known), times(state, known))
+
+
+def noise_alone(state: State, level: Mapping[str, float], most: float = NOISE) -> bool:
+    """Whether a state leaves no more than the floor, times `most`."""
+    return times(state, samples_of(state, level)) < most
+
+
+def samples_of(state: State, level: Mapping[str, float]) -> Samples:
+    return samples(state.passes, state.plant, level)
+
+
+def times(state: State, known: Samples) -> float:
+    """Return the rms of the drive's residual over that of the floor."""
+    power = float(np.sum(state.solution.residual[known.drive] ** 2))
+    floor = float(np.sum(known.floor[known.drive] ** 2))
+    return (power / floor) ** 0.5 if floor > 0 else 0.0
+
+
+def say_more(declared: State, last: State, known: Samples) -> Place | None:
+    """Return the jumps of the level that say more than the added effects do, or None.
+
+    Jumps that are nearly all that the declared model leaves; or nearly all that is left with the effects, if they take away
+    more beside the effects than the effects take away beside them.
+    """
+    alone = living(declared, known, jumped)
+    if alone and alone.share > EXPLAINED:
+        return alone
+    rest = living(last, known, jumped)
+    if not rest or rest.share <= EXPLAINED:
+        return None
+    moments = [(low + high) / 2 for low, high in rest.spans]
+
+    def left(state: State) -> float:
+        model = Deviations(state.problem, state.solution)
+        return float(excess_of(beside(state.solution.residual, known.t, known.drive, model, moments), known).sum())
+
+    both = left(last)
+    by_jumps = float(excess_of(last.solution.residual, known).sum()) - both
+    return rest if by_jumps > left(declared) - both else None
+
+
+def living(state: State, known: Samples, how: Callable[..., Place | None] = lives) -> Place | None:
+    return how(state.solution.residual, known, Deviations(state.problem, state.solution))
+
+
+def named(place: Place | None, state: State, known: Samples) -> Place | None:
+    """Return the place that is named: a window, else the moments, or the jumps of the level, that hold more for their size."""
+    if local(place) and place.coordinate != "time":
+        return place
+    moments = [p for p in (place if local(place) else None, living(state, known, jumped)) if p]
+    return max(moments, key=score, default=None)
+
+
+def described(found: Unexplained | None, evidence: Evidence) -> dict[str, object]:
+    """Return what trace.json says of where an unexplained residual lives; empty where nothing is unexplained."""
+    if found is None:
+        return {}
+    size = evidence.before
+    if size.kind == "line" and not local(found.place):
+        return {"coordinate": "frequency", "low": size.frequency, "high": size.frequency, "size": size.line}
+    if found.place is None:
+        return {"coordinate": "none", "size": size.size}
+    p = found.place
+    return {
+        "coordinate": p.coordinate,
+        "low": min(low for low, _ in p.spans),
+        "high": max(high for _, high in p.spans),
+        "spans": [list(s) for s in p.spans],
+        "direction": WAYS[p.direction],
+        "share": p.share,
+        "size": size.size,
+        "times_calm": found.times,
+        "times_calm_outside": p.outside,
+    }

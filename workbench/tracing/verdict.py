@@ -1,0 +1,215 @@
+"""What a trace comes to: verdict, causes and findings as sentences, and where an unexplained residual lives."""
+
+from collections.abc import Sequence
+
+from workbench.definition import find
+from workbench.effects.families import family_of
+from workbench.finding import Finding, capital, title
+from workbench.identification.result import Fit
+from workbench.plant import Plant
+from workbench.record import IDENTIFICATION, VALIDATION
+from workbench.tracing.decide import CAUSE, DRESSING, NOT_BORNE_OUT, UNKNOWN, Verdict
+from workbench.tracing.evidence import ADDITION, CORRECTION, Evidence, Weighed
+from workbench.tracing.judge import Judgement
+from workbench.tracing.place import WAYS, Place, local
+from workbench.tracing.result import Candidate, Cause, Refinement
+from workbench.tracing.skew import Skew
+from workbench.tracing.unexplained import Unexplained
+
+SPANS = 6  # that are told in words
+# what each kind of what is explainable could be predicted from
+FROM = {
+    "exogenous": "what is outside the loop: the reference's place, speed and direction",
+    "time": "bench time: a level that wanders",
+    "line": "a line of the spectrum",
+    "burst": "moments far outside what is usual",
+}
+
+
+def cause(
+    judgement: Judgement,
+    weight: Weighed,
+    before: Fit,
+    here: Fit,
+    last: Fit,
+    declared: Plant,
+    *,
+    credited: bool = False,
+) -> Cause:
+    """Return the cause that a candidate became: its share from `before` to `here`, its parameters from the last fit.
+
+    weight: what whole records say of it. declared: the plant as declared, whose fixed values a correction moved. credited: it
+    was not certain alone, and the candidate is what it came to with the others in place.
+    """
+    candidate, name = judgement.candidate, judgement.suspect.name
+    effect = find(name.partition(" ")[0])  # without its label
+    estimates = tuple(e for e in last.estimates if (e.effect, e.at) == (candidate.effect, candidate.at))
+    identification, validation = (
+        1.0 - (here.rms[r] / before.rms[r]) ** 2 if before.rms[r] > 0.0 else 0.0 for r in (IDENTIFICATION, VALIDATION)
+    )
+    verb = "is declared with a wrong value" if candidate.kind != ADDITION else "is missing"
+    sentence = (
+        f"{capital(title(name))} at the {candidate.at} {verb}: {effect.cause}. It explains "
+        f"{100 * identification:.1f} % of the residual power on the identification records and {100 * validation:.1f} % "
+        "on the validation record."
+    )
+    if judgement.suspect.stands:
+        family = family_of(last.plant[judgement.suspect.key])
+        sentence += f" It is {family}, of no catalogued law: its curve is in the parameters, and the name is that of the nearest law."
+    if weight.implausible:
+        sentence += f" Doubt it: {weight.implausible}."
+    if credited:
+        sentence += (
+            " Alone its gain was not certain, because another effect was missing too; with the others in place it takes away "
+            f"{100 * candidate.gain:.1f} % of the held-out residual power (standard error {100 * candidate.scatter:.1f} %)."
+        )
+    return Cause(
+        name, candidate.at, sentence, estimates, identification, validation,
+        kind=candidate.kind,
+        was=held(declared, candidate) if candidate.kind == CORRECTION else {}, law=weight.law, size=weight.size(IDENTIFICATION),
+        form=candidate.effect if judgement.suspect.stands else "",
+    )  # fmt: skip
+
+
+def refinement(c: Cause) -> Refinement:
+    """Return what would be a cause, were it not too small for one: nothing says that it is missing."""
+    sentence = f"{capital(title(c.effect))} at the {c.at} takes away {100 * c.size:.2g} % of the drive's rms on the identification records."
+    return Refinement(c.effect, c.at, c.kind, sentence, c.parameters, c.size)
+
+
+def clock(skew: Skew, before: Fit, here: Fit) -> Cause:
+    """Return the cause that a late clock is, as the angle between two encoders tells it; shares are of the drive."""
+    identification, validation = (
+        1.0 - (here.rms[r] / before.rms[r]) ** 2 if before.rms[r] > 0.0 else 0.0 for r in (IDENTIFICATION, VALIDATION)
+    )
+    power = max(before.identification**2 - here.identification**2, 0.0)
+    return Cause(
+        skew.suspect.effect, skew.suspect.at, skew.sentence, skew.parameters, identification, validation, size=power**0.5,
+    )  # fmt: skip
+
+
+def findings_of(verdict: Verdict, evidence: Evidence, causes: Sequence[Cause], plant: Plant):
+    """Yield the findings that stand beside a verdict: alarms first."""
+    if "below floor" in verdict.alarms:
+        yield Finding(
+            "below the floor", "",
+            "The error with what was added is less than noise and counts alone would leave: what was added explains noise, "
+            "or the noise is not what it was read to be; do not rely on it before a second validation record.",
+            {r: evidence.floor[r] for r in evidence.floor},
+        )  # fmt: skip
+    yield from not_carried(causes)
+    refused = [(a, NOT_BORNE_OUT) for a in evidence.refused]
+    for a, role in (*refused, *zip(evidence.added, verdict.roles, strict=True)):
+        name = f"{capital(title(a.effect))} at the {a.at}"
+        if role == NOT_BORNE_OUT:
+            yield Finding(
+                "not borne out", a.effect,
+                f"{name} explains {100 * a.share(IDENTIFICATION):.0f} % of what the identification records leave, but it is not "
+                f"borne out: on validation it explains {100 * max(a.share(VALIDATION), 0.0):.0f} %.",
+                {"identification": a.share(IDENTIFICATION), "validation": a.share(VALIDATION)},
+            )  # fmt: skip
+        elif role == DRESSING:
+            yield Finding(
+                "dressing", a.effect,
+                f"{name} was tried and explains {100 * max(a.share(VALIDATION), 0.0):.0f} % of what validation leaves: too little to be "
+                "the cause of what the residual holds.",
+                {"identification": a.share(IDENTIFICATION), "validation": a.share(VALIDATION)},
+            )  # fmt: skip
+    if verdict.something_else:
+        yield Finding(
+            "something else", evidence.after.kind,
+            f"Beside this, something else is missing: {100 * evidence.after.size:.1f} % of the drive's rms stays predictable from "
+            f"{FROM[evidence.after.kind]}.",
+            {"before": evidence.before.size, "after": evidence.after.size},
+            "look at where the residual lives",
+        )  # fmt: skip
+
+
+def held(plant: Plant, candidate: Candidate) -> dict[str, float]:
+    """Return outside parameter -> the value that a plant holds it at, of the effect that a candidate corrects."""
+    return {n: p.value for n, p in plant[f"{candidate.effect}@{candidate.at}"].outside.items() if p.fixed}
+
+
+def not_carried(causes: Sequence[Cause]):
+    """Yield a finding for each cause that explains much less on validation than on identification."""
+    for c in causes:
+        if c.share_validation < 0.5 * c.share_identification:
+            yield Finding(
+                "not carried over", c.effect,
+                f"{capital(title(c.effect))} explains {100 * c.share_identification:.0f} % on identification but only "
+                f"{100 * c.share_validation:.0f} % on validation; do not rely on it before a second validation record.",
+                {"identification": c.share_identification, "validation": c.share_validation},
+            )  # fmt: skip
+
+
+def lives(place: Place, displacement: str) -> str:
+    """Return "at positions from 0.1 to 0.2 rad, moving forward": where something lives, in SI units. displacement: rad or m."""
+    name, unit = {
+        "position": ("at positions", displacement),
+        "velocity": ("at speeds", displacement and f"{displacement}/s"),
+        "time": ("at the times", "s"),
+    }[place.coordinate]
+    spans = ", ".join(f"{low:.4g} to {high:.4g}" for low, high in place.spans[:SPANS])
+    more = f" and {len(place.spans) - SPANS} more" if len(place.spans) > SPANS else ""
+    way = f", moving {WAYS[place.direction]}" if place.direction else ""
+    return f"{name} from {spans}{unit and f' {unit}'}{more}{way}"
+
+
+def what_of(causes: Sequence[Cause], plant: Plant) -> str:
+    """Return "a and b are missing, and c is declared with a wrong value". plant: with all causes in it."""
+    parts = []
+    for kind, one, many in (
+        (ADDITION, "is missing", "are missing"),
+        (CORRECTION, "is declared with a wrong value", "are declared with wrong values"),
+    ):
+        names = [name_of(c, plant) for c in causes if c.kind == kind]
+        if names:
+            parts.append(f"{' and '.join(names)} {one if len(names) == 1 else many}")
+    return ", and ".join(parts)
+
+
+def name_of(c: Cause, plant: Plant) -> str:
+    """Return the name of a cause, with its place where the plant has another effect of this name."""
+    alike = [e for e in plant.effects if e.named == c.effect]
+    return f"{title(c.effect)} at the {c.at}" if len(alike) > 1 else title(c.effect)
+
+
+def verdict_sentence(
+    verdict: str,
+    causes: Sequence[Cause],
+    before: Fit,
+    after: Fit,
+    evidence: Evidence,
+    lives_in: Unexplained | None = None,
+) -> str:
+    """Return the verdict as a person reads it, with the errors before and after."""
+    size = evidence.before
+    if verdict == CAUSE:
+        falls = "falls" if after.validation < 0.99 * before.validation else "goes"
+        return (
+            f"{capital(what_of(causes, after.plant))}. With {'it' if len(causes) == 1 else 'them'}, the validation error {falls} from "
+            f"{100 * before.validation:.2f} % to {100 * after.validation:.2f} % and the identification error from "
+            f"{100 * before.identification:.2f} % to {100 * after.identification:.2f} % "
+            f"(noise alone would leave {100 * evidence.floor[IDENTIFICATION]:.2g} % or more)."
+        )
+    if verdict == UNKNOWN:
+        said = (
+            f"Something is missing that no effect of the catalogue explains: {100 * size.size:.1f} % of the drive's rms could be "
+            f"predicted from {FROM[size.kind]}"
+        )
+        place = lives_in.place if lives_in else None
+        if size.kind == "line":
+            said = f"{said} of {size.frequency:.3g} Hz"
+            if not local(place):
+                return f"{said}."
+        if place is None:
+            return f"{said}; it lives nowhere in particular: not in a place, not at a speed, not at moments."
+        return (
+            f"{said}. It lives {lives(place, before.plant.displacement)}: {100 * place.share:.0f} % of its power in "
+            f"{100 * place.covered:.0f} % of the samples."
+        )
+    return (
+        f"Nothing is missing: the declared model leaves {100 * before.identification:.2f} % of the drive on identification, and "
+        f"{'nothing' if size.size == 0.0 else f'no more than {100 * size.size:.2f} %'} of it could be predicted from "
+        "outside the loop; the rest is noise and disturbance."
+    )

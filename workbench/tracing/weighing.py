@@ -1,0 +1,98 @@
+"""What was added, weighed on whole records: its sizes, whether its values may be a machine's, whether a nearer law says it."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+from workbench.identification.carrying import load_errors
+from workbench.identification.passes import Passes
+from workbench.identification.result import Fit
+from workbench.plant import TWO_MASS, Plant
+from workbench.record import ROLES, VALIDATION
+from workbench.tracing.calibration import calibrate, periodic
+from workbench.tracing.criteria import Criteria
+from workbench.tracing.evidence import CORRECTION, Weighed
+from workbench.tracing.judge import Judgement
+from workbench.tracing.near_law import NAME
+from workbench.tracing.plausible import implausible
+from workbench.tracing.result import Refinement
+from workbench.tracing.selection import Selection
+
+
+def weighed(
+    selected: Selection, added: Sequence[Judgement], fits: Sequence[Fit], passes: Sequence[Passes], criteria: Criteria
+) -> tuple[Weighed, ...]:
+    """Return each addition with what whole records say of it. fits: of the declared plant and with one more of these each."""
+    declared, last = fits[0].plant, fits[-1].plant
+    load = [load_errors(passes, f.plant) if declared.kind == TWO_MASS else {} for f in fits]
+    found = []
+    for i, j in enumerate(added):
+        key = j.suspect.key
+        present = key in {e.key for e in last.effects}
+        before, after = ({r: getattr(fits[k], r) for r in ROLES} for k in (i, i + 1))
+        w = Weighed(
+            effect=j.suspect.name,
+            at=j.candidate.at,
+            kind=j.suspect.kind,
+            before=before,
+            after=after,
+            changed=change(declared, fits[-1], key) if j.suspect.kind == CORRECTION and present else 0.0,
+            tolerance=criteria.tolerance,
+            law="free form" if j.suspect.stands else "catalogue",
+            implausible=implausible(last[key], last, declared, selected.declared.passes) if present else "",
+            load_before=load[i],
+            load_after=load[i + 1],
+        )
+        found.append(phased(w, fits[i + 1], key, passes) if present else w)
+    return tuple(found)
+
+
+def phased(w: Weighed, fit: Fit, key: str, passes: Sequence[Passes]) -> Weighed:
+    """Return a wave that makes validation worse with the error that its own phase there leaves, if that is another one.
+
+    A motor's ripple has the phase of the power-up in which its encoder was zeroed; it is no less there in another.
+    """
+    effect = fit.plant[key]
+    if w.share(VALIDATION) >= 0.0 or not periodic(effect):
+        return w
+    found = calibrate(fit.plant, key, passes, fit.validation)
+    if not (found.differs and found.calibrated < w.before[VALIDATION]):
+        return w
+    return replace(w, after={**w.after, VALIDATION: found.calibrated}, power_up=True)
+
+
+def change(declared: Plant, fit: Fit, key: str) -> float:
+    """Return by how much a fixed value is off for certain: the largest relative distance from it to its new 95 % interval.
+
+    Of one that was declared as zero, 1.
+    """
+    found = {(e.effect, e.at, e.parameter): e for e in fit.estimates}
+    effect = declared[key]
+    changes = [0.0]
+    for n, p in effect.outside.items():
+        new = found.get((effect.named, effect.at, n))
+        if not p.fixed or new is None:
+            continue
+        off = max(new.low - p.value, p.value - new.high, 0.0) if new.low <= new.high else abs(new.value - p.value)
+        changes.append(off / abs(p.value) if p.value != 0.0 else float(off > 0.0))
+    return max(changes)
+
+
+def curve_of(selected: Selection, before: Fit, after: Fit) -> list[Refinement]:
+    """Return the refinements that the free virgin curves of the final fit are."""
+    if before is after:
+        return []
+    return [
+        Refinement(
+            effect=law.declared.named,
+            at=law.declared.at,
+            kind="law",
+            sentence=(
+                f"The declared law of {law.declared.named.replace('_', ' ')} at the {law.declared.at} is only nearly right: with a "
+                f"free virgin curve in its place the identification error goes from {100 * before.identification:.2f} % to "
+                f"{100 * after.identification:.2f} %."
+            ),
+            parameters=tuple(e for e in after.estimates if (e.effect, e.at) == (NAME, law.declared.at)),
+            size=max(before.identification**2 - after.identification**2, 0.0) ** 0.5,
+        )
+        for law in selected.refined
+    ]

@@ -1,0 +1,83 @@
+"""Whole records have the last word on what a search among thinned ones has found."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from workbench.identification.fit import fitted_on, identify
+from workbench.identification.passes import Passes
+from workbench.identification.problem import Problem
+from workbench.identification.result import Fit
+from workbench.identification.solve import ITERATIONS, TOLERANCE, NoValue, solve
+from workbench.plant import TWO_MASS, Plant
+from workbench.processes import shared
+from workbench.tracing.candidates import brought
+from workbench.tracing.judge import FURTHER, Judgement
+
+SETTLED = 1e-5  # relative decrease of the cost at which a fit on whole records is as good as it is compared
+RISEN = 1.05  # of the drive's error, from which it has plainly risen
+
+
+def in_turn(
+    declared: Plant, added: Sequence[Judgement], found: Plant, passes: Sequence[Passes]
+) -> tuple[list[Judgement], list[Fit]]:
+    """Return what whole records bear out of what was added, and the fits: of the declared plant, and with one more of these each.
+
+    found: the plant that the search ended with.
+    The search looks at thinned records and compares commands; a fit of the drive itself has the last word. It starts from the
+    values that the search ended with, because a declared model that lacks much is fitted to values far from the machine's;
+    and from the fit before it where that comes to nothing.
+    """
+    plants = [declared]
+    for j in added:
+        plants.append(valued(brought(plants[-1], j.suspect, found), found))
+    # no search needs another one's result
+    ends = shared(
+        lambda k: end_of(plants[k], passes, *((SETTLED, FURTHER) if k else (TOLERANCE, ITERATIONS))), range(len(plants))
+    )
+    fits = [identify(declared, passes, next(ends), solved=True)]
+    kept: list[Judgement] = []
+    for i, (j, end) in enumerate(zip(added, ends, strict=True)):
+        plant = brought(fits[-1].plant, j.suspect, found)
+        whole = i == len(kept)  # else `end` is of a plant with what was not borne out
+        again = ((valued(plant, found), end if whole else None), (plant, None))
+        tried = (identify(p, passes, theta, solved=theta is not None) for p, theta in again)
+        better = next((fit for fit in tried if borne_out(fits[-1], fit)), None)
+        if better is not None:
+            kept.append(j)
+            fits.append(better)
+    return kept, fits
+
+
+def end_of(plant: Plant, passes: Sequence[Passes], tolerance: float, most: int) -> np.ndarray | None:
+    """Return where the search on whole records ends, on the search scale; None where the plant has no value on them."""
+    try:
+        return solve(Problem(plant, fitted_on(passes)), None, tolerance, most=most).theta
+    except NoValue:
+        return None
+
+
+def borne_out(before: Fit, after: Fit, share: float = 0.05) -> bool:
+    """Whether whole records bear out what a fit has and the one before has not: the error of the drive falls.
+
+    Of two masses it may be the load's balance alone in which it shows: then what both leave falls plainly, and the drive's
+    error does not rise plainly. share: of what both leave, by which it falls plainly.
+    """
+    if after.identification < before.identification:
+        return True
+    falls = before.plant.kind == TWO_MASS and after.details["cost"] < (1.0 - share) * before.details["cost"]
+    return falls and after.identification < RISEN * before.identification
+
+
+def valued(plant: Plant, other: Plant) -> Plant:
+    """Return `plant` with the values that its free parameters have in `other`.
+
+    What is fixed in `plant` stays as it was declared: `other` may have set it free, which is a cause of its own.
+    """
+    known = {e.key: e.parameters for e in other.effects}
+    values = {
+        e.key: {n: known[e.key][n].value for n, p in e.parameters.items() if not p.fixed}
+        for e in plant.effects
+        if e.key in known
+    }
+    return plant.with_values(values)

@@ -1,0 +1,119 @@
+"""Controllers side by side: the same steps with and without load, and sentences on who beats whom, and on what."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from workbench.finding import Finding
+from workbench.simulation import Metrics
+from workbench.verification.task import Task
+
+PHASES = 8  # encoder phases and noise seeds that a row is the worst of
+LEVEL = {"time": 0.01, "error": 0.25}  # relative differences below which two controllers count as equal
+
+
+@dataclass(frozen=True)
+class Row:
+    """One controller under one load; the worst over PHASES encoder phases, SI. error_counts: in encoder counts."""
+
+    controller: str
+    load_inertia: float
+    time_1pct: float
+    bound: float
+    overshoot: float
+    final_error: float
+    error_counts: float
+    settling: float
+    peak_torque: float
+    ripple: float
+
+    @property
+    def over_bound(self) -> float:
+        """1 % time over the time-optimal bound."""
+        return self.time_1pct / self.bound
+
+
+@dataclass(frozen=True, eq=False)
+class Comparison:
+    """rows: every controller under every load. sentences: which baseline is beaten on what, and which is not."""
+
+    rows: tuple[Row, ...]
+    findings: tuple[Finding, ...]
+
+    def row(self, controller: str, load_inertia: float = 0.0) -> Row:
+        return next(r for r in self.rows if r.controller == controller and r.load_inertia == load_inertia)
+
+
+def compare(task: Task, controllers: Mapping[str, object]) -> Comparison:
+    """Run every controller (name -> maker(lanes) of a Controller) under every load of the task."""
+    rows = []
+    for load in task.load_inertias:
+        scenarios = task.scenarios(load_inertias=(load,), frictions=(1.0,), inertias=(1.0,), phases=PHASES)
+        bound = task.bound(load)
+        for name, maker in controllers.items():
+            rows.append(_row(task, name, load, bound, task.run(maker(scenarios.lanes), scenarios)))
+    return Comparison(tuple(rows), ())
+
+
+def _row(task: Task, name: str, load: float, bound: float, m: Metrics) -> Row:
+    error = float(np.max(m.final_error))
+    return Row(
+        name, load, float(np.max(m.time_1pct)), bound, float(np.max(m.overshoot)), error,
+        error / task.loop.resolution if task.loop.resolution else float("nan"), float(np.max(m.settling)),
+        float(np.max(m.peak_torque)), float(np.max(m.ripple)),
+    )  # fmt: skip
+
+
+def verdicts(comparison: Comparison, ours: str, baselines: Sequence[str], unit: str) -> Comparison:
+    """Return the comparison with a finding for each baseline and load: where `ours` is better, equal or worse.
+
+    unit: of position, "rad" or "m".
+    """
+    found = []
+    for load in dict.fromkeys(r.load_inertia for r in comparison.rows):
+        mine = comparison.row(ours, load)
+        where = "with the load" if load else "without load"
+        for name in baselines:
+            other = comparison.row(name, load)
+            time = side(mine.time_1pct, other.time_1pct, LEVEL["time"])
+            error = side(mine.final_error, other.final_error, LEVEL["error"])
+            found.append(
+                Finding(
+                    "comparison",
+                    f"{ours} against {name}",
+                    f"Against {name} {where}, {ours} is {words(time, error)}: 1 % time {ms(mine.time_1pct)} against "
+                    f"{ms(other.time_1pct)}, final error {micro(mine.final_error)} against {micro(other.final_error)} "
+                    f"µ{unit} ({mine.error_counts:.1f} against {other.error_counts:.1f} counts).",
+                    {
+                        "time": mine.time_1pct,
+                        "time_other": other.time_1pct,
+                        "error": mine.final_error,
+                        "error_other": other.final_error,
+                    },
+                )
+            )
+    return Comparison(comparison.rows, tuple(found))
+
+
+def ms(seconds: float) -> str:
+    return f"{1e3 * seconds:.1f} ms" if np.isfinite(seconds) else "never"
+
+
+def micro(value: float) -> str:
+    value = 1e6 * value
+    return f"{value:.3g}" if value < 1000 else f"{value:.0f}"
+
+
+def side(mine: float, other: float, level: float) -> int:
+    """1 where mine is smaller (better) by more than the level, -1 where it is larger, else 0."""
+    if not np.isfinite(mine) or not np.isfinite(other):
+        return int(np.isfinite(mine)) - int(np.isfinite(other))
+    return int(mine < other * (1 - level)) - int(mine > other * (1 + level))
+
+
+def words(time: int, error: int) -> str:
+    """How two comparisons are said: "faster but less accurate"."""
+    fast = {1: "faster", 0: "as fast", -1: "slower"}[time]
+    exact = {1: "more accurate", 0: "as accurate", -1: "less accurate"}[error]
+    return f"{fast} {'but' if time * error < 0 or (time == 0 and error < 0) else 'and'} {exact}"

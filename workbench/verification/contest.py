@@ -1,0 +1,194 @@
+"""A contest of controllers: each tuned by the same search, from several seeds, on the same scenarios; or stated, as it is.
+
+What a controller does is judged without load, with load, and over a grid of inertia and friction that its plant may have.
+Medians over the seeds stand for it; the spread is kept.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from workbench.control import Controller
+from workbench.finding import Finding
+from workbench.plant import Plant
+from workbench.simulation import Metrics
+from workbench.verification.compare import LEVEL, PHASES, micro, ms, side, words
+from workbench.verification.families import Family
+from workbench.verification.optimise import SEEDS, Seeded, optimise_seeds
+from workbench.verification.task import Task
+
+Maker = Callable[[int], Controller]
+
+
+@dataclass(frozen=True, eq=False)
+class Standing:
+    """What one controller does. values: figure -> (runs,), one a seed, SI:
+
+    time, error, overshoot: without load, the worst of PHASES encoder phases; time_loaded, error_loaded: with it; time_grid,
+    error_grid, overshoot_grid: the worst over the grid; error_spread: largest less smallest error over the grid;
+    sensitivity: the largest over the linearisations; cost: of tuning. tuned: absent where the controller was stated.
+    """
+
+    name: str
+    values: Mapping[str, np.ndarray]
+    makers: tuple[Maker, ...]
+    tuned: Seeded | None = None
+
+    def median(self, figure: str) -> float:
+        """The median over seeds."""
+        return float(np.median(self.values[figure]))
+
+    def span(self, figure: str) -> tuple[float, float]:
+        """(smallest, largest) over seeds."""
+        return float(np.min(self.values[figure])), float(np.max(self.values[figure]))
+
+    def of_seed(self, seed: int) -> dict[str, np.ndarray] | None:
+        """Return the figures as judged, (1,) each, of the search from one seed; None where there was none."""
+        seeds = [r.seed for r in self.tuned.runs] if self.tuned else []
+        if seed not in seeds:
+            return None
+        own = {k: v[[seeds.index(seed)]] for k, v in self.values.items()}
+        return {k: v for k, v in own.items() if k not in ("sensitivity", "cost")}
+
+    @property
+    def maker(self) -> Maker:
+        """The controller that stands for all: of the seed with the middling cost."""
+        return self.makers[0] if self.tuned is None else self.makers[self.tuned.runs.index(self.tuned.median)]
+
+
+@dataclass(frozen=True, eq=False)
+class Contest:
+    """standings: by name, in order. bound, bound_loaded: time-optimal 1 % times, s. task: by which they were judged."""
+
+    task: Task
+    standings: Mapping[str, Standing]
+    bound: float
+    bound_loaded: float
+
+    def __getitem__(self, name: str) -> Standing:
+        return self.standings[name]
+
+    @property
+    def makers(self) -> dict[str, Maker]:
+        """Name -> maker of the controller that stands for it."""
+        return {n: s.maker for n, s in self.standings.items()}
+
+    def over_bound(self, name: str) -> float:
+        """Median 1 % time without load over the bound."""
+        return self[name].median("time") / self.bound
+
+
+def contest(
+    task: Task,
+    families: Sequence[Family],
+    stated: Mapping[str, Maker] | None = None,
+    *,
+    tuning_time: float,
+    seeds: Sequence[int] = SEEDS,
+    loaded: bool = False,
+    known: Plant | None = None,
+    say: Callable[[str], None] = lambda _: None,
+) -> Contest:
+    """Tune every family from every seed on the grid of `task` (its frictions and inertias), and judge it with the stated ones.
+
+    known: the plant that is tuned for, where it is not the task's own, which judges. tuning_time: duration of a simulation while tuning, s. The task's load inertias are none, then the load; tuning meets
+    the load where `loaded`.
+    """
+    loads = task.load_inertias if loaded else task.load_inertias[:1]
+    training = replace(task, load_inertias=loads, duration=tuning_time).on(known or task.plant)
+    standings = {}
+    for family in families:
+        say(f"tuning {family.name} from {len(seeds)} seeds")
+        standings[family.name] = entered(task, training, family, seeds)
+    for name, maker in (stated or {}).items():
+        standings[name] = Standing(name, judged(task, (maker,)), (maker,))
+    loads = task.load_inertias
+    return Contest(task, standings, task.bound(loads[0]), task.bound(loads[-1]))
+
+
+def entered(task: Task, training: Task, family: Family, seeds: Sequence[int] = SEEDS, name: str = "") -> Standing:
+    """Tune a family from every seed on the scenarios of `training`, and judge it on `task`. name: the family's where empty."""
+    tuned = optimise_seeds(training, family, seeds)
+    makers = tuple(run.controller for run in tuned.runs)
+    values = judged(task, makers) | {
+        "sensitivity": np.array([float(family.sensitivity(run.point[None, :])[0]) for run in tuned.runs]),
+        "cost": np.array([run.value for run in tuned.runs]),
+    }
+    return Standing(name or family.name, values, makers, tuned)
+
+
+def judged(task: Task, makers: Sequence[Maker]) -> dict[str, np.ndarray]:
+    """Return figure -> (runs,) of controllers; see Standing."""
+    rows = [
+        {
+            **named(nominal(task, maker, task.load_inertias[0]), "", ("time", "error", "overshoot")),
+            **named(nominal(task, maker, task.load_inertias[-1]), "_loaded", ("time", "error")),
+            **over_grid(task, maker),
+        }
+        for maker in makers
+    ]
+    return {n: np.array([row[n] for row in rows]) for n in rows[0]}
+
+
+def nominal(task: Task, maker: Maker, load: float) -> Metrics:
+    """Run the nominal plant with one load at PHASES encoder phases."""
+    scenarios = task.scenarios(load_inertias=(load,), frictions=(1.0,), inertias=(1.0,), phases=PHASES)
+    return task.run(maker(scenarios.lanes), scenarios)
+
+
+def named(metrics: Metrics, suffix: str, names: Sequence[str]) -> dict[str, float]:
+    """Worst values of metrics by the names that a standing has."""
+    worst = {"time": metrics.time_1pct, "error": metrics.final_error, "overshoot": metrics.overshoot}
+    return {f"{n}{suffix}": float(np.max(worst[n])) for n in names}
+
+
+def over_grid(task: Task, maker: Maker) -> dict[str, float]:
+    """Return the worst over the task's grid of frictions and inertias without load, at three phases a point."""
+    scenarios = task.scenarios(load_inertias=task.load_inertias[:1], phases=3)
+    metrics = task.run(maker(scenarios.lanes), scenarios)
+    spread = float(np.ptp(metrics.final_error)) if np.isfinite(metrics.final_error).all() else float("inf")
+    return named(metrics, "_grid", ("time", "error", "overshoot")) | {"error_spread": spread}
+
+
+def sides(ours: Standing, other: Standing, where: str = "") -> tuple[int, int]:
+    """Return (time, error): 1 where ours is better by more than compare.LEVEL, -1 where it is worse, else 0.
+
+    where: "" for the nominal plant, "_loaded" or "_grid".
+    """
+    time, error = (side(ours.median(f"{n}{where}"), other.median(f"{n}{where}"), LEVEL[n]) for n in ("time", "error"))
+    return time, error
+
+
+def verdict(contest: Contest, ours: str, baseline: str, unit: str) -> Finding:
+    """Return a sentence on where `ours` is better, equal or worse than a baseline, nominally and over the grid.
+
+    unit: of position, "rad" or "m".
+    """
+    mine, other = contest[ours], contest[baseline]
+    parts, evidence = [], {}
+    for where, said in (("", "on the nominal plant"), ("_grid", "over the grid")):
+        numbers = [s.median(f"{n}{where}") for n in ("time", "error") for s in (mine, other)]
+        parts.append(
+            f"{said} {words(*sides(mine, other, where))} (1 % time {ms(numbers[0])} against {ms(numbers[1])}, final error "
+            f"{micro(numbers[2])} against {micro(numbers[3])} µ{unit})"
+        )
+        evidence |= dict(
+            zip((f"time{where}", f"time{where}_other", f"error{where}", f"error{where}_other"), numbers, strict=True)
+        )
+    sentence = f"Against {baseline}, {ours} is {' and '.join(parts)}."
+    return Finding("comparison", f"{ours} against {baseline}", sentence, evidence)
+
+
+def as_table(found: Contest) -> list[dict]:
+    """Every controller as results.json holds it: figures of every seed, and the numbers of the one that stands for them."""
+    return [
+        {
+            "controller": n,
+            "figures": {k: list(v) for k, v in s.values.items()},
+            "numbers": s.tuned.median.numbers if s.tuned else {},
+            "seeds": [r.seed for r in s.tuned.runs] if s.tuned else [],
+            "front": [list(v) for v in s.tuned.trail.front()] if s.tuned else [],
+        }
+        for n, s in found.standings.items()
+    ]

@@ -1,0 +1,225 @@
+"""Controllers with free numbers: how a point of a search becomes one controller a lane, and what its linearisations say.
+
+Points are arrays (points, numbers), on a logarithmic scale. Every family obeys the same limit on the sensitivity of its
+sampled loop: on the bare inertia (gross sliding), on the stiffest presliding spring and, where gains are scheduled, on the
+spring of each amplitude.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from workbench.control import Controller, FeedForward, fixed_pd, pi_cascade, profile_pi, scheduled_pd
+from workbench.verification.linear import Judge
+
+FILTER = 8.0  # samples: where the search for a velocity filter begins, amid what it may be
+CASCADE_RANGE = np.array(
+    [(0.05, 0.02, 0.001, 0.05), (5.0, 10.0, 100.0, 8.0)]
+)  # of kv, kvp, ki, filter over their start
+
+
+@dataclass(frozen=True, eq=False)
+class Family:
+    """name: as the report says it. numbers: names of what is searched. lower, upper, start: on the natural scale.
+
+    controller(points, lanes): one controller whose numbers vary over points, each repeated for `lanes` scenarios.
+    sensitivity(points): largest Ms over linearisations, (points,). settled(points): points whose numbers all act.
+    """
+
+    name: str
+    numbers: tuple[str, ...]
+    lower: np.ndarray
+    upper: np.ndarray
+    start: np.ndarray
+    controller: Callable[[np.ndarray, int], Controller]
+    sensitivity: Callable[[np.ndarray], np.ndarray]
+    settled: Callable[[np.ndarray], np.ndarray] = lambda points: points
+
+
+def repeated(values: np.ndarray, lanes: int) -> np.ndarray:
+    return np.repeat(values, lanes)
+
+
+def pd_family(linear: Judge, start: tuple[float, float], *, motor_speed: bool = False) -> Family:
+    """Fixed PD: kp, kd."""
+    start = np.array(start)
+
+    def controller(points, lanes):
+        return fixed_pd(repeated(points[:, 0], lanes), repeated(points[:, 1], lanes), motor_speed=motor_speed)
+
+    def sensitivity(points):
+        return linear.peak(points[:, :1], points[:, 1:2])
+
+    return Family("fixed PD", ("kp", "kd"), start / 100, start * 100, start, controller, sensitivity)
+
+
+def integrating(theta: np.ndarray, kvp, ki, dt: float):
+    """Response of a PI controller of speed, error to command, whose integral acts one sample later."""
+    back = np.exp(-1j * theta)
+    return kvp + ki * dt * back / (1.0 - back)
+
+
+def cascade_family(
+    linear: Judge,
+    start: tuple[float, float, float],
+    speed_limit: float,
+    *,
+    motor_speed: bool = False,
+    motor_position: bool = False,
+    filtered: bool = False,
+    name: str = "PI cascade",
+) -> Family:
+    """Position P over velocity PI with a velocity limit: kv, kvp, ki and, where it is filtered, its velocity filter in s."""
+    start = np.array([*start, FILTER * linear.loop.sample_time] if filtered else start)
+    dt = linear.loop.sample_time
+
+    def controller(points, lanes):
+        values = (repeated(points[:, k], lanes) for k in range(3))
+        law = pi_cascade(*values, speed_limit, motor_speed=motor_speed, motor_position=motor_position)
+        return replace(law, velocity_filter=repeated(points[:, 3], lanes)) if filtered else law
+
+    def sensitivity(points):
+        kv, kvp, ki = (points[:, k : k + 1] for k in range(3))
+        inner = integrating(linear.theta, kvp, ki, dt)
+        return linear.peak(inner * kv, inner, integrators=1, velocity_filter=points[:, 3:4] if filtered else None)
+
+    low, high = start * CASCADE_RANGE[0][: start.size], start * CASCADE_RANGE[1][: start.size]
+    return Family(name, ("kv", "kvp", "ki", "velocity_filter")[: start.size], low, high, start, controller, sensitivity)
+
+
+def profile_family(
+    linear: Judge,
+    start: tuple[float, float, float, float],
+    speed_limit: float,
+    step: float,
+    feed_forward: FeedForward | None = None,
+    *,
+    motor_speed: bool = False,
+) -> Family:
+    """Square-root profile with PI near the target: kv, kvp, ki, deceleration, gate. step: the motion's, rad or m."""
+    start = np.array([*start, 1e-2 * step])
+    dt = linear.loop.sample_time
+    mass = feed_forward.mass if feed_forward else 0.0
+
+    def controller(points, lanes):
+        values = (repeated(points[:, k], lanes) for k in range(5))
+        return profile_pi(*values, speed_limit, feed_forward=feed_forward, motor_speed=motor_speed)
+
+    def sensitivity(points):
+        kv, kvp, ki = (points[:, k : k + 1] for k in range(3))
+        inner = integrating(linear.theta, kvp, ki, dt)
+        return linear.peak(inner * kv, inner + mass * kv, integrators=1)
+
+    lower, upper = start * (0.1, 0.02, 0.001, 0.3, 1e-3), start * (5.0, 10.0, 100.0, 2.0, 10.0)
+    name = "profile with PI, fed forward" if feed_forward else "profile with PI"
+    return Family(name, ("kv", "kvp", "ki", "deceleration", "gate"), lower, upper, start, controller, sensitivity)
+
+
+@dataclass(frozen=True, eq=False)
+class Blend:
+    """A schedule as the look-up takes it: knots, kp, kd (m,), rule, reversal."""
+
+    knots: np.ndarray
+    kp: np.ndarray
+    kd: np.ndarray
+    rule: str
+    reversal: float
+
+
+def two_mode_gains(schedule, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return (kp, kd) (points, m) of points (kp scale, kd scale, switch, gross kp, gross kd, ...) at the schedule's knots.
+
+    Up to the switching amplitude the tuned gains, each times its scale; beyond it, in gross sliding, one pair of gains.
+    """
+    kp_scale, kd_scale, switch, kp, kd = (points[:, k : k + 1] for k in range(5))
+    gross = schedule.knots > switch
+    return (
+        np.where(gross, kp, np.asarray(schedule.kp) * kp_scale),
+        np.where(gross, kd, np.asarray(schedule.kd) * kd_scale),
+    )
+
+
+def blended(schedule, point: np.ndarray, rule: str) -> Blend:
+    """Return the two-mode schedule of one point; see two_mode_gains."""
+    kp, kd = two_mode_gains(schedule, np.asarray(point)[None, :])
+    return Blend(schedule.knots, kp[0], kd[0], rule, schedule.reversal)
+
+
+def scheduled_family(
+    linear: Judge,
+    schedule,
+    rule: str,
+    start: tuple[float, float],
+    deceleration: float | None = None,
+    speed_limit: float | None = None,
+    *,
+    motor_speed: bool = False,
+) -> Family:
+    """Scheduled PD in two modes: two scales, switch, gains of gross sliding; with a start of the deceleration, that too."""
+    presliding = [1.0, 1.0, 3e-3 if schedule.knots[-1] > 3e-3 else schedule.knots[-1]]
+    start = np.array([*presliding, *start, *([deceleration] if deceleration else [])])
+
+    def controller(points, lanes):
+        tables = [blended(schedule, p, rule) for p in points]
+        profile = {}
+        if deceleration:
+            profile = {"deceleration": repeated(points[:, 5], lanes), "speed_limit": speed_limit}
+        which = np.repeat(np.arange(len(points)), lanes)
+        return scheduled_pd(tables, rule, table=which, motor_speed=motor_speed, **profile)
+
+    def sensitivity(points):
+        return linear.scheduled_peak(schedule.knots, *two_mode_gains(schedule, points))
+
+    lower = np.array([0.04, 0.2, schedule.knots[0], *(start[3:5] / 100), *(0.3 * start[5:])])
+    upper = np.array([1.5, 1.2, schedule.knots[-1], *(start[3:5] * 100), *(2.0 * start[5:])])
+    return Family(
+        f"scheduled PD ({rule}{', profile' if deceleration else ''})",
+        ("kp scale", "kd scale", "switch", "gross kp", "gross kd", "deceleration")[: start.size],
+        lower,
+        upper,
+        start,
+        controller,
+        sensitivity,
+    )
+
+
+def joint_gains(knots: np.ndarray, at: np.ndarray, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return (kp, kd) (points, m) at knots (m,), straight in log-log between the amplitudes `at` (n,); points (points, 2 n)
+    hold n values of kp, then n of kd."""
+    n, where = at.size, np.log(knots)
+    kp, kd = (
+        np.exp([np.interp(where, np.log(at), row) for row in np.log(part)]) for part in (points[:, :n], points[:, n:])
+    )
+    return kp, kd
+
+
+def joint_family(
+    linear: Judge,
+    knots: np.ndarray,
+    at: np.ndarray,
+    start: tuple[float, float],
+    reversal: float,
+    *,
+    motor_speed: bool = True,
+) -> Family:
+    """PD scheduled over the relative displacement of motor and load since its reversal: kp and kd at the amplitudes `at`.
+
+    knots: of the table. reversal: of the relative displacement, rad or m.
+    """
+    n = at.size
+    start = np.repeat(start, n)
+
+    def controller(points, lanes):
+        kp, kd = joint_gains(knots, at, points)
+        tables = [Blend(knots, p, d, "following", reversal) for p, d in zip(kp, kd, strict=True)]
+        which = np.repeat(np.arange(len(points)), lanes)
+        return scheduled_pd(tables, "following", table=which, follows="joint", motor_speed=motor_speed)
+
+    def sensitivity(points):
+        return np.max([linear.peak(points[:, i, None], points[:, n + i, None]) for i in range(n)], axis=0)
+
+    names = (*(f"kp at {a:.2g}" for a in at), *(f"kd at {a:.2g}" for a in at))
+    return Family(
+        "scheduled PD (relative displacement)", names, start / 100, start * 100, start, controller, sensitivity
+    )

@@ -1,0 +1,88 @@
+"""A gain table as a family of few numbers: the ratio Kp/Kd at some amplitudes, and Kp as stiff along it as |S| allows.
+
+Where gains are optimised on simulated steps over friction and inertia, the sensitivity stops nearly all of them: Kp then follows
+from the ratio, and the ratio over amplitude is what is left to choose. It falls with amplitude, and so Kp does: no blend of two
+curves can make it rise. The search begins at the ratios of the tuned gains, looked up at `ahead` times the amplitude: under
+the rule "error" the amplitude is the error that is left, which is part of the step that the gains were tuned for.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from workbench.control import grid, scheduled_pd
+from workbench.description import Equivalent
+from workbench.tuning.axis import Axis
+from workbench.tuning.reach import stiffest
+from workbench.verification.families import Blend, Family
+from workbench.verification.linear import Linear
+
+NODES = 8  # ratios that are free, even in log amplitude: three in two decades. Six leave a regret of 3 % more, twelve change little
+EDGE = 240  # ratios at which the stiffest Kp is computed; between them it is interpolated to 1e-4
+SAFE = 0.999  # of the stiffest Kp: what interpolation between them and between knots may cost of |S|
+FREE = 3.0  # a ratio is sought within this factor of the tuned gains' range
+
+
+@dataclass(frozen=True, eq=False)
+class GainTable:
+    """Free ratios at nodes (n,), rad or m, on knots (m,). ratio, stiff (EDGE,): the stiffest Kp, SI, at each ratio, 1/s."""
+
+    nodes: np.ndarray
+    knots: np.ndarray
+    ratio: np.ndarray
+    stiff: np.ndarray
+    reversal: float
+
+    def gains(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return (kp, kd) (points, m), SI, of ratios (points, n): straight in log-log between nodes, never rising."""
+        where = np.log(self.knots)
+        curves = np.stack([np.interp(where, np.log(self.nodes), row) for row in np.log(points)])
+        curves = np.minimum.accumulate(np.clip(curves, np.log(self.ratio[0]), np.log(self.ratio[-1])), axis=1)
+        kp = SAFE * np.exp(np.interp(curves, np.log(self.ratio), np.log(self.stiff)))
+        return kp, kp / np.exp(curves)
+
+
+def gain_table(
+    linear: Linear, amplitude: np.ndarray, reversal: float, sensitivity: float, per_octave: int = 2
+) -> GainTable:
+    """Return the table over amplitudes (n,) that keeps |S| <= sensitivity, sliding and on the stiffest spring."""
+    springs = linear.stiffnesses
+    described = Equivalent(np.geomspace(1.0, 2.0, springs.size), springs, 0.0 * springs)
+    axis = Axis.of(described, linear.inertia, linear.viscous, linear.loop)
+    ratio = np.geomspace(1e-3, 1.0, EDGE) / linear.loop.sample_time
+    per = axis.unit_kd / axis.unit_kp
+    stiff = stiffest(axis, np.tile(ratio * per, (springs.size, 1)), sensitivity).min(axis=0) * axis.unit_kp
+    top = (
+        int(np.argmax(stiff)) + 1
+    )  # a larger ratio has to be softer again: damping, not stiffness, is then what is short
+    nodes = np.geomspace(amplitude[0], amplitude[-1], NODES)
+    return GainTable(
+        nodes, grid(float(amplitude[0]), float(amplitude[-1]), per_octave), ratio[:top], stiff[:top], reversal
+    )
+
+
+def table_family(table: GainTable, gains, linear: Linear, rule: str, ahead: float) -> Family:
+    """Return the family of tables under a rule, starting at the ratios of `gains` (amplitude, kp, kd) looked up `ahead`."""
+    at, tuned = np.log(gains.amplitude), np.log(gains.kp / gains.kd)
+    start = np.exp(np.interp(np.log(ahead * table.nodes), at, tuned))
+    start = np.minimum.accumulate(np.clip(start, table.ratio[0], table.ratio[-1]))
+
+    def controller(points, lanes):
+        kp, kd = table.gains(points)
+        tables = [Blend(table.knots, p, d, rule, table.reversal) for p, d in zip(kp, kd, strict=True)]
+        return scheduled_pd(tables, rule, table=np.repeat(np.arange(len(points)), lanes))
+
+    def sensitivity(points):
+        return linear.scheduled_peak(table.knots, *table.gains(points))
+
+    low = np.maximum(np.exp(tuned.min()) / FREE, table.ratio[0])
+    return Family(
+        f"gain table ({rule})",
+        tuple(f"ratio at {a:.2g}" for a in table.nodes),
+        np.full(NODES, low),
+        np.full(NODES, table.ratio[-1]),
+        start,
+        controller,
+        sensitivity,
+        lambda points: np.minimum.accumulate(points, axis=-1),  # a ratio above the one before would not act
+    )

@@ -1,0 +1,80 @@
+"""The controllers of one-mass axis that a contest holds: their families, from one description, schedule and model."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from workbench.control import FeedForward, grid
+from workbench.description import Equivalent
+from workbench.plant import Plant
+from workbench.schedule import Schedule, fit_schedule
+from workbench.tuning import Gains, TuningGoal
+from workbench.verification.bound import sliding_torque
+from workbench.verification.design import BRAKING, REACHED, gains_of, linear_of
+from workbench.verification.equivalent import friction_of
+from workbench.verification.families import Family, cascade_family, pd_family, profile_family, scheduled_family
+from workbench.verification.linear import Linear
+from workbench.verification.task import Task
+
+SLOWEST = 1e-3  # of the speed limit: first knot of the friction that is fed forward
+RULES = ("frozen", "following", "error")
+
+
+@dataclass(frozen=True, eq=False)
+class LineUp:
+    """equivalent, gains: at the tuned amplitudes. schedule: through the gains. linear: what sensitivities are asked of.
+    feed_forward: of the model. families: of every controller that is tuned."""
+
+    plant: Plant
+    goal: TuningGoal
+    equivalent: Equivalent
+    gains: Gains
+    schedule: Schedule
+    linear: Linear
+    feed_forward: FeedForward
+    families: tuple[Family, ...]
+
+    def family(self, name: str) -> Family:
+        return next(f for f in self.families if f.name == name)
+
+
+def feed_forward_of(plant: Plant, counts: float) -> FeedForward:
+    """Return what the model of a one-mass axis knows of its motion: mass, and friction when sliding, by speed."""
+    _, mass, _ = friction_of(plant)
+    speeds = grid(SLOWEST * plant.limits.speed, plant.limits.speed, 1)
+    return FeedForward(mass, speeds, sliding_torque(plant, speeds, counts))
+
+
+def line_up(
+    plant: Plant, amplitudes: np.ndarray, goal: TuningGoal, task: Task, *, per_octave: int = 2, tolerance: float = 0.1
+) -> LineUp:
+    """Describe the plant, tune gains at amplitudes (n,), fit the schedule, and make the families of all controllers."""
+    loop, step = task.loop, task.step
+    equivalent, gains = gains_of(plant, amplitudes, goal, loop)
+    schedule = fit_schedule(
+        gains,
+        per_octave=per_octave,
+        lowest=float(amplitudes[0]),
+        highest=float(amplitudes[-1]),
+        tolerance=tolerance,
+        plant_digest=plant.digest,
+        plant_lines=plant.digest_lines(),
+        loop=loop,
+    )
+    linear = linear_of(plant, equivalent, loop)
+    speed = REACHED * plant.limits.speed
+    middle = int(np.argmin(np.abs(np.log(amplitudes / (1e-2 * step)))))
+    kp, kd = float(gains.kp[middle]), float(gains.kd[middle])
+    kv = kp / kd
+    ki = 0.1 * kv * kd
+    braking = BRAKING * plant.limits.drive / linear.inertia
+    known = feed_forward_of(plant, loop.resolution)
+    families = (
+        *(scheduled_family(linear, schedule, rule, (kp, kd)) for rule in RULES),
+        scheduled_family(linear, schedule, "error", (kp, kd), braking, speed),
+        pd_family(linear, (kp, kd)),
+        cascade_family(linear, (kv, kd, ki), speed),
+        profile_family(linear, (kv, kd, ki, braking), speed, step),
+        profile_family(linear, (kv, kd, ki, braking), speed, step, known),
+    )
+    return LineUp(plant, goal, equivalent, gains, schedule, linear, known, families)

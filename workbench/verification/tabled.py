@@ -1,0 +1,81 @@
+"""The gain table of a plant: gains per amplitude on simulated steps, ratios between them tuned over the ladder, one schedule."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from workbench.schedule import Schedule, fit_schedule
+from workbench.schedule.fit import REVERSAL
+from workbench.tuning import TuningGoal
+from workbench.verification.climb import GENERATIONS, Climbed, climb
+from workbench.verification.families import pd_family
+from workbench.verification.gain_table import gain_table, table_family
+from workbench.verification.ladder import all_rungs, climbed, ladder
+from workbench.verification.linear import Linear
+from workbench.verification.polish import Polished
+from workbench.verification.regret import Regret, first_grid, regret
+from workbench.verification.task import Task
+
+AHEAD = {"error": (4.0, 2.0), "following": (2.0, 1.0), "frozen": (1.0, 0.5)}  # soft and stiff arrivals of each rule
+# An arrival is soft where gains are those tuned for a longer step than the one that is left. Under "error" a step that ends a
+# motion is seen by its last part; after a reversal the amplitude is half the stroke.
+RUNS = (1, 2, 3)  # seeds, where a study states none: both arrivals in turn
+
+
+@dataclass(frozen=True, eq=False)
+class Tabled:
+    """schedule: what is exported. interpolated: through the gains per amplitude alone. climbed: the search over the ladder."""
+
+    schedule: Schedule
+    interpolated: Schedule
+    climbed: Climbed
+
+    def regret_on(self, task: Task) -> Regret:
+        """Return the regret of the best table where another plant, that of `task`, climbs the ladder."""
+        on, best = replace(self.climbed.on, task=task), self.climbed.best
+        figures = climbed(on, best.family, best.point[None, :], all_rungs(on, best.point[None, :]))[0]
+        return regret(on, figures, self.climbed.references)
+
+
+def tabled(
+    polished: Polished,
+    linear: Linear,
+    goal: TuningGoal,
+    task: Task,
+    rule: str,
+    *,
+    per_octave: int = 2,
+    tolerance: float = 0.1,
+    load: float | None = None,
+    seeds: Sequence[int] = RUNS,
+    generations: int = GENERATIONS,
+    sizes: int | None = None,
+    say: Callable[[str], None] = lambda _: None,
+) -> Tabled:
+    """Return the table of one rule for the plant of a task, tuned for every move of its ladder.
+
+    load: N*m or N, of the ladder. seeds, generations: of the search. sizes: of the ladder's steps.
+    """
+    robust = polished.gains(polished.robust, goal)
+    amplitude, plant = robust.amplitude, task.plant
+    interpolated = fit_schedule(
+        robust,
+        per_octave=per_octave,
+        lowest=float(amplitude[0]),
+        highest=float(amplitude[-1]),
+        tolerance=tolerance,
+        rule=rule,
+        plant_digest=plant.digest,
+        plant_lines=plant.digest_lines(),
+        loop=task.loop,
+    )
+    table = gain_table(linear, amplitude, REVERSAL * task.loop.count, goal.sensitivity, per_octave)
+    starts = [table_family(table, robust, linear, rule, ahead) for ahead in AHEAD[rule]]
+    middle = int(np.argmin(np.abs(np.log(amplitude / (1e-2 * task.step)))))
+    fixed = pd_family(linear, (float(robust.kp[middle]), float(robust.kd[middle])))
+    on = ladder(task, load) if sizes is None else ladder(task, load, sizes=sizes)
+    found = climb(on, starts, (fixed, first_grid(table)), seeds=seeds, generations=generations, say=say)
+    kp, kd = table.gains(found.best.point[None, :])
+    schedule = replace(interpolated, knots=table.knots, kp=kp[0], kd=kd[0], rule=rule, findings=())
+    return Tabled(schedule, interpolated, found)
