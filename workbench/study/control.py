@@ -23,6 +23,7 @@ from workbench.report.recommend import RECOMMENDED, recommended_chapter
 from workbench.study.compensating import compensated_makers, compensation
 from workbench.study.configuration import Study
 from workbench.study.controlling import Control, Shown, control_of
+from workbench.study.driving import driven
 from workbench.study.hunting import limit_cycles
 from workbench.study.leaving import leave
 from workbench.study.outcome import NOT_TUNED, Outcome, Part, with_part
@@ -111,6 +112,8 @@ def run(
         part = with_part(part, limit_cycles(study, task, makers, say))
     if "compensation" in study.table:
         part = with_part(part, compensation(study, task, makers, say))
+    if "drive" in study.table:
+        part = with_part(part, driven(study, task, made, records, bandwidth, control.rule, say))
     return part
 
 
