@@ -51,10 +51,10 @@ def response(notches: Sequence, theta: np.ndarray, sample_time: float) -> np.nda
 
 
 def _step(s, z, p, count: int):
-    rate = (s.r - z.last) / s.dt
+    rate = (s.r - z.asked) / s.dt
     asked = clip(p.kv * s.e + p.forward * rate, -p.speed_limit, p.speed_limit)
-    after, u = cascaded(s, z, p, asked, p.mass * (rate - z.rate) / s.dt)
-    after |= {"last": s.r, "rate": rate}
+    after, u = cascaded(s, z, p, asked, p.mass * (rate - z.asked_rate) / s.dt)
+    after |= {"asked": s.r, "asked_rate": rate}
     for i in range(1, count + 1):
         b0, b1, b2, a2 = (getattr(p, f"{n}_{i}") for n in COEFFICIENTS)
         first, second = getattr(z, f"first_{i}"), getattr(z, f"second_{i}")
@@ -71,8 +71,8 @@ def _law(count: int) -> Law:
         "drive_cascade" + f", notches: {count}" * (count > 0),
         (*NUMBERS, *(f"{n}_{i}" for i in each for n in COEFFICIENTS)),
         lambda s, z, p: _step(s, z, p, count),
-        states=("integral", "last", "rate", *(f"{n}_{i}" for i in each for n in ("first", "second"))),
-        start=lambda target, reading: {"last": target},
+        states=("integral", "asked", "asked_rate", *(f"{n}_{i}" for i in each for n in ("first", "second"))),
+        start=lambda target, reading: {"asked": target},
     )
 
 

@@ -20,7 +20,7 @@ from workbench.simulation.stage import stage
 COMMAND, ADDED = "u_c", "added"
 INCREMENT = "increment"  # counts since the last sample
 SCALE = "law.scale"  # the command is proportional to the gains of every schedule, so that it may be in them
-POSITIONS = ("furthest", "turned")  # states that move along with the origin
+POSITIONS = ("furthest", "turned", "law.asked")  # states that move along with the origin
 
 
 class Folded(Symbols):
