@@ -71,7 +71,8 @@ def numbers(
         raise WorkbenchError(f"an encoder of {bits} bits cannot be read; 2 to 32 are possible.")
     if len(controller.tables) > 1 or any(np.ndim(v) for v in controller.parameters.values()):
         raise WorkbenchError(f"controller '{controller.name}' has several sets of gains; firmware takes one.")
-    made = stages(controller.law, loop.feedback)
+    counted = any(t.knots[0] < count for t in controller.tables)
+    made = stages(controller.law, loop.feedback, counted)
     given = given_of(controller, loop, plant, made)
     values = np.array([float(v) for v in arrays.evaluate(made.before, [given[n] for n in made.given])[0]])
     if not np.isfinite(values).all():

@@ -118,7 +118,7 @@ class Scales:
             )
         factor = envelope(self.numbers.count)
         shift = factor.bits + self.result(AMPLITUDE).bits - bits
-        if not 1 <= shift <= 62:
+        if not 2 <= shift <= 32:
             raise WorkbenchError(
                 f"an encoder count of {self.numbers.count:.3g} does not fit knots that end at {last:.3g} in fixed point."
             )
