@@ -122,6 +122,21 @@ static void wanted(size_t size)
     what.period *= 2.0f;
     insist(wb_check(bytes, size, &what, &head) == WB_PERIOD, "another sample time is accepted");
     what.period = 0.0f;
+    { /* the same bytes as a table of the other arithmetic, for a firmware of that */
+        static uint8_t copy[8192];
+        uint32_t crc;
+        int byte;
+        insist(size <= sizeof copy, "a table is too long for this test");
+        (void)memcpy(copy, bytes, size);
+        what.arithmetic = 3u - what.arithmetic;
+        copy[20] = (uint8_t)what.arithmetic;
+        crc = wb_crc32(copy, size - 4u);
+        for (byte = 0; byte < 4; ++byte) {
+            copy[size - 4u + (size_t)byte] = (uint8_t)(crc >> (8 * byte));
+        }
+        (void)wb_check(copy, size, &what, &head);
+        what.arithmetic = 3u - what.arithmetic;
+    }
 #if WB_AXIS_KNOTS > 0
     what.most_knots = 1u;
     insist(wb_check(bytes, size, &what, &head) == WB_SHAPE, "more knots than there is memory for are accepted");
