@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from functools import partial
 from math import isfinite
 
 import numpy as np
@@ -17,10 +18,11 @@ from workbench.report import control as chapters
 from workbench.report.ladder import as_table as ladder_table
 from workbench.report.ladder import figures_of as ladder_figures
 from workbench.report.ladder import ladder_chapter
+from workbench.report.ladder_of_all import contestants, with_contestants
 from workbench.report.polish import as_table as gains_table
 from workbench.report.polish import polish_chapter
 from workbench.report.recommend import RECOMMENDED, recommended_chapter
-from workbench.study.compensating import compensated_makers, compensation
+from workbench.study.compensating import asked, compensation, with_compensated
 from workbench.study.configuration import Study
 from workbench.study.controlling import Control, Shown, control_of
 from workbench.study.hunting import limit_cycles
@@ -31,6 +33,7 @@ from workbench.tracing.result import Trace
 from workbench.tuning import OutOfReach
 from workbench.verification.assumed import loop_of, move_of
 from workbench.verification.compare import Comparison, compare, verdicts
+from workbench.verification.compensated import margins, regrets
 from workbench.verification.design import Designed, design
 from workbench.verification.promise import promise
 from workbench.verification.recommend import Recommended, recommend
@@ -56,18 +59,20 @@ def run(
     declared = control.limited(found.before.plant)
     task = control.task.on(plant)
     made = designed(plant, control, task, say, response=resonant(records, plant, bandwidth))
+    given = asked(study, plant) if "compensation" in study.table else None
+    made = with_compensated(made, given, task, control.seeds, say)
     say("comparing the controllers")
     ours = f"scheduled PD ({control.rule})"
     makers = {name: tuned.controller for name, tuned in made.tuned.items()}
-    compared = makers | (compensated_makers(study, plant, makers) if "compensation" in study.table else {})
-    comparison = verdicts(compare(task, compared), ours, BASELINES, plant.displacement)
+    comparison = verdicts(compare(task, makers), ours, BASELINES, plant.displacement)
     choice = recommend(task, made.tuned, plant.displacement)
     kept, held = promise(plant, made.polished, task), made.climbed.regret
+    every = regrets(made.climbed, made.tuned)
     parts = [
         recommended_chapter(choice, plant, task.loop.count),
         polish_chapter(made.polished, kept, plant),
         chapters.schedule_chapter(made, control.rule),
-        ladder_chapter(made.climbed, held, plant, control.rule),
+        with_contestants(ladder_chapter(made.climbed, held, plant, control.rule), every),
         chapters.step_chapter(task, makers),
         chapters.comparison_chapter(comparison, task),
     ]
@@ -83,7 +88,7 @@ def run(
         },
         "controllers": controllers(made),
         "gains": gains_table(made.polished),
-        "ladder": ladder_table(made.climbed, held),
+        "ladder": {**ladder_table(made.climbed, held), "contestants": contestants(every)},
         "comparison": [vars(r) for r in comparison.rows],
     }
     if found.causes:
@@ -104,13 +109,13 @@ def run(
     said = (advice, *assumptions(study.table, control, shown), *raised(control, made), *limits, *comparison.findings)
     part = Part(figures, units, tuple(parts), said, tables, files)
     if "robustness" in study.table:
-        part = with_part(part, robustness(study, task, compared, say))
+        part = with_part(part, robustness(study, task, makers, say))
         share = part.figures.get(f"share_beyond_final_error_{slug(choice.name)}")
         part = part if share is None else replace(part, figures={**part.figures, "recommended_share_beyond": share})
     if "limit_cycle" in study.table:
         part = with_part(part, limit_cycles(study, task, makers, say))
     if "compensation" in study.table:
-        part = with_part(part, compensation(study, task, makers, say))
+        part = with_part(part, compensation(study, task, makers, say, margins=partial(margins, made, task)))
     return part
 
 

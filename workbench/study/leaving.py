@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
+from workbench.compensation import Compensated
 from workbench.errors import WorkbenchError
 from workbench.exporting.numbers import export_numbers
 from workbench.exporting.whole import write_together
@@ -57,7 +58,9 @@ def leave(
 
 
 def numbers_of(controller, plant: Plant) -> dict[str, tuple[float, str]]:
-    """Return name -> (value, unit) of every parameter of a controller's law."""
+    """Return name -> (value, unit) of every parameter of a controller's law; of a compensated one, of the law alone."""
+    if isinstance(controller, Compensated):
+        return numbers_of(controller.base, plant)
     out = {}
     for name, value in controller.parameters.items():
         if name not in UNITS:
