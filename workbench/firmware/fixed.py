@@ -14,7 +14,7 @@ import casadi as ca
 from workbench.errors import WorkbenchError
 from workbench.firmware import interval
 from workbench.firmware.interval import Interval
-from workbench.firmware.stages import Part
+from workbench.firmware.parts import Part
 from workbench.kernel.c import LOGIC
 from workbench.kernel.choice import Choice
 from workbench.kernel.program import Line

@@ -7,7 +7,8 @@ import numpy as np
 
 from workbench.control.law import JOINT, Controller
 from workbench.errors import WorkbenchError
-from workbench.firmware.stages import Stages, stages
+from workbench.firmware.parts import Stages
+from workbench.firmware.stages import stages
 from workbench.firmware.units import power_of
 from workbench.kernel import arrays
 from workbench.plant import Plant

@@ -9,7 +9,8 @@ import numpy as np
 from workbench.errors import WorkbenchError
 from workbench.firmware.fixed import WHOLE, Format, Typed, envelope, fitting
 from workbench.firmware.numbers import FAR, Numbers
-from workbench.firmware.stages import ADDED, COMMAND, INCREMENT, Part
+from workbench.firmware.parts import Part
+from workbench.firmware.stages import ADDED, COMMAND, INCREMENT
 from workbench.simulation.given import REFERENCE
 from workbench.simulation.sampled import AMPLITUDE
 

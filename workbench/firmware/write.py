@@ -6,7 +6,9 @@ from pathlib import Path
 from string import Template
 
 from workbench import control
-from workbench.firmware.stages import COMMAND, POSITIONS, Part, Stages, identifier
+from workbench.firmware.naming import identifier
+from workbench.firmware.parts import Part, Stages
+from workbench.firmware.stages import COMMAND, POSITIONS
 from workbench.firmware.units import power_of, unit
 from workbench.kernel.c import Writer, bare
 from workbench.kernel.choice import Choice
