@@ -102,7 +102,7 @@ def run(
     tables["tuned_plant"] = {"digest": plant.digest, "lines": list(plant.digest_lines())}
     files = (
         lambda folder: write_gains(made, control, folder),
-        lambda folder: leave(made.tuned, choice.name, plant, task.loop.sample_time, folder / "gains", ours),
+        lambda folder: leave(made.tuned, choice.name, plant, task.loop.sample_time, folder / "gains", ours, task),
     )
     limits = tuple(f for f in made.findings if f.kind == "response limits")
     advice = Finding(RECOMMENDED, "gains", choice.sentence, {}, "")

@@ -85,7 +85,8 @@ class Returned(Judge):
 def returned(c: np.ndarray, plant: np.ndarray, fed: np.ndarray, integrators: int) -> np.ndarray:
     """Return Ms (points,) of laws c (points, f) on P' = P/(1 - F P); P, F (f,). Whether all is stable is asked of (C - F) P."""
     whole = (c - fed) * plant
-    stable = np.isfinite(peak_of(whole, integrators))
+    # one real pole turns the curve by half a turn only: what is cancelled of the spring must leave the whole stiff at rest
+    stable = np.isfinite(peak_of(whole, integrators)) & (((1.0 + whole[:, 0]) / plant[0]).real > 0.0)
     size = np.abs(1.0 - fed * plant) / np.maximum(np.abs(1.0 + whole), 1e-300)
     return np.where(stable, size.max(axis=-1), inf)
 
