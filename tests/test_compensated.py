@@ -68,9 +68,9 @@ def test_where_the_linear_loop_falls_the_simulated_one_does():
         named = of("measured", plant, ("linear_stiffness",), gain=gain)
         assert np.isfinite(ms(judge(linear, plant, named))) == stands
         m = simulate(
-            plant, LOOP, compensated(fixed_pd(*PD[0]), named), ScenarioArrays(1, target=1e-3), 0.5, ("q",), lanes=1
+            plant, LOOP, compensated(fixed_pd(*PD[0]), named), ScenarioArrays(1, target=1e-3), 1.0, ("q",), lanes=1
         )
-        assert (abs(m.trajectories["q"][-1, 0]) < 0.02) == stands
+        assert (abs(m.trajectories["q"][-1, 0]) < 0.01) == stands
 
 
 def test_amplitudes_reach_from_two_counts_to_sliding():
