@@ -51,6 +51,7 @@ def asked(s: Structure, signals, p):
             r = motor
         else:  # the reading of the position that is asked for
             r = mapped(r, r, r)
+    r = signals.r + getattr(p, f"{PREFIX}_gain") * (r - signals.r)
     return namespace(**{**vars(signals), "r": r, "e": r - signals.y})
 
 
