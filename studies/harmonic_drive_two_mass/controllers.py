@@ -1,14 +1,17 @@
 """The controllers of two masses, tuned alike: schedules over the output and over the joint, and cascades on either encoder."""
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from workbench.control import grid
 from workbench.simulation import Loop
+from workbench.study.compensating import asked, chosen
 from workbench.study.configuration import Study
 from workbench.study.controlling import Control
 from workbench.study.controlling import numbers as numbers_of
+from workbench.verification.compensated import SUFFIX, entered
 from workbench.verification.contest import Contest, contest
 from workbench.verification.families import (
     Family,
@@ -47,9 +50,9 @@ def families(study: Study, control: Control, known: Assumed, loop: Loop) -> tupl
     def linear(motor_position: bool, motor_speed: bool) -> TwoMasses:
         return TwoMasses(loop, motor, loads, stiff, known.damping, motor_position, motor_speed)
 
-    asked = study.table.table("contest", KEYS)
-    at = np.array(numbers_of(asked, "amplitudes", (), "rad"))
-    back = asked.number("reversal", above=0.0) * loop.resolution
+    contested = study.table.table("contest", KEYS)
+    at = np.array(numbers_of(contested, "amplitudes", (), "rad"))
+    back = contested.number("reversal", above=0.0) * loop.resolution
     knots = grid(0.5 * at[0], 2.0 * at[-1], PER_OCTAVE)
     pd, kv = (250.0, 5.0), 50.0
     cascade, speed = (kv, pd[1], 0.1 * kv * pd[1]), REACHED * rigid.limits.speed
@@ -68,17 +71,30 @@ def families(study: Study, control: Control, known: Assumed, loop: Loop) -> tupl
 
 def held(study: Study, control: Control, known: Assumed, loop: Loop, say) -> tuple[Contest, AgainstMargin]:
     """Tune every controller with and without the load, and judge it; then the schedule over the joint for other margins."""
-    asked = study.table.table("contest", KEYS)
+    contested = study.table.table("contest", KEYS)
     task = replace(control.task.on(known.plant), loop=loop)
     every = families(study, control, known, loop)
-    time, seeds = asked.quantity("tuning_time", "s", above=0.0), [int(s) for s in numbers_of(asked, "seeds", (1.0,))]
-    found = contest(task, every, tuning_time=time, seeds=seeds, loaded=True, say=say)
+    time, seeds = (
+        contested.quantity("tuning_time", "s", above=0.0),
+        [int(s) for s in numbers_of(contested, "seeds", (1.0,))],
+    )
+    found = contest(
+        task, (*every, cancelling(study, known, every)), tuning_time=time, seeds=seeds, loaded=True, say=say
+    )
     scheduled = {f.name: f for f in every if f.name == JOINT}
-    limits = numbers_of(asked, "margins", (2.0,))
+    limits = numbers_of(contested, "margins", (2.0,))
     margins = against_margin(
         task, limits, lambda _: scheduled, tuning_time=time, loaded=True, seed=seeds[0], found=found, say=say
     )
     return found, margins
+
+
+def cancelling(study: Study, known: Assumed, every: Sequence[Family]) -> Family:
+    """Return the controller of [compensation] with its compensation, which is tuned and judged as any other."""
+    given = asked(study, known.plant)
+    chosen(given, {f.name: f for f in every})
+    base = next(f for f in every if f.name == given.controller)
+    return entered(base, given.on(known.plant), base.start)
 
 
 def asked_for(found: Contest, margins: AgainstMargin) -> tuple[Asked, ...]:
@@ -115,6 +131,7 @@ def figures_of(found: Contest) -> tuple[dict[str, float], dict[str, str]]:
         "profile_pi_time_over_bound": found.over_bound(BEST),
         "both_encoders_time_over_bound": found.over_bound(BOTH),
         "sensitivity": max(of(n, "sensitivity") for n in found.standings),
-        "overshoot": max(of(n, "overshoot_grid") for n in found.standings),
+        "overshoot": max(of(n, "overshoot_grid") for n in found.standings if not n.endswith(SUFFIX)),
+        **{f"compensated_{n}": of(f"{FIXED}{SUFFIX}", n) for n in ("overshoot_grid", "error_grid")},
     }
-    return {**errors, **ratios}, dict.fromkeys(errors, "rad")
+    return {**errors, **ratios}, dict.fromkeys((*errors, "compensated_error_grid"), "rad")

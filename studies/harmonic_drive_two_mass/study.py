@@ -4,11 +4,15 @@ Everything is derived from the plant that study.toml assumes. What a second enco
 encoder and on both.
 """
 
+from collections.abc import Sequence
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
+from workbench.compensation import REFERENCE, Compensator
 from workbench.definition import find
+from workbench.errors import WorkbenchError
 from workbench.finding import Finding
 from workbench.identification.fit import identify, passes_of
 from workbench.report import control as control_chapters
@@ -81,7 +85,16 @@ def run(study: Study, say) -> Outcome:
     held, margins = controllers.held(study, control, known, loop, say)
     outcome = with_part(outcome, contested(study, held, margins))
     outcome = with_part(outcome, robustness(study, held.task, held.makers, say))
-    return with_part(outcome, compensation(study, held.task, held.makers, say))
+    return with_part(outcome, compensation(study, held.task, held.makers, say, margins=partial(margins_of, held)))
+
+
+def margins_of(held: Contest, name: str, compensator: Compensator, gains: Sequence[float]) -> dict[float, float]:
+    """Return gain of the compensation -> Ms: from the reference it closes no path, and the margin is the controller's own."""
+    if compensator.source != REFERENCE:
+        raise WorkbenchError(
+            "the margin of two masses is known for a compensation from the reference; state that source."
+        )
+    return dict.fromkeys(gains, held[name].median("sensitivity"))
 
 
 def contested(study: Study, held: Contest, margins: AgainstMargin) -> Part:
@@ -108,7 +121,7 @@ def contested(study: Study, held: Contest, margins: AgainstMargin) -> Part:
         },
         units=units,
         findings=(Finding(RECOMMENDED, "gains", choice.sentence),),
-        files=(lambda folder: leave(tuned, choice.name, plant, task.loop.sample_time, folder / "gains"),),
+        files=(lambda folder: leave(tuned, choice.name, plant, task.loop.sample_time, folder / "gains", task=task),),
         chapters=(
             recommended_chapter(choice, plant, task.loop.count),
             Chapter(
