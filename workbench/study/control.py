@@ -18,10 +18,10 @@ from workbench.report import control as chapters
 from workbench.report.ladder import as_table as ladder_table
 from workbench.report.ladder import figures_of as ladder_figures
 from workbench.report.ladder import ladder_chapter
-from workbench.report.ladder_of_all import contestants, with_contestants
 from workbench.report.polish import as_table as gains_table
 from workbench.report.polish import polish_chapter
 from workbench.report.recommend import RECOMMENDED, recommended_chapter
+from workbench.schedule import Schedule
 from workbench.study.compensating import asked, compensation, with_compensated
 from workbench.study.configuration import Study
 from workbench.study.controlling import Control, Shown, control_of
@@ -33,11 +33,13 @@ from workbench.tracing.result import Trace
 from workbench.tuning import OutOfReach
 from workbench.verification.assumed import loop_of, move_of
 from workbench.verification.compare import Comparison, compare, verdicts
-from workbench.verification.compensated import margins, regrets
+from workbench.verification.compensated import SUFFIX, margins
 from workbench.verification.design import Designed, design
 from workbench.verification.promise import promise
 from workbench.verification.recommend import Recommended, recommend
+from workbench.verification.regret import Regret
 from workbench.verification.task import Task
+from workbench.verification.worth import regret_of
 
 BASELINES = ("fixed PD", "PI cascade", "profile with PI")
 BLIND = (1, 2)  # seeds of the search on the declared model, one from each arrival
@@ -67,12 +69,12 @@ def run(
     comparison = verdicts(compare(task, makers), ours, BASELINES, plant.displacement)
     choice = recommend(task, made.tuned, plant.displacement)
     kept, held = promise(plant, made.polished, task), made.climbed.regret
-    every = regrets(made.climbed, made.tuned)
+    against, tuned_too = on_ladder(made)
     parts = [
         recommended_chapter(choice, plant, task.loop.count),
         polish_chapter(made.polished, kept, plant),
         chapters.schedule_chapter(made, control.rule),
-        with_contestants(ladder_chapter(made.climbed, held, plant, control.rule), every),
+        ladder_chapter(made.climbed, held, plant, control.rule, against, tuned_too),
         chapters.step_chapter(task, makers),
         chapters.comparison_chapter(comparison, task),
     ]
@@ -88,7 +90,7 @@ def run(
         },
         "controllers": controllers(made),
         "gains": gains_table(made.polished),
-        "ladder": {**ladder_table(made.climbed, held), "contestants": contestants(every)},
+        "ladder": ladder_table(made.climbed, held, against | tuned_too),
         "comparison": [vars(r) for r in comparison.rows],
     }
     if found.causes:
@@ -117,6 +119,14 @@ def run(
     if "compensation" in study.table:
         part = with_part(part, compensation(study, task, makers, say, margins=partial(margins, made, task)))
     return part
+
+
+def on_ladder(made: Designed) -> tuple[dict[str, Regret], dict[str, Regret]]:
+    """Return the regrets of what has fewer levels than the table, and of those tuned for one step, on its ladder."""
+    on, known = made.climbed.on, made.climbed.references
+    fewer = {r.family.name: regret_of(on, r, known) for r in made.rivals.found}
+    alone = [n for n in made.tuned if n in BASELINES or n.endswith(SUFFIX)]
+    return fewer, {n: regret_of(on, made.tuned[n], known) for n in alone}
 
 
 def designed(plant: Plant, control: Control, task: Task, say: Callable[[str], None], **options) -> Designed:
@@ -151,11 +161,15 @@ def resonant(records: Sequence[Record], plant: Plant, bandwidth: float) -> Respo
 
 def write_gains(made: Designed, control: Control, folder) -> None:
     """Write the gain table of the study's rule into gains/."""
+    write_table(made.final[control.rule], made.plant, folder / "gains", control.scale)
+
+
+def write_table(schedule: Schedule, plant: Plant, place, scale: dict | None = None) -> None:
+    """Write a gain table into a folder that is made for it."""
     from workbench.exporting import export
 
-    place = folder / "gains"
     place.mkdir()
-    export(made.final[control.rule], made.plant, place, scale=control.scale)
+    export(schedule, plant, place, scale=scale)
 
 
 def controllers(made: Designed) -> list[dict]:

@@ -9,7 +9,7 @@ k_c(A): of what is cancelled, by its describing function; b_c: its linear viscou
 N(A): of the dead band of one count (a play operator); H: delay and low pass of the compensation, and its observer.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from math import inf
 
@@ -19,14 +19,12 @@ from workbench.compensation import OBSERVED, REFERENCE, Compensator, compensated
 from workbench.description.bank import bank_equivalent
 from workbench.plant import Plant
 from workbench.simulation import Loop
-from workbench.verification.climb import Climb, Climbed
+from workbench.verification.climb import Climb
 from workbench.verification.design import Designed, baseline_families, best, linear_of
 from workbench.verification.equivalent import equivalent_of, friction_of
 from workbench.verification.families import Family
-from workbench.verification.ladder import all_rungs, climbed
 from workbench.verification.linear import Judge, Linear, checked, peak_of
 from workbench.verification.optimise import Tuned
-from workbench.verification.regret import Regret, regret
 from workbench.verification.task import Task
 
 SUFFIX = ", compensated"
@@ -196,12 +194,3 @@ def margins(
             ms = next(f for f in every if f.name == name).sensitivity(base.point[None, :])
         found[g] = float(ms[0])
     return found
-
-
-def regrets(found: Climbed, tuned: Mapping[str, Tuned | Climb]) -> dict[str, Regret]:
-    """Return name -> Regret of every tuned controller on the ladder that the gain table was tuned for, against its references."""
-    rungs = all_rungs(found.on, np.zeros((1, 1)))
-    return {
-        n: regret(found.on, climbed(found.on, t.family, t.point[None, :], rungs)[0], found.references)
-        for n, t in tuned.items()
-    }
