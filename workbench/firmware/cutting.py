@@ -43,6 +43,20 @@ def pruned(made, wanted: set[str]):
     return replace(made, inputs=tuple(made.inputs[j] for j in used), outputs=tuple(n for n, _ in kept), program=program)
 
 
+def unfloored(program: Program) -> Program:
+    """Return a program in which max(|x|, 0) is |x|."""
+    sizes, again, lines = {x.out for x in program.lines if x.op == ca.OP_FABS}, {}, []
+    for line in program.lines:
+        line = replace(line, a=again.get(line.a, line.a), b=again.get(line.b, line.b))
+        if line.op == ca.OP_FMAX and line.a in sizes and line.b == "0.0":
+            again[line.out] = line.a
+        else:
+            lines.append(line)
+    return replace(
+        program, lines=tuple(lines), outputs=tuple(tuple(again.get(n, n) for n in o) for o in program.outputs)
+    )
+
+
 def _reciprocals(program: Program, constant: list[bool]) -> Program:
     """Return a program in which what moves is divided by no constant, but multiplied by its reciprocal."""
     once = {f"i0_{j}" for j, c in enumerate(constant) if c}
@@ -66,7 +80,7 @@ def cut(law: Law, feedback: str, symbols: Symbols, made) -> Stages:
     lines, outputs, constants, parts = [], [], [], []
     for s in made:
         constant = [n in symbols.constants for n in s.inputs]
-        before, after = split(_reciprocals(s.program, constant), constant)
+        before, after = split(_reciprocals(unfloored(s.program), constant), constant)
         own = [n for n in s.inputs if n in symbols.constants]
         before = _joined(before, own, given, s.name)
         lines += before.lines

@@ -20,26 +20,34 @@ from workbench.simulation.stage import stage
 COMMAND, ADDED = "u_c", "added"
 INCREMENT = "increment"  # counts since the last sample
 SCALE = "law.scale"  # the command is proportional to the gains of every schedule, so that it may be in them
-POSITIONS = ("furthest", "turned")  # states that move along with the origin
+POSITIONS = ("furthest", "turned", "law.asked")  # states that move along with the origin
 
 
 class Folded(Symbols):
     """Symbols of a firmware. The factor on a schedule's gains is one: the table holds the gains times that factor.
 
-    The reading that closes the loop is no state: this sample's is there, and the way since the last is counted.
+    The reading that closes the loop is no state: this sample's is there, and the way since the last is counted. counted:
+    whether amplitudes below one count are told apart; errors are whole counts, so that where the table begins at one or more
+    they are not, and the floor of one count that a law has under its error is none.
     """
+
+    def __init__(self, counted: bool):
+        super().__init__()
+        self.counted = counted
 
     def state(self, name: str) -> ca.SX:
         return super().state("now.y" if name == "y" else name)
 
     def constant(self, name: str) -> ca.SX:
+        if name == "count" and not self.counted:
+            return ca.SX(0.0)
         return ca.SX(1.0) if name == SCALE else super().constant(name)
 
 
 @lru_cache(maxsize=64)
-def stages(law: Law, feedback: str = "position") -> Stages:
-    """Return the stages of a law. feedback: the encoder that closes the loop, where the law reads two."""
-    symbols = Folded()
+def stages(law: Law, feedback: str = "position", counted: bool = True) -> Stages:
+    """Return the stages of a law. feedback: the encoder that closes the loop, where the law reads two. counted: see Folded."""
+    symbols = Folded(counted)
     begun, seen, decided = _outputs(law, symbols, feedback)
     seen.pop("y")
     wanted = {COMMAND} | ({AMPLITUDE} if law.columns else set())
