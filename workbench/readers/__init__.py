@@ -86,10 +86,13 @@ class Survey:
     notes: tuple[str, ...] = ()
 
 
-def survey(path: Path) -> Survey:
-    """Return all that a file of unknown content holds; WorkbenchError where not one column can be read."""
+def survey(path: Path, names: Sequence[str] = ()) -> Survey:
+    """Return all that a file of unknown content holds; WorkbenchError where not one column can be read.
+
+    names: the columns that are meant, where not all are.
+    """
     chosen, content = reader(path), _content(path)
-    names = chosen.columns(content, path)
+    names = names or chosen.columns(content, path)
     try:
         sheet = chosen.read(content, path, {name: name for name in names})
         return Survey(path, sheet.channels, sheet.units, {}, sheet.notes)
