@@ -9,7 +9,7 @@ from workbench.intake.names import QUALITIES, QUANTITIES, unit_of
 
 DRIVES = ("torque", "force", "current", "voltage")
 WORDS = {w for group in (QUANTITIES, QUALITIES) for line in group.values() for w in line.split()}
-GLUED, PARTED = r"[A-Za-z]+\d*|\d+", r"[A-Za-z]+|\d+"
+PATTERNS = (r"[A-Za-z]+\d*|\d+", r"[A-Za-z]+|\d+", r"\d+")  # "q7"; "7" of "q7" and "tau7"; "0" of "q[0]" and "tau_J[0]"
 
 
 def of_axis(columns: Columns, axis: str, told: Mapping[str, str]) -> tuple[Columns, tuple[str, ...]]:
@@ -38,7 +38,7 @@ def of_axis(columns: Columns, axis: str, told: Mapping[str, str]) -> tuple[Colum
 
 def axes(columns: Columns) -> dict[str, set[str]]:
     """Return axis -> its columns: names that a drive and a position share, where there are two at least; else nothing."""
-    for pattern in (GLUED, PARTED):
+    for pattern in PATTERNS:
         keys = {n: _key(columns, n, pattern) for n in columns.names}
         drives = {keys[n] for n, m in columns.meanings.items() if m.kind in DRIVES}
         places = {keys[n] for n, m in columns.meanings.items() if m.kind == "position"}

@@ -9,7 +9,10 @@ from workbench.errors import WorkbenchError
 from workbench.intake.names import Meaning, meaning
 from workbench.readers import Survey
 
-FEWEST = 10  # changes of a column that moves: with fewer it is stuck, or was never connected
+FEWEST, FEW = (
+    10,
+    100,
+)  # changes of a column that moves, of a hundred samples one: with fewer it is stuck, or not connected
 
 
 @dataclass(frozen=True)
@@ -59,7 +62,8 @@ class Columns:
         return [s.columns[name] for s in self.surveys]
 
     def moves(self, name: str) -> bool:
-        return sum(int(np.count_nonzero(np.diff(x))) for x in self.of(name)) >= FEWEST
+        changes = [int(np.count_nonzero(np.diff(x))) for x in self.of(name)]
+        return sum(changes) >= min(FEWEST, sum(x.size for x in self.of(name)) // FEW)
 
     def only(self, names: Sequence[str]) -> "Columns":
         """Return these columns alone."""

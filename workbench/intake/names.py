@@ -88,6 +88,8 @@ def meaning(name: str, stated: str = "") -> Meaning:
         unit = unit_of(tail, kind) if len(tail) > 1 or tail in "AVNsm" else ""
     elif not unit and not kind:
         unit = unit_of(name)
+    if not unit and not kind and words and words[0] in ("ms", "us", "ns"):  # "ms_today"
+        unit = words[0]
     if unit and not kind:
         kind = kind_of(unit)
     told = next((u for u in (stated.strip(), text) if states_unit(u)), "")
