@@ -28,9 +28,9 @@ ROS = joints(
 )  # fmt: skip
 MCAP = [C(c.signal, f"/joint_states.{c.name}", c.units, c.channel) for c in ROS]
 SCOPE = (
-    C("position", "Axis1.ActPos", (("deg", pi / 180), ("mdeg", pi / 180000)), "position"),
-    C("reference", "Axis1.SetPos", (("deg", pi / 180), ("mdeg", pi / 180000)), "reference"),
-    C("torque", "Axis1.ActTorque", NM, "drive"),
+    C("position", "ActPos", (("deg", pi / 180), ("mdeg", pi / 180000)), "position"),
+    C("reference", "SetPos", (("deg", pi / 180), ("mdeg", pi / 180000)), "reference"),
+    C("torque", "ActTorque", NM, "drive"),
 )
 BECKHOFF = "Beckhoff Information System, TE13xx TC3 Scope View, Export to CSV; github.com/CagtayFabry/pytcs"
 
@@ -54,7 +54,8 @@ TEXTS = (
         "LinuxCNC halsampler -t", "LinuxCNC manual pages, halsampler(1): the sample number first, then the pins, no header", ".txt",
         text.table(" ", header=False),
         (C("sample", "column 1"), C("current", "", CURRENT, "drive"), C("position", "", (("", 1.0),), "position"), C("reference", "")),
-        fixed=1, extra=False,
+        fixed=1, jitter=False,
+        extra=False,
     ),
     Layout(
         "LinuxCNC sampler tools", "github.com/rgbond/sampler_tools, README: the nets' names in the first line, then halsampler's lines", ".log",
@@ -170,14 +171,14 @@ TEXTS = (
         (time("timestamp"), C("reference", "goal_position", (("", 2 * pi / 4096),), "reference", True), C("position", "present_position", (("", 2 * pi / 4096),), "position", True), C("current", "present_current", (("", 2.69e-3 * TORQUE_CONSTANT),), "drive", True)),
         rate=250.0, locale=True,
     ),
-    Layout("ros2 topic echo --csv", "ROS 2, ros2topic echo --csv of sensor_msgs/msg/JointState", ".csv", text.echo, (time("time"), *ROS), axis="elbow_joint", fixed=1, extra=False),
+    Layout("ros2 topic echo --csv", "ROS 2, ros2topic echo --csv of sensor_msgs/msg/JointState", ".csv", text.echo, (time("time"), *ROS), axis="shoulder_pan_joint", fixed=1, extra=False),
 )  # fmt: skip
 
 BINARIES = (
-    Layout("JointState, a message a line", "sensor_msgs/msg/JointState as JSON lines", ".jsonl", text.joint_states, (time("header.stamp"), *ROS), axis="elbow_joint", fixed=1, extra=False),
-    Layout("MCAP of ROS 2", "mcap.dev, written by mcap-ros2-support: sensor_msgs/msg/JointState", ".mcap", binary.mcap_ros2, (time("time"), *MCAP), axis="elbow_joint", fixed=1, extra=False),
+    Layout("JointState, a message a line", "sensor_msgs/msg/JointState as JSON lines", ".jsonl", text.joint_states, (time("header.stamp"), *ROS), axis="shoulder_pan_joint", fixed=1, extra=False),
+    Layout("MCAP of ROS 2", "mcap.dev, written by mcap-ros2-support: sensor_msgs/msg/JointState", ".mcap", binary.mcap_ros2, (time("time"), *MCAP), axis="shoulder_pan_joint", fixed=1, extra=False),
     Layout("Parquet of a Beckhoff axis", "written by pyarrow; names: Tc2_MC2, NCTOPLC_AXIS_REF: ActPos, SetPos, ActTorque", ".parquet", binary.parquet,
-           (time("Timestamp", [S]), *(C(c.signal, c.name.replace("Axis1.", "Axis1.NcToPlc."), c.units, c.channel) for c in SCOPE))),
+           (time("Timestamp", [S]), *(C(c.signal, f"Axis1.NcToPlc.{c.name}", c.units, c.channel) for c in SCOPE))),
     Layout("HDF5", "written by h5py, units in attributes", ".h5", binary.hdf5,
            (time("log/time", [S, MS]), C("position", "log/joint/position", RAD, "position"), C("current", "log/motor/current", AMPERE, "drive"), C("temperature", "log/motor/winding"))),
     Layout("MATLAB structure", "MathWorks, MAT-File Format; written by SciPy", ".mat", binary.mat_struct,

@@ -63,7 +63,9 @@ def scope(delimiter: str, *, full: bool, head: str, shared: bool = False, ticks:
                 row += [] if shared and k else [key]
                 short = name.split(".")[-1]
                 row.append(
-                    {"Name": short, "SymbolName": f"Main.{name}", "Unit": units[k + 1]}.get(key, cells.get(key, ""))
+                    {"Name": short, "SymbolName": f"Main.Axis1.{name}", "Unit": units[k + 1]}.get(
+                        key, cells.get(key, "")
+                    )
                 )
             lines.append(d.join(row))
         lines.append("")

@@ -15,6 +15,7 @@ from workbench.intake.others import alike, others_of
 
 EXPLAINED = 0.3  # share of a drive's power that motion must explain for nameless columns to be taken for a pair
 APART = 0.1  # of a drive's power: a pair of columns that explains as much but for this is a rival of the best
+IDLE = {"d", "id", "reactive"}  # of the current along the field, which makes no torque
 ROS = "as sensor_msgs/JointState has it; a sliding joint's is in"  # of position and effort beside each other
 
 
@@ -109,6 +110,9 @@ def _likeliest(columns: Columns, names: Sequence[str], kinds: Sequence[str]) -> 
         return ("reference" in m.quality, "measured" not in m.quality, kinds.index(m.kind))
 
     fit = [n for n in names if columns.meanings[n].kind in kinds]
+    fit = [
+        n for n in fit if not (columns.meanings[n].kind == "current" and IDLE & set(columns.meanings[n].words))
+    ] or fit
     fit = [n for n in fit if not {"error", "load"} & columns.meanings[n].quality]
     return [n for n in fit if rank(n) == min(map(rank, fit))]
 

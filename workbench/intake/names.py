@@ -8,7 +8,7 @@ from workbench.units.registry import legible, root, same, tidy
 
 # Words of English and German logs, in lower case. One word may be a quantity or qualify one.
 QUANTITIES = {
-    "time": "t time times zeit timestamp timestamps stamp datetime date clock elapsed uhrzeit zeitstempel",
+    "time": "t time times zeit timestamp timestamps stamp datetime date clock elapsed uhrzeit zeitstempel ipoc",
     "current": "i iq cur curr current currents strom motorstrom amps ampere",
     "torque": "torque torques torq trq tq tau moment drehmoment effort efforts",
     "force": "force frc f kraft thrust",
@@ -80,7 +80,10 @@ def meaning(name: str, stated: str = "") -> Meaning:
     """Return what a column's name says. stated: the unit that the file itself gives the column, which comes first."""
     words, text = parted(name)
     bare = [w for w in words if not (text and w == text.lower())] or words
-    kind = next((k for w in bare for k, known in QUANTITIES.items() if w in known.split()), "")
+    by_length = sorted(
+        bare, key=lambda w: len(w) == 1
+    )  # "x-output-current" is a current: a letter says less than a word
+    kind = next((k for w in by_length for k, known in QUANTITIES.items() if w in known.split()), "")
     quality = frozenset(q for w in bare for q, known in QUALITIES.items() if w in known.split())
     unit = unit_of(stated, kind) or unit_of(text, kind)
     if not unit and len(words) > 1:
@@ -93,8 +96,8 @@ def meaning(name: str, stated: str = "") -> Meaning:
     if unit and not kind:
         kind = kind_of(unit)
     told = next((u for u in (stated.strip(), text) if states_unit(u)), "")
-    if unit and kind and not fits(unit, kind):
-        told, unit = told or unit, ""
+    if unit and kind and not fits(unit, kind):  # of "current_in" the tail is no inch
+        unit = ""
     return Meaning(kind, unit, quality, "" if unit else told, tuple(words))
 
 
