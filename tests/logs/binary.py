@@ -47,8 +47,9 @@ def hdf5(path, names, values, units, rate, comma):
 
     with h5py.File(path, "w") as file:
         for name, unit, v in zip(names, units, values, strict=True):
-            file[name] = v
-            file[name].attrs["units"] = unit
+            place = name.replace(".", "/")
+            file[place] = v
+            file[place].attrs["units"] = unit
 
 
 def mat_struct(path, names, values, units, rate, comma):

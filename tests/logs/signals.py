@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-SAMPLES = 1200
+SAMPLES = 700
 TORQUE_CONSTANT = 0.12  # N*m/A
 COUNTS = 65536 / (2 * np.pi)  # a rad
 
@@ -29,7 +29,8 @@ class Layout:
     """name, source: of the layout. suffix: of its files. write: (path, names, table, units, rate, rng, comma) -> None.
 
     rate: Hz. axis: the one that is meant, where it holds several. locale: whether it can be written with decimal commas. linear:
-    N over m. fixed: the first columns keep their place. extra: whether columns may stand beside.
+    N over m. fixed: the first columns keep their place. extra: whether columns may stand beside. jitter: whether its clock may be uneven. numbered: how a column is
+    called by its place, where the file has no names.
     """
 
     name: str
@@ -44,6 +45,7 @@ class Layout:
     fixed: int = 0
     extra: bool = True
     jitter: bool = True
+    numbered: str = ""
 
 
 @dataclass(frozen=True)
@@ -120,7 +122,7 @@ def made(layout: Layout, variant: int, folder: Path) -> Made:
     for c in columns:
         label, si = c.units[min(1, len(c.units) - 1) if variant == 3 or every else 0]
         values = (held[c.signal] + (offset if c.signal == "time" else 0.0)) / si
-        names.append(c.name.format(label))
+        names.append(layout.numbered.format(len(names) + 1) or c.name.format(label))
         units.append(label)
         table.append(np.round(values) if c.whole else values)
         if c.channel:

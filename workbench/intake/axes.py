@@ -22,7 +22,7 @@ def of_axis(columns: Columns, axis: str, told: Mapping[str, str]) -> tuple[Colum
     mine = [a for a, names in found.items() if names & {told.get("drive"), told.get("position")}]
     wanted = _plain(axis)
     if axis:
-        mine = [a for a in found if _plain(a) == wanted] or [a for a in found if wanted.endswith(_plain(a))]
+        mine = [a for a in found if _plain(a) == wanted] or [a for a in found if wanted.endswith(_plain(a)) or _plain(a).endswith(wanted)]
     if axis and len(mine) != 1:
         known = nearest(axis, list(found)) if found else "the columns are those of one axis, so leave it out."
         raise WorkbenchError(f"--axis {axis}: there is no such axis; {known}")
@@ -44,7 +44,9 @@ def axes(columns: Columns) -> dict[str, set[str]]:
         places = {keys[n] for n, m in columns.meanings.items() if m.kind == "position"}
         both = [k for k in dict.fromkeys(keys.values()) if k in drives & places and k]
         if len(both) > 1:
-            return {"_".join(k): {n for n in columns.names if keys[n] == k} for k in both}
+            parts = enumerate(zip(*both, strict=False))  # "/joint_states" before every joint tells none from another
+            shared = next((i for i, words in parts if len(set(words)) > 1), 0)
+            return {"_".join(k[shared:] or k): {n for n in columns.names if keys[n] == k} for k in both}
     return {}
 
 

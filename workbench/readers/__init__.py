@@ -92,15 +92,8 @@ def survey(path: Path, names: Sequence[str] = ()) -> Survey:
     names: the columns that are meant, where not all are.
     """
     chosen, content = reader(path), _content(path)
-    names = names or chosen.columns(content, path)
-    try:
-        sheet = chosen.read(content, path, {name: name for name in names})
-        return Survey(path, sheet.channels, sheet.units, {}, sheet.notes)
-    except WorkbenchError:
-        columns, units, refused, notes = {}, {}, {}, ()
-    for name, found in _each(
-        chosen, content, path, names
-    ):  # text or gaps in one do not keep the others from being read
+    columns, units, refused, notes = {}, {}, {}, ()
+    for name, found in _each(chosen, content, path, names):
         if isinstance(found, WorkbenchError):
             refused[name] = str(found)
         else:
@@ -115,10 +108,17 @@ def survey(path: Path, names: Sequence[str] = ()) -> Survey:
 def _each(
     chosen: Reader, content: bytes, path: Path, names: Sequence[str]
 ) -> Iterator[tuple[str, Sheet | WorkbenchError]]:
-    """Yield every column alone, or why it cannot be read."""
+    """Yield every column, or why it cannot be read: text or gaps in one do not keep the others from being read."""
     if isinstance(chosen, Whole):
-        yield from chosen.each(content, path)
+        yield from chosen.each(content, path, names)
         return
+    names = names or chosen.columns(content, path)
+    try:
+        sheet = chosen.read(content, path, {name: name for name in names})
+        yield from ((name, sheet) for name in names)
+        return
+    except WorkbenchError:
+        pass
     for name in names:
         try:
             yield name, chosen.read(content, path, {name: name})

@@ -53,7 +53,7 @@ def _table(rows: Sequence[tuple]) -> Iterator[tuple[str, Held]]:
         return
     used = [k for k, cell in enumerate(rows[first]) if cell is not None]
     above = [[_text(row[k]) if k < len(row) else "" for k in used] for row in rows[max(first - 2, 0) : first]]
-    units = above.pop() if len(above) == 2 and are_units(above[-1]) else [""] * len(used)
+    units = above.pop() if len(above) == 2 and any(above[0]) and are_units(above[-1]) else [""] * len(used)
     names = above[-1] if above and any(above[-1]) else []
     last = max(k for k, row in enumerate(rows) if any(cell is not None for cell in row)) + 1
     for number, k in enumerate(used):

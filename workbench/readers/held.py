@@ -5,7 +5,7 @@ asked for are put on one raster: the slowest of them, so that the others are int
 SLOW times slower than the fastest, a temperature, is interpolated instead, and decides no raster.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -40,9 +40,13 @@ class Whole:
     def read(self, content: bytes, path: Path, columns: Mapping[str, str]) -> Sheet:
         return chosen(self.held(content, path), path, columns)
 
-    def each(self, content: bytes, path: Path) -> Iterator[tuple[str, Sheet | WorkbenchError]]:
-        """Yield every column alone, or why it cannot be read, from one opening."""
+    def each(
+        self, content: bytes, path: Path, names: Sequence[str] = ()
+    ) -> Iterator[tuple[str, Sheet | WorkbenchError]]:
+        """Yield every column alone, or why it cannot be read, from one opening. names: those that are meant, if not all."""
         held = self.held(content, path)
+        clocks = {n: h for n, h in held.items() if h.clock is not None}
+        held = {n: h for n, h in held.items() if not names or n in names} or clocks
         good = {}
         for name in held:
             try:

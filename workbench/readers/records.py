@@ -13,7 +13,7 @@ from workbench.readers import load, reader, stem
 from workbench.readers.declaration import Table
 from workbench.readers.sampling import FEWEST, uniform
 from workbench.readers.stated import stated
-from workbench.record import IDENTIFICATION, ROLES, VALIDATION, Record
+from workbench.record import IDENTIFICATION, ROLES, VALIDATION, Payload, Record
 from workbench.units import effect_unit, scaled, to_si
 
 # Templates as effects state them: F is N*m or N, x is rad or m.
@@ -177,6 +177,7 @@ def _record(one: Table, folder: Path, name: str, channels: Mapping[str, Channel]
         motion=one.text("motion"),
         locked=one.flag("load_locked"),
         counts_from=counts_from,
+        payload=_payload(one, "torque" in channels),
     )
     return record, findings
 
@@ -206,6 +207,15 @@ def _counted(one: Table, time: np.ndarray) -> float:
             f"{one.path('counts_from')} leaves {left} samples that count; at least {FEWEST} are needed."
         )
     return first
+
+
+def _payload(one: Table, rotary: bool) -> Payload | None:
+    """Return what was added to the axis for a record; on a linear axis a mass alone, whose weight is a constant offset."""
+    if "payload" not in one:
+        return None
+    units = {"inertia": "F*s^2/x"} | ({"mgl": "F", "phase": "x"} if rotary else {})
+    given = one.table("payload", (), tuple(units))
+    return Payload(**{n: given.quantity(n, effect_unit(units[n], rotary)) for n in given.values})
 
 
 def _clock(name: str, start: float, time: np.ndarray) -> Finding:
