@@ -388,11 +388,12 @@ def test_several_axes_are_listed_and_asked_for(tmp_path):
 def test_an_unknown_unit_is_refused_with_the_nearest_and_told_by_a_flag(tmp_path):
     t, torque, q, _ = wave()
     sentence = refusal(tmp_path, "t,torque [Nmc],angle_rad", t, 1e2 * torque, q)
-    assert "states the unit 'Nmc', which is not known for a torque; nearest: N*cm" in sentence
-    assert "--unit 'torque [Nmc]=N*cm'" in sentence
+    assert "states the unit 'Nmc', which is not known for a torque; nearest: N*m, N*mm, N*cm." in sentence
+    assert sentence.endswith("--unit 'torque [Nmc]=N*m'")
     _, campaign = made_of(tmp_path, "t,torque [Nmc],angle_rad", t, 1e2 * torque, q, units={"torque [Nmc]": "N*cm"})
     assert np.ptp(campaign.records[1].channels["torque"]) == pytest.approx(np.ptp(torque), rel=1e-6)
-    assert "there is no such unit" in refusal(tmp_path, "t,i,pos", t, torque, q, units={"i": "furlong"})
+    (tmp_path / "b").mkdir()
+    assert "there is no such unit" in refusal(tmp_path / "b", "t,i,pos", t, torque, q, units={"i": "furlong"})
 
 
 def test_a_reference_is_one_by_slope_and_scale_and_else_only_listed(tmp_path):

@@ -22,7 +22,9 @@ def of_axis(columns: Columns, axis: str, told: Mapping[str, str]) -> tuple[Colum
     mine = [a for a, names in found.items() if names & {told.get("drive"), told.get("position")}]
     wanted = _plain(axis)
     if axis:
-        mine = [a for a in found if _plain(a) == wanted] or [a for a in found if wanted.endswith(_plain(a)) or _plain(a).endswith(wanted)]
+        mine = [a for a in found if _plain(a) == wanted] or [
+            a for a in found if wanted.endswith(_plain(a)) or _plain(a).endswith(wanted)
+        ]
     if axis and len(mine) != 1:
         known = nearest(axis, list(found)) if found else "the columns are those of one axis, so leave it out."
         raise WorkbenchError(f"--axis {axis}: there is no such axis; {known}")
