@@ -469,3 +469,19 @@ def test_two_masses_begin_with_dry_friction_on_both(tmp_path):
     from workbench.intake.text import TWO_MASS
 
     assert {at for at, name, *_ in TWO_MASS if name == "coulomb_friction"} == {"motor", "load"}
+
+
+def test_axis_rate_and_unit_are_told_on_the_command_line(tmp_path, monkeypatch, capsys):
+    _, torque, q, _ = wave()
+    monkeypatch.chdir(tmp_path)
+    columns = np.column_stack([1e2 * torque, q, torque[::-1], q[::-1]])
+    np.savetxt("log.csv", columns, "%.9g", ",", header="tau1 [x],q1_rad,tau2 [x],q2_rad", comments="")
+    told = ["--axis", "1", "--rate", "2000", "--unit", "tau1 [x]=N*cm"]
+    assert main(["new", "axis", "--records", "log.csv", *told]) == 0
+    assert "2000 Hz" in capsys.readouterr().out
+    record = load(Path("studies/axis/campaign")).records[1]
+    assert record.dt == pytest.approx(5e-4) and record.source.columns["torque"] == "tau1 [x]"
+    assert np.ptp(record.channels["torque"]) == pytest.approx(np.ptp(torque), rel=1e-6)
+    for wrong, said in ((["--rate", "0"], "--rate 0"), (["--unit", "tau1"], "--unit COLUMN=UNIT")):
+        assert main(["new", "other", "--records", "log.csv", *wrong]) == 2
+        assert said in capsys.readouterr().err

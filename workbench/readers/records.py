@@ -3,6 +3,7 @@
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -146,14 +147,15 @@ def records(
     for role in (IDENTIFICATION, VALIDATION):
         if not any(one.text("role") == role for one in declared):
             raise WorkbenchError(f"{top.path('records')}: no record has role '{role}'; add one, or change a role.")
-    pairs = [_record(one, folder, name, channels, resample) for name, one in zip(names, declared, strict=True)]
+    opened = cache(lambda path: load(path, {n: c.column for n, c in channels.items() if not c.rate}))
+    pairs = [_record(one, folder, name, channels, resample, opened) for name, one in zip(names, declared, strict=True)]
     return tuple(r for r, _ in pairs), tuple(f for _, found in pairs for f in found)
 
 
-def _record(one: Table, folder: Path, name: str, channels: Mapping[str, Channel], resample: bool):
+def _record(one: Table, folder: Path, name: str, channels: Mapping[str, Channel], resample: bool, opened):
     path = _inside(folder, one)
     measured = {n: c for n, c in channels.items() if not c.rate}
-    sheet, source = load(path, {n: c.column for n, c in measured.items()})
+    sheet, source = opened(path)  # two records may be of one file
     data = {n: c.to_si(sheet.channels[n], f"{path}: column '{c.column}'") for n, c in measured.items()}
     if rate := channels["time"].rate:
         data["time"] = np.arange(next(iter(data.values())).size) / rate
