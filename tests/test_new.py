@@ -297,6 +297,12 @@ def test_a_channel_that_is_told_wrongly_is_answered_with_how_to_tell_it(
         ("load_position_rad", "position", "rad", {"load"}),
         ("following error", "", "", {"error"}),
         ("column 2", "", "", set()),
+        ("theta_m", "position", "", set()),
+        ("x-output-current", "current", "", set()),
+        ("current_in", "current", "", set()),
+        ("ms_today", "time", "ms", set()),
+        ("torque [N.m]", "torque", "N*m", set()),
+        ("AIPos.A1", "position", "", set()),
     ],
 )
 def test_a_name_says_quantity_unit_and_quality(name, kind, unit, quality):

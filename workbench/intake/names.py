@@ -18,6 +18,7 @@ QUANTITIES = {
     "temperature": "temp temperature temperatur housing",
     "normal": "normal normalkraft",
 }
+ANGLES = {"ang", "angle", "theta", "phi", "winkel", "q", "qm"}
 QUALITIES = {
     "reference": "ref reference set setpoint soll sollwert sp cmd command commanded target demand demanded desired des qg qr goal nominal",
     "measured": "act actual ist istwert istlage lageistwert meas measured fb feedback present estimate estimated est",
@@ -89,6 +90,7 @@ def meaning(name: str, stated: str = "") -> Meaning:
     if not unit and len(words) > 1:
         tail = re.split(r"[\s_/.]+", name.strip())[-1]
         unit = unit_of(tail, kind) if len(tail) > 1 or tail in "AVNsm" else ""
+        unit = "" if unit == "m" and ANGLES & set(words) else unit  # "theta_m" is the motor's
     elif not unit and not kind:
         unit = unit_of(name)
     if not unit and not kind and words and words[0] in ("ms", "us", "ns"):  # "ms_today"
