@@ -1,5 +1,6 @@
 """The controllers of two masses, tuned alike: schedules over the output and over the joint, and cascades on either encoder."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -8,9 +9,12 @@ from workbench.description import Equivalent
 from workbench.plant import Plant
 from workbench.schedule import Passivity, Schedule
 from workbench.simulation import Loop
+from workbench.study.compensating import asked, chosen
 from workbench.study.configuration import Study
 from workbench.study.controlling import Control
 from workbench.study.controlling import numbers as numbers_of
+from workbench.verification.compensated import SUFFIX
+from workbench.verification.compensated import entered as compensating
 from workbench.verification.contest import Contest, contest, entered
 from workbench.verification.families import (
     Family,
@@ -75,13 +79,13 @@ def over_joint(study: Study, control: Control, spring: Plant, model: Assumed, lo
 
     model: the identified plant that controllers are tuned on; the schedule bears its digest.
     """
-    asked = study.table.table("contest", KEYS)
-    low, high = numbers_of(asked, "amplitudes", (), "rad")
+    contested = study.table.table("contest", KEYS)
+    low, high = numbers_of(contested, "amplitudes", (), "rad")
     equivalent = joint_equivalent(spring, np.geomspace(low, high, AMPLITUDES))
     motor = spring["inertia@motor"].parameters["inertia"].value
     loads = loads_of(control, model)
     gains = joint_gains(equivalent, motor, loads, model.damping, goal_of(control, model), loop)
-    back = asked.number("reversal", above=0.0) * loop.resolution
+    back = contested.number("reversal", above=0.0) * loop.resolution
     schedule = joint_schedule(gains, loop, back, model.plant, PER_OCTAVE, control.tolerance)
     return Over(spring, equivalent, gains, schedule, motor, loads, model.damping)
 
@@ -122,11 +126,12 @@ def held(study: Study, control: Control, known: Assumed, model: Assumed, loop: L
     The paper's two schedules are tuned to be quick and accurate at nominal inertia and friction, and not to overshoot beyond
     them; WIDE is the one over the joint, tuned for its worst case as all others are.
     """
-    asked = study.table.table("contest", KEYS)
+    contested = study.table.table("contest", KEYS)
     task = replace(control.task.on(known.plant), loop=loop)
     every = {f.name: f for f in families(study, control, model, loop, over)}
-    time, seeds = asked.quantity("tuning_time", "s", above=0.0), [int(s) for s in numbers_of(asked, "seeds", (1.0,))]
-    rest = [f for n, f in every.items() if n not in (OUTPUT, JOINT)]
+    time = contested.quantity("tuning_time", "s", above=0.0)
+    seeds = [int(s) for s in numbers_of(contested, "seeds", (1.0,))]
+    rest = [f for n, f in every.items() if n not in (OUTPUT, JOINT)] + [cancelling(study, known, every)]
     found = contest(task, rest, tuning_time=time, seeds=seeds, loaded=True, known=model.plant, say=say)
     wide = replace(task, duration=time).on(model.plant)
     narrow = replace(wide, nominal=True, frictions=between(task.frictions), inertias=between(task.inertias))
@@ -140,6 +145,14 @@ def held(study: Study, control: Control, known: Assumed, model: Assumed, loop: L
 def between(factors: tuple[float, ...]) -> tuple[float, ...]:
     """Return the factors with 1 among them."""
     return tuple(sorted({*factors, 1.0}))
+
+
+def cancelling(study: Study, known: Assumed, every: Mapping[str, Family]) -> Family:
+    """Return the controller of [compensation] with its compensation, which is tuned and judged as any other."""
+    given = asked(study, known.plant)
+    chosen(given, every)
+    base = every[given.controller]
+    return compensating(base, given.on(known.plant), base.start)
 
 
 def figures_of(found: Contest) -> tuple[dict[str, float], dict[str, str]]:
@@ -168,6 +181,7 @@ def figures_of(found: Contest) -> tuple[dict[str, float], dict[str, str]]:
         "profile_pi_time_over_bound": found.over_bound(BEST),
         "both_encoders_time_over_bound": found.over_bound(BOTH),
         "sensitivity": max(of(n, "sensitivity") for n in found.standings),
-        "overshoot": max(of(n, "overshoot_grid") for n in found.standings),
+        "overshoot": max(of(n, "overshoot_grid") for n in found.standings if not n.endswith(SUFFIX)),
+        **{f"compensated_{n}": of(f"{FIXED}{SUFFIX}", n) for n in ("overshoot_grid", "error_grid")},
     }
-    return {**errors, **ratios}, dict.fromkeys(errors, "rad")
+    return {**errors, **ratios}, dict.fromkeys((*errors, "compensated_error_grid"), "rad")

@@ -4,10 +4,14 @@ Everything is derived from the plant that study.toml assumes. What a second enco
 encoder and on both.
 """
 
+from collections.abc import Sequence
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
+from workbench.compensation import REFERENCE, Compensator
+from workbench.errors import WorkbenchError
 from workbench.finding import Finding
 from workbench.identification.fit import identify, passes_of
 from workbench.identification.result import Fit
@@ -79,7 +83,16 @@ def run(study: Study, say) -> Outcome:
     held = controllers.held(study, control, known, model, loop, over, say)
     outcome = with_part(outcome, contested(study, held, model, full, over))
     outcome = with_part(outcome, robustness(study, held.task, held.makers, say))
-    return with_part(outcome, compensation(study, held.task, held.makers, say))
+    return with_part(outcome, compensation(study, held.task, held.makers, say, margins=partial(margins_of, held)))
+
+
+def margins_of(held: Contest, name: str, compensator: Compensator, gains: Sequence[float]) -> dict[float, float]:
+    """Return gain of the compensation -> Ms: from the reference it closes no path, and the margin is the controller's own."""
+    if compensator.source != REFERENCE:
+        raise WorkbenchError(
+            "the margin of two masses is known for a compensation from the reference; state that source."
+        )
+    return dict.fromkeys(gains, held[name].median("sensitivity"))
 
 
 def contested(study: Study, held: Contest, model: Assumed, full: Fit, over: Over) -> Part:
@@ -106,7 +119,7 @@ def contested(study: Study, held: Contest, model: Assumed, full: Fit, over: Over
         findings=(Finding(RECOMMENDED, "gains", choice.sentence),),
         files=(
             lambda folder: write_table(final, plant, folder / "gains"),
-            lambda folder: leave(tuned, choice.name, plant, task.loop.sample_time, folder / "gains", JOINT),
+            lambda folder: leave(tuned, choice.name, plant, task.loop.sample_time, folder / "gains", JOINT, task),
         ),
         chapters=(
             recommended_chapter(choice, plant, task.loop.count),

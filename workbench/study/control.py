@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from functools import partial
 from math import isfinite
 
 import numpy as np
@@ -21,17 +22,20 @@ from workbench.report.polish import as_table as gains_table
 from workbench.report.polish import polish_chapter
 from workbench.report.recommend import RECOMMENDED, recommended_chapter
 from workbench.schedule import Schedule
-from workbench.study.compensating import compensated_makers, compensation
+from workbench.study.compensating import asked, compensation, with_compensated
 from workbench.study.configuration import Study
 from workbench.study.controlling import Control, Shown, control_of
+from workbench.study.driving import driven
 from workbench.study.hunting import limit_cycles
 from workbench.study.leaving import leave
+from workbench.study.metal import metal
 from workbench.study.outcome import NOT_TUNED, Outcome, Part, with_part
 from workbench.study.series import robustness, slug
 from workbench.tracing.result import Trace
 from workbench.tuning import OutOfReach
 from workbench.verification.assumed import loop_of, move_of
 from workbench.verification.compare import Comparison, compare, verdicts
+from workbench.verification.compensated import SUFFIX, margins
 from workbench.verification.design import Designed, design
 from workbench.verification.promise import promise
 from workbench.verification.recommend import Recommended, recommend
@@ -59,11 +63,12 @@ def run(
     declared = control.limited(found.before.plant)
     task = control.task.on(plant)
     made = designed(plant, control, task, say, response=resonant(records, plant, bandwidth))
+    given = asked(study, plant) if "compensation" in study.table else None
+    made = with_compensated(made, given, task, control.seeds, say)
     say("comparing the controllers")
     ours = f"scheduled PD ({control.rule})"
     makers = {name: tuned.controller for name, tuned in made.tuned.items()}
-    compared = makers | (compensated_makers(study, plant, makers) if "compensation" in study.table else {})
-    comparison = verdicts(compare(task, compared), ours, BASELINES, plant.displacement)
+    comparison = verdicts(compare(task, makers), ours, BASELINES, plant.displacement)
     choice = recommend(task, made.tuned, plant.displacement)
     kept, held = promise(plant, made.polished, task), made.climbed.regret
     against, tuned_too = on_ladder(made)
@@ -101,28 +106,33 @@ def run(
     tables["tuned_plant"] = {"digest": plant.digest, "lines": list(plant.digest_lines())}
     files = (
         lambda folder: write_gains(made, control, folder),
-        lambda folder: leave(made.tuned, choice.name, plant, task.loop.sample_time, folder / "gains", ours),
+        lambda folder: leave(made.tuned, choice.name, plant, task.loop.sample_time, folder / "gains", ours, task),
     )
     limits = tuple(f for f in made.findings if f.kind == "response limits")
     advice = Finding(RECOMMENDED, "gains", choice.sentence, {}, "")
     said = (advice, *assumptions(study.table, control, shown), *raised(control, made), *limits, *comparison.findings)
     part = Part(figures, units, tuple(parts), said, tables, files)
     if "robustness" in study.table:
-        part = with_part(part, robustness(study, task, compared, say))
+        part = with_part(part, robustness(study, task, makers, say))
         share = part.figures.get(f"share_beyond_final_error_{slug(choice.name)}")
         part = part if share is None else replace(part, figures={**part.figures, "recommended_share_beyond": share})
     if "limit_cycle" in study.table:
         part = with_part(part, limit_cycles(study, task, makers, say))
     if "compensation" in study.table:
-        part = with_part(part, compensation(study, task, makers, say))
+        part = with_part(part, compensation(study, task, makers, say, margins=partial(margins, made, task)))
+    firm = metal(choice.name, made.tuned[choice.name].controller, task, found.verdict, say)
+    part = with_part(part, firm)
+    if "drive" in study.table:
+        part = with_part(part, driven(study, task, made, records, bandwidth, control.rule, say))
     return part
 
 
 def on_ladder(made: Designed) -> tuple[dict[str, Regret], dict[str, Regret]]:
-    """Return the regrets of what has fewer levels than the table, and of the baselines, on its ladder."""
+    """Return the regrets of what has fewer levels than the table, and of those tuned for one step, on its ladder."""
     on, known = made.climbed.on, made.climbed.references
     fewer = {r.family.name: regret_of(on, r, known) for r in made.rivals.found}
-    return fewer, {n: regret_of(on, made.tuned[n], known) for n in BASELINES}
+    alone = [n for n in made.tuned if n in BASELINES or n.endswith(SUFFIX)]
+    return fewer, {n: regret_of(on, made.tuned[n], known) for n in alone}
 
 
 def designed(plant: Plant, control: Control, task: Task, say: Callable[[str], None], **options) -> Designed:
