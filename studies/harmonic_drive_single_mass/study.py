@@ -83,7 +83,7 @@ def contested(study: Study, control: Control, model: Plant, known: Plant, say) -
     polished, regret = designed.polished, table.regret_on(held.task)
     kept = promise(known, polished, held.task)
     on, best = table.climbed.on, table.climbed.references
-    against = {r.family.name: regret_of(on, r, best, held.task) for r in table.rivals.found}
+    fewer = {r.family.name: regret_of(on, r, best, held.task) for r in table.rivals.found}
     tuned_too = {n: regret_of(on, held[n].tuned.median, best, held.task) for n in (FIXED, CASCADE, PROFILE_PI)}
     tuned = {n: t for n, t in designed.tuned.items() if n not in (NOMINAL, TRADE)} | {TABLE: table.climbed.best}
     choice = recommend(held.task, tuned, model.displacement)
@@ -132,7 +132,7 @@ def contested(study: Study, control: Control, model: Plant, known: Plant, say) -
             recommended_chapter(choice, model, control.loop.count),
             control_chapters.schedule_chapter(designed, control.rule),
             polish_chapter(polished, kept, model),
-            ladder_chapter(table.climbed, regret, model, control.rule, against, tuned_too),
+            ladder_chapter(table.climbed, regret, model, control.rule, fewer, tuned_too),
             *(checks_chapter(c, control.goal.sensitivity, model, rule) for rule, c in checks.items()),
             *steps,
             against,
@@ -143,7 +143,7 @@ def contested(study: Study, control: Control, model: Plant, known: Plant, say) -
             "tuned_plant": {"digest": model.digest, "lines": list(model.digest_lines())},
             "contest": contest_table(held),
             "gains": gains_table(polished),
-            "ladder": ladder_table(table.climbed, regret, against | tuned_too),
+            "ladder": ladder_table(table.climbed, regret, fewer | tuned_too),
             "reproduction": as_table(printed),
             "fits": fits,
             "error_against_margin": {"limits": margins.limits, **margins.values},

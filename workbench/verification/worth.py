@@ -41,7 +41,11 @@ def worth_sentence(ours: Regret, others: Mapping[str, Regret]) -> str:
 
     text = "; ".join(f"{n} {worst(r)}" for n, r in others.items())
     mine = max(ours.worst[:2])
-    behind = [n for n, r in others.items() if max(r.worst[:2]) > mine * (1.0 + EQUAL) or r.worst[2] > OVERSHOOT]
+    behind = [
+        n
+        for n, r in others.items()
+        if max(r.worst[:2]) > mine * (1.0 + EQUAL) or r.worst[2] > max(OVERSHOOT, ours.worst[2])
+    ]
     rest = [n for n in others if n not in behind]
     said = f"The schedule of the description comes to {worst(ours)}; by the same search, {text}."
     if not rest:
