@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
+from workbench.compensation import Compensated
 from workbench.control import Controller
 from workbench.errors import WorkbenchError, nearest
 from workbench.firmware import quantisation
@@ -107,6 +108,22 @@ def compared(work: Work, name: str, arithmetic: str, values: np.ndarray, verdict
     )  # fmt: skip
 
 
+def asked(work: Work, controller: str | None, say: Callable[[str], None]) -> list[str]:
+    """Return the controllers to be verified: one, or all that are one firmware; a compensation is another beside its law's."""
+    names = list(work.controllers)
+    if controller is not None and controller not in names:
+        raise WorkbenchError(f"the study ran no controller '{controller}'; {nearest(controller, names)}")
+    twice = [n for n in names if isinstance(work.controllers[n], Compensated)]
+    if controller in twice:
+        raise WorkbenchError(
+            f"controller '{controller}' is two firmwares, its law's and its compensation's, which are not driven together here; "
+            "verify the controller without its compensation."
+        )
+    for n in twice:
+        say(f"{n}: left out, its compensation is a firmware of its own")
+    return [controller] if controller is not None else [n for n in names if n not in twice]
+
+
 def verify(
     place: Path, draws: int = 20, controller: str | None = None, say: Callable[[str], None] = lambda _: None
 ) -> tuple[Compared, ...]:
@@ -122,11 +139,7 @@ def verify(
             "the firmware is to drive."
         )
     work, cases = worst.read(kept)
-    names = list(work.controllers)
-    if controller is not None:
-        if controller not in names:
-            raise WorkbenchError(f"the study ran no controller '{controller}'; {nearest(controller, names)}")
-        names = [controller]
+    names = asked(work, controller, say)
     verdict = judged(place)
     drawn = independent(work.varied, draws, SEED).values
     found, files = [], {}
