@@ -44,7 +44,7 @@ def stops(q: np.ndarray, length: float, level: float) -> np.ndarray:
 
 
 def test_a_curve_goes_on_where_its_longest_element_carries_much():
-    length = 0.03  # of a travel of 0.7: beyond the first reach of a hundredth
+    length = 0.015  # of a travel of 0.7: beyond the first reach of a hundredth
     seen = passes(lambda t, q, way: stops(q, length, 0.5))
     declared = State(PLANT, seen)
     known = laws(declared.plant, seen)

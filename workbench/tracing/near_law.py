@@ -23,8 +23,8 @@ from workbench.plant import Plant
 # twice as many change the curve's residual by less than 2 %.
 FIRST, COUNTS, TRAVEL, APART = 0.3, 100.0, 1e-2, 2.1
 # Where the longest element carries more than CARRIES of the height the curve has not ended there: it goes on to FURTHEST of the
-# travel, beyond which a curve is a spring.
-CARRIES, FURTHEST = 0.1, 0.1
+# travel: beyond it lies what a gap or a spring does (a band brake with a gap of 5 % of its travel was taken for a curve).
+CARRIES, FURTHEST = 0.1, 0.03
 LEAST = 3  # elements of a curve
 UNSEEN = 1e-6  # of the travel: stands for a count where none is known
 KEPT = 1e-3  # of the curve's height, below which an element is left out
