@@ -98,9 +98,13 @@ def step_chapter(task: Task, controllers: dict, load: str = "") -> Chapter:
         f"Three graphs over time for {len(traces)} controllers. {heading}.",
     )
     text = (
-        "The simulated loop has all that the drive has: sampling, a quantised encoder, delay, the velocity filter, torque and "
-        "speed limits, torque noise, and the identified friction. Controllers that are tuned were tuned by the same search on the same "
-        "scenarios, with the same limits, also on its sensitivity."
+        "With the load on the axis all else is as before."
+        if load
+        else (
+            "The simulated loop has all that the drive has: sampling, a quantised encoder, delay, the velocity filter, torque and "
+            "speed limits, torque noise, and the identified friction. Controllers that are tuned were tuned by the same search on the same "
+            "scenarios, with the same limits, also on its sensitivity."
+        )
     )
     return Chapter("The step, loaded" if load else "The step", (Paragraph(text), figure))
 
@@ -145,7 +149,7 @@ def comparison_chapter(comparison: Comparison, task: Task) -> Chapter:
     beaten = tuple(f.sentence for f in comparison.findings)
     return Chapter(
         "Against the baselines",
-        (comparison_table(comparison, caption, numbers.unit(task.plant.displacement)), Items(beaten)),
+        (Items(beaten), comparison_table(comparison, caption, numbers.unit(task.plant.displacement))),
     )
 
 

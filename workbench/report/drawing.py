@@ -15,6 +15,7 @@ from textwrap import fill
 import numpy as np
 
 from workbench.report import numbers
+from workbench.report.plotted import marked
 from workbench.report.wording import printable
 
 INK, MUTED, GRID = "#1f2933", "#5b6672", "#d9dee4"
@@ -96,25 +97,33 @@ def svg(
         ).ravel()
         draw(list(axes))
         figure.suptitle(fill(title, LETTERS), parse_math=False, x=0.008, ha="left", fontsize=8.9, fontweight="bold")
+        figure.draw_without_rendering()  # the layout is had only by drawing
+        figure.set_layout_engine("none")
+        plotted = marked(figure)
         out = BytesIO()
         figure.savefig(out, format="svg", metadata={"Date": None, "Creator": None, "Format": None, "Type": None})
-    return finished(out.getvalue().decode("utf-8"), title)
+    return finished(out.getvalue().decode("utf-8"), title, plotted)
 
 
-def finished(text: str, title: str) -> bytes:
-    """Return the SVG with a title of its own, fonts to fall back on and colours for dark mode, and without its header."""
+def dark(where: str = "") -> str:
+    """Return the style that swaps colours in dark mode. where: selector of what it holds for."""
+    return "".join(
+        f'{where}[style*="{role}: {light}"]{{{role}:{swapped} !important}}'
+        for light, swapped in DARK.items()
+        for role in ("fill", "stroke")
+    )
+
+
+def finished(text: str, title: str, plotted: str) -> bytes:
+    """Return the SVG with a title of its own, fonts to fall back on, colours for dark mode and what a page's script needs of
+    it, and without its header."""
     start = text.index("<svg")
     text = re.sub(r"\s*<metadata>.*?</metadata>", "", text[start:], flags=re.DOTALL)
     text = text.replace("'DejaVu Sans'", "'DejaVu Sans', Verdana, sans-serif")
-    swap = "".join(
-        f'[style*="{role}: {light}"]{{{role}:{dark} !important}}'
-        for light, dark in DARK.items()
-        for role in ("fill", "stroke")
-    )
     # matplotlib leaves black text without a fill; all other colours are stated
-    head = f"<title>{escape(title)}</title><style>@media screen and (prefers-color-scheme: dark){{{swap}}}</style>"
+    head = f"<title>{escape(title)}</title><style>@media screen and (prefers-color-scheme: dark){{{dark()}}}</style>"
     end = text.index(">") + 1
-    return (text[:end] + head + text[end:]).encode("utf-8")
+    return (text[: end - 1] + f' data-graphs="{escape(plotted)}">' + head + text[end:]).encode("utf-8")
 
 
 def envelope(x: np.ndarray, y: np.ndarray, bins: int = BINS) -> tuple[np.ndarray, np.ndarray]:

@@ -9,6 +9,8 @@ from workbench.identification.result import Estimate, Fit
 from workbench.report import numbers
 from workbench.report.contents import BAD, CODE, QUIET, Items, Marked, Table
 
+ALARMS = ("below the floor", "joint carries nothing", "something else")  # kinds of findings that the first page says
+
 Spread = Mapping[str, tuple[float, float]]
 
 

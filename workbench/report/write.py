@@ -14,10 +14,12 @@ from workbench.processes import shared
 from workbench.report import drawing
 from workbench.report.chapters import standard
 from workbench.report.contents import Block, Chapter, Figure, Marked, StudyResult
+from workbench.report.inlined import inlined
 from workbench.report.wording import printable
 
-TEMPLATE = ("report.typ", "report.css")
+TEMPLATE = ("report.typ", "report.css", "report.js")
 STANDARDS = ["a-3a", "ua-1"]  # archived with its structure; readable by a screen reader
+ATTACHED = ("results.json", "trace.json")  # whichever stands beside the report goes into the PDF
 EPOCH = 0  # PDF/A wants a date: the same one always
 
 
@@ -36,12 +38,17 @@ def write(result: StudyResult, folder: Path, stem: str = "report") -> None:
         ),
         "question": result.question,
         "campaign": result.campaign,
+        "attached": next((n for n in ATTACHED if (folder / n).is_file()), ""),
         "chapters": [{"title": c.title, "blocks": [as_data(b) for b in c.blocks]} for c in chapters],
     }
     (folder / "figures").mkdir(exist_ok=True)
     for name, svg in figures.items():
         (folder / "figures" / name).write_bytes(svg)
-    for ending, content in compiled(data, figures).items():
+    beside = {data["attached"]: (folder / data["attached"]).read_bytes()} if data["attached"] else {}
+    made = compiled(data, figures | beside)
+    alts = {b.name: printable(b.alt) for c in chapters for b in c.blocks if isinstance(b, Figure)}
+    made["html"] = inlined(made["html"].decode("utf-8"), figures, alts).encode("utf-8")
+    for ending, content in made.items():
         (folder / f"{stem}.{ending}").write_bytes(content)
 
 
@@ -65,6 +72,8 @@ def as_data(block: Block) -> dict:
 
 def plain(value):
     """Return data as JSON holds it: every string printable, marked text as an object."""
+    if isinstance(value, bool):
+        return value
     if isinstance(value, str):
         return printable(value)
     if isinstance(value, Marked):
@@ -82,6 +91,8 @@ def compiled(data: dict, figures: dict[str, bytes]) -> dict[str, bytes]:
         root = Path(place)
         for name in TEMPLATE:
             (root / name).write_bytes(files("workbench.report").joinpath(name).read_bytes())
+        with (root / "report.css").open("a") as style:
+            style.write(f"@media screen and (prefers-color-scheme: dark) {{{drawing.dark('.drawing ')}}}\n")
         for name, svg in figures.items():
             (root / name).write_bytes(svg)
         (root / "report.json").write_text(json.dumps(plain(data)), encoding="utf-8")

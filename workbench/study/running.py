@@ -96,23 +96,32 @@ def run(name: str, out: Path | None = None, say: Callable[[str], None] = lambda 
     outcome = (module.run if module else standard.run)(study, say)
     judged = results.checks(study, outcome)
     from workbench.report import write as write_report
+    from workbench.report.advice import headline
+    from workbench.report.index import write_index
     from workbench.tracing.output import write as write_trace
     from workbench.tracing.where import as_list
 
     say("writing the report")
     with whole(place, stamp.FILE) as beside:
         write_trace(outcome.trace, beside, {"where": as_list(outcome.where)} if outcome.where else {})
-        results.write(study, outcome, judged, beside)
         for writer in outcome.files:
             writer(beside)
-        write_report(report_of(study, outcome, judged), beside)
+        report = replace(
+            report_of(study, outcome, judged, beside), inputs=stamp.sources(folder, input_files(study)).hexdigest()
+        )
+        results.write(study, outcome, judged, beside, headline(report.advice) if report.advice else "")
+        write_report(report, beside)
         stamp.write(beside, digest)
+    if out is None:
+        write_index(place.parent)
     return Ran(place, True, all(c.passed for c in judged), _lines(place))
 
 
-def report_of(study: Study, outcome, judged):
-    """Return what the report of a study is made of."""
+def report_of(study: Study, outcome, judged, folder: Path):
+    """Return what the report of a study is made of. folder: that its gains were written into."""
+    from workbench.report.advice import advice_of
     from workbench.report.contents import Recorded, StudyResult
+    from workbench.study.results import answer
 
     return StudyResult(
         name=study.name,
@@ -129,7 +138,21 @@ def report_of(study: Study, outcome, judged):
         chapters=outcome.chapters,
         where=outcome.where,
         tuned=outcome.tables.get("tuned_plant", {}).get("digest", ""),
+        advice=advice_of(outcome.tables, recommended_files(folder), outcome.plant.displacement),
+        answer=answer(study, outcome),
+        command=f"workbench run studies/{study.name}",
     )
+
+
+def recommended_files(folder: Path) -> list[str]:
+    """Return the files of the recommended controller below a study's outputs; none where no gains were written."""
+    import json
+
+    path = folder / "gains" / "contents.json"
+    if not path.is_file():
+        return []
+    content = json.loads(path.read_text(encoding="utf-8"))
+    return [f"gains/{f}" for c in content["controllers"] if c["recommended"] for f in c["files"]]
 
 
 def _results(place: Path) -> dict:
@@ -147,7 +170,12 @@ def _lines(place: Path) -> tuple[str, ...]:
     from workbench.study.outcome import NOT_TUNED
 
     content = _results(place)
-    lines = [content["sentence"], *(f["sentence"] for f in content["findings"] if f["kind"] == NOT_TUNED), ""]
+    lines = [
+        content["sentence"],
+        *filter(None, [content["advice"]]),
+        *(f["sentence"] for f in content["findings"] if f["kind"] == NOT_TUNED),
+        "",
+    ]
     for c in content["checks"]:
         value = f"{c['value']:.4g}" if isinstance(c["value"], float) else str(c["value"])
         unit = "" if c["unit"] == "1" else f" {c['unit']}"

@@ -94,4 +94,5 @@ def page(campaign: Campaign, passes: Sequence[Passes], found: Trace, closed: Clo
         chapters=chapters,
         where=where(passes, found),
         kind="Trace of campaign",
+        command=f"workbench trace {campaign.folder.name}",
     )
