@@ -26,7 +26,6 @@ def glance(result: StudyResult) -> Figure:
         if advice:
             judged(axes[1], advice)
 
-    caption = f"Top: error on the {role(result)} records, which is smallest possible at the bound from below."
     caption = (
         f"Error of the predicted {result.drive} on the {role(result)} records, in per cent of the measured {result.drive}. No model "
         "can err by less than encoder steps and noise leave; how much more is unavoidable is not known."
@@ -70,7 +69,7 @@ def drawn(axis, bars, drive: str) -> None:
     values = [100.0 * v for _, v, _ in bars]
     axis.barh(y, values, color=[c for _, _, c in bars], height=0.62)
     for at, value in zip(y, values, strict=True):
-        axis.text(value, at, f" {numbers.percent(value / 100.0)}", va="center", ha="left")
+        axis.text(value, at, f"\u2002{numbers.percent(value / 100.0)}", va="center", ha="left")
     axis.set_yticks(y, [n for n, _, _ in bars])
     axis.set_xlim(0.0, 1.14 * max(values))
     axis.set_xlabel(f"error of the predicted {drive} (%)")
@@ -90,7 +89,12 @@ def judged(axis, advice: Advice) -> None:
     for at, value, row in zip(y, shown, advice.rows, strict=True):
         time = numbers.scaled(float(row["time_grid"]), "s") if np.isfinite(float(row["time_grid"])) else "never"
         axis.text(
-            value, at, f" {numbers.number(value)} {unit}, within 1 % after {time}", va="center", ha="left", color=MUTED
+            value,
+            at,
+            f"\u2002{numbers.number(value)} {unit}, within 1 % after {time}",
+            va="center",
+            ha="left",
+            color=MUTED,
         )
     axis.set_yticks(y, [r["name"] for r in advice.rows])
     axis.set_xlabel(numbers.label("worst final error", unit))

@@ -89,7 +89,8 @@ class Drawing {
     row.className = "tools";
     row.setAttribute("role", "group");
     row.setAttribute("aria-label", "Tools of this drawing");
-    if (this.graphs.some((g) => g.x.free || g.y.free)) {
+    this.zooms = this.graphs.some((g) => g.x.free && g.y.free); // bars stand for themselves
+    if (this.zooms) {
       row.append(button("Zoom in", () => this.zoom(0.5)), button("Zoom out", () => this.zoom(2)), button("Whole", () => this.whole()));
     }
     this.names.forEach((name, k) => {

@@ -90,9 +90,23 @@ def parameters(
         was = (earlier.get((*here, e.parameter), Marked("\u2013", QUIET)),) if before else ()
         each = (by_record(e, spread, differ),) if spread else ()
         first = name if here != last else ""
-        rows.append((first, Marked(e.parameter, CODE), e.meaning, *was, value, wide, *each, numbers.unit(e.unit)))
+        rows.append(
+            (
+                first,
+                Marked(e.parameter, CODE),
+                *(() if before else (e.meaning,)),
+                *was,
+                value,
+                wide,
+                *each,
+                numbers.unit(e.unit),
+            )
+        )
         last = here
     was, each = ("declared",) if before else (), ("by record",) if spread else ()
     now = "extended" if before else "value"
-    columns = ("effect", "parameter", "meaning", *was, now, "95 % interval", *each, "unit")
-    return Table(columns, tuple(rows), caption, "llp" + "r" * len(was) + "rr" + "r" * len(each) + "l")
+    meaning = () if before else ("meaning",)  # what was said of them already
+    columns = ("effect", "parameter", *meaning, *was, now, "95 % interval", *each, "unit")
+    return Table(
+        columns, tuple(rows), caption, ("pl" if before else "llp") + "r" * len(was) + "rr" + "r" * len(each) + "l"
+    )

@@ -15,7 +15,7 @@ from workbench.study.outcome import Outcome
 from workbench.tracing.output import estimate
 
 FORMAT = 1
-PREFIXED = ("s", "rad", "m", "N", "N*m", "mV/V")  # units that a prefix goes well with
+PREFIXED = ("s", "rad", "m", "N", "N*m")  # units that a prefix goes well with
 
 
 def checks(study: Study, outcome: Outcome) -> tuple[Check, ...]:

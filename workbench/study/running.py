@@ -119,7 +119,7 @@ def run(name: str, out: Path | None = None, say: Callable[[str], None] = lambda 
 
 def report_of(study: Study, outcome, judged, folder: Path):
     """Return what the report of a study is made of. folder: that its gains were written into."""
-    from workbench.report.advice import advice_of
+    from workbench.report.advice import advice_of, worth_in_short
     from workbench.report.contents import Recorded, StudyResult
     from workbench.study.results import answer
 
@@ -139,7 +139,7 @@ def report_of(study: Study, outcome, judged, folder: Path):
         where=outcome.where,
         tuned=outcome.tables.get("tuned_plant", {}).get("digest", ""),
         advice=advice_of(outcome.tables, recommended_files(folder), outcome.plant.displacement),
-        answer=answer(study, outcome),
+        answer=answer(study, outcome) or worth_in_short(outcome.tables, outcome.plant.displacement),
         command=f"workbench run studies/{study.name}",
     )
 
