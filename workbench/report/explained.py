@@ -27,5 +27,7 @@ def explained(e: Evidence, least: float, gains: bool) -> tuple[Block, ...]:
     if share >= MOST or after < least:
         return (Paragraph(text),)
     built = "the gains below are built on" if gains else "gains would be built on"
-    caution = f"Most of it is not explained. Do not rely on this model, which {built}, before what is missing is known."
-    return (Callout(f"{caution} {text}", BAD),)
+    caution = (
+        f"So most of it is not explained: do not rely on this model, which {built}, before what is missing is known."
+    )
+    return (Callout(f"{text} {caution}", BAD),)

@@ -6,9 +6,10 @@ from workbench.record import ROLES, VALIDATION
 from workbench.report import numbers
 from workbench.report.advice import Advice
 from workbench.report.contents import Figure, StudyResult
-from workbench.report.drawing import AFTER, BEFORE, MEASURED, MUTED, decades, svg
+from workbench.report.drawing import AFTER, BEFORE, MEASURED, decades, svg
 
 ROW = 0.24  # inches of a bar
+BESIDE = 0.62  # of the lower graph's width: for what stands beside a mark
 
 
 def glance(result: StudyResult) -> Figure:
@@ -76,26 +77,22 @@ def drawn(axis, bars, drive: str) -> None:
 
 
 def judged(axis, advice: Advice) -> None:
-    """Draw the worst error of each controller, the recommended one marked, its worst time beside it."""
+    """Mark the worst error of each controller, the recommended one filled, with its worst time."""
     y = np.arange(len(advice.rows))[::-1]
     errors = np.array([float(r["error_grid"]) for r in advice.rows])
-    factor, unit = numbers.prefixed(float(np.max(errors[np.isfinite(errors)], initial=1e-12)), advice.displacement)
-    first = [r["name"] == advice.controller for r in advice.rows]
-    least = factor * float(np.min(errors[errors > 0.0], initial=np.max(errors, initial=1e-12)))
-    shown = np.maximum(factor * errors, least)
-    axis.barh(y, shown, left=0.0, color=[AFTER if f else MEASURED for f in first], height=0.62)
+    seen = errors[np.isfinite(errors) & (errors > 0.0)]
+    least, most = (float(np.min(seen)), float(np.max(seen))) if seen.size else (1e-6, 1e-6)
+    for at, value, row in zip(y, errors, advice.rows, strict=True):
+        place = min(max(value, least), most) if np.isfinite(value) else most
+        first = row["name"] == advice.controller
+        axis.plot(place, at, "o", ms=6, color=AFTER, markerfacecolor=AFTER if first else "none")
+        time = float(row["time_grid"])
+        when = f"within 1 % after {numbers.scaled(time, 's')}" if np.isfinite(time) else "never within 1 %"
+        axis.text(place, at, f"\u2003{numbers.scaled(value, advice.displacement)}, {when}", va="center", ha="left")
     axis.set_xscale("log")
-    axis.set_xlim(0.5 * least, 30.0 * np.max(shown, initial=least))
-    for at, value, row in zip(y, shown, advice.rows, strict=True):
-        time = numbers.scaled(float(row["time_grid"]), "s") if np.isfinite(float(row["time_grid"])) else "never"
-        axis.text(
-            value,
-            at,
-            f"\u2002{numbers.number(value)} {unit}, within 1 % after {time}",
-            va="center",
-            ha="left",
-            color=MUTED,
-        )
+    span = (np.log10(most / least) + 0.4) / (1.0 - BESIDE)  # so that what stands beside the last mark is in sight
+    axis.set_xlim(least / 1.8, least / 1.8 * 10.0**span)
+    axis.set_ylim(-0.6, len(y) - 0.4)
     axis.set_yticks(y, [r["name"] for r in advice.rows])
-    axis.set_xlabel(numbers.label("worst final error", unit))
+    axis.set_xlabel(numbers.label("worst final error", numbers.unit(advice.displacement)))
     decades(axis.xaxis)
