@@ -254,7 +254,7 @@ def test_every_figure_has_a_title_axes_with_units_and_little_weight(folder, resu
         assert len(title) > 15 and squeezed(title) in squeezed(drawn)
         assert (
             len(re.findall(r"\((?:[^)]*/)?(?:rad|s|mN\u00b7m|%|N\u00b7m/rad|rad/s)\)", drawn)) >= 2
-            or "candidate effect" in drawn
+            or "least share that counts" in drawn
             or "declared model" in drawn
         )
         assert "http" not in file.read_text("utf-8").replace("http://www.w3.org/", "")

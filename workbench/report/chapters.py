@@ -5,7 +5,7 @@ from dataclasses import replace
 
 from workbench.finding import Finding
 from workbench.report.cause import cause
-from workbench.report.contents import Callout, Chapter, Heading, Items, Paragraph, StudyResult
+from workbench.report.contents import Block, Callout, Chapter, Heading, Items, Paragraph, StudyResult
 from workbench.report.description import description
 from workbench.report.method import method, provenance
 from workbench.report.model import declared, extended
@@ -15,7 +15,7 @@ from workbench.report.required import required
 from workbench.report.residual import residual
 from workbench.report.unknown import lives, shade
 from workbench.report.where import where
-from workbench.report.wording import said
+from workbench.report.wording import said, typeset
 
 __all__ = [
     "cause",
@@ -83,18 +83,21 @@ def added(chapter: Chapter, findings: list[Finding]) -> Chapter:
 
 
 def once(chapters: Iterable[Chapter]) -> tuple[Chapter, ...]:
-    """Return the chapters with every text where it stands first, and nowhere else."""
+    """Return the chapters with every text where it stands first, and nowhere else; its units as they are printed."""
     seen: set[str] = set()
-    made = []
-    for chapter in chapters:
-        blocks = []
-        for block in chapter.blocks:
-            if isinstance(block, Items):
-                kept = tuple(t for t in dict.fromkeys(block.texts) if t not in seen)
-                seen.update(kept)
-                blocks += [Items(kept)] if kept else []
-            elif not isinstance(block, (Paragraph, Callout)) or block.text not in seen:
-                seen.update([block.text] if isinstance(block, (Paragraph, Callout)) else [])
-                blocks.append(block)
-        made.append(replace(chapter, blocks=tuple(blocks)))
-    return tuple(made)
+
+    def fresh(text: str) -> bool:
+        known = text in seen
+        seen.add(text)
+        return not known
+
+    def kept(block: Block) -> Block | None:
+        if isinstance(block, Items):
+            left = tuple(t for t in map(typeset, block.texts) if fresh(t))
+            return Items(left) if left else None
+        if isinstance(block, (Paragraph, Callout)):
+            block = replace(block, text=typeset(block.text))
+            return block if fresh(block.text) else None
+        return block
+
+    return tuple(replace(c, blocks=tuple(b for b in map(kept, c.blocks) if b is not None)) for c in chapters)

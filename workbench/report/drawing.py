@@ -20,9 +20,10 @@ from workbench.report.wording import printable
 
 INK, MUTED, GRID = "#1f2933", "#5b6672", "#d9dee4"
 BEFORE, AFTER, MEASURED = "#d55e00", "#0b62a0", "#a6b0bb"
-SERIES = (AFTER, BEFORE, "#117a54", "#a03b7e", INK)
+SERIES = (AFTER, BEFORE, "#117a54", "#a03b7e", INK, "#8c6d1f", "#6a51a3")
+# Seven colours and five dashes: the first two traces that look alike are 35 apart.
 STYLES = ("-", "--", "-.", ":", (0, (5, 1, 1, 1, 1, 1)))
-DARK = {INK: "#e3e8ee", MUTED: "#a6b0bb", GRID: "#3a434e", MEASURED: "#687482", BEFORE: "#ff9c4a", AFTER: "#6bb6ff", "#117a54": "#52d09b", "#a03b7e": "#f096cf"}  # fmt: skip
+DARK = {INK: "#e3e8ee", MUTED: "#a6b0bb", GRID: "#3a434e", MEASURED: "#687482", BEFORE: "#ff9c4a", AFTER: "#6bb6ff", "#117a54": "#52d09b", "#a03b7e": "#f096cf", "#8c6d1f": "#d9b44a", "#6a51a3": "#b9a3f0"}  # fmt: skip
 
 WIDTH = 5.4  # inches: paper shows it a fifth larger, and on a telephone its type is still legible
 BINS = 700  # of a long trace: about one per pixel

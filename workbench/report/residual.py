@@ -64,7 +64,7 @@ def in_time(result: StudyResult, before: Fit, after: Fit | None, names: Sequence
         added = listed([title(c.effect) for c in result.trace.causes])
         heading = (
             f"Residual falls from {numbers.number(left * factor)} to {numbers.number(_rms(better) * factor)} {unit} rms once "
-            f"{added} is added"
+            f"{added} {'is' if len(result.trace.causes) == 1 else 'are'} added"
         )
     start, end = series.time[part][[0, -1]]
     role = f"the {series.role} record {name}"

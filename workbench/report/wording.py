@@ -3,13 +3,16 @@
 import re
 from collections.abc import Collection, Iterable, Mapping, Sequence
 
-from workbench.finding import Finding, title
+from workbench.finding import Finding, capital, title
 from workbench.identification.findings import DISAGREE
 from workbench.identification.result import Estimate, Fit
 from workbench.report import numbers
 from workbench.report.contents import BAD, CODE, QUIET, Items, Marked, Table
 
 ALARMS = ("below the floor", "joint carries nothing", "something else")  # kinds of findings that the first page says
+
+UNITS = re.compile(r"\b(?:m?N|kg|[JAVms]|rad)(?:\*(?:m|s|rad)|/(?:m|s|rad|A|V|N)|\^\d)+(?![\w*/^])")
+KEY = re.compile(r"^([a-z]+(?:_[a-z0-9]+)+):")
 
 Spread = Mapping[str, tuple[float, float]]
 
@@ -18,6 +21,14 @@ def printable(text: str) -> str:
     """Return text without control and private characters, whose numbers do not part from their per cent sign at a line's end."""
     text = re.sub(r"[\x00-\x08\x0b-\x1f\x7f-\x9f\ud800-\uf8ff\ufffe\uffff\U000f0000-\U0010ffff]", "", text)
     return re.sub(r"(?<=\d) (?=%)", "\u00a0", text)
+
+
+def typeset(text: str) -> str:
+    """Return a sentence with the signs that are printed: "+-0.3 N*m" is "\u00b10.3 N\u00b7m"; an effect that it begins with by its
+    name: "viscous_friction: ..." is "Viscous friction: ...".
+    """
+    text = UNITS.sub(lambda m: numbers.unit(m[0]), text.replace("+-", "\u00b1"))
+    return KEY.sub(lambda m: f"{capital(title(m[1]))}:", text)
 
 
 def listed(texts: Sequence[str]) -> str:
