@@ -66,7 +66,7 @@ def ratio(value: float, than: float) -> str:
     value, than = float(value), float(than)
     if not (0.0 < value < inf and 0.0 < than < inf) or 1.0 / EQUAL < value / than < EQUAL:
         return ""
-    return numbers.number(value / than, 2)
+    return numbers.number(value / than, 2 if value < 100.0 * than else 3)
 
 
 def _time(value: float) -> str:

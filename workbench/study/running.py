@@ -96,8 +96,7 @@ def run(name: str, out: Path | None = None, say: Callable[[str], None] = lambda 
     outcome = (module.run if module else standard.run)(study, say)
     judged = results.checks(study, outcome)
     from workbench.report import write as write_report
-    from workbench.report.advice import headline
-    from workbench.report.index import write_index
+    from workbench.study.reporting import headline, list_again, report_of
     from workbench.tracing.output import write as write_trace
     from workbench.tracing.where import as_list
 
@@ -106,53 +105,12 @@ def run(name: str, out: Path | None = None, say: Callable[[str], None] = lambda 
         write_trace(outcome.trace, beside, {"where": as_list(outcome.where)} if outcome.where else {})
         for writer in outcome.files:
             writer(beside)
-        report = replace(
-            report_of(study, outcome, judged, beside), inputs=stamp.sources(folder, input_files(study)).hexdigest()
-        )
-        results.write(study, outcome, judged, beside, headline(report.advice) if report.advice else "")
+        report = report_of(study, outcome, judged, beside, input_files(study))
+        results.write(study, outcome, judged, beside, headline(report))
         write_report(report, beside)
         stamp.write(beside, digest)
-    if out is None:
-        write_index(place.parent)
+    list_again(study, place)
     return Ran(place, True, all(c.passed for c in judged), _lines(place))
-
-
-def report_of(study: Study, outcome, judged, folder: Path):
-    """Return what the report of a study is made of. folder: that its gains were written into."""
-    from workbench.report.advice import advice_of, worth_in_short
-    from workbench.report.contents import Recorded, StudyResult
-    from workbench.study.results import answer
-
-    return StudyResult(
-        name=study.name,
-        title=study.title,
-        question=study.question,
-        campaign=outcome.campaign,
-        records=tuple(Recorded.of(r) for r in outcome.records),
-        plant=outcome.plant,
-        bandwidth=outcome.bandwidth,
-        trace=outcome.trace,
-        equivalent=outcome.equivalents,
-        checks=judged,
-        findings=outcome.findings,
-        chapters=outcome.chapters,
-        where=outcome.where,
-        tuned=outcome.tables.get("tuned_plant", {}).get("digest", ""),
-        advice=advice_of(outcome.tables, recommended_files(folder), outcome.plant.displacement),
-        answer=answer(study, outcome) or worth_in_short(outcome.tables, outcome.plant.displacement),
-        command=f"workbench run studies/{study.name}",
-    )
-
-
-def recommended_files(folder: Path) -> list[str]:
-    """Return the files of the recommended controller below a study's outputs; none where no gains were written."""
-    import json
-
-    path = folder / "gains" / "contents.json"
-    if not path.is_file():
-        return []
-    content = json.loads(path.read_text(encoding="utf-8"))
-    return [f"gains/{f}" for c in content["controllers"] if c["recommended"] for f in c["files"]]
 
 
 def _results(place: Path) -> dict:
