@@ -41,12 +41,16 @@ def test_the_advice_names_controller_file_quality_and_margin():
 
 
 def test_the_advice_says_where_two_are_as_good_and_where_none_keeps_what_was_asked():
-    assert "Second, the next best, is as good." in headline(advised(row("first", 0.1, 1e-5), row("second", 0.1, 1.01e-5)))
+    assert "Second, the next best, is as good." in headline(
+        advised(row("first", 0.1, 1e-5), row("second", 0.1, 1.01e-5))
+    )
     assert headline(advised(row("first", 0.1, 1e-5, 0.2))).startswith("No controller that was tuned keeps")
     assert advice_of({}, (), "rad") is None
 
 
-@pytest.mark.parametrize(("after", "said", "tone"), [(0.02, "95\u00a0%", None), (0.3, "25\u00a0%", BAD), (0.0, "100\u00a0%", None)])
+@pytest.mark.parametrize(
+    ("after", "said", "tone"), [(0.02, "95\u00a0%", None), (0.3, "25\u00a0%", BAD), (0.0, "100\u00a0%", None)]
+)
 def test_how_much_is_explained_is_said_and_a_caution_where_most_is_not(after, said, tone):
     (block,) = explained(evidence(0.4, after), 0.01, gains=True)
     assert block.text.startswith(f"Explained is {said} of what could be explained")
@@ -60,7 +64,11 @@ def result():
     advice = advised(row("PI cascade", 0.1, 70e-6), row("fixed PD", 0.11, 8e-3))
     chapter = Chapter("More", (Paragraph("A chapter."), Items(("It is +-0.3 N*m.", "It is +-0.3 N*m.", "Another."))))
     again = Chapter("Again", (Paragraph("Its own."), Items(("It is +-0.3 N*m.", "New."))))
-    findings = (*plain.findings, Finding("comparison", "gains", "Another."), Finding("assumed scale", "x", "A scale is assumed."))
+    findings = (
+        *plain.findings,
+        Finding("comparison", "gains", "Another."),
+        Finding("assumed scale", "x", "A scale is assumed."),
+    )
     trace = replace(plain.trace, evidence=evidence(0.4, 0.3))
     return replace(plain, trace=trace, advice=advice, chapters=(chapter, again), findings=findings, answer="So it is.")
 
@@ -86,7 +94,9 @@ def test_nothing_is_said_twice_and_every_chapter_begins_with_a_sentence():
 
 
 def test_the_last_table_is_all_that_makes_the_report_again():
-    last = standard(replace(result(), command="workbench run studies/x", inputs="c" * 64, tuned="d" * 64))[-1].blocks[-1]
+    last = standard(replace(result(), command="workbench run studies/x", inputs="c" * 64, tuned="d" * 64))[-1].blocks[
+        -1
+    ]
     cells = {a.text: b.text for a, b in last.rows}
     assert cells["command"] == "workbench run studies/x"
     assert {"c" * 64, "d" * 64} <= set(cells.values()) and "typst 0.15.0" in cells["versions"]
@@ -113,7 +123,12 @@ def test_the_list_of_reports_has_every_study_with_its_headline(tmp_path):
     (tmp_path / "broken").mkdir()
     (tmp_path / "broken" / "results.json").write_text("{")
     text = write_index(tmp_path).read_text()
-    assert text.index("First &lt;i&gt;") < text.index("Of a.") < text.index("Second") < text.index("Not reached: in words.")
+    assert (
+        text.index("First &lt;i&gt;")
+        < text.index("Of a.")
+        < text.index("Second")
+        < text.index("Not reached: in words.")
+    )
     assert "Take it." in text and "broken" not in text
     assert sorted(p.name for p in tmp_path.iterdir()) == ["a", "b", "broken", "index.html"]
 
