@@ -25,7 +25,7 @@ def compiled(data: dict, beside: dict[str, bytes]) -> dict[str, bytes]:
         for name in TEMPLATE:
             (root / name).write_bytes(files("workbench.report").joinpath(name).read_bytes())
         with (root / "report.css").open("a") as style:
-            style.write(f"@media screen and (prefers-color-scheme: dark) {{{drawing.dark('.drawing ')}}}\n")
+            style.write(f"@media screen and (prefers-color-scheme: dark) {{{drawing.dark()}}}\n")
         for name, content in beside.items():
             (root / name).write_bytes(content)
         (root / "report.json").write_text(json.dumps(data), encoding="utf-8")

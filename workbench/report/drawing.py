@@ -106,10 +106,10 @@ def svg(
     return finished(out.getvalue().decode("utf-8"), title, plotted)
 
 
-def dark(where: str = "") -> str:
-    """Return the style that swaps colours in dark mode. where: selector of what it holds for."""
+def dark() -> str:
+    """Return the style that swaps colours in dark mode. It names no ancestor: a mark is drawn from a copy that has none."""
     return "".join(
-        f'{where}[style*="{role}: {light}"]{{{role}:{swapped} !important}}'
+        f'[style*="{role}: {light}"]{{{role}:{swapped} !important}}'
         for light, swapped in DARK.items()
         for role in ("fill", "stroke")
     )
