@@ -126,7 +126,7 @@ def test_a_free_form_is_found_in_the_plant_by_its_own_name_and_named_by_its_clas
 
 def test_a_refinement_is_not_said_to_be_missing():
     from workbench.tracing.result import Cause
-    from workbench.tracing.verdict import refinement
+    from workbench.tracing.wording import refinement
 
     found = refinement(Cause("fading_memory", "axis", "Fading memory is missing.", (), 0.004, 0.002, size=0.003))
     assert "missing" not in found.sentence and "0.3 %" in found.sentence
