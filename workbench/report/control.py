@@ -52,7 +52,7 @@ def schedule_chapter(designed: Designed, rule: str) -> Chapter:
     )
     peak, at = designed.between.worst_sensitivity
     text += f" Between the knots the sensitivity peak is at most {numbers.number(peak)} (at {numbers.scaled(at, plant.displacement)})."
-    said = [f.sentence for f in (*designed.gains.findings, *s.findings, *designed.findings)]
+    said = [f.sentence for f in (*designed.gains.findings, *s.findings, *designed.between.findings, *designed.findings)]
     blocks = [Paragraph(text), figure]
     return Chapter("Gains per amplitude, and the schedule", tuple(blocks + ([Items(tuple(said))] if said else [])))
 

@@ -106,12 +106,8 @@ def ranking(title: str, candidates: Sequence[Candidate], added: Sequence[tuple[s
         a.set_xlim(0, max(400 * share, 1.05 * float(np.max(gains + scatter, initial=0.0))))
         a.set_xlabel("reduction of the held-out squared residual (%)")
         a.grid(False, axis="y")
-        a.legend(
-            handles=_keys(any((c.effect, c.at) in added for c in best)),
-            loc="lower left",
-            bbox_to_anchor=(0, 1),
-            ncols=3,
-        )
+        keys = _keys(any((c.effect, c.at) in added for c in best))
+        a.figure.legend(handles=keys, loc="outside lower center", ncols=3)
 
     return drawing.svg(title, draw, height=1.1 + 0.2 * max(len(best), 2))
 
