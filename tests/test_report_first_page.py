@@ -7,10 +7,12 @@ import pytest
 from test_report_example import study
 
 from workbench.finding import Finding
+from workbench.report import write
 from workbench.report.advice import advice_of, headline
 from workbench.report.chapters import standard, texts
 from workbench.report.compiling import LEAST, emptiest
 from workbench.report.contents import BAD, GOOD, Callout, Chapter, Check, Figure, Items, Paragraph, Table
+from workbench.report.drawing import svg
 from workbench.report.explained import explained
 from workbench.report.index import write_index
 from workbench.report.required import in_words, judged
@@ -135,3 +137,15 @@ def test_the_list_of_reports_has_every_study_with_its_headline(tmp_path):
 
 def test_a_page_of_paper_that_is_nearly_empty_is_seen():
     assert emptiest([(1, 700.0), (2, 100.0), (2, 160.0)]) < LEAST < emptiest([(1, 700.0), (3, 400.0)])
+
+
+def test_figures_that_float_never_keep_a_report_from_being_written(tmp_path):
+    draw = lambda: svg("A graph", lambda a: a[0].plot([0, 1], [0, 1]), height=3.0)  # noqa: E731
+    blocks = [
+        block
+        for k in range(6)
+        for block in (Items(tuple(f"{k}.{n}: " + "a sentence of some length " * 6 for n in range(7))),
+                      Figure(f"graph_{k}", draw, "A graph.", "A line."))
+    ]  # fmt: skip
+    write(replace(study(), chapters=(Chapter("Lists and graphs", tuple(blocks)),)), tmp_path)
+    assert (tmp_path / "report.pdf").read_bytes().startswith(b"%PDF")

@@ -1,8 +1,10 @@
 """From a report's data to the page and the paper, by one Typst template."""
 
 import json
+from contextlib import suppress
 from functools import partial
 from importlib.resources import files
+from itertools import chain
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -29,22 +31,34 @@ def compiled(data: dict, beside: dict[str, bytes]) -> dict[str, bytes]:
         for name, content in beside.items():
             (root / name).write_bytes(content)
         (root / "report.json").write_text(json.dumps(data), encoding="utf-8")
-        tight = next((t for t in TIGHTNESS if emptiest(ends(root, t)) >= LEAST), TIGHTNESS[0])
-        return {"html": one(root, "html"), "pdf": one(root, "pdf", tight, pdf_standards=STANDARDS)}
+        return {"html": one(root, "html"), "pdf": paper(root)}
 
 
-def options(root: Path, kind: str, tight: float) -> dict:
+def paper(root: Path) -> bytes:
+    """Return the PDF, with floating figures if that may be: where one comes to lie within a list that goes over a page's end, its
+    structure is no list's any more, and the compiler refuses it."""
+    import typst
+
+    made = partial(one, root, "pdf", pdf_standards=STANDARDS)
+    for tight in chain((t for t in TIGHTNESS if emptiest(ends(root, t)) >= LEAST), TIGHTNESS):
+        with suppress(typst.TypstError):
+            return made(tight)
+    return made(floating=False)
+
+
+def options(root: Path, kind: str, tight: float, floating: bool = True) -> dict:
+    inputs = {"format": kind, "tightness": f"{tight:g}", "placement": "auto" if floating else "none"}
     return {
-        "root": str(root), "sys_inputs": {"format": kind, "tightness": f"{tight:g}"}, "font_paths": [str(drawing.fonts())],
+        "root": str(root), "sys_inputs": inputs, "font_paths": [str(drawing.fonts())],
         "ignore_system_fonts": True,
     }  # fmt: skip
 
 
-def one(root: Path, kind: str, tight: float = 1.0, **more) -> bytes:
+def one(root: Path, kind: str, tight: float = 1.0, floating: bool = True, **more) -> bytes:
     """Compile one kind. With warnings, so that "HTML export is under development" is not printed on every run."""
     import typst
 
-    known = options(root, kind, tight)
+    known = options(root, kind, tight, floating)
     made, _ = typst.compile_with_warnings(str(root / TEMPLATE[0]), format=kind, timestamp=EPOCH, **known, **more)
     return made
 
