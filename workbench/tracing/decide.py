@@ -3,10 +3,11 @@
 | question, in this order | answer |
 |---|---|
 | does the angle between two encoders say that one is late? | cause, whatever else |
-| a correction within the fixed value's tolerance, or an effect (a correction beyond its tolerance) below the practical size? | refinement |
+| a correction within the fixed value's tolerance, or an effect (a correction beyond its tolerance) below the practical size, or below `beside` with values that no machine has? | refinement |
 | does the error grow on validation, or does the effect explain nearly nothing there? | not borne out |
 | do the causes take `held` of the validation power, or leave little that is explainable? | cause |
 | is more than `explainable` of the drive predictable from outside the loop? | unknown |
+| does an effect take `held` of the identification power, more than `beside` of the drive, and is not borne out? | unknown |
 | else | nothing missing |
 """
 
@@ -55,8 +56,17 @@ def decide(evidence: Evidence, criteria: Criteria) -> Verdict:
             *(a.effect.partition(" ")[0] for a in sorted(causes, key=lambda a: -a.size(IDENTIFICATION))),
         )
         return Verdict(CAUSE, roles, more, alarms(evidence, roles), names)
-    missing = evidence.before.size >= criteria.explainable
+    missing = evidence.before.size >= criteria.explainable or unborne(evidence, roles, criteria)
     return Verdict(UNKNOWN if missing else NOTHING, roles, False, alarms(evidence, roles))
+
+
+def unborne(evidence: Evidence, roles: tuple[str, ...], criteria: Criteria) -> bool:
+    """Whether an effect takes much of the identification records, by `held` and `beside`, and does not hold on validation: it is
+    not the cause, but nor is what it takes noise. Where the reference says nothing (an injected torque alone moves the axis),
+    this is all that says so."""
+    out = [a for a, r in zip(evidence.added, roles, strict=True) if r == NOT_BORNE_OUT]
+    much = (a for a in (*out, *evidence.refused) if a.share(IDENTIFICATION) >= criteria.held)
+    return any(a.size(IDENTIFICATION) >= criteria.beside for a in much)
 
 
 def role(a: Weighed, criteria: Criteria) -> str:
@@ -66,7 +76,7 @@ def role(a: Weighed, criteria: Criteria) -> str:
     # without a validation record both are NaN, and say nothing
     if a.size(VALIDATION) < 0.0 or a.share(VALIDATION) < criteria.carried * a.share(IDENTIFICATION):
         return NOT_BORNE_OUT
-    if beyond(a) < criteria.practical:
+    if beyond(a) < (criteria.beside if a.implausible else criteria.practical):
         return REFINEMENT
     return CAUSE
 
