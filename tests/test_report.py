@@ -49,7 +49,7 @@ class Page(HTMLParser):
         assert self.open.pop() == tag
 
     def handle_data(self, data):
-        if self.open and self.open[-1] not in ("style", "title"):
+        if self.open and self.open[-1] not in ("style", "title", "script"):
             self.text += data
 
 
@@ -157,7 +157,9 @@ def test_the_paper_holds_verdict_checks_and_captions(result, folder, paper):
 def test_the_finding_comes_first(result):
     first = standard(result)[0]
     assert first.blocks[0] == Callout(result.trace.sentence)
-    assert "0.79" in "".join(c.text if isinstance(c, Marked) else c for row in first.blocks[1].rows for c in row)
+    (figure,) = [b for b in first.blocks if isinstance(b, Figure)]
+    assert "0.79" in figure.alt and "3.8" in figure.alt
+    assert not [b for b in first.blocks if isinstance(b, Table)]
 
 
 @pytest.mark.parametrize(("verdict", "tone"), [(NOTHING, "good"), (UNKNOWN, "bad")])
@@ -192,7 +194,7 @@ def test_what_each_record_says_stands_beside_the_intervals_and_where_they_disagr
 
 def test_chapters_of_a_study_stand_before_the_method(page, result):
     titles = [c.title for c in standard(result)]
-    assert titles.index("Tuning") == titles.index("How it was computed") - 1
+    assert titles[titles.index("Tuning") :][1:3] == ["Does it reach what was required?", "How it was computed"]
     assert page.text.count("Tuning") == 2  # in the list of chapters and as a heading
 
 
@@ -204,7 +206,8 @@ def test_the_page_stands_alone(source, page):
     for tag, attributes in page.seen:
         for name in ("src", "href"):
             assert re.match(r"data:image/|#", attributes.get(name, "#")), (tag, attributes)
-    assert "@import" not in source and "url(" not in source
+    assert "@import" not in source and "url(" not in source.replace("url(#", "")
+    assert "fetch(" not in source and "XMLHttpRequest" not in source and "import(" not in source
     assert "http" not in source
 
 
@@ -212,8 +215,8 @@ def test_the_page_can_be_read_by_all(source, page):
     tags = dict(reversed(page.seen))
     assert tags["html"] == {"lang": "en"} and "main" in tags and "nav" in tags
     assert [t for t, _ in page.seen].count("h1") == 1
-    images = [a for t, a in page.seen if t == "img"]
-    assert len(images) == 5 and all(len(a["alt"]) > 5 for a in images)
+    images = [a for t, a in page.seen if t == "svg"]
+    assert len(images) == 6 and all(a["role"] == "img" and len(a["aria-label"]) > 5 for a in images)
     assert "prefers-color-scheme: dark" in source and "@media print" in source and "overflow-x: auto" in source
     assert source.count("<math") == 5 and "(5)" in page.text
     assert all(a.get("scope") == "col" for t, a in page.seen if t == "th")
@@ -251,7 +254,8 @@ def test_every_figure_has_a_title_axes_with_units_and_little_weight(folder, resu
         assert len(title) > 15 and squeezed(title) in squeezed(drawn)
         assert (
             len(re.findall(r"\((?:[^)]*/)?(?:rad|s|mN\u00b7m|%|N\u00b7m/rad|rad/s)\)", drawn)) >= 2
-            or "candidate effect" in drawn
+            or "least share that counts" in drawn
+            or "declared model" in drawn
         )
         assert "http" not in file.read_text("utf-8").replace("http://www.w3.org/", "")
 
@@ -306,7 +310,7 @@ def test_text_of_the_data_is_never_markup(tmp_path):
     page = Page((tmp_path / "report.html").read_text(encoding="utf-8"))
     assert page.open == []
     assert page.text.count(HOSTILE) >= 14
-    assert not {"script", "b", "em", "lab"} & {t for t, _ in page.seen}
+    assert not {"b", "em", "lab"} & {t for t, _ in page.seen} and [t for t, _ in page.seen].count("script") == 1
     paper = PdfReader(tmp_path / "report.pdf")
     assert paper.metadata.title == HOSTILE
     text = squeezed(" ".join(p.extract_text() for p in paper.pages)).replace("\u65e5", "")

@@ -133,7 +133,7 @@ def test_a_run_writes_report_results_trace_and_predictions(ran):
 def test_checks_say_what_holds_and_what_does_not(ran):
     checks = json.loads((ran[0].folder / "results.json").read_text())["checks"]
     assert [(c["name"], c["passed"]) for c in checks] == [("verdict", True), ("validation error after", False)]
-    assert all({"name", "value", "unit", "bound", "passed"} == set(c) for c in checks)
+    assert all({"name", "value", "unit", "bound", "passed", "words"} == set(c) for c in checks)
     assert not ran[0].passed
 
 

@@ -117,7 +117,7 @@ def virgin_chapter(seen: Logged, fit, alone, passes) -> tuple[Chapter, dict[str,
         axes[0].axhline(1e3 * found["h0"].value, color=MUTED, lw=0.8, ls=":")
         axes[0].set_xlabel("position (mrad)")
         axes[0].set_ylabel("torque (mN·m)")
-        axes[0].legend(loc="upper left")
+        axes[0].legend(loc="lower left", bbox_to_anchor=(0, 1), ncols=3)
 
     figure = Figure(
         "virgin_curve",

@@ -17,7 +17,7 @@ from workbench.report.contents import (
     StudyResult,
     Table,
 )
-from workbench.report.wording import listed, parameters, said
+from workbench.report.wording import ALARMS, listed, parameters, said
 from workbench.tracing.result import CAUSE, Candidate, Cause
 from workbench.tracing.smallest import Smallest
 
@@ -33,19 +33,24 @@ def cause(result: StudyResult) -> Chapter:
     if trace.verdict != CAUSE and trace.smallest:
         blocks += [Heading("What these records could have shown"), smallest(trace.smallest)]
     heading = "The cause and its evidence" if trace.verdict == CAUSE else "The candidates that were tried"
-    return Chapter(heading, (*blocks, *said(trace.findings)))
+    if trace.refinements:
+        blocks.append(Paragraph("Refinements, too small for a cause, leave the verdict as it is:"))
+        blocks.append(Items(tuple(r.sentence for r in trace.refinements)))
+    return Chapter(heading, (*blocks, *said(f for f in trace.findings if f.kind not in ALARMS)))
 
 
 def how(result: StudyResult) -> str:
     """Say what a candidate must do."""
     criteria = result.trace.criteria
+    names = listed([title(c.effect) for c in result.trace.causes])
+    count = numbers.count(len(result.trace.ranked))
     return (
-        f"{capital(numbers.count(len(result.trace.ranked)))} candidates were fitted together with the declared model: each "
-        "effect of the catalogue that can act on this axis and was not declared, and each value that was declared as fixed, "
+        f"Of {count} candidates {names or 'none'} earned a place in the model. Each was fitted together with the declared model: "
+        "the effects of the catalogue that can act on this axis and were not declared, and the values that were declared as fixed, "
         "set free. A candidate counts by what it takes away on blocks of the records that its fit did not see. It earns its "
         f"place if that is more than {numbers.percent(criteria.share)} of the residual's power and more than {criteria.certain:g} times its own "
         "scatter; of candidates that the data cannot tell apart, the one with the fewest parameters leads. Where none is certain "
-        "alone, one whose gain is plain is taken on credit: it stays if a later one earns its place, and it its own then."
+        "alone, one with a plain gain is added on trial, and stays only if it and a later one then earn their places."
     )
 
 
@@ -143,8 +148,6 @@ def described(c: Cause, plant: Plant) -> list:
         ("Explains, on identification", f"{numbers.percent(c.share_identification, 3)} of the residual's power"),
         ("Explains, on validation", f"{numbers.percent(c.share_validation, 3)} of the residual's power"),
     ]
-    if c.rivals:
-        facts.append(("Hardly told apart from", listed([title(r) for r in c.rivals])))
     if c.experiment:
         facts.append(("Experiment that decides", c.experiment))
     name = capital(title(c.effect))

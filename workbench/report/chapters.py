@@ -1,14 +1,21 @@
 """The chapters of a report in their order: the finding first, then what it rests on, then how it was computed."""
 
+from collections.abc import Iterable
+from dataclasses import replace
+
+from workbench.finding import Finding
 from workbench.report.cause import cause
-from workbench.report.contents import Chapter, Heading, StudyResult
+from workbench.report.contents import Block, Callout, Chapter, Heading, Items, Paragraph, StudyResult
 from workbench.report.description import description
 from workbench.report.method import method, provenance
 from workbench.report.model import declared, extended
-from workbench.report.opening import finding, records
+from workbench.report.opening import CAUTIONS, finding, records
+from workbench.report.recommend import RECOMMENDED
+from workbench.report.required import required
 from workbench.report.residual import residual
 from workbench.report.unknown import lives, shade
 from workbench.report.where import where
+from workbench.report.wording import said, typeset
 
 __all__ = [
     "cause",
@@ -23,10 +30,12 @@ __all__ = [
     "standard",
     "where",
 ]
+OF_GAINS = ("gains", "schedule")  # subjects of findings that belong to the chapters of the study
 
 
 def standard(result: StudyResult) -> tuple[Chapter, ...]:
-    """Return all chapters; those of the study itself stand between the description and the method."""
+    """Return all chapters; those of the study itself stand between the description and the requirements. No sentence of a list
+    or a paragraph is there twice."""
     chapters = [finding(result), records(result), declared(result), residual(result)]
     unknown = (Heading("Where it lives"), lives(result)) if result.trace.unknown else ()
     if result.where:
@@ -38,4 +47,57 @@ def standard(result: StudyResult) -> tuple[Chapter, ...]:
         chapters.append(extended(result))
     if result.equivalent:
         chapters.append(description(result))
-    return (*chapters, *result.chapters, method(result), provenance(result))
+    chapters += result.chapters
+    if result.checks:
+        chapters.append(required(result))
+    return once(with_findings([*chapters, method(result), provenance(result)], result))
+
+
+def texts(chapters: Iterable[Chapter]) -> list[str]:
+    """Return every sentence group of the chapters: paragraphs, boxes and items of lists."""
+    found = []
+    for chapter in chapters:
+        for block in chapter.blocks:
+            found += [block.text] if isinstance(block, (Paragraph, Callout)) else list(getattr(block, "texts", ()))
+    return found
+
+
+def with_findings(chapters: list[Chapter], result: StudyResult) -> list[Chapter]:
+    """Add the findings that no chapter says: those of gains to the study's first chapter, the others to the records."""
+    known = " ".join(texts(chapters))
+    elsewhere = (*result.trace.findings, *result.trace.before.findings, *result.trace.after.findings)
+    left = [
+        f
+        for f in result.findings
+        if f not in elsewhere and f.kind not in (RECOMMENDED, *CAUTIONS) and f.sentence not in known
+    ]
+    of_gains = [f for f in left if f.subject in OF_GAINS] if result.chapters else []
+    first = next((i for i, c in enumerate(chapters) if result.chapters and c is result.chapters[0]), 1)
+    for at, chosen in ((1, [f for f in left if f not in of_gains]), (first, of_gains)):
+        chapters[at] = added(chapters[at], chosen)
+    return chapters
+
+
+def added(chapter: Chapter, findings: list[Finding]) -> Chapter:
+    return replace(chapter, blocks=(*chapter.blocks, *said(findings)))
+
+
+def once(chapters: Iterable[Chapter]) -> tuple[Chapter, ...]:
+    """Return the chapters with every text where it stands first, and nowhere else; its units as they are printed."""
+    seen: set[str] = set()
+
+    def fresh(text: str) -> bool:
+        known = text in seen
+        seen.add(text)
+        return not known
+
+    def kept(block: Block) -> Block | None:
+        if isinstance(block, Items):
+            left = tuple(t for t in map(typeset, block.texts) if fresh(t))
+            return Items(left) if left else None
+        if isinstance(block, (Paragraph, Callout)):
+            block = replace(block, text=typeset(block.text))
+            return block if fresh(block.text) else None
+        return block
+
+    return tuple(replace(c, blocks=tuple(b for b in map(kept, c.blocks) if b is not None)) for c in chapters)

@@ -15,6 +15,7 @@ from workbench.description.result import Equivalent
 from workbench.finding import Finding
 from workbench.plant import Plant
 from workbench.record import Record
+from workbench.report.advice import Advice
 from workbench.tracing.result import Trace
 from workbench.tracing.where import Where
 
@@ -23,13 +24,19 @@ GOOD, BAD, QUIET, STRONG, CODE, PLAIN = "good", "bad", "quiet", "strong", "code"
 
 @dataclass(frozen=True)
 class Check:
-    """One line of a study's requirements. bound: as declared, such as "<= 0.11". value and bound in `unit`; a word has none."""
+    """One line of a study's requirements. bound: as declared, such as "<= 0.11". value and bound in `unit`; a word has none.
+    words: what the figure is called, its name where absent."""
 
     name: str
     value: float | str
     unit: str
     bound: str
     passed: bool
+    words: str = ""
+
+    @property
+    def called(self) -> str:
+        return self.words or self.name
 
 
 @dataclass(frozen=True)
@@ -124,12 +131,14 @@ class Table:
 @dataclass(frozen=True)
 class Figure:
     """name: of its file, unique in a report. svg: bytes, or a function that draws them. caption: what it shows, beside
-    the finding that the drawing has as its title. alt: for those who do not see it."""
+    the finding that the drawing has as its title. alt: for those who do not see it. fixed: whether it stays on paper where it
+    stands, instead of floating to where it leaves no gap."""
 
     name: str
     svg: bytes | Callable[[], bytes]
     caption: str
     alt: str
+    fixed: bool = False
 
     def __post_init__(self):
         if not re.fullmatch(r"[a-z0-9_]+", self.name):
@@ -167,7 +176,8 @@ class StudyResult:
     name: of the study; title: of the report; question: one line, what the study asks. campaign: its title. plant: as
     declared. bandwidth: of the evaluation filter, Hz. equivalent: effects with their description over amplitude.
     chapters: further chapters, after the standard ones and before the method. tuned: digest of the plant that gains were tuned
-    for, where any were.
+    for, where any were. advice: which controller to take, where one was tuned. answer: to the question, beyond the finding.
+    command: that makes it again. inputs: digest of all that it depends on.
     """
 
     name: str
@@ -185,6 +195,10 @@ class StudyResult:
     where: tuple[Where, ...] = ()
     kind: str = "Study"
     tuned: str = ""
+    advice: Advice | None = None
+    answer: str = ""
+    command: str = ""
+    inputs: str = ""
 
     @property
     def drive(self) -> str:

@@ -72,12 +72,12 @@ def fronts_figure(contest: Contest, names: Sequence[str]) -> Figure:
             style = {"color": SERIES[k % len(SERIES)], "ls": STYLES[k % len(STYLES)], "marker": MARKS[k % len(MARKS)]}
             axes[0].semilogy(1e3 * time, error, drawstyle="steps-post", ms=3, lw=0.9, label=name, **style)
         axes[0].axhline(contest.task.loop.count, color=MUTED, lw=0.8)
-        axes[0].text(1.0, contest.task.loop.count * 1.1, "one count", color=MUTED, ha="right", va="bottom",
+        axes[0].text(1.01, contest.task.loop.count, "one count", color=MUTED, ha="left", va="center",
                      transform=axes[0].get_yaxis_transform())  # fmt: skip
         axes[0].set_xlabel("worst 1 % time (ms)")
         axes[0].set_ylabel(numbers.label("worst final error", unit))
         decades(axes[0].yaxis)
-        axes[0].legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
+        axes[0].legend(loc="upper left", bbox_to_anchor=(1.0, 1.0))
 
     return Figure(
         "fronts",
@@ -101,7 +101,7 @@ def margin_figure(found: AgainstMargin, unit: str, asked: float) -> Figure:
         for k, name in enumerate(names):
             for figure, style, said in (("error_grid", STYLES[0], "over the grid"), ("error", STYLES[1], "nominal")):
                 axes[0].semilogy(
-                    found.limits, found.values[name][figure], ls=style, marker=MARKS[k], ms=4, color=SERIES[k],
+                    found.limits, found.values[name][figure], ls=style, marker=MARKS[k % len(MARKS)], ms=4, color=SERIES[k % len(SERIES)],
                     label=f"{name}, {said}",
                 )  # fmt: skip
         axes[0].axvline(asked, color=MUTED, lw=0.8, ls=":")

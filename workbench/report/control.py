@@ -52,7 +52,7 @@ def schedule_chapter(designed: Designed, rule: str) -> Chapter:
     )
     peak, at = designed.between.worst_sensitivity
     text += f" Between the knots the sensitivity peak is at most {numbers.number(peak)} (at {numbers.scaled(at, plant.displacement)})."
-    said = [f.sentence for f in (*designed.gains.findings, *s.findings, *designed.findings)]
+    said = [f.sentence for f in (*designed.gains.findings, *s.findings, *designed.between.findings, *designed.findings)]
     blocks = [Paragraph(text), figure]
     return Chapter("Gains per amplitude, and the schedule", tuple(blocks + ([Items(tuple(said))] if said else [])))
 
@@ -83,7 +83,7 @@ def step_chapter(task: Task, controllers: dict, load: str = "") -> Chapter:
         axes[0].axvline(bound, color=MUTED, lw=0.8, ls=":")
         axes[1].axvline(bound, color=MUTED, lw=0.8, ls=":")
         axes[1].axhline(task.loop.count, color=MUTED, lw=0.8)
-        axes[1].text(0, task.loop.count * 1.15, " one encoder count", color=MUTED, va="bottom")
+        axes[1].text(0, task.loop.count * 1.15, "\u2002one encoder count", color=MUTED, va="bottom")
         axes[0].set_ylabel(numbers.label("position", unit))
         axes[1].set_ylabel(numbers.label("error, absolute", unit))
         axes[2].set_ylabel(numbers.label("command", effort))
@@ -98,9 +98,13 @@ def step_chapter(task: Task, controllers: dict, load: str = "") -> Chapter:
         f"Three graphs over time for {len(traces)} controllers. {heading}.",
     )
     text = (
-        "The simulated loop has all that the drive has: sampling, a quantised encoder, delay, the velocity filter, torque and "
-        "speed limits, torque noise, and the identified friction. Controllers that are tuned were tuned by the same search on the same "
-        "scenarios, with the same limits, also on its sensitivity."
+        "With the load on the axis all else is as before."
+        if load
+        else (
+            "The simulated loop has all that the drive has: sampling, a quantised encoder, delay, the velocity filter, torque and "
+            "speed limits, torque noise, and the identified friction. Controllers that are tuned were tuned by the same search on the same "
+            "scenarios, with the same limits, also on its sensitivity."
+        )
     )
     return Chapter("The step, loaded" if load else "The step", (Paragraph(text), figure))
 
@@ -109,8 +113,8 @@ def _time(seconds: float) -> str:
     return numbers.scaled(seconds, "s", 4) if np.isfinite(seconds) else "never"
 
 
-def comparison_table(comparison: Comparison, caption: str, unit: str) -> Table:
-    """Every controller under every load."""
+def comparison_table(comparison: Comparison, caption: str, unit: str, effort: str) -> Table:
+    """Every controller under every load. unit, effort: of position and of the drive, as printed."""
     rows = []
     for r in comparison.rows:
         load = "none" if r.load_inertia == 0 else numbers.number(r.load_inertia, 2)
@@ -129,7 +133,7 @@ def comparison_table(comparison: Comparison, caption: str, unit: str) -> Table:
         )
     columns = (
         "controller", "load inertia", "1 % time", "of the bound", "overshoot", f"final error ({unit})", "in counts",
-        "settled", "peak command",
+        "settled", f"peak command ({effort})",
     )  # fmt: skip
     return Table(columns, tuple(rows), caption, "lrrrrrrrr")
 
@@ -143,9 +147,10 @@ def comparison_chapter(comparison: Comparison, task: Task) -> Chapter:
         f"±{c.counts:g} counts for {numbers.scaled(c.hold, 's')}. Load inertia in {numbers.unit('kg*m^2' if task.plant.rotary else 'kg')}."
     )
     beaten = tuple(f.sentence for f in comparison.findings)
+    x, effort = task.plant.displacement, task.plant.effort
     return Chapter(
         "Against the baselines",
-        (comparison_table(comparison, caption, numbers.unit(task.plant.displacement)), Items(beaten)),
+        (Items(beaten), comparison_table(comparison, caption, numbers.unit(x), numbers.unit(effort))),
     )
 
 

@@ -15,13 +15,15 @@ from textwrap import fill
 import numpy as np
 
 from workbench.report import numbers
+from workbench.report.plotted import marked
 from workbench.report.wording import printable
 
 INK, MUTED, GRID = "#1f2933", "#5b6672", "#d9dee4"
 BEFORE, AFTER, MEASURED = "#d55e00", "#0b62a0", "#a6b0bb"
-SERIES = (AFTER, BEFORE, "#117a54", "#a03b7e", INK)
+SERIES = (AFTER, BEFORE, "#117a54", "#a03b7e", INK, "#8c6d1f", "#6a51a3")
+# Seven colours and five dashes: the first two traces that look alike are 35 apart.
 STYLES = ("-", "--", "-.", ":", (0, (5, 1, 1, 1, 1, 1)))
-DARK = {INK: "#e3e8ee", MUTED: "#a6b0bb", GRID: "#3a434e", MEASURED: "#687482", BEFORE: "#ff9c4a", AFTER: "#6bb6ff", "#117a54": "#52d09b", "#a03b7e": "#f096cf"}  # fmt: skip
+DARK = {INK: "#e3e8ee", MUTED: "#a6b0bb", GRID: "#3a434e", MEASURED: "#687482", BEFORE: "#ff9c4a", AFTER: "#6bb6ff", "#117a54": "#52d09b", "#a03b7e": "#f096cf", "#8c6d1f": "#d9b44a", "#6a51a3": "#b9a3f0"}  # fmt: skip
 
 WIDTH = 5.4  # inches: paper shows it a fifth larger, and on a telephone its type is still legible
 BINS = 700  # of a long trace: about one per pixel
@@ -96,25 +98,33 @@ def svg(
         ).ravel()
         draw(list(axes))
         figure.suptitle(fill(title, LETTERS), parse_math=False, x=0.008, ha="left", fontsize=8.9, fontweight="bold")
+        figure.draw_without_rendering()  # the layout is had only by drawing
+        figure.set_layout_engine("none")
+        plotted = marked(figure)
         out = BytesIO()
         figure.savefig(out, format="svg", metadata={"Date": None, "Creator": None, "Format": None, "Type": None})
-    return finished(out.getvalue().decode("utf-8"), title)
+    return finished(out.getvalue().decode("utf-8"), title, plotted)
 
 
-def finished(text: str, title: str) -> bytes:
-    """Return the SVG with a title of its own, fonts to fall back on and colours for dark mode, and without its header."""
+def dark() -> str:
+    """Return the style that swaps colours in dark mode. It names no ancestor: a mark is drawn from a copy that has none."""
+    return "".join(
+        f'[style*="{role}: {light}"]{{{role}:{swapped} !important}}'
+        for light, swapped in DARK.items()
+        for role in ("fill", "stroke")
+    )
+
+
+def finished(text: str, title: str, plotted: str) -> bytes:
+    """Return the SVG with a title of its own, fonts to fall back on, colours for dark mode and what a page's script needs of
+    it, and without its header."""
     start = text.index("<svg")
     text = re.sub(r"\s*<metadata>.*?</metadata>", "", text[start:], flags=re.DOTALL)
     text = text.replace("'DejaVu Sans'", "'DejaVu Sans', Verdana, sans-serif")
-    swap = "".join(
-        f'[style*="{role}: {light}"]{{{role}:{dark} !important}}'
-        for light, dark in DARK.items()
-        for role in ("fill", "stroke")
-    )
     # matplotlib leaves black text without a fill; all other colours are stated
-    head = f"<title>{escape(title)}</title><style>@media screen and (prefers-color-scheme: dark){{{swap}}}</style>"
+    head = f"<title>{escape(title)}</title><style>@media screen and (prefers-color-scheme: dark){{{dark()}}}</style>"
     end = text.index(">") + 1
-    return (text[:end] + head + text[end:]).encode("utf-8")
+    return (text[: end - 1] + f' data-graphs="{escape(plotted)}">' + head + text[end:]).encode("utf-8")
 
 
 def envelope(x: np.ndarray, y: np.ndarray, bins: int = BINS) -> tuple[np.ndarray, np.ndarray]:

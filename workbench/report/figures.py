@@ -105,11 +105,11 @@ def ranking(title: str, candidates: Sequence[Candidate], added: Sequence[tuple[s
         a.set_yticks(y, [_short(c, c.effect in twice) for c in best])
         a.set_xlim(0, max(400 * share, 1.05 * float(np.max(gains + scatter, initial=0.0))))
         a.set_xlabel("reduction of the held-out squared residual (%)")
-        a.set_ylabel("candidate effect")
         a.grid(False, axis="y")
-        a.legend(handles=_keys(any((c.effect, c.at) in added for c in best)), loc="lower right")
+        keys = _keys(any((c.effect, c.at) in added for c in best))
+        a.figure.legend(handles=keys, loc="outside lower center", ncols=3)
 
-    return drawing.svg(title, draw, height=0.85 + 0.2 * max(len(best), 2))
+    return drawing.svg(title, draw, height=1.1 + 0.2 * max(len(best), 2))
 
 
 def _short(c: Candidate, twice: bool) -> str:
@@ -136,7 +136,13 @@ def description(title: str, curves: Sequence[tuple[str, Equivalent]], rotary: bo
         for a, which, name in zip(axes, ("stiffness", "loss"), names, strict=True):
             values = [getattr(e, which) for _, e in curves]
             for k, ((label, e), v) in enumerate(zip(curves, values, strict=True)):
-                a.plot(e.amplitude, v, color=SERIES[k % 5], linestyle=STYLES[k % 5], label=label.replace("$", r"\$"))
+                a.plot(
+                    e.amplitude,
+                    v,
+                    color=SERIES[k % len(SERIES)],
+                    linestyle=STYLES[k % len(STYLES)],
+                    label=label.replace("$", r"\$"),
+                )
             a.set_xscale("log")
             drawing.decades(a.xaxis)
             if all(np.all(v > 0) for v in values) and values:

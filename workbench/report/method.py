@@ -1,9 +1,13 @@
 """How a report was computed, and from which bytes."""
 
+from importlib.metadata import version
+
 from workbench import __version__
 from workbench.finding import title
 from workbench.report import numbers
 from workbench.report.contents import CODE, Chapter, Equation, Items, Marked, Paragraph, StudyResult, Table
+
+LIBRARIES = "casadi cvxpy matplotlib numba numpy osqp scikit-learn scipy typst".split()
 
 METHODS = (
     "G. H. Golub, V. Pereyra: The differentiation of pseudo-inverses and nonlinear least squares problems whose variables "
@@ -79,18 +83,31 @@ def sources(result: StudyResult) -> tuple[str, ...]:
 
 
 def provenance(result: StudyResult) -> Chapter:
-    """Which bytes the report was computed from, and the model that came out."""
-    rows = tuple((r.file, Marked(r.sha256, CODE)) for r in result.records)
-    named = (
-        "the plant that gains were tuned for, the last model within the axis's limits"
-        if result.tuned
-        else "the last model"
-    )
+    """Which bytes the report was computed from, the model that came out, and at the end all that makes it again."""
+    files = {r.file: r.sha256 for r in result.records}
+    rows = tuple((name, Marked(digest, CODE)) for name, digest in files.items())
     text = (
-        f"Computed by workbench {__version__}. A file is the one that was used if its checksum is the one below. The digest names "
-        f"{named}, to nine digits of every parameter" + ("; every file of gains/ carries it." if result.tuned else ".")
+        f"The command below, with {'this file' if len(rows) == 1 else 'these files'} and versions, gives these pages again to the "
+        "same bytes. A file is the one that was used if its checksum is the one in the table."
     )
+    table = Table(("file", "SHA-256"), rows, "The measured files and their checksums.", "lp")
+    return Chapter("How to make this report again", (Paragraph(text), table, again(result)))
+
+
+def again(result: StudyResult) -> Table:
+    """Command, versions and digests."""
     own = result.tuned or result.trace.after.plant.digest
-    digest = (Marked("plant of the gains" if result.tuned else "last model", "strong"), Marked(own, CODE))
-    table = Table(("file", "SHA-256"), (*rows, digest), f"Files and their checksums, and the digest of {named}.", "lp")
-    return Chapter("Data and provenance", (Paragraph(text), table))
+    digests = [("digest of the plant that gains were tuned for" if result.tuned else "digest of the last model", own)]
+    if result.inputs:
+        digests.append(("digest of study, data and code", result.inputs))
+    rows = [("command", result.command or "workbench"), ("versions", versions()), *digests]
+    caption = "What makes this report again. The digest of a plant holds every parameter to nine digits" + (
+        "; every file of gains/ carries it." if result.tuned else "."
+    )
+    return Table(("what", "value"), tuple((Marked(a, "strong"), Marked(b, CODE)) for a, b in rows), caption, "lp")
+
+
+def versions() -> str:
+    """Return this package's version and those of the libraries that numbers and drawings come from."""
+    found = [f"{name} {version(name)}" for name in LIBRARIES]
+    return ", ".join([f"workbench {__version__}", *found])

@@ -37,8 +37,8 @@ def extended(result: StudyResult) -> Chapter:
     trace = result.trace
     names = listed([title(c.effect) for c in trace.causes])
     text = (
-        f"With {names}, all parameters were fitted again together. What a parameter moves by, from the declared to the "
-        "extended model, is the part of the missing effect that it had stood in for."
+        f"Once {names} {'is' if len(trace.causes) == 1 else 'are'} in the model, the other parameters move by what they had stood "
+        "in for; all were fitted again together."
     )
     caption = (
         f"Parameters of the extended model with 95 % intervals, beside the declared model's values. {held(trace.after)}"

@@ -3,6 +3,7 @@
 from workbench.finding import capital, title
 from workbench.record import IDENTIFICATION, ROLES, VALIDATION
 from workbench.report import numbers
+from workbench.report.advice import headline
 from workbench.report.contents import (  # fmt: skip
     BAD,
     CODE,
@@ -11,76 +12,50 @@ from workbench.report.contents import (  # fmt: skip
     STRONG,
     Callout,
     Chapter,
-    Check,
-    Items,
     Marked,
     Paragraph,
     Recorded,
     StudyResult,
     Table,
 )
-from workbench.report.recommend import RECOMMENDED
-from workbench.report.wording import bound, listed, said
-from workbench.tracing.evidence import Evidence
-from workbench.tracing.result import NOTHING, UNKNOWN, Cause
+from workbench.report.explained import explained
+from workbench.report.glance import glance
+from workbench.report.required import judged
+from workbench.report.wording import ALARMS, listed
+from workbench.tracing.result import NOTHING, UNKNOWN
 
-ALARMS = ("below the floor", "joint carries nothing")
+CAUTIONS = ("assumed scale", "not tuned")  # what the numbers rest on and nobody knows; why there are no gains
 TONES = {NOTHING: GOOD, UNKNOWN: BAD}
 
 
 def finding(result: StudyResult) -> Chapter:
-    """The verdict in a box, errors before and after, the requirements, and what else was found."""
+    """Page 1: the verdict, how much is explained, which controller to take, the study's own answer, one figure."""
     trace = result.trace
-    advice = [f for f in result.findings if f.kind == RECOMMENDED]
-    blocks = [Callout(trace.sentence, TONES.get(trace.verdict, PLAIN)), *(Callout(f.sentence, GOOD) for f in advice)]
-    blocks += [Callout(f.sentence, BAD) for f in trace.findings if f.kind in ALARMS]
-    blocks.append(errors(result))
+    blocks = [Callout(trace.sentence, TONES.get(trace.verdict, PLAIN))]
     if trace.evidence:
-        blocks.append(Paragraph(predictable(trace.evidence)))
-    if trace.causes:
-        blocks.append(Items(tuple(sized(c) for c in trace.causes)))
-    if trace.refinements:
-        blocks.append(Paragraph("Refinements, too small for a cause, leave the verdict as it is:"))
-        blocks.append(Items(tuple(r.sentence for r in trace.refinements)))
+        blocks += explained(trace.evidence, trace.criteria.explainable, bool(result.advice))
+    blocks += uncertain(result)
+    blocks += [Callout(f.sentence, BAD) for f in trace.findings if f.kind in ALARMS]
+    if result.advice:
+        blocks.append(Callout(headline(result.advice), GOOD if result.advice.allowed else BAD))
+    if result.answer:
+        blocks.append(Paragraph(result.answer))
+    blocks += [Callout(f.sentence, BAD) for f in result.findings if f.kind in CAUTIONS]
+    blocks.append(glance(result))
     if result.checks:
-        blocks += [
-            Callout(judged(result.checks), GOOD if all(c.passed for c in result.checks) else BAD),
-            required(result),
-        ]
-    elsewhere = (*advice, *trace.findings, *trace.before.findings, *trace.after.findings)  # told where they belong
-    return Chapter("The finding", (*blocks, *said(f for f in result.findings if f not in elsewhere)))
+        failed = not all(c.passed for c in result.checks)
+        blocks.append(Callout(judged(result.checks), BAD) if failed else Paragraph(judged(result.checks)))
+    return Chapter("The finding", tuple(blocks))
 
 
-def predictable(e: Evidence) -> str:
-    """Say how much of what is left anything could predict: the scale on which the verdict was taken."""
-    before, after = (numbers.percent(x.size) if x.size else "nothing" for x in (e.before, e.after))
-    text = f"Of the drive's rms, {before} of what the declared model leaves could be predicted from outside the loop"
-    if e.added:
-        text += f", and {after} with what was tried in place"
-    where = (
-        ""
-        if e.before.instrument == "reference"
-        else "; no reference was logged, so the low-passed position stood for it"
-    )
-    return f"{text}{where}. The rest is noise and disturbance, which no effect may claim."
-
-
-def sized(c: Cause) -> str:
-    """Return how large a cause is, and how it would be told from its rivals."""
-    values = (f"{e.meaning} {numbers.estimate(e.value, e.high - e.value, e.unit)}" for e in c.parameters)
-    text = f"{capital(title(c.effect))} acts at the {c.at}: {listed(list(values))}."
-    if c.form:
-        text = (
-            f"{capital(title(c.effect))} acts at the {c.at}, by no catalogued law: {len(c.parameters)} numbers of its curve stand "
-            "with the cause."
-        )
-    if c.rivals:
-        text += f" These records hardly tell it from {listed([title(r) for r in c.rivals])}."
-    return text + (f" An experiment that decides: {c.experiment.rstrip('.')}." if c.experiment else "")
+def uncertain(result: StudyResult) -> list[Paragraph]:
+    """Say which causes these records hardly tell from others; how to find out stands with the evidence."""
+    rivals = [f"{title(c.effect)} from {listed([title(r) for r in c.rivals])}" for c in result.trace.causes if c.rivals]
+    return [Paragraph(f"These records hardly tell {listed(rivals)}.")] if rivals else []
 
 
 def errors(result: StudyResult) -> Table:
-    """Errors on identification and validation of the declared and the extended model, beside the noise floor."""
+    """Errors on identification and validation of the declared and the extended model, beside the lower bound that noise sets."""
     trace = result.trace
     fits = (trace.before, trace.after) if trace.causes else (trace.before,)
     roles = [role for role in ROLES if any(r.role == role for r in result.records)]
@@ -98,41 +73,14 @@ def errors(result: StudyResult) -> Table:
     caption = (
         f"Error of the predicted {result.drive} in per cent of the measured {result.drive}, and what is left of it, both "
         f"behind the evaluation filter ({numbers.exact(result.bandwidth)} Hz). Parameters come from the identification "
-        "records alone; the noise floor is what encoder steps and drive noise would leave of a perfect model."
+        "records alone. The lower bound is what encoder steps and drive noise would leave of a perfect model; how much more no model "
+        "could take away, the records do not tell."
     )
-    return Table(("error", *models, "noise floor"), tuple(rows), caption, "p" + "r" * (len(models) + 1))
+    return Table(("error", *models, "lower bound"), tuple(rows), caption, "p" + "r" * (len(models) + 1))
 
 
 def _stressed(texts: list[str]) -> tuple[str | Marked, ...]:
     return (*texts[:-1], Marked(texts[-1], STRONG))
-
-
-def judged(checks: tuple[Check, ...]) -> str:
-    """Return one sentence on the requirements."""
-    failed = [c.name for c in checks if not c.passed]
-    if not failed:
-        return (
-            f"All {len(checks)} requirements of the study hold."
-            if len(checks) > 1
-            else "The study's requirement holds."
-        )
-    verb = "does" if len(failed) == 1 else "do"
-    return f"{len(failed)} of {len(checks)} requirements {verb} not hold: {listed(failed)}."
-
-
-def required(result: StudyResult) -> Table:
-    """Every requirement with its value and bound."""
-    rows = tuple(
-        (
-            c.name,
-            c.value if isinstance(c.value, str) else numbers.number(c.value),
-            bound(c.bound),
-            numbers.unit(c.unit),
-            Marked("passed", GOOD) if c.passed else Marked("failed", BAD),
-        )
-        for c in result.checks
-    )
-    return Table(("requirement", "value", "bound", "unit", "result"), rows, "Requirements of the study.", "prrll")
 
 
 def records(result: StudyResult) -> Chapter:
@@ -144,7 +92,7 @@ def records(result: StudyResult) -> Chapter:
     rows = tuple(_row(r, result) for r in result.records)
     roles = [r.role for r in result.records]
     text = (
-        f"The campaign has {_some(roles.count(IDENTIFICATION))} for identification, from which all parameters come, and "
+        f"The finding rests on {_some(roles.count(IDENTIFICATION))} for identification, from which all parameters come, and "
         f"{_some(roles.count(VALIDATION))} for validation, read only after the model had been chosen; together they last "
         f"{numbers.exact(sum(r.duration for r in result.records), 3)} s."
     )
@@ -154,7 +102,8 @@ def records(result: StudyResult) -> Chapter:
         else "The records, and the error on each"
     )
     return Chapter(
-        "The records", (Paragraph(text), Table(tuple(heads), rows, caption + ".", "llprrrr" + "r" * (len(heads) - 7)))
+        "The records",
+        (Paragraph(text), errors(result), Table(tuple(heads), rows, caption + ".", "llprrrr" + "r" * (len(heads) - 7))),
     )
 
 

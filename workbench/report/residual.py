@@ -24,8 +24,8 @@ def residual(result: StudyResult) -> Chapter:
     names = shown(trace.before)
     return Chapter("The residual before and after" if after else "The residual", (
         Paragraph(
-            "The residual is the measured drive less the drive that the model asks for on the measured motion, both behind "
-            "the same filter. What can be read from it is where a model is wrong, not only how much."
+            "The declared model is wrong where its residual is large: the measured drive less the drive that the model asks for on "
+            "the measured motion, both behind the same filter."
         ),
         in_time(result, trace.before, after, names),
         over_motion(result, trace.before, after, names),
@@ -64,7 +64,7 @@ def in_time(result: StudyResult, before: Fit, after: Fit | None, names: Sequence
         added = listed([title(c.effect) for c in result.trace.causes])
         heading = (
             f"Residual falls from {numbers.number(left * factor)} to {numbers.number(_rms(better) * factor)} {unit} rms once "
-            f"{added} is added"
+            f"{added} {'is' if len(result.trace.causes) == 1 else 'are'} added"
         )
     start, end = series.time[part][[0, -1]]
     role = f"the {series.role} record {name}"

@@ -69,9 +69,13 @@ def varied_table(found: Series) -> Table:
             NORMAL: f"normal, {numbers.number(d.mean)} ± {numbers.number(d.deviation)}, within {span}",
             UNIFORM: f"uniform, {span}",
         }.get(d.kind, f"uniform in the logarithm, {span}")
-        factor = v.relative or v.name in ("inertia", "friction")
-        rows.append((Marked(v.name, CODE), text, "of nominal" if factor else unit))
+        rows.append((Marked(v.name, CODE), text, "of nominal" if of_nominal(v) else unit))
     return Table(("what differs", "distribution", "unit"), tuple(rows), f"Drawn with seed {found.seed}.", "lpl")
+
+
+def of_nominal(v) -> bool:
+    """Whether what varies is a factor on its nominal value."""
+    return v.relative or v.name in ("inertia", "friction")
 
 
 def _error(value: float) -> str:
@@ -129,14 +133,15 @@ def worst_table(found: Series) -> Table:
     """The worst draw of each controller."""
     cases = [next(c for c in found.worst if c.controller == n) for n in found.columns]
     names = found.cases.names
+    units = {v.name: "of nominal" if of_nominal(v) else numbers.unit(v.unit) for v in found.cases.varied}
     rows = [
-        (Marked(v, CODE), *(numbers.number(float(c.values[i])) for c in cases)) for i, v in enumerate(names)
+        (Marked(v, CODE), *(numbers.number(float(c.values[i])) for c in cases), units[v]) for i, v in enumerate(names)
     ]  # fmt: skip
-    rows.append(("final error", *(_error(c.metrics["final_error"]) for c in cases)))
-    rows.append(("draw", *(str(c.number) for c in cases)))
+    rows.append(("final error", *(_error(c.metrics["final_error"]) for c in cases), numbers.unit(displacement(found))))
+    rows.append(("draw", *(str(c.number) for c in cases), ""))
     return Table(
-        ("what differs", *(c.controller for c in cases)),
+        ("what differs", *(c.controller for c in cases), "unit"),
         tuple(rows),
-        "The worst axis of each, in SI.",
-        "l" + "r" * len(cases),
+        "The worst axis of each.",
+        "l" + "r" * len(cases) + "l",
     )

@@ -138,7 +138,7 @@ def influence_figure(found: Series, name: str) -> Figure:
     return Figure(
         "robust_influence",
         lambda: svg(heading, draw, height=1.0 + 0.26 * max(len(top), 1)),
-        f"What of the scatter of errors under {name} would be gone were a parameter known.",
+        f"By which share the scatter of final errors under {name} would shrink if one parameter were known exactly.",
         f"Bars of {len(top)} parameters. {heading}.",
     )
 

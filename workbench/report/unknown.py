@@ -40,7 +40,7 @@ def shade(result: StudyResult) -> Shade | None:
     if not unknown.get("spans"):
         return None
     of = "what the extended model leaves" if result.trace.causes else "the residual's power"
-    title = f"{numbers.percent(unknown['share'])} of {of} above the noise floor lives {whereabouts(unknown)}"
+    title = f"{numbers.percent(unknown['share'])} of {of} above what noise leaves at least lives {whereabouts(unknown)}"
     spans = tuple((low, high) for low, high in unknown["spans"])
     way = unknown["direction"] if unknown["direction"] in WAYS else BOTH
     return Shade(unknown["coordinate"], spans, way, title)

@@ -32,17 +32,18 @@ def where(found: Sequence[Where], unknown: Sequence[Block] = (), shade: Shade | 
     unknown: what is said of a residual that no effect explains; shade: where it lives, shaded in the graphs of the drive.
     """
     text = (
-        "What a residual follows tells what it comes from. Below, the residual of the identification records is held "
+        "What a residual follows tells what it comes from. The residual of the identification records is held "
         "against each coordinate in bins, for each way of motion: its mean, with two standard errors (over visits to a bin, "
         "since neighbouring samples are no independent witnesses), and its rms. A coordinate explains the share of the "
         "residual's power that the means hold. Where a window of a coordinate holds plainly more of the residual than the "
         "rest, it is the one whose variance differs most likely from the rest's."
     )
-    blocks = [*unknown, Paragraph(text)]
-    for w in found:
+    blocks = [*unknown]
+    for k, w in enumerate(found):
         if w.of == "angle":
             blocks += [Heading("In the angle of the joint"), Paragraph(ANGLE + balanced(w))]
-        blocks += [Items(tuple(told(w))), *drawn(w, shade if w.of != "angle" else None), ways(w)]
+        blocks += [Items(tuple(told(w))), *([] if k else [Paragraph(text)])]
+        blocks += [*drawn(w, shade if w.of != "angle" else None), ways(w)]
     return Chapter("Where the residual lives", tuple(blocks))
 
 

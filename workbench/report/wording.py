@@ -3,11 +3,16 @@
 import re
 from collections.abc import Collection, Iterable, Mapping, Sequence
 
-from workbench.finding import Finding, title
+from workbench.finding import Finding, capital, title
 from workbench.identification.findings import DISAGREE
 from workbench.identification.result import Estimate, Fit
 from workbench.report import numbers
 from workbench.report.contents import BAD, CODE, QUIET, Items, Marked, Table
+
+ALARMS = ("below the floor", "joint carries nothing", "something else")  # kinds of findings that the first page says
+
+UNITS = re.compile(r"\b(?:m?N|kg|[JAVms]|rad)(?:\*(?:m|s|rad)|/(?:m|s|rad|A|V|N)|\^\d)+(?![\w*/^])")
+KEY = re.compile(r"^([a-z]+(?:_[a-z0-9]+)+):")
 
 Spread = Mapping[str, tuple[float, float]]
 
@@ -16,6 +21,14 @@ def printable(text: str) -> str:
     """Return text without control and private characters, whose numbers do not part from their per cent sign at a line's end."""
     text = re.sub(r"[\x00-\x08\x0b-\x1f\x7f-\x9f\ud800-\uf8ff\ufffe\uffff\U000f0000-\U0010ffff]", "", text)
     return re.sub(r"(?<=\d) (?=%)", "\u00a0", text)
+
+
+def typeset(text: str) -> str:
+    """Return a sentence with the signs that are printed: "+-0.3 N*m" is "\u00b10.3 N\u00b7m"; an effect that it begins with by its
+    name: "viscous_friction: ..." is "Viscous friction: ...".
+    """
+    text = UNITS.sub(lambda m: numbers.unit(m[0]), text.replace("+-", "\u00b1"))
+    return KEY.sub(lambda m: f"{capital(title(m[1]))}:", text)
 
 
 def listed(texts: Sequence[str]) -> str:
@@ -88,9 +101,23 @@ def parameters(
         was = (earlier.get((*here, e.parameter), Marked("\u2013", QUIET)),) if before else ()
         each = (by_record(e, spread, differ),) if spread else ()
         first = name if here != last else ""
-        rows.append((first, Marked(e.parameter, CODE), e.meaning, *was, value, wide, *each, numbers.unit(e.unit)))
+        rows.append(
+            (
+                first,
+                Marked(e.parameter, CODE),
+                *(() if before else (e.meaning,)),
+                *was,
+                value,
+                wide,
+                *each,
+                numbers.unit(e.unit),
+            )
+        )
         last = here
     was, each = ("declared",) if before else (), ("by record",) if spread else ()
     now = "extended" if before else "value"
-    columns = ("effect", "parameter", "meaning", *was, now, "95 % interval", *each, "unit")
-    return Table(columns, tuple(rows), caption, "llp" + "r" * len(was) + "rr" + "r" * len(each) + "l")
+    meaning = () if before else ("meaning",)  # what was said of them already
+    columns = ("effect", "parameter", *meaning, *was, now, "95 % interval", *each, "unit")
+    return Table(
+        columns, tuple(rows), caption, ("pl" if before else "llp") + "r" * len(was) + "rr" + "r" * len(each) + "l"
+    )

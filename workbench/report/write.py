@@ -3,22 +3,19 @@
 Nothing of the moment or the machine enters: no date, no path, no random name; fonts come from Typst and matplotlib.
 """
 
-import json
 from collections.abc import Sequence
 from dataclasses import fields
-from importlib.resources import files
 from pathlib import Path
-from tempfile import TemporaryDirectory
 
 from workbench.processes import shared
 from workbench.report import drawing
 from workbench.report.chapters import standard
+from workbench.report.compiling import compiled
 from workbench.report.contents import Block, Chapter, Figure, Marked, StudyResult
+from workbench.report.inlined import inlined
 from workbench.report.wording import printable
 
-TEMPLATE = ("report.typ", "report.css")
-STANDARDS = ["a-3a", "ua-1"]  # archived with its structure; readable by a screen reader
-EPOCH = 0  # PDF/A wants a date: the same one always
+ATTACHED = ("results.json", "trace.json")  # whichever stands beside the report goes into the PDF
 
 
 def write(result: StudyResult, folder: Path, stem: str = "report") -> None:
@@ -36,12 +33,17 @@ def write(result: StudyResult, folder: Path, stem: str = "report") -> None:
         ),
         "question": result.question,
         "campaign": result.campaign,
+        "attached": next((n for n in ATTACHED if (folder / n).is_file()), ""),
         "chapters": [{"title": c.title, "blocks": [as_data(b) for b in c.blocks]} for c in chapters],
     }
     (folder / "figures").mkdir(exist_ok=True)
     for name, svg in figures.items():
         (folder / "figures" / name).write_bytes(svg)
-    for ending, content in compiled(data, figures).items():
+    beside = {data["attached"]: (folder / data["attached"]).read_bytes()} if data["attached"] else {}
+    made = compiled(plain(data), figures | beside)
+    alts = {b.name: printable(b.alt) for c in chapters for b in c.blocks if isinstance(b, Figure)}
+    made["html"] = inlined(made["html"].decode("utf-8"), figures, alts).encode("utf-8")
+    for ending, content in made.items():
         (folder / f"{stem}.{ending}").write_bytes(content)
 
 
@@ -65,6 +67,8 @@ def as_data(block: Block) -> dict:
 
 def plain(value):
     """Return data as JSON holds it: every string printable, marked text as an object."""
+    if isinstance(value, bool):
+        return value
     if isinstance(value, str):
         return printable(value)
     if isinstance(value, Marked):
@@ -72,26 +76,3 @@ def plain(value):
     if isinstance(value, dict):
         return {k: plain(v) for k, v in value.items()}
     return [plain(v) for v in value]
-
-
-def compiled(data: dict, figures: dict[str, bytes]) -> dict[str, bytes]:
-    """Return "html" -> the page and "pdf" -> the paper."""
-    import typst
-
-    with TemporaryDirectory() as place:
-        root = Path(place)
-        for name in TEMPLATE:
-            (root / name).write_bytes(files("workbench.report").joinpath(name).read_bytes())
-        for name, svg in figures.items():
-            (root / name).write_bytes(svg)
-        (root / "report.json").write_text(json.dumps(plain(data)), encoding="utf-8")
-
-        def one(kind: str, **options) -> bytes:
-            # with warnings, so that "HTML export is under development" is not printed on every run
-            made, _ = typst.compile_with_warnings(
-                str(root / TEMPLATE[0]), root=place, format=kind, sys_inputs={"format": kind}, timestamp=EPOCH,
-                font_paths=[str(drawing.fonts())], ignore_system_fonts=True, **options,
-            )  # fmt: skip
-            return made
-
-        return {"html": one("html"), "pdf": one("pdf", pdf_standards=STANDARDS)}

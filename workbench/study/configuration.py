@@ -11,7 +11,7 @@ from workbench.readers.declaration import Table, read
 
 FILE = "study.toml"
 DATA = "WORKBENCH_DATA"
-KEYS = ("question", "campaign", "data", "describe", "requirements")
+KEYS = ("question", "answer", "campaign", "data", "describe", "requirements", "words")
 CONTROL = (
     "loop",
     "axis",
@@ -66,7 +66,8 @@ class Study:
     """folder: the study's own. name: the folder's. table: the checked table of study.toml, for the study's own steps.
 
     campaign: folder of its campaign, or None. data: file -> (path under WORKBENCH_DATA, sha256) of measured files.
-    describe: (lowest, highest, count) of amplitudes in SI. scheduler: address of a cluster that runs what is many, or "".
+    describe: (lowest, highest, count) of amplitudes in SI. answer: to the question, with {figure} where a number stands. words:
+    figure -> what it is called in the report. scheduler: address of a cluster that runs what is many, or "".
     """
 
     folder: Path
@@ -79,6 +80,8 @@ class Study:
     describe: tuple[float, float, int] | None
     requirements: tuple[Requirement, ...] = field(default=())
     scheduler: str = ""
+    answer: str = ""
+    words: Mapping[str, str] = field(default_factory=dict)
 
     def measured(self, key: str) -> Path:
         """Return the path of a measured file, its sha256 checked; MissingData where this machine does not have it."""
@@ -143,8 +146,18 @@ def load(folder: Path, further: tuple[str, ...] = ()) -> Study:
         if describe[0] >= describe[1]:
             raise WorkbenchError(f"{one.path('lowest')} is {describe[0]:g}, not below 'highest', {describe[1]:g}.")
     return Study(
-        folder, folder.name, top.text("title"), top.text("question"), top, campaign, data, describe, requirements(top)
+        folder, folder.name, top.text("title"), top.text("question"), top, campaign, data, describe, requirements(top),
+        answer=top.text("answer") if "answer" in top else "", words=words(top),
     )  # fmt: skip
+
+
+def words(top: Table) -> dict[str, str]:
+    """Return [words]: figure -> what it is called."""
+    if "words" not in top:
+        return {}
+    values = top.values["words"]
+    inner = top.table("words", optional=tuple(values) if isinstance(values, dict) else ())
+    return {name: inner.text(name) for name in inner.values}
 
 
 def requirements(top: Table) -> tuple[Requirement, ...]:

@@ -1,17 +1,21 @@
 """results.json: every number of a study, and the checks it was judged by."""
 
 import json
+import re
 from math import isfinite
 from pathlib import Path
 
 from workbench import __version__
 from workbench.errors import WorkbenchError, nearest
+from workbench.report import numbers
 from workbench.report.contents import Check
+from workbench.report.required import in_words
 from workbench.study.configuration import Study
 from workbench.study.outcome import Outcome
 from workbench.tracing.output import estimate
 
 FORMAT = 1
+PREFIXED = ("s", "rad", "m", "N", "N*m")  # units that a prefix goes well with
 
 
 def checks(study: Study, outcome: Outcome) -> tuple[Check, ...]:
@@ -28,8 +32,36 @@ def checks(study: Study, outcome: Outcome) -> tuple[Check, ...]:
                 f"{study.table.path('requirements')}.{r.name}: the bound is in '{r.unit}', the figure in '{unit}'; use the latter."
             )
         value = outcome.figures[r.name]
-        found.append(Check(r.name.replace("_", " "), value, unit, r.bound, r.passed(value)))
+        found.append(
+            Check(r.name.replace("_", " "), value, unit, r.bound, r.passed(value), in_words(r.name, study.words))
+        )
     return tuple(found)
+
+
+def answer(study: Study, outcome: Outcome) -> str:
+    """Return the study's answer to its question, with the figures that it names; WorkbenchError for one that there is not."""
+
+    def shown(match) -> str:
+        name = match[1]
+        if name not in outcome.figures:
+            raise WorkbenchError(
+                f"{study.table.path('answer')}: this study has no figure '{name}'; {nearest(name, outcome.figures)}"
+            )
+        value = outcome.figures[name]
+        unit = outcome.units.get(name, "1")
+        if isinstance(value, str):
+            return value.replace("_", " ")
+        if match[2]:
+            return numbers.percent(value)
+        return (
+            numbers.exact(value, 3)
+            if unit == "1"
+            else numbers.scaled(value, unit)
+            if unit in PREFIXED
+            else numbers.quantity(value, unit)
+        )
+
+    return re.sub(r"\{(\w+)(:%)?\}", shown, study.answer)
 
 
 def plain(value):
@@ -58,8 +90,8 @@ def model(fit) -> dict:
     }
 
 
-def write(study: Study, outcome: Outcome, judged: tuple[Check, ...], folder: Path) -> None:
-    """Write results.json into a folder."""
+def write(study: Study, outcome: Outcome, judged: tuple[Check, ...], folder: Path, advice: str = "") -> None:
+    """Write results.json into a folder. advice: which controller to take, or ""."""
     content = {
         "format": FORMAT,
         "workbench": __version__,
@@ -67,8 +99,11 @@ def write(study: Study, outcome: Outcome, judged: tuple[Check, ...], folder: Pat
         "title": study.title,
         "verdict": outcome.trace.verdict,
         "sentence": outcome.trace.sentence,
+        "answer": answer(study, outcome),
+        "advice": advice,
         "checks": [
-            {"name": c.name, "value": c.value, "unit": c.unit, "bound": c.bound, "passed": c.passed} for c in judged
+            {"name": c.name, "value": c.value, "unit": c.unit, "bound": c.bound, "passed": c.passed, "words": c.called}
+            for c in judged
         ],
         "figures": {n: {"value": v, "unit": outcome.units.get(n, "1")} for n, v in outcome.figures.items()},
         "model_before": model(outcome.trace.before),

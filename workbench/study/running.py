@@ -96,40 +96,21 @@ def run(name: str, out: Path | None = None, say: Callable[[str], None] = lambda 
     outcome = (module.run if module else standard.run)(study, say)
     judged = results.checks(study, outcome)
     from workbench.report import write as write_report
+    from workbench.study.reporting import headline, list_again, report_of
     from workbench.tracing.output import write as write_trace
     from workbench.tracing.where import as_list
 
     say("writing the report")
     with whole(place, stamp.FILE) as beside:
         write_trace(outcome.trace, beside, {"where": as_list(outcome.where)} if outcome.where else {})
-        results.write(study, outcome, judged, beside)
         for writer in outcome.files:
             writer(beside)
-        write_report(report_of(study, outcome, judged), beside)
+        report = report_of(study, outcome, judged, beside, input_files(study))
+        results.write(study, outcome, judged, beside, headline(report))
+        write_report(report, beside)
         stamp.write(beside, digest)
+    list_again(study, place)
     return Ran(place, True, all(c.passed for c in judged), _lines(place))
-
-
-def report_of(study: Study, outcome, judged):
-    """Return what the report of a study is made of."""
-    from workbench.report.contents import Recorded, StudyResult
-
-    return StudyResult(
-        name=study.name,
-        title=study.title,
-        question=study.question,
-        campaign=outcome.campaign,
-        records=tuple(Recorded.of(r) for r in outcome.records),
-        plant=outcome.plant,
-        bandwidth=outcome.bandwidth,
-        trace=outcome.trace,
-        equivalent=outcome.equivalents,
-        checks=judged,
-        findings=outcome.findings,
-        chapters=outcome.chapters,
-        where=outcome.where,
-        tuned=outcome.tables.get("tuned_plant", {}).get("digest", ""),
-    )
 
 
 def _results(place: Path) -> dict:
@@ -147,7 +128,12 @@ def _lines(place: Path) -> tuple[str, ...]:
     from workbench.study.outcome import NOT_TUNED
 
     content = _results(place)
-    lines = [content["sentence"], *(f["sentence"] for f in content["findings"] if f["kind"] == NOT_TUNED), ""]
+    lines = [
+        content["sentence"],
+        *filter(None, [content["advice"]]),
+        *(f["sentence"] for f in content["findings"] if f["kind"] == NOT_TUNED),
+        "",
+    ]
     for c in content["checks"]:
         value = f"{c['value']:.4g}" if isinstance(c["value"], float) else str(c["value"])
         unit = "" if c["unit"] == "1" else f" {c['unit']}"

@@ -33,13 +33,19 @@ def files(folder: Path) -> list[Path]:
     ]
 
 
-def inputs(study: Path, extra: Iterable[Path] = ()) -> str:
-    """Return the digest of a study: its folder, further input files, this package's code, and the versions installed."""
+def sources(study: Path, extra: Iterable[Path] = ()) -> "hashlib._Hash":
+    """Return the sha256 of a study on any machine: its folder, further input files, and this package's code."""
     package = Path(__file__).resolve().parent.parent
     total = digest_of(files(package), package)
     total.update(digest_of(files(study), study).digest())
     for path in sorted(extra):
         total.update(str(path.name).encode() + hashlib.sha256(path.read_bytes()).digest())
+    return total
+
+
+def inputs(study: Path, extra: Iterable[Path] = ()) -> str:
+    """Return the digest of a study: its sources, and the versions installed."""
+    total = sources(study, extra)
     versions = sorted(f"{d.metadata['Name']}=={d.version}" for d in distributions() if d.metadata["Name"])
     total.update("\n".join(versions).encode())
     return total.hexdigest()

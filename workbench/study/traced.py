@@ -13,7 +13,7 @@ from workbench.outputs import replaceable, whole
 from workbench.plant import Plant
 from workbench.record import VALIDATION
 from workbench.report import write as write_page
-from workbench.report.closing import absent
+from workbench.report.closing import absent, heading
 from workbench.report.closing import closing as closing_chapter
 from workbench.report.contents import Recorded, StudyResult
 from workbench.tracing.calibration import as_dict, calibrations, finding
@@ -94,4 +94,6 @@ def page(campaign: Campaign, passes: Sequence[Passes], found: Trace, closed: Clo
         chapters=chapters,
         where=where(passes, found),
         kind="Trace of campaign",
+        command=f"workbench trace {campaign.folder.name}",
+        answer=f"{heading(found, closed)}." if isinstance(closed, Closed) else "",
     )

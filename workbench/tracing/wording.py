@@ -164,8 +164,14 @@ def what_of(causes: Sequence[Cause], plant: Plant) -> str:
     ):
         names = [name_of(c, plant) for c in causes if c.kind == kind]
         if names:
-            parts.append(f"{' and '.join(names)} {one if len(names) == 1 else many}")
+            parts.append(f"{enumerated(names)} {one if len(names) == 1 else many}")
     return ", and ".join(parts)
+
+
+def enumerated(names: Sequence[str]) -> str:
+    """Return "a, b and c"; a name that is there several times once, with its number."""
+    counted = [f"{n} ({names.count(n)} of it)" if names.count(n) > 1 else n for n in dict.fromkeys(names)]
+    return " and ".join(p for p in (", ".join(counted[:-1]), *counted[-1:]) if p)
 
 
 def name_of(c: Cause, plant: Plant) -> str:

@@ -1,0 +1,99 @@
+"""Which controller to take, as the first page says it: the file, how good it is, and by what margin it beats the next."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from math import inf, isfinite
+
+from workbench.finding import capital
+from workbench.report import numbers
+from workbench.verification.recommend import GRID_OVERSHOOT
+
+EQUAL = 1.02  # ratio of two figures below which they are said to be as good
+SPREAD = "over half to one and a half times inertia and friction"
+
+
+@dataclass(frozen=True, eq=False)
+class Advice:
+    """controller: the recommended one. file: of its numbers, below the outputs, or "". rows: figures of all that were judged, the
+    best first (verification.recommend.Candidate as mappings). displacement: SI unit of position."""
+
+    controller: str
+    file: str
+    rows: tuple[Mapping[str, object], ...]
+    displacement: str
+
+    @property
+    def allowed(self) -> bool:
+        """Whether the controller keeps what was asked of it."""
+        return allowed(self.rows[0])
+
+
+def allowed(row: Mapping) -> bool:
+    """Whether a controller comes to rest and overshoots no more than a point-to-point motion may."""
+    return isfinite(float(row["time_grid"])) and float(row["overshoot_grid"]) <= GRID_OVERSHOOT
+
+
+def headline(a: Advice) -> str:
+    """Return the advice in two sentences: what to take, and the margin to the next."""
+    best, *others = a.rows
+    where = f" ({a.file})" if a.file else ""
+    if not a.allowed:
+        return (
+            f"No controller that was tuned keeps the overshoot asked for; {a.controller}{where} comes nearest, with "
+            f"{numbers.percent(best['overshoot_grid'])} in the worst case {SPREAD}."
+        )
+    text = (
+        f"Take {a.controller}{where}: {SPREAD}, it is within 1 % of the target after {_time(best['time_grid'])} at most and ends "
+        f"{_error(best, a)} off at most."
+    )
+    following = next(filter(allowed, others), None)
+    return text + (f" {margin(best, following, a)}" if following else "")
+
+
+def margin(best: Mapping, other: Mapping, a: Advice) -> str:
+    """Return how much worse the next one is, in time and in error."""
+    name = f"{capital(str(other['name']))}, the next best,"
+    time, error = (ratio(other[k], best[k]) for k in ("time_grid", "error_grid"))
+    if time == error == "":
+        return f"{name} is as good."
+    slower = f"takes {time} times as long" if time else "takes as long"
+    off = f"ends {error} times as far off" if error else "ends as near"
+    return f"{name} {slower} and {off} ({_time(other['time_grid'])}, {_error(other, a)})."
+
+
+def ratio(value: float, than: float) -> str:
+    """Return by what factor a figure differs; "" where two are as good, or no factor says it."""
+    value, than = float(value), float(than)
+    if not (0.0 < value < inf and 0.0 < than < inf) or 1.0 / EQUAL < value / than < EQUAL:
+        return ""
+    return numbers.number(value / than, 2 if value < 100.0 * than else 3)
+
+
+def _time(value: float) -> str:
+    return numbers.scaled(float(value), "s") if isfinite(float(value)) else "never"
+
+
+def _error(row: Mapping, a: Advice) -> str:
+    return numbers.scaled(float(row["error_grid"]), a.displacement)
+
+
+def advice_of(tables: Mapping[str, object], files: Sequence[str], displacement: str) -> Advice | None:
+    """Return the advice of a study's results; None where no controller was recommended. files: of the recommended one."""
+    found = tables.get("recommended")
+    if not found or not found.get("candidates"):
+        return None
+    first = sorted(files, key=lambda f: not f.endswith(".h"))
+    return Advice(str(found["controller"]), first[0] if first else "", tuple(found["candidates"]), displacement)
+
+
+def worth_in_short(tables: Mapping[str, object], displacement: str) -> str:
+    """Return what knowing the found effect is worth to the controller that was tuned without it, too; "" where none was."""
+    blind = next(iter(tables.get("comparison_tuned_on_declared", ())), None)
+    if blind is None:
+        return ""
+    knowing = next((r for r in tables["comparison"] if r["controller"] == blind["controller"]), blind)
+    was, now = (
+        f"{numbers.scaled(r['final_error'], displacement)} off, within 1 % after {_time(r['time_1pct'])}"
+        for r in (blind, knowing)
+    )
+    return f"To the controller that is worth this: tuned with what was found, {blind['controller']} ends {now}; without, {was}."
