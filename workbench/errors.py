@@ -1,6 +1,7 @@
 """Errors that a user can mend: one sentence that says what is wrong, where, and what would mend it."""
 
 import difflib
+import os
 from collections.abc import Iterable
 
 USER_ERROR = 2
@@ -17,6 +18,13 @@ class UnsoundRecord(WorkbenchError):
     def __init__(self, sentence: str, kind: str, record: str):
         super().__init__(sentence)
         self.kind, self.record = kind, record
+
+
+def mishap(error: BaseException) -> str:
+    """Return what the system says of a failure, with the file where it names one: "No space left on device (out/a.csv)"."""
+    said = getattr(error, "strerror", None) or str(error).rstrip(".") or type(error).__name__
+    file = getattr(error, "filename", None)
+    return f"{said} ({os.fsdecode(file) if isinstance(file, bytes) else file})" if file is not None else said
 
 
 def nearest(name: str, names: Iterable[str], most: int = 3) -> str:

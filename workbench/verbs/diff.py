@@ -21,10 +21,12 @@ def do(given: argparse.Namespace) -> int:
     from workbench.difference import check_models, compare, doubts
     from workbench.difference.output import JSON, write
     from workbench.identification.fit import passes_of
-    from workbench.outputs import whole
+    from workbench.outputs import replaceable, whole
     from workbench.plant import freed
     from workbench.study.running import campaign_of
 
+    if given.out:
+        replaceable(given.out, JSON)
     before, after = (load(campaign_of(name)) for name in (given.before, given.after))
     check_models(before, after)
     bandwidth = min(before.bandwidth, after.bandwidth)

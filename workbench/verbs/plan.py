@@ -25,6 +25,8 @@ def declare(verbs) -> None:
 
 def do(given: argparse.Namespace) -> int:
     from workbench.errors import WorkbenchError
+    from workbench.outputs import replaceable
+    from workbench.planning.output import JSON
     from workbench.study.planning import basis_of
 
     if given.accuracy is not None and not 0.0 < given.accuracy <= 100.0:
@@ -34,6 +36,7 @@ def do(given: argparse.Namespace) -> int:
             "--accuracy is of a plan that determines parameters; with --separate leave it out: the motion is then the one along "
             "which the two effects lie furthest apart."
         )
+    replaceable(given.out, JSON)
     basis = basis_of(given.study, say := Progress())
     return _separate(given, basis) if given.separate else _determine(given, basis, say)
 

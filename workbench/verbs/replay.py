@@ -19,9 +19,12 @@ def declare(verbs) -> None:
 
 def do(given: argparse.Namespace) -> int:
     from workbench.errors import WorkbenchError
+    from workbench.outputs import replaceable
     from workbench.robustness import worst
 
     work, cases = worst.read(given.file)
+    if given.out is not None and given.case is not None:
+        replaceable(given.out, "motion.csv")
     if given.out is not None and given.case is None:
         raise WorkbenchError("--out needs --case N: the motion of one case is written.")
     if given.case is not None and not 1 <= given.case <= len(cases):

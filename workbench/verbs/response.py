@@ -26,10 +26,11 @@ def do(given: argparse.Namespace) -> int:
     from workbench.errors import WorkbenchError, nearest
     from workbench.frequency import fit_modes, response_of, shaken
     from workbench.frequency.output import JSON, findings, write
-    from workbench.outputs import whole
+    from workbench.outputs import replaceable, whole
     from workbench.report.response import figure
     from workbench.study.running import campaign_of
 
+    replaceable(given.out, JSON)
     campaign = load(campaign_of(given.campaign))
     records = [r for r in campaign.records if given.record in (None, r.name)]
     if not records:
