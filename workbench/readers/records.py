@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from workbench.errors import WorkbenchError
+from workbench.errors import UnsoundRecord, WorkbenchError
 from workbench.finding import Finding
 from workbench.readers import load, reader
 from workbench.readers.declaration import Table
@@ -29,6 +29,7 @@ CHANNELS = {
     "temperature": "K",
     "normal": "N",
 }
+LARGEST = 1e12  # in any SI unit: far beyond every axis, and its fourth power is far below what overflows
 NAME = re.compile(r"[\w-]+")
 
 
@@ -140,7 +141,10 @@ def records(
 def _record(one: Table, folder: Path, name: str, channels: Mapping[str, Channel], resample: bool):
     path = _inside(folder, one)
     sheet, source = load(path, {n: c.column for n, c in channels.items()})
-    data = {n: c.to_si(sheet.channels[n], f"{path}: column '{c.column}'") for n, c in channels.items()}
+    with np.errstate(over="ignore"):  # what becomes infinite is said below
+        data = {n: c.to_si(sheet.channels[n], f"{path}: column '{c.column}'") for n, c in channels.items()}
+    for n, c in channels.items():
+        _held(name, n, c, data[n], sheet)
     time, data, resampled = uniform(name, data.pop("time"), data, sheet.place, resample=resample)
     time, data, counts_from = _window(one, time, data)
     findings = [f for n, c in channels.items() if (f := stated(name, c.column, sheet.units.get(n, ""), c.unit))]
@@ -161,6 +165,20 @@ def _record(one: Table, folder: Path, name: str, channels: Mapping[str, Channel]
         counts_from=counts_from,
     )
     return record, findings
+
+
+def _held(record: str, channel: str, c: Channel, values: np.ndarray, sheet) -> None:
+    """Raise UnsoundRecord where a value, in SI, is no number or larger than any axis has: squares of it would overflow."""
+    beyond = np.flatnonzero(~(np.abs(values) <= LARGEST))
+    if beyond.size and channel != "time":
+        k = int(beyond[0])
+        many = f", as are {beyond.size - 1} further samples" if beyond.size > 1 else ""
+        raise UnsoundRecord(
+            f"{sheet.place(k)}: sample {k + 1} of {channel} in record '{record}' is {sheet.channels[channel][k]:.6g} {c.unit}, "
+            f"{values[k]:.3g} {c.si}{many}: no axis has that; mend the sample, or the scale of column '{c.column}'.",
+            "glitch" if beyond.size == 1 else "scale",
+            record,
+        )
 
 
 def _window(one: Table, time: np.ndarray, data: Mapping[str, np.ndarray]):

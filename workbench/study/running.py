@@ -9,6 +9,8 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from workbench.errors import WorkbenchError
+from workbench.keeping import FOLDER as KEPT
+from workbench.keeping import keeping
 from workbench.outputs import replaceable, whole
 from workbench.study import configuration, stamp
 from workbench.study.configuration import Study
@@ -134,11 +136,21 @@ def run(name: str, out: Path | None = None, say: Callable[[str], None] = lambda 
     replaceable(place, stamp.FILE)
     if stamp.unchanged(place, digest):
         return Ran(place, False, _all_passed(place), _lines(place))
-    from workbench.study import results, standard
+    from workbench.study import standard
 
     module = steps_of(folder)
-    with own_faults(folder):
-        outcome = (module.run if module else standard.run)(study, say)
+    with keeping(folder / KEPT, digest) as keeper:
+        if keeper.known:
+            say(f"going on from {keeper.known} finished steps of a run that was stopped")
+        with own_faults(folder):
+            outcome = (module.run if module else standard.run)(study, say)
+        return written(study, outcome, place, digest, say)
+
+
+def written(study: Study, outcome, place: Path, digest: str, say: Callable[[str], None]) -> Ran:
+    """Write the outputs of a study, all or none."""
+    from workbench.study import results
+
     judged = results.checks(study, outcome)
     from workbench.report import write as write_report
     from workbench.tracing.output import write as write_trace

@@ -11,6 +11,7 @@ from workbench.identification.fit import fitted_on, identify
 from workbench.identification.passes import Passes
 from workbench.identification.result import Estimate, Fit
 from workbench.identification.solve import NoValue
+from workbench.keeping import kept
 from workbench.plant import TWO_MASS, Plant
 from workbench.threads import one_thread
 from workbench.tracing.calibration import withheld
@@ -47,6 +48,7 @@ class Confirmed:
 
 
 @one_thread
+@kept
 def trace(
     plant: Plant | Fit,
     passes: Sequence[Passes],

@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from workbench.control import Controller
+from workbench.keeping import kept
 from workbench.verification.families import Family
 from workbench.verification.ladder import Ladder, all_rungs, climbed
 from workbench.verification.regret import References, Regret, cost, raised, references, regret
@@ -62,6 +63,7 @@ class Climbed:
         return max(r.value for r in self.runs) / self.runs[0].value - 1.0
 
 
+@kept
 def climb(
     on: Ladder,
     starts: Sequence[Family],

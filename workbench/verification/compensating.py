@@ -13,6 +13,7 @@ import numpy as np
 from workbench.compensation import Compensator, compensated
 from workbench.control import Controller
 from workbench.errors import WorkbenchError
+from workbench.keeping import kept
 from workbench.plant import Plant
 from workbench.simulation import Loop, ScenarioArrays, simulate
 
@@ -64,6 +65,7 @@ def with_gains(controller: Controller, compensator: Compensator, gains: Sequence
     return replace(made, parameters={**made.parameters, GAIN: np.asarray(gains, dtype=float)})
 
 
+@kept
 def worth(
     plant: Plant, loop: Loop, controller: Controller, compensator: Compensator, slow: Slow, share: float = 0.3
 ) -> Worth:

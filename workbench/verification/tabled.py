@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from workbench.keeping import kept
 from workbench.schedule import Schedule, fit_schedule
 from workbench.schedule.fit import REVERSAL
 from workbench.tuning import TuningGoal
@@ -38,6 +39,7 @@ class Tabled:
         return regret(on, figures, self.climbed.references)
 
 
+@kept
 def tabled(
     polished: Polished,
     linear: Linear,
