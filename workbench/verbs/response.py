@@ -3,6 +3,8 @@
 import argparse
 from pathlib import Path
 
+from workbench.verbs.progress import Progress
+
 
 def declare(verbs) -> None:
     response = verbs.add_parser(
@@ -42,8 +44,10 @@ def do(given: argparse.Namespace) -> int:
         raise WorkbenchError(
             f"--channel '{given.channel}' is no position of these records; {nearest(given.channel, channels)}"
         )
-    response = response_of(shaken(records, campaign.bandwidth), channel=given.channel)
-    modes = fit_modes(response)
+    with Progress() as say:
+        say("fitting the modes")
+        response = response_of(shaken(records, campaign.bandwidth), channel=given.channel)
+        modes = fit_modes(response)
     found = findings(response, modes)
     unit = "rad/s²/(N·m)" if campaign.plant.rotary else "m/s²/N"
     with whole(given.out, JSON) as beside:
