@@ -97,3 +97,77 @@ def test_effects_and_laws_are_those_of_the_catalogue_again(tmp_path):
     found, (effects, fixed, labelled) = keeping.read(file)
     assert found and all(a.step is b.step and a == b for a, b in zip(effects, known, strict=True))
     assert fixed is law("fixed_pd") and labelled == known[0](at=known[0].places[-1], label="b")
+
+
+@pytest.fixture
+def study(tmp_path):
+    """A study of a short campaign, traced with few suspects, whose own steps are counted."""
+    import fuzz
+
+    folder = tmp_path / "studies" / "axis"
+    bench = fuzz.made(tmp_path / "bench")
+    import shutil
+
+    shutil.copytree(bench.place / "campaign", folder / "campaign")
+    (folder / "study.toml").write_text('title = "t"\ncampaign = "campaign"\n')
+    (folder / "study.py").write_text(STEPS)
+    return folder
+
+
+STEPS = """import os, signal
+from workbench.campaign import load
+from workbench.identification.fit import passes_of
+from workbench.keeping import step
+from workbench.study.outcome import Outcome
+from workbench.study.standard import trace_figures
+from workbench.tracing.tracing import trace
+
+
+def run(study, say):
+    campaign = load(study.campaign)
+    passes = passes_of(campaign.records, campaign.bandwidth)
+    say("tracing")
+    found = trace(campaign.plant, passes, most=1, only=("transport_delay",))
+    say("drawing")
+    step("draws", lambda: None)
+    say("after")
+    return Outcome(campaign.plant, campaign.title, campaign.bandwidth, found, campaign.records, figures=trace_figures(found))
+"""
+
+
+def test_a_study_that_was_killed_goes_on_and_writes_the_same_bytes(study, monkeypatch):
+    from workbench.study.running import run
+    from workbench.tracing import tracing
+
+    selected = []
+    select = tracing.select
+    monkeypatch.setattr(tracing, "select", lambda *a, **k: selected.append(1) or select(*a, **k))
+
+    def killed(what):
+        if what == "after":
+            raise Killed
+
+    with pytest.raises(Killed):
+        run(str(study), study.parent / "one", killed)
+    assert len(selected) == 1 and list((study / ".steps").rglob("*trace.step"))
+    said = []
+    run(str(study), study.parent / "one", said.append)
+    assert len(selected) == 1 and said[0] == "going on from 2 finished steps of a run that was stopped"
+    assert not (study / ".steps").exists()
+    run(str(study), study.parent / "two")
+    assert len(selected) == 2
+    names = sorted(p.relative_to(study.parent / "one") for p in (study.parent / "one").rglob("*") if p.is_file())
+    assert {p.name for p in names} >= {"report.html", "report.pdf", "results.json", "trace.json"}
+    assert [
+        n for n in names if (study.parent / "one" / n).read_bytes() != (study.parent / "two" / n).read_bytes()
+    ] == []
+
+
+def test_a_place_for_the_outputs_that_will_not_do_is_said_before_anything_is_computed(study):
+    from workbench.errors import WorkbenchError
+    from workbench.study.running import run
+
+    (study.parent / "mine").mkdir()
+    (study.parent / "mine" / "thesis.txt").write_text("years")
+    with pytest.raises(WorkbenchError, match="did not write"):
+        run(str(study), study.parent / "mine", lambda what: pytest.fail(f"it computed: {what}"))

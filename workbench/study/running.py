@@ -49,7 +49,7 @@ def steps_of(study_folder: Path):
 
 @contextmanager
 def own_faults(study_folder: Path) -> Iterator[None]:
-    """Say what a study's own code raises in a sentence with file and line; what the workbench raises within goes on."""
+    """Say what comes out of a study's own code in a sentence with file and line, and where it was raised."""
     try:
         yield
     except (WorkbenchError, OSError):
@@ -57,13 +57,14 @@ def own_faults(study_folder: Path) -> Iterator[None]:
     except SyntaxError as e:
         raise WorkbenchError(f"{e.filename}, line {e.lineno}: is no valid Python ({e.msg}); mend it there.") from e
     except (Exception, SystemExit) as e:
-        last = traceback.extract_tb(e.__traceback__)[-1]
-        if not Path(last.filename).is_relative_to(study_folder):
-            if isinstance(e, ImportError) and last.filename.startswith("<frozen importlib"):
-                raise WorkbenchError(f"{study_folder / STEPS}: {e}; mend what it imports.") from e
+        frames = traceback.extract_tb(e.__traceback__)
+        own = [f for f in frames if Path(f.filename).is_relative_to(study_folder)]
+        if not own:
             raise
-        text = f"{last.filename}, line {last.lineno}: {type(e).__name__}: {e}"
-        raise WorkbenchError(f"{text.rstrip('.')}; mend the study's own steps there.") from e
+        inner = frames[-1]
+        raised = f" (raised in {inner.filename}, line {inner.lineno})" if inner is not own[-1] else ""
+        text = f"{own[-1].filename}, line {own[-1].lineno}: {type(e).__name__}: {str(e).rstrip('.')}{raised}"
+        raise WorkbenchError(f"{text}; mend the study's own steps there.") from e
 
 
 def further_keys(study_folder: Path) -> tuple[str, ...]:
