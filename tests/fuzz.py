@@ -516,7 +516,7 @@ def main(arguments: list[str]) -> int:
             if wrong := case(bench, number):
                 failed += 1
                 print(wrong, flush=True)
-            if number % 1000 == 999:
+            if number % 100 == 99:
                 print(f"{number + 1} of {count} bad inputs: {failed} failures", flush=True)
         return 1 if failed else 0
 
