@@ -19,6 +19,7 @@ class Screen(io.StringIO):
 def clock(monkeypatch, tmp_path):
     """A clock that is set by hand, and a place for what is remembered."""
     now = [0.0]
+    monkeypatch.setattr(progress, "QUIET", 2.0)
     monkeypatch.setattr(progress.time, "monotonic", lambda: now[0])
     monkeypatch.setenv("WORKBENCH_CACHE", str(tmp_path))
     return now
