@@ -11,6 +11,7 @@ import io
 import json
 import os
 import re
+import resource
 import shutil
 import signal
 import sys
@@ -25,6 +26,7 @@ import numpy as np
 
 LONGEST = 10  # s of this process: how much else a machine does is no fault of a case
 BLOCKED = 300  # s on the clock: of a case that waits for something
+MEMORY = 6 << 30  # bytes: what asks for more is to say so, not to be killed
 OUT = "out"
 NUMBERS = ["0", "-1", "1e308", "-1e308", "1e-308", "5e-324", "1e200", "1e15", "nan", "inf", "-inf", "1" * 400, "true", "[]", "{}", '""',
            '"x"', "[1, 2]", "0x10", "1_0", "-0.0", "1979-05-27", "1e6", "0.5", "3"]  # fmt: skip
@@ -511,12 +513,13 @@ def main(arguments: list[str]) -> int:
         if arguments[:1] == ["--case"]:
             print(case(bench, int(arguments[1]), show=True) or "as it should be")
             return 0
+        resource.setrlimit(resource.RLIMIT_AS, (MEMORY, resource.getrlimit(resource.RLIMIT_AS)[1]))
         count, failed = int(arguments[0]) if arguments else 10_000, 0
         for number in range(int(arguments[1]) if arguments[1:] else 0, count):
             if wrong := case(bench, number):
                 failed += 1
                 print(wrong, flush=True)
-            if number % 100 == 99:
+            if number % 20 == 19:
                 print(f"{number + 1} of {count} bad inputs: {failed} failures", flush=True)
         return 1 if failed else 0
 

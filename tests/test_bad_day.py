@@ -154,3 +154,12 @@ def test_a_command_map_that_leaves_nothing_has_no_value_and_warns_nobody(at, mon
     problem = Problem(campaign.plant, passes_of(campaign.records, campaign.bandwidth))
     monkeypatch.setattr(Problem, "command_scale", lambda *_: float("inf"))
     assert not solved_at(problem, problem.start()).cost < float("inf")  # warnings are errors here
+
+
+def test_a_device_is_no_file_of_worst_cases_or_gains(capsys):
+    from workbench.exporting import load, load_binary
+
+    assert "a device" in refused(capsys, "replay", "/dev/zero")
+    for loader in (load, load_binary):
+        with pytest.raises(WorkbenchError, match="a device"):
+            loader("/dev/zero")

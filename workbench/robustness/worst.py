@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from workbench.errors import WorkbenchError
+from workbench.errors import WorkbenchError, regular
 from workbench.robustness.cases import Cases
 from workbench.robustness.document import number, of_work, work_of
 from workbench.robustness.work import KEPT, Block, Columns, Work
@@ -71,7 +71,7 @@ def write(work: Work, found: tuple[Case, ...], path: Path) -> None:
 def read(path: Path) -> tuple[Work, tuple[Case, ...]]:
     """Return the work and the cases of a file; WorkbenchError names it where it is missing or is none of ours."""
     try:
-        content = json.loads(path.read_text(encoding="utf-8"))
+        content = json.loads(regular(path).read_text(encoding="utf-8"))
         work = work_of(content)
         names = [v.name for v in work.varied]
         cases = tuple(
