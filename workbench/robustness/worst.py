@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from workbench.errors import WorkbenchError, regular
+from workbench.errors import WorkbenchError, nearest, regular
 from workbench.robustness.cases import Cases
 from workbench.robustness.document import number, of_work, work_of
 from workbench.robustness.work import KEPT, Block, Columns, Work
@@ -83,6 +83,11 @@ def read(path: Path) -> tuple[Work, tuple[Case, ...]]:
             )
             for c in content["cases"]
         )
+        for c in cases:
+            if c.controller not in work.controllers:
+                raise WorkbenchError(
+                    f"there is no controller '{c.controller}'; {nearest(str(c.controller), work.controllers)}"
+                )
     except OSError as error:
         raise WorkbenchError(f"{path}: cannot be read ({error.strerror}); name a file of worst cases.") from error
     except (ValueError, KeyError, TypeError) as error:
