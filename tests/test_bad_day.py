@@ -163,3 +163,22 @@ def test_a_device_is_no_file_of_worst_cases_or_gains(capsys):
     for loader in (load, load_binary):
         with pytest.raises(WorkbenchError, match="a device"):
             loader("/dev/zero")
+
+
+def test_make_clean_removes_what_the_commands_made_and_nothing_else(tmp_path):
+    """A study that somebody made is theirs; so is whatever else lies in the folder of the cache."""
+    import subprocess
+
+    root, cache = tmp_path / "checkout", tmp_path / "cache"
+    for file in ("studies/axis/.steps/d/0-trace.step", "studies/axis/study.toml", "reports/axis/report.html", "reports/README.md",
+                 ".venv/x", "workbench/__pycache__/x.pyc", "../cache/kernels/k.py", "../cache/times/t.json", "../cache/mine.txt"):  # fmt: skip
+        (root / file).parent.mkdir(parents=True, exist_ok=True)
+        (root / file).write_text("x")
+    for name in ("Makefile", "requirements.lock", "pyproject.toml"):
+        shutil.copy(Path(__file__).resolve().parent.parent / name, root / name)
+    settings = {**os.environ, "WORKBENCH_CACHE": str(cache)}
+    done = subprocess.run(["make", "clean"], cwd=root, env=settings, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    left = {p.relative_to(tmp_path).as_posix() for p in tmp_path.rglob("*") if p.is_file()}
+    assert left == {"cache/mine.txt", *(f"checkout/{n}" for n in ("Makefile", "requirements.lock", "pyproject.toml",
+                    "reports/README.md", "studies/axis/study.toml"))}  # fmt: skip
