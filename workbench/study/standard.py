@@ -77,7 +77,11 @@ def run(study: Study, say: Say) -> Outcome:
 
         shown = shown_by(campaign.plant, passes)
         early(check_plant, campaign.plant, say)
-        control_of(study.table, campaign.plant, shown)  # what is misspelt is said before anything long starts
+        asked = control_of(study.table, campaign.plant, shown)  # what is misspelt is said before anything long starts
+        if "drive" in study.table:
+            from workbench.study.driving import stated
+
+            stated(study.table, campaign.plant, asked.loop.count)
     found = trace(campaign.plant, passes, say)
     say("describing the plant over amplitude")
     equivalents = described(found.after.plant, amplitudes(study)) if study.describe else ()
