@@ -8,10 +8,11 @@ from pathlib import Path
 
 import numpy as np
 
-from workbench.errors import UnsoundRecord, WorkbenchError
+from workbench.errors import WorkbenchError
 from workbench.finding import Finding
 from workbench.readers import load, reader, stem
 from workbench.readers.declaration import Table
+from workbench.readers.plausible import HUGE, plausible
 from workbench.readers.sampling import FEWEST, uniform
 from workbench.readers.stated import stated
 from workbench.record import IDENTIFICATION, ROLES, VALIDATION, Payload, Record
@@ -30,8 +31,6 @@ CHANNELS = {
     "temperature": "K",
     "normal": "N",
 }
-LARGEST = 1e12  # in any SI unit: far beyond every axis, and its fourth power is far below what overflows
-HUGE = 1e200  # what is larger overflows in some scales, and is as far beyond LARGEST in all of them
 NAME = re.compile(r"[\w-]+")
 
 
@@ -158,13 +157,13 @@ def _record(one: Table, folder: Path, name: str, channels: Mapping[str, Channel]
     path = _inside(folder, one)
     measured = {n: c for n, c in channels.items() if not c.rate}
     sheet, source = opened(path)  # two records may be of one file
-    seen = {n: np.clip(sheet.channels[n], -HUGE, HUGE) for n in measured}  # _held says which sample is beyond
+    seen = {n: np.clip(sheet.channels[n], -HUGE, HUGE) for n in measured}  # `plausible` says which sample is beyond
     data = {n: c.to_si(seen[n], f"{path}: column '{c.column}'") for n, c in measured.items()}
     if rate := channels["time"].rate:
         data["time"] = np.arange(next(iter(data.values())).size) / rate
     time, data, first = _window(one, data.pop("time"), data)
     for n in data:
-        _held(name, n, channels[n], data[n], sheet, first)
+        plausible(name, n, channels[n], data[n], sheet, first)
     time, data, resampled = uniform(name, time, data, lambda k: sheet.place(k + first), resample=resample)
     counts_from = _counted(one, time)
     findings = [f for n, c in measured.items() if (f := stated(name, c.column, sheet.units.get(n, ""), c.unit))]
@@ -187,24 +186,6 @@ def _record(one: Table, folder: Path, name: str, channels: Mapping[str, Channel]
         payload=_payload(one, "torque" in channels),
     )
     return record, findings
-
-
-def _held(record: str, channel: str, c: Channel, values: np.ndarray, sheet, first: int) -> None:
-    """Raise UnsoundRecord where a value, in SI, is no number or larger than any axis has: squares of it would overflow.
-
-    first: number of the first of these samples in the file.
-    """
-    beyond = np.flatnonzero(~(np.abs(values) <= LARGEST))
-    if beyond.size:
-        k = int(beyond[0])
-        many = f", as are {beyond.size - 1} further samples" if beyond.size > 1 else ""
-        raise UnsoundRecord(
-            f"{sheet.place(k + first)}: sample {k + 1} of {channel} in record '{record}' is "
-            f"{sheet.channels[channel][k + first]:.6g} {c.unit}, "
-            f"{values[k]:.3g} {c.si}{many}: no axis has that; mend the sample, or the scale of column '{c.column}'.",
-            "glitch" if beyond.size == 1 else "scale",
-            record,
-        )
 
 
 def _window(one: Table, time: np.ndarray, data: Mapping[str, np.ndarray]):
