@@ -9,6 +9,9 @@ from pathlib import Path
 
 import pytest
 
+from workbench.verbs import progress
+
+progress.QUIET = 1e9  # s: on a busy machine a line of progress would stand in what tests compare
 if "PYTEST_XDIST_WORKER" in os.environ:  # the cores are shared already
     os.environ.setdefault("WORKBENCH_PROCESSES", "1")
 

@@ -1,7 +1,8 @@
 """The command line: `workbench VERB`. Each verb is a module of `verbs/`.
 
-Exit codes: 0 done; 1 done, but a requirement of the study is not met; 2 something that the user can mend, said in one
-sentence; 3 measured data is not on this machine; 70 an internal error, which is a failure of the workbench.
+Exit codes: 0 done; 1 done, but a requirement of the study is not met, or `check` found something; 2 something that the user
+can mend, said in one sentence; 3 measured data is not on this machine; 70 an internal error, which is a failure of the
+workbench; 130, 143 stopped by Ctrl-C or by SIGTERM.
 """
 
 import argparse
@@ -9,7 +10,8 @@ import sys
 from collections.abc import Sequence
 
 from workbench import __version__
-from workbench.errors import INTERNAL_ERROR, USER_ERROR, WorkbenchError
+from workbench.errors import INTERNAL_ERROR, USER_ERROR, WorkbenchError, mishap
+from workbench.interruption import STOPPED, Stopped, stoppable
 from workbench.verbs import check, diff, effects, new, plan, replay, response, run, trace, verify
 
 VERBS = {
@@ -46,18 +48,32 @@ def main(arguments: Sequence[str] | None = None) -> int:
         top.print_help()
         return USER_ERROR
     try:
-        return VERBS[given.verb].do(given)
+        with stoppable():
+            return VERBS[given.verb].do(given)
     except WorkbenchError as error:
-        print(f"workbench: {error}", file=sys.stderr)
-        return USER_ERROR
+        return said(str(error), USER_ERROR)
     except BrokenPipeError:
         return 0
+    except Stopped as stopped:
+        print(STOPPED, file=sys.stderr)
+        return stopped.code
     except KeyboardInterrupt:
-        print("workbench: stopped; outputs that were there are as they were.", file=sys.stderr)
+        print(STOPPED, file=sys.stderr)
         return 130
+    except OSError as error:  # a disk that is full, a folder that may not be written, a file that has gone
+        return said(
+            f"{mishap(error)}; mend that and run it again. Outputs that were there are as they were.", USER_ERROR
+        )
+    except MemoryError:
+        return said("the memory of this machine does not suffice; give shorter records or fewer cases.", USER_ERROR)
     except Exception:
         import traceback
 
         traceback.print_exc()
-        print("workbench: this is an internal error, a failure of the workbench; please report it.", file=sys.stderr)
-        return INTERNAL_ERROR
+        return said("this is an internal error, a failure of the workbench; please report it.", INTERNAL_ERROR)
+
+
+def said(sentence: str, code: int) -> int:
+    """Print why a command ends, and return its exit code."""
+    print(f"workbench: {sentence}", file=sys.stderr)
+    return code

@@ -10,7 +10,7 @@ import importlib
 import pkgutil
 import re
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields, replace
 from functools import cache, cached_property
 from types import MappingProxyType, SimpleNamespace
 
@@ -108,6 +108,14 @@ class Effect:
                         f"effect '{self.name}': {what} parameter '{name}' is not declared; {nearest(name, self.parameters)}"
                     )
 
+    def __reduce__(self):
+        """An effect of the catalogue goes by its name, so that it has the catalogue's own step wherever it is unpickled."""
+        held = {f.name: getattr(self, f.name) for f in fields(self)}
+        known = catalogue().get(self.name)
+        if known is None or known.step is not self.step:
+            return _anew, ("", held)
+        return _anew, (self.name, {n: v for n, v in held.items() if v is not getattr(known, n)})
+
     @cached_property
     def key(self) -> str:
         """Name, with its label, and place: unique in a plant."""
@@ -178,6 +186,11 @@ class Effect:
                 )
             parameters[name] = replace(p.at(inside[name], where=f"{where}: {self.name}.{name}"), fixed=hold)
         return replace(self, parameters=parameters)
+
+
+def _anew(name: str, changed: Mapping[str, object]) -> Effect:
+    """Return an effect that was pickled: the catalogue's with these fields, or one of all of them."""
+    return replace(catalogue()[name], **changed) if name else Effect(**changed)
 
 
 def simpler(effect: Effect, intervals: Mapping[str, tuple[float, float]], counts: float) -> str | None:

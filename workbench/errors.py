@@ -1,7 +1,9 @@
 """Errors that a user can mend: one sentence that says what is wrong, where, and what would mend it."""
 
 import difflib
+import os
 from collections.abc import Iterable
+from pathlib import Path
 
 USER_ERROR = 2
 INTERNAL_ERROR = 70  # EX_SOFTWARE of sysexits.h: our failure, not the user's
@@ -17,6 +19,20 @@ class UnsoundRecord(WorkbenchError):
     def __init__(self, sentence: str, kind: str, record: str):
         super().__init__(sentence)
         self.kind, self.record = kind, record
+
+
+def mishap(error: BaseException) -> str:
+    """Return what the system says of a failure, with the file where it names one: "No space left on device (out/a.csv)"."""
+    said = getattr(error, "strerror", None) or str(error).rstrip(".") or type(error).__name__
+    file = getattr(error, "filename", None)
+    return f"{said} ({os.fsdecode(file) if isinstance(file, bytes) else file})" if file is not None else said
+
+
+def regular(path: Path) -> Path:
+    """Return `path`; WorkbenchError where it is there and no file: a device may never end."""
+    if path.exists() and not path.is_file():
+        raise WorkbenchError(f"{path} is a folder or a device; name a file.")
+    return path
 
 
 def nearest(name: str, names: Iterable[str], most: int = 3) -> str:

@@ -101,22 +101,26 @@ def _queue(items: int) -> int:
 @contextmanager
 def _undisturbed() -> Iterator[None]:
     """Let an interrupt wait until all forks are known: one that nobody knows of would not be ended."""
-    before = signal.getsignal(signal.SIGINT)
-    if threading.current_thread() is not threading.main_thread() or before is None:
+    if threading.current_thread() is not threading.main_thread():
         yield
         return
+    numbers = (signal.SIGINT, signal.SIGTERM)
+    before = {n: h for n in numbers if callable(h := signal.getsignal(n))}  # else it ends this process and its forks
     came: list[int] = []
-    signal.signal(signal.SIGINT, lambda number, _: came.append(number))
+    for number in before:
+        signal.signal(number, lambda number, _: came.append(number))
     try:
         yield
     finally:
-        signal.signal(signal.SIGINT, before)
+        for number, handler in before.items():
+            signal.signal(number, handler)
     if came:
-        signal.raise_signal(signal.SIGINT)
+        signal.raise_signal(came[0])
 
 
 def _work(function: Callable, items: Sequence, queue: int, end) -> None:
     """What a fork does: send (k, True, result) of each item that it takes, or (k, False, what was raised) and no more."""
+    signal.signal(signal.SIGTERM, signal.SIG_DFL)  # at once, whatever it is in
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # whoever interrupts means the process that waits, which ends this one
     k = -1
     try:

@@ -6,6 +6,7 @@ from pathlib import Path
 
 from workbench.campaign import load
 from workbench.checking import alignment, channels, clocks, excitation, modes, sampling, scale, sign
+from workbench.checking.glitches import impossible
 from workbench.checking.seen import Seen
 from workbench.errors import UnsoundRecord
 from workbench.finding import Finding
@@ -13,7 +14,7 @@ from workbench.threads import one_thread
 
 # What reading itself finds, and which findings leave the records fit for use.
 CARRIED = ("start time", "unit", "assumed scale")
-HARMLESS = ("unit", "assumed scale", "sampling rate", "encoder resolution")
+HARMLESS = ("glitch", "unit", "assumed scale", "sampling rate", "encoder resolution")
 # (check, whether the records it speaks of are left out of the next): a late drive is put right instead
 STAGES = (
     (scale.encoders, True),
@@ -42,7 +43,8 @@ def check(folder: Path) -> tuple[Finding, ...]:
     if short := list(sampling.lengths(seen)):
         return gathered((*found, *short), names)  # nothing can be computed of such records
     found += [*channels.resampled(seen), *sampling.rates(seen), *sampling.strokes(seen)]
-    found += faults(seen)
+    glitches, seen = impossible(seen)
+    found += [*glitches, *faults(seen)]
     if all(f.kind in HARMLESS for f in found):
         found += [*excitation.missing(seen), *modes.undeclared(seen)]
     return gathered(found, names)

@@ -12,6 +12,7 @@ from workbench.identification.problem import Problem
 from workbench.identification.solve import Solution, solved_at
 
 BLOCK = 0.05  # s
+SMOOTH = 3  # terms of a parabola
 QUIET = 0.1  # share of the blocks that are taken for noise alone
 
 
@@ -34,7 +35,19 @@ def missing(seen: Seen) -> Iterator[Finding]:
 
 
 def noise(problem: Problem, solution: Solution) -> float:
-    """Return rms of the residual where it is quietest: elsewhere it is what the model lacks, and no want of excitation."""
-    squares = solution.residual**2
-    blocks = [float(np.sqrt(np.mean(squares[b]))) for b in problem.blocks(BLOCK)]
-    return float(np.quantile(blocks, QUIET))
+    """Return rms of the residual about a parabola of each BLOCK, where that is quietest.
+
+    What a model lacks is smooth over so short a time (a weight, a spring, a wave of the travel), or is where the motion turns.
+    """
+    rows = max(p.rows(problem.plant) for p in problem.passes)  # balances of one sample stand one after another
+    parts = [[rough(solution.residual[b][k::rows]) for k in range(rows)] for b in problem.blocks(BLOCK)]
+    return float(np.quantile(np.sqrt(np.mean(np.square(parts), axis=1)), QUIET))
+
+
+def rough(x: np.ndarray) -> float:
+    """Return rms of x (n,) about its parabola, for the degrees of freedom that are left."""
+    if x.size <= SMOOTH:
+        return float(np.sqrt(np.mean(x**2)))
+    t = np.linspace(-1.0, 1.0, x.size)
+    basis = np.linalg.qr(np.vander(t, SMOOTH))[0]
+    return float(np.sqrt(np.sum((x - basis @ (basis.T @ x)) ** 2) / (x.size - SMOOTH)))

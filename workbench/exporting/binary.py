@@ -29,7 +29,7 @@ from pathlib import Path
 
 import numpy as np
 
-from workbench.errors import WorkbenchError
+from workbench.errors import WorkbenchError, regular
 from workbench.exporting.document import FORMAT_VERSION, RULES
 from workbench.exporting.tables import DRIVE_ROWS, ROWS, Tables
 
@@ -80,7 +80,7 @@ def load_binary(path: str | PathLike) -> dict:
     single flipped bit of the file is found.
     """
     try:
-        data = Path(path).read_bytes()
+        data = regular(Path(path)).read_bytes()
     except OSError as error:
         raise WorkbenchError(f"{path} cannot be read ({error.strerror}); name a gain table, gains.bin.") from error
 

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from workbench import __version__
-from workbench.errors import WorkbenchError
+from workbench.errors import WorkbenchError, regular
 from workbench.exporting.changes import digest
 from workbench.exporting.tables import Tables, tables
 
@@ -78,7 +78,7 @@ def load(path: str | PathLike) -> dict:
     """
     again = "export the table again"
     try:
-        contents = json.loads(Path(path).read_bytes(), parse_constant=refuse)
+        contents = json.loads(regular(Path(path)).read_bytes(), parse_constant=refuse)
     except OSError as error:
         raise WorkbenchError(f"{path} cannot be read ({error.strerror}); name a gain table, gains.json.") from error
     except (ValueError, RecursionError) as error:

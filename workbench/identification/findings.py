@@ -119,15 +119,25 @@ def excitation(
             elif not linear and turns == 0:
                 why, evidence = "shows where the motion reverses, and no record reverses", {"reversals": turns}
         if why:
-            remedy = next(
-                (text for signal, text in REMEDY.items() if signal in e.reads), "record a motion that shows it"
-            )
+            remedy = remedy_of(e, turns, ways, called)
             said.append(
                 Finding(
                     "excitation missing", f"{n.key}.{n.parameter}", f"{e.named}: {p.meaning} {why}.", evidence, remedy
                 )
             )
     return said
+
+
+def remedy_of(effect: Effect, turns: int, ways: int, called: str) -> str:
+    """Say what would show an effect: no motion of a kind that the records have already."""
+    signal = next((s for s in REMEDY if s in effect.reads), "")
+    if signal in ("dir", "dq") and turns > 0 and ways == 2:
+        return (
+            "let the trace say what else is in the drive"
+            if called == "residual"
+            else "leave it out, or log the drive with less noise"
+        )
+    return REMEDY.get(signal, "record a motion that shows it")
 
 
 def remembers(effect: Effect) -> bool:

@@ -150,7 +150,8 @@ class Problem:
                     phi[part, index] = stacked(column, keep, p.counts)
             row += length
         factor = self.command_scale(plant)
-        return (y, phi) if factor == 1.0 else (y * factor, phi * factor)
+        with np.errstate(invalid="ignore"):  # a map that leaves no command: 0 times inf is no number, and its cost none
+            return (y, phi) if factor == 1.0 else (y * factor, phi * factor)
 
     def command_scale(self, plant: Plant) -> float:
         """Return rms of the command over rms of what command maps make of it, both filtered and about each record's mean; 1

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from workbench.control import Controller
+from workbench.keeping import kept
 from workbench.limit_cycle.axis import axis_of
 from workbench.limit_cycle.balance import balance
 from workbench.limit_cycle.describing import Dials, command, dials, turned
@@ -92,6 +93,7 @@ class Region:
 
 
 @one_thread
+@kept
 def region(
     plant: Plant, loop: Loop, controller: Controller, first: np.ndarray, second: np.ndarray, largest: float, duration: float,
     *, inertia: float = 1.0, friction: float = 1.0,

@@ -38,6 +38,7 @@ READERS: tuple[Reader, ...] = (
     csv.Csv(), mat.Mat(), mdf.Mdf(), tdms.Tdms(), hdf5.Hdf5(), parquet.Parquet(), excel.Excel(), json.Json(), npy.Npy(),
     mcap.Mcap(), wpilog.Wpilog(),
 )  # fmt: skip
+LARGEST = 1e30  # in any unit that is written: counts of nanoseconds since 1970 are below 1e19; its fourth power does not overflow
 SUFFIXES = tuple(s for r in READERS for s in r.suffixes)
 
 
@@ -84,6 +85,15 @@ class Survey:
     units: Mapping[str, str]
     refused: Mapping[str, str]
     notes: tuple[str, ...] = ()
+
+    def __post_init__(self):
+        beyond = [n for n, v in self.columns.items() if not np.max(np.abs(v), initial=0.0) <= LARGEST]
+        why = {
+            n: f"{self.path}: column '{n}' reaches {np.max(np.abs(self.columns[n])):.3g}, which nothing measures"
+            for n in beyond
+        }
+        object.__setattr__(self, "columns", {n: v for n, v in self.columns.items() if n not in why})
+        object.__setattr__(self, "refused", {**self.refused, **why})
 
 
 def survey(path: Path, names: Sequence[str] = ()) -> Survey:

@@ -5,7 +5,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from math import inf, isfinite
 from pathlib import Path
 
-from workbench.errors import WorkbenchError, nearest
+from workbench.errors import WorkbenchError, nearest, regular
 from workbench.units import to_si
 
 KINDS = {bool: "true or false", int: "a number", float: "a number", str: "a text", dict: "a table", list: "a list"}
@@ -108,7 +108,7 @@ class Table:
 def read(path: Path, required: Sequence[str], optional: Sequence[str]) -> Table:
     """Return the top table of a TOML file; WorkbenchError with file and line where it is missing or is no TOML."""
     try:
-        content = path.read_bytes()
+        content = regular(path).read_bytes()
     except (OSError, ValueError) as e:
         reason = getattr(e, "strerror", None) or e
         raise WorkbenchError(f"{path}: cannot be read ({reason}); the folder needs a readable {path.name}.") from e

@@ -12,6 +12,7 @@ from workbench.errors import WorkbenchError
 from workbench.finding import Finding
 from workbench.readers import load, reader, stem
 from workbench.readers.declaration import Table
+from workbench.readers.plausible import HUGE, plausible
 from workbench.readers.sampling import FEWEST, uniform
 from workbench.readers.stated import stated
 from workbench.record import IDENTIFICATION, ROLES, VALIDATION, Payload, Record
@@ -156,10 +157,13 @@ def _record(one: Table, folder: Path, name: str, channels: Mapping[str, Channel]
     path = _inside(folder, one)
     measured = {n: c for n, c in channels.items() if not c.rate}
     sheet, source = opened(path)  # two records may be of one file
-    data = {n: c.to_si(sheet.channels[n], f"{path}: column '{c.column}'") for n, c in measured.items()}
+    seen = {n: np.clip(sheet.channels[n], -HUGE, HUGE) for n in measured}  # `plausible` says which sample is beyond
+    data = {n: c.to_si(seen[n], f"{path}: column '{c.column}'") for n, c in measured.items()}
     if rate := channels["time"].rate:
         data["time"] = np.arange(next(iter(data.values())).size) / rate
     time, data, first = _window(one, data.pop("time"), data)
+    for n in data:
+        plausible(name, n, channels[n], data[n], sheet, first)
     time, data, resampled = uniform(name, time, data, lambda k: sheet.place(k + first), resample=resample)
     counts_from = _counted(one, time)
     findings = [f for n, c in measured.items() if (f := stated(name, c.column, sheet.units.get(n, ""), c.unit))]

@@ -34,7 +34,12 @@ def _opened(content: bytes, path: Path, use):
     """Return what `use` makes of the open file; WorkbenchError for whatever broken bytes lead to."""
     file_type = library("nptdms", "tdms", path).TdmsFile
     try:
-        with quiet("nptdms.reader"), warnings.catch_warnings(), file_type.open(io.BytesIO(content)) as file:
+        with (
+            quiet("nptdms.reader"),
+            quiet("nptdms.tdms_segment"),
+            warnings.catch_warnings(),
+            file_type.open(io.BytesIO(content)) as file,
+        ):
             warnings.simplefilter("ignore")  # of segments that break off: lengths are compared below
             return use(file)
     except WorkbenchError:

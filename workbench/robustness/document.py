@@ -23,6 +23,8 @@ from workbench.simulation import Criteria, Loop
 from workbench.verification.task import Task
 
 FORMAT = 1
+LARGEST = 1e15  # of any number of a task: what is larger overflows within a run, and no axis has it
+MOST = 1e8  # integration steps of one case: half a minute; a study's have less than a hundredth of it
 PARTS = ("effects", "still", "inertial", "guides")  # of a compensator
 NUMBERS = ("source", "gain", "delay", "low_pass", "mass", "bandwidth", "ratio", "pole_pairs")
 
@@ -123,11 +125,43 @@ def of_work(work: Work) -> dict:
     }
 
 
+def numbers_in(given: Mapping, where: str, texts: tuple[str, ...] = (), empty: tuple[str, ...] = ()) -> None:
+    """Raise WorkbenchError where a value of a table is no number. texts: keys of texts; empty: keys that may hold null."""
+    for key, value in given.items():
+        sound = isinstance(value, (int, float)) and not isinstance(value, bool) and abs(value) <= LARGEST
+        if not (sound or key in texts or (key in empty and value is None)):
+            raise WorkbenchError(
+                f"{where}{key} is {value!r:.40}, and a number is needed; take the file that the study wrote."
+            )
+
+
+def checked(given: Mapping) -> None:
+    """Raise WorkbenchError where a number of a document's task is none, or its run would not end."""
+    numbers_in({n: given[n] for n in ("step", "duration", "noise")}, "")
+    numbers_in(given["loop"], "loop.", ("feedback",))
+    numbers_in(given["criteria"], "criteria.")
+    for name, one in given["controllers"].items():
+        base = one.get("base", one)
+        numbers_in(
+            {n: base.get(n) for n in ("reversal", "velocity_filter")},
+            f"controllers.{name}.",
+            empty=("reversal", "velocity_filter"),
+        )
+    samples = given["duration"] / given["loop"]["sample_time"] * given["loop"].get("substeps", 1)
+    if not samples <= MOST:
+        raise WorkbenchError(
+            f"duration is {given['duration']:g} s, {samples:.3g} integration steps; at most {MOST:g} are run again."
+        )
+
+
 def work_of(given: Mapping) -> Work:
     """Return the work of a document; WorkbenchError for another format, or where something is missing from it."""
     try:
+        if not isinstance(given, Mapping):
+            raise TypeError("no table")
         if given["format"] != FORMAT:
             raise WorkbenchError(f"the document has format {given['format']}; this workbench reads {FORMAT}.")
+        checked(given)
         task = Task(
             plant=plant_of(given["plant"]),
             loop=Loop(**given["loop"]),
@@ -138,7 +172,7 @@ def work_of(given: Mapping) -> Work:
         )
         varied = tuple(Varied(**{**v, "distribution": Distribution(**v["distribution"])}) for v in given["varied"])
         return Work(task, {n: controller_of(c) for n, c in given["controllers"].items()}, varied)
-    except (KeyError, TypeError, AttributeError) as error:
+    except (KeyError, TypeError, AttributeError, ArithmeticError, RecursionError) as error:
         raise WorkbenchError(
             f"this is not a document of worst cases that the workbench wrote ({type(error).__name__}: {error})."
         ) from error

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from workbench.errors import WorkbenchError
+from workbench.errors import WorkbenchError, nearest, regular
 from workbench.robustness.cases import Cases
 from workbench.robustness.document import number, of_work, work_of
 from workbench.robustness.work import KEPT, Block, Columns, Work
@@ -71,7 +71,7 @@ def write(work: Work, found: tuple[Case, ...], path: Path) -> None:
 def read(path: Path) -> tuple[Work, tuple[Case, ...]]:
     """Return the work and the cases of a file; WorkbenchError names it where it is missing or is none of ours."""
     try:
-        content = json.loads(path.read_text(encoding="utf-8"))
+        content = json.loads(regular(path).read_text(encoding="utf-8"))
         work = work_of(content)
         names = [v.name for v in work.varied]
         cases = tuple(
@@ -83,6 +83,11 @@ def read(path: Path) -> tuple[Work, tuple[Case, ...]]:
             )
             for c in content["cases"]
         )
+        for c in cases:
+            if c.controller not in work.controllers:
+                raise WorkbenchError(
+                    f"there is no controller '{c.controller}'; {nearest(str(c.controller), work.controllers)}"
+                )
     except OSError as error:
         raise WorkbenchError(f"{path}: cannot be read ({error.strerror}); name a file of worst cases.") from error
     except (ValueError, KeyError, TypeError) as error:

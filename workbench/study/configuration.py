@@ -106,10 +106,18 @@ class Study:
         return file
 
 
+def there(path: Path) -> bool:
+    """Whether a path is a file that can be looked at: none has a name of 300 characters."""
+    try:
+        return path.is_file()
+    except OSError:
+        return False
+
+
 def find(name: str) -> Path:
     """Return the folder of a study given as a path or as a name under studies/."""
     for folder in (Path(name), Path("studies") / name):
-        if (folder / FILE).is_file():
+        if there(folder / FILE):
             return Path(os.path.abspath(folder))
     known = sorted(p.parent.name for p in Path("studies").glob(f"*/{FILE}"))
     raise WorkbenchError(

@@ -249,6 +249,12 @@ def shown_by(plant: Plant, passes: Sequence[Passes]) -> Shown:
     return Shown(loop_of(record), *move_of(plant, record), speed, record.name)
 
 
+TWO_MASSES = (
+    "gains over amplitude are those of one mass with one encoder, and this plant is two masses; `workbench trace` closes the "
+    "loop of a cascade around it."
+)
+
+
 def check_plant(plant: Plant) -> None:
     """Raise WorkbenchError, with what would mend it, where no gains can be tuned for a plant as it is declared."""
     if not isfinite(plant.limits.drive):
@@ -257,10 +263,7 @@ def check_plant(plant: Plant) -> None:
             "state actuator_limit there."
         )
     if plant.kind == TWO_MASS:
-        raise WorkbenchError(
-            "gains over amplitude are those of one mass with one encoder, and this plant is two masses; `workbench trace` "
-            "closes the loop of a cascade around it."
-        )
+        raise WorkbenchError(TWO_MASSES)
 
 
 def with_control(outcome: Outcome, study: Study, shown: Shown, say: Callable[[str], None]) -> Outcome:

@@ -2,12 +2,16 @@
 
 import importlib.util
 import sys
-from collections.abc import Callable
+import traceback
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 from workbench.errors import WorkbenchError
-from workbench.outputs import whole
+from workbench.keeping import FOLDER as KEPT
+from workbench.keeping import keeping
+from workbench.outputs import replaceable, whole
 from workbench.study import configuration, stamp
 from workbench.study.configuration import Study
 
@@ -25,7 +29,10 @@ class Ran:
 
 
 def steps_of(study_folder: Path):
-    """Return the study's own module (study.py), or None. It is a package: other modules beside it are `from . import ...`."""
+    """Return the study's own module (study.py), or None. It is a package: other modules beside it are `from . import ...`.
+
+    WorkbenchError, with file and line, where it cannot be imported or has no `run`.
+    """
     path = study_folder / STEPS
     if not path.is_file():
         return None
@@ -33,20 +40,59 @@ def steps_of(study_folder: Path):
     spec = importlib.util.spec_from_file_location(name, path, submodule_search_locations=[str(study_folder)])
     module = importlib.util.module_from_spec(spec)
     sys.modules[name] = module
-    spec.loader.exec_module(module)
+    with own_faults(study_folder):
+        spec.loader.exec_module(module)
+    if not callable(getattr(module, "run", None)):
+        raise WorkbenchError(f"{path}: has no function run(study, say); add it, it returns the study's Outcome.")
     return module
 
 
+@contextmanager
+def own_faults(study_folder: Path) -> Iterator[None]:
+    """Say what comes out of a study's own code in a sentence with file and line, and where it was raised."""
+    try:
+        yield
+    except (WorkbenchError, OSError):
+        raise
+    except SyntaxError as e:
+        raise WorkbenchError(f"{e.filename}, line {e.lineno}: is no valid Python ({e.msg}); mend it there.") from e
+    except (Exception, SystemExit) as e:
+        frames = traceback.extract_tb(e.__traceback__)
+        own = [f for f in frames if Path(f.filename).is_relative_to(study_folder)]
+        if not own:
+            raise
+        inner = frames[-1]
+        raised = f" (raised in {inner.filename}, line {inner.lineno})" if inner is not own[-1] else ""
+        text = f"{own[-1].filename}, line {own[-1].lineno}: {type(e).__name__}: {str(e).rstrip('.')}{raised}"
+        raise WorkbenchError(f"{text}; mend the study's own steps there.") from e
+
+
 def further_keys(study_folder: Path) -> tuple[str, ...]:
-    """Tables of study.toml that the study's own steps read: FURTHER = (...) in its study.py, read without running it."""
+    """Tables of study.toml that the study's own steps read: FURTHER = (...) in its study.py, read without running it.
+
+    WorkbenchError where it is no Python, or FURTHER no tuple of names.
+    """
     import ast
 
     path = study_folder / STEPS
     if not path.is_file():
         return ()
-    for node in ast.parse(path.read_text(encoding="utf-8")).body:
+    try:
+        tree = ast.parse(path.read_bytes(), str(path))
+    except (SyntaxError, ValueError, RecursionError, MemoryError) as e:
+        line = f", line {e.lineno}" if getattr(e, "lineno", None) else ""
+        raise WorkbenchError(f"{path}{line}: is no valid Python ({getattr(e, 'msg', e)}); mend it there.") from e
+    for node in tree.body:
         if isinstance(node, ast.Assign) and any(getattr(t, "id", "") == "FURTHER" for t in node.targets):
-            return tuple(ast.literal_eval(node.value))
+            try:
+                names = ast.literal_eval(node.value)
+            except (ValueError, TypeError, SyntaxError, RecursionError, MemoryError):
+                names = None
+            if not isinstance(names, (tuple, list)) or not all(isinstance(n, str) for n in names):
+                raise WorkbenchError(
+                    f'{path}, line {node.lineno}: FURTHER must be a tuple of names of tables in quotes, such as ("rig",).'
+                )
+            return tuple(names)
     return ()
 
 
@@ -57,9 +103,9 @@ def campaign_of(name: str) -> Path:
     """
     from workbench.campaign import FILE
 
-    if (Path(name) / FILE).is_file():
+    if configuration.there(Path(name) / FILE):
         return Path(name)
-    if Path(name).is_file():
+    if configuration.there(Path(name)):
         raise WorkbenchError(f"'{name}' is a file; name the folder that holds {FILE} and its records.")
     try:
         folder = configuration.find(name)
@@ -88,12 +134,24 @@ def run(name: str, out: Path | None = None, say: Callable[[str], None] = lambda 
     study = replace(configuration.load(folder, further_keys(folder)), scheduler=scheduler)
     place = out or folder.parent.parent / "reports" / study.name
     digest = stamp.inputs(folder, input_files(study))
+    replaceable(place, stamp.FILE)
     if stamp.unchanged(place, digest):
         return Ran(place, False, _all_passed(place), _lines(place))
-    from workbench.study import results, standard
+    from workbench.study import standard
 
     module = steps_of(folder)
-    outcome = (module.run if module else standard.run)(study, say)
+    with keeping(folder / KEPT, digest) as keeper:
+        if keeper.known:
+            say(f"going on from {keeper.known} finished steps of a run that was stopped")
+        with own_faults(folder):
+            outcome = (module.run if module else standard.run)(study, say)
+        return written(study, outcome, place, digest, say)
+
+
+def written(study: Study, outcome, place: Path, digest: str, say: Callable[[str], None]) -> Ran:
+    """Write the outputs of a study, all or none."""
+    from workbench.study import results
+
     judged = results.checks(study, outcome)
     from workbench.report import write as write_report
     from workbench.study.reporting import headline, list_again, report_of

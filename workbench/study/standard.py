@@ -53,6 +53,14 @@ def amplitudes(study: Study) -> np.ndarray:
     return np.geomspace(lowest, highest, count)
 
 
+def early(check: Callable[[Plant], None], plant: Plant, say: Say) -> None:
+    """Say at the start what a run will not come to; it is a finding of the outcome, too."""
+    try:
+        check(plant)
+    except WorkbenchError as e:
+        getattr(say, "plainly", say)(f"No gains will be tuned: {e}")
+
+
 def run(study: Study, say: Say) -> Outcome:
     """Read the campaign, trace its residual, and describe the extended plant over amplitude."""
     if study.campaign is None:
@@ -64,10 +72,11 @@ def run(study: Study, say: Say) -> Outcome:
     passes = passes_of(campaign.records, campaign.bandwidth)
     shown = None
     if "task" in study.table:
-        from workbench.study.control import shown_by, with_control
+        from workbench.study.control import check_plant, shown_by, with_control
         from workbench.study.controlling import control_of
 
         shown = shown_by(campaign.plant, passes)
+        early(check_plant, campaign.plant, say)
         asked = control_of(study.table, campaign.plant, shown)  # what is misspelt is said before anything long starts
         if "drive" in study.table:
             from workbench.study.driving import stated

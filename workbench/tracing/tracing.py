@@ -10,6 +10,7 @@ from workbench.identification.fit import fitted_on, identify
 from workbench.identification.passes import Passes
 from workbench.identification.result import Fit
 from workbench.identification.solve import NoValue
+from workbench.keeping import kept
 from workbench.plant import TWO_MASS, Plant
 from workbench.threads import one_thread
 from workbench.tracing.candidates import Offer, within_tolerance
@@ -33,6 +34,7 @@ from workbench.tracing.whole import in_turn
 
 
 @one_thread
+@kept
 def trace(
     plant: Plant | Fit,
     passes: Sequence[Passes],

@@ -3,6 +3,7 @@
 import argparse
 
 from workbench.verbs import NOT_MET
+from workbench.verbs.progress import Progress
 
 
 def declare(verbs) -> None:
@@ -20,7 +21,9 @@ def do(given: argparse.Namespace) -> int:
     from workbench.study.running import campaign_of
 
     folder = campaign_of(given.study)
-    found = check(folder)
+    with Progress() as say:
+        say("looking at the records")
+        found = check(folder)
     for finding in found:
         print(f"{finding.kind}: {finding.sentence}\n    {finding.remedy}")
     things = "Nothing was found" if not found else f"{len(found)} finding{'s' if len(found) > 1 else ''}"

@@ -3,6 +3,8 @@
 import argparse
 from pathlib import Path
 
+from workbench.verbs.progress import Progress
+
 
 def declare(verbs) -> None:
     diff = verbs.add_parser(
@@ -21,16 +23,20 @@ def do(given: argparse.Namespace) -> int:
     from workbench.difference import check_models, compare, doubts
     from workbench.difference.output import JSON, write
     from workbench.identification.fit import passes_of
-    from workbench.outputs import whole
+    from workbench.outputs import replaceable, whole
     from workbench.plant import freed
     from workbench.study.running import campaign_of
 
-    before, after = (load(campaign_of(name)) for name in (given.before, given.after))
-    check_models(before, after)
-    bandwidth = min(before.bandwidth, after.bandwidth)
-    passes = [passes_of(c.records, bandwidth) for c in (before, after)]
-    found = compare(freed(before.plant), *passes)
-    doubtful = doubts(before, after, *passes)
+    if given.out:
+        replaceable(given.out, JSON)
+    with Progress() as say:
+        say("fitting both campaigns")
+        before, after = (load(campaign_of(name)) for name in (given.before, given.after))
+        check_models(before, after)
+        bandwidth = min(before.bandwidth, after.bandwidth)
+        passes = [passes_of(c.records, bandwidth) for c in (before, after)]
+        found = compare(freed(before.plant), *passes)
+        doubtful = doubts(before, after, *passes)
     if given.out:
         with whole(given.out, JSON) as beside:
             write(beside, before.title, after.title, found, doubtful)

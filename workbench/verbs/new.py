@@ -6,6 +6,7 @@ from pathlib import Path
 
 from workbench.errors import WorkbenchError, nearest
 
+TWO = "Two encoders are two masses: no gains are tuned for them; `workbench trace` closes the loop of a cascade around them."
 CHANNELS = ("time", "drive", "position", "reference", "load_position")
 
 
@@ -43,7 +44,12 @@ def do(given: argparse.Namespace) -> int:
     print(f"\nWritten: {made.folder}/study.toml and {made.folder}/campaign/campaign.toml")
     if made.edit:
         print(f"To be edited in campaign.toml, from the data sheet: {', '.join(made.edit)}")
-    print("With actuator_limit stated in campaign.toml, gains are tuned too, for a loop as the records show it.")
+    two = any(line.startswith("load_position:") for line in made.lines)
+    print(
+        TWO
+        if two
+        else "With actuator_limit stated in campaign.toml, gains are tuned too, for a loop as the records show it."
+    )
     name = shlex.quote(given.name)
     print(f"Next: workbench check {name}, then workbench run {name}")
     return 0

@@ -25,6 +25,8 @@ def declare(verbs) -> None:
 
 def do(given: argparse.Namespace) -> int:
     from workbench.errors import WorkbenchError
+    from workbench.outputs import replaceable
+    from workbench.planning.output import JSON
     from workbench.study.planning import basis_of
 
     if given.accuracy is not None and not 0.0 < given.accuracy <= 100.0:
@@ -34,8 +36,10 @@ def do(given: argparse.Namespace) -> int:
             "--accuracy is of a plan that determines parameters; with --separate leave it out: the motion is then the one along "
             "which the two effects lie furthest apart."
         )
-    basis = basis_of(given.study, say := Progress())
-    return _separate(given, basis) if given.separate else _determine(given, basis, say)
+    replaceable(given.out, JSON)
+    with Progress("plan", given.study) as say:
+        basis = basis_of(given.study, say)
+        return _separate(given, basis, say) if given.separate else _determine(given, basis, say)
 
 
 def _determine(given: argparse.Namespace, basis, say) -> int:
@@ -53,6 +57,7 @@ def _determine(given: argparse.Namespace, basis, say) -> int:
         write_plan(beside, plan, found, accuracy, basis.sample_time)
         drawn = figure(heading, plan.trajectory.time, plan.position, plan.drive, basis.envelope, plan.plant.rotary)
         (beside / FIGURE).write_bytes(drawn)
+    say.clear()
     start = plan.trajectory.position[0]
     print(
         f"Record {plan.trajectory.phrase}: {plan.trajectory.time[-1]:.0f} s, from rest at {start:.4g} {plan.plant.displacement}."
@@ -72,7 +77,7 @@ def _determine(given: argparse.Namespace, basis, say) -> int:
     return 0
 
 
-def _separate(given: argparse.Namespace, basis) -> int:
+def _separate(given: argparse.Namespace, basis, say) -> int:
     from workbench.errors import WorkbenchError
     from workbench.outputs import whole
     from workbench.planning import sensing_of, separate
@@ -95,6 +100,7 @@ def _separate(given: argparse.Namespace, basis) -> int:
             m = passes.motion
             drawn = figure(found.sentence, m.t, m.record.channels["position"], m.u, basis.envelope, plant.rotary)
             (beside / FIGURE).write_bytes(drawn)
+    say.clear()
     print(found.sentence)
     print(f"\n{given.out / (TRAJECTORY if found.apart else JSON)}")
     return 0

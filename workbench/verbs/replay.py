@@ -4,6 +4,7 @@ import argparse
 from pathlib import Path
 
 from workbench.verbs import NOT_MET
+from workbench.verbs.progress import Progress
 
 
 def declare(verbs) -> None:
@@ -19,26 +20,32 @@ def declare(verbs) -> None:
 
 def do(given: argparse.Namespace) -> int:
     from workbench.errors import WorkbenchError
+    from workbench.outputs import replaceable
     from workbench.robustness import worst
 
     work, cases = worst.read(given.file)
+    if given.out is not None and given.case is not None:
+        replaceable(given.out, "motion.csv")
     if given.out is not None and given.case is None:
         raise WorkbenchError("--out needs --case N: the motion of one case is written.")
     if given.case is not None and not 1 <= given.case <= len(cases):
         raise WorkbenchError(f"{given.file} holds the cases 1 to {len(cases)}; there is no {given.case}.")
     same = True
-    for number, case in enumerate(cases, 1):
-        if given.case not in (None, number):
-            continue
-        again = worst.replay(work, case)
-        same &= again.same
-        words = "to the same bits" if again.same else f"DIFFERENT: it was {case.metrics['final_error']:.6g}"
-        print(
-            f"{number}  {case.controller}, draw {case.number}: final error {again.metrics['final_error']:.6g}, {words}"
-        )
-        if given.out is not None:
-            write(work, again, given.out)
-            print(f"\n{given.out / 'motion.csv'}\n{given.out / 'motion.svg'}")
+    with Progress() as say:
+        for number, case in enumerate(cases, 1):
+            if given.case not in (None, number):
+                continue
+            say(f"case {number} of {len(cases)}")
+            again = worst.replay(work, case)
+            say.clear()
+            same &= again.same
+            words = "to the same bits" if again.same else f"DIFFERENT: it was {case.metrics['final_error']:.6g}"
+            print(
+                f"{number}  {case.controller}, draw {case.number}: final error {again.metrics['final_error']:.6g}, {words}"
+            )
+            if given.out is not None:
+                write(work, again, given.out)
+                print(f"\n{given.out / 'motion.csv'}\n{given.out / 'motion.svg'}")
     return 0 if same else NOT_MET
 
 

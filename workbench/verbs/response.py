@@ -3,6 +3,8 @@
 import argparse
 from pathlib import Path
 
+from workbench.verbs.progress import Progress
+
 
 def declare(verbs) -> None:
     response = verbs.add_parser(
@@ -26,10 +28,11 @@ def do(given: argparse.Namespace) -> int:
     from workbench.errors import WorkbenchError, nearest
     from workbench.frequency import fit_modes, response_of, shaken
     from workbench.frequency.output import JSON, findings, write
-    from workbench.outputs import whole
+    from workbench.outputs import replaceable, whole
     from workbench.report.response import figure
     from workbench.study.running import campaign_of
 
+    replaceable(given.out, JSON)
     campaign = load(campaign_of(given.campaign))
     records = [r for r in campaign.records if given.record in (None, r.name)]
     if not records:
@@ -41,8 +44,10 @@ def do(given: argparse.Namespace) -> int:
         raise WorkbenchError(
             f"--channel '{given.channel}' is no position of these records; {nearest(given.channel, channels)}"
         )
-    response = response_of(shaken(records, campaign.bandwidth), channel=given.channel)
-    modes = fit_modes(response)
+    with Progress() as say:
+        say("fitting the modes")
+        response = response_of(shaken(records, campaign.bandwidth), channel=given.channel)
+        modes = fit_modes(response)
     found = findings(response, modes)
     unit = "rad/s²/(N·m)" if campaign.plant.rotary else "m/s²/N"
     with whole(given.out, JSON) as beside:

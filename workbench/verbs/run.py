@@ -27,7 +27,8 @@ def do(given: argparse.Namespace) -> int:
     from workbench.study.running import run
 
     try:
-        ran = run(given.study, given.out, Progress(), given.scheduler)
+        with Progress("run", given.study) as say:
+            ran = run(given.study, given.out, say, given.scheduler)
     except MissingData as missing:
         print(f"workbench: {missing}", file=sys.stderr)
         return 0 if given.if_data else NO_DATA

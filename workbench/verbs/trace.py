@@ -26,7 +26,8 @@ def do(given: argparse.Namespace) -> int:
     from workbench.study.traced import run
 
     campaign = load(campaign_of(given.campaign), resample=given.resample)
-    found = run(campaign, given.out, Progress(), closing=not given.no_close)
+    with Progress("trace", given.campaign) as say:
+        found = run(campaign, given.out, say, closing=not given.no_close)
     print(found.sentence)
     for finding in (*campaign.findings, *found.findings):
         print(f"- {finding.sentence}")

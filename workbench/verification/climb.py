@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from workbench.keeping import kept
 from workbench.verification.families import Family, OfFamily
 from workbench.verification.ladder import Ladder, all_rungs, climbed
 from workbench.verification.regret import References, Regret, cost, raised, references, regret
@@ -52,6 +53,7 @@ class Climbed:
         return max(r.value for r in self.runs) / self.runs[0].value
 
 
+@kept
 def climb(
     on: Ladder,
     starts: Sequence[Family],

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from workbench.finding import Finding
+from workbench.keeping import kept
 from workbench.simulation import Metrics
 from workbench.verification.task import Task
 
@@ -45,6 +46,7 @@ class Comparison:
         return next(r for r in self.rows if r.controller == controller and r.load_inertia == load_inertia)
 
 
+@kept
 def compare(task: Task, controllers: Mapping[str, object]) -> Comparison:
     """Run every controller (name -> maker(lanes) of a Controller) under every load of the task."""
     rows = []

@@ -14,6 +14,7 @@ from workbench.compensation import Compensator, compensated
 from workbench.control import Controller
 from workbench.definition import ANGLE
 from workbench.errors import WorkbenchError
+from workbench.keeping import kept
 from workbench.plant import Plant
 from workbench.simulation import Loop, ScenarioArrays, simulate
 
@@ -76,6 +77,7 @@ def undoable(loop: Loop, controller: Controller, compensator: Compensator) -> No
             )
 
 
+@kept
 def worth(
     plant: Plant, loop: Loop, controller: Controller, compensator: Compensator, slow: Slow, share: float = 0.3
 ) -> Worth:

@@ -11,6 +11,7 @@ import numpy as np
 
 from workbench.control import Controller
 from workbench.finding import Finding
+from workbench.keeping import kept
 from workbench.plant import Plant
 from workbench.simulation import Metrics
 from workbench.verification.compare import LEVEL, PHASES, micro, ms, side, words
@@ -107,6 +108,7 @@ def contest(
     return Contest(task, standings, task.bound(loads[0]), task.bound(loads[-1]))
 
 
+@kept
 def entered(task: Task, training: Task, family: Family, seeds: Sequence[int] = SEEDS, name: str = "") -> Standing:
     """Tune a family from every seed on the scenarios of `training`, and judge it on `task`. name: the family's where empty."""
     tuned = optimise_seeds(training, family, seeds)
@@ -118,6 +120,7 @@ def entered(task: Task, training: Task, family: Family, seeds: Sequence[int] = S
     return Standing(name or family.name, values, makers, tuned)
 
 
+@kept
 def judged(task: Task, makers: Sequence[Maker]) -> dict[str, np.ndarray]:
     """Return figure -> (runs,) of controllers; see Standing."""
     rows = [

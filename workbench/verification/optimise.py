@@ -9,6 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from workbench.keeping import kept
 from workbench.simulation import Metrics
 from workbench.verification.families import Family, OfFamily
 from workbench.verification.task import Task, cost
@@ -92,6 +93,7 @@ def optimise_seeds(task: Task, family: Family, seeds: Sequence[int] = SEEDS) -> 
     return Seeded(tuple(optimise(task, family, seed) for seed in seeds))
 
 
+@kept
 def optimise(task: Task, family: Family, seed: int = 1) -> Tuned:
     """Return the point of the family with the least worst-case cost over the task's scenarios."""
     from scipy.optimize import differential_evolution, minimize

@@ -17,6 +17,7 @@ import numpy as np
 
 from workbench.control import fixed_pd
 from workbench.description import Equivalent
+from workbench.keeping import kept
 from workbench.plant import Plant
 from workbench.simulation import ScenarioArrays, simulate
 from workbench.tuning import Gains, TuningGoal, sampled
@@ -86,6 +87,7 @@ class Polished:
         )
 
 
+@kept
 def polish(
     plant: Plant,
     equivalent: Equivalent,

@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from workbench.control import fixed_pd
+from workbench.keeping import kept
 from workbench.plant import Plant
 from workbench.simulation import ScenarioArrays, simulate
 from workbench.verification.polish import LASTS, REST, Polished, Stepped
@@ -30,6 +31,7 @@ class Promise:
         return float(np.max(np.abs(self.simulated - self.promised)))
 
 
+@kept
 def promise(plant: Plant, polished: Polished, task: Task) -> Promise:
     """Run the gains that were optimised for the nominal plant on `plant`, through the encoder wherever half a count, by which
     a reading may be off, is less than what the overshoot leaves of the band: else counts alone take the response out of it."""

@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from workbench.keeping import kept
 from workbench.schedule import Schedule, fit_schedule
 from workbench.schedule.fit import REVERSAL
 from workbench.tuning import TuningGoal
@@ -39,6 +40,7 @@ class Tabled:
         return regret_of(self.climbed.on, self.climbed.best, self.climbed.references, task)
 
 
+@kept
 def tabled(
     polished: Polished,
     linear: Linear,
