@@ -11,13 +11,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from workbench.finding import capital, located
+from workbench.finding import Finding, capital, located
 from workbench.identification import intervals
 from workbench.identification.fit import fitted_on
 from workbench.identification.passes import Passes
 from workbench.identification.problem import Name, Problem
 from workbench.identification.result import Estimate
 from workbench.identification.solve import Solution, solve
+from workbench.notebook import page
 from workbench.plant import Plant
 from workbench.threads import one_thread
 
@@ -47,16 +48,37 @@ class Change:
 
 @dataclass(frozen=True, eq=False)
 class Difference:
-    """changes: every free parameter that both sets of records determine. together: chance of the whole vector's difference."""
+    """changes: every free parameter that both sets of records determine. together: chance of the whole vector's difference.
+
+    undetermined: "effect@at.parameter" that one of the sets does not determine. findings: where the records are not alike.
+    """
 
     changes: tuple[Change, ...]
     undetermined: tuple[str, ...]
     together: float
     sentence: str
+    findings: tuple[Finding, ...] = ()
 
     @property
     def moved(self) -> tuple[Change, ...]:
         return tuple(c for c in self.changes if c.moved)
+
+    def _repr_html_(self) -> str:
+        """What moved, as a table of all parameters and a drawing of each difference over its interval's half width."""
+        rows = (
+            (f"{c.effect}@{c.at}", c.parameter, c.before, c.after, c.half, "moved" if c.moved else "", c.unit)
+            for c in self.changes
+        )
+        head = ("effect", "parameter", "before", "after", "±", "", "unit")
+        return page(self.sentence, head, rows, self._draw if self.changes else None)
+
+    def _draw(self, axes) -> None:
+        (one,) = axes
+        size = [(c.after - c.before) / c.half for c in self.changes]
+        one.barh(range(len(size)), size, color=["tab:red" if c.moved else "0.6" for c in self.changes])
+        one.axvspan(-1.0, 1.0, alpha=0.15)
+        one.set_yticks(range(len(size)), [f"{c.effect}.{c.parameter}" for c in self.changes])
+        one.set_xlabel("difference over the half width of its interval")
 
 
 @dataclass(frozen=True, eq=False)

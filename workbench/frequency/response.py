@@ -7,11 +7,13 @@ repeat, the estimate leans towards minus the inverse of the controller where the
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
 from workbench.errors import WorkbenchError
 from workbench.frequency.spectra import densities
+from workbench.notebook import page
 from workbench.record import Record
 
 AVERAGES = (
@@ -66,6 +68,37 @@ class Response:
         import control
 
         return control.FrequencyResponseData(self.receptance, self.omega)
+
+    @cached_property
+    def modes(self):
+        """The modes of this response, fitted (frequency.fit_modes)."""
+        from workbench.frequency.modes import fit_modes
+
+        return fit_modes(self)
+
+    def _repr_html_(self) -> str:
+        """The modes as a table, and gain and coherence as a drawing."""
+        sentence = (
+            f"Frequency response of record '{self.record}', {self.frequency[0]:.3g} to {self.frequency[-1]:.3g} Hz."
+        )
+        try:
+            found = self.modes.modes
+        except WorkbenchError as too_little:
+            found, sentence = (), f"{sentence} No modes: {too_little}"
+        rows = [(m.frequency, m.frequency_half, m.damping, m.damping_half) for m in found]
+        head = ("mode, Hz", "±", "damping ratio", "±")
+        return page(sentence, head, rows, lambda axes: self._draw(axes, bool(found)), graphs=2)
+
+    def _draw(self, axes, modes: bool) -> None:
+        above, below = axes
+        above.loglog(self.frequency, np.abs(self.value), ".", ms=2, label="measured")
+        if modes:
+            above.loglog(self.frequency, np.abs(self.modes.at(self.frequency)), lw=0.9, label="modes")
+        above.set_ylabel("acceleration over drive, SI")
+        above.legend()
+        below.semilogx(self.frequency, self.coherence, ".", ms=2)
+        below.set_ylabel("coherence")
+        below.set_xlabel("frequency, Hz")
 
     def where(self, keep: np.ndarray) -> "Response":
         """Return the response at some of its lines; keep (n,): which."""

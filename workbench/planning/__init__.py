@@ -1,9 +1,9 @@
 """Which motion to record next: trajectories that determine the declared parameters, or part two effects."""
 
-from workbench.planning.design import Plan, design
 from workbench.planning.envelope import Envelope, Sensing, envelope_of, load_rest, sensing_of
 from workbench.planning.prospect import Prospect, prospects
-from workbench.planning.separate import Separation, separate
+from workbench.planning.selection import Plan, design
+from workbench.planning.separation import Separation, separate
 
 __all__ = [
     "Envelope", "Plan", "Prospect", "Sensing", "Separation", "design", "envelope_of", "load_rest", "prospects", "sensing_of", "separate",

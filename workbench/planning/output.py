@@ -7,9 +7,9 @@ from pathlib import Path
 import numpy as np
 
 from workbench.identification.passes import Passes
-from workbench.planning.design import Plan
 from workbench.planning.prospect import Prospect
-from workbench.planning.separate import Separation
+from workbench.planning.selection import Plan
+from workbench.planning.separation import Separation
 
 TRAJECTORY, FIGURE = "trajectory.csv", "trajectory.svg"
 JSON = "plan.json"

@@ -9,8 +9,8 @@ import numpy as np
 from workbench.finding import capital, located
 from workbench.identification.intervals import known_together
 from workbench.identification.result import Estimate
-from workbench.planning.design import Plan
 from workbench.planning.information import names_of
+from workbench.planning.selection import Plan
 
 LEAST = 0.01  # share of a value below which nothing is promised: there the model's own picture of the axis ends
 

@@ -4,7 +4,7 @@ from workbench.robustness.cases import Cases, Varied, even, grid, independent
 from workbench.robustness.distribution import Distribution, fixed, log_uniform, normal, uniform
 from workbench.robustness.influence import Influence, influences
 from workbench.robustness.perspective import Perspectives, Share, perspectives, share_beyond
-from workbench.robustness.work import Block, Work, blocks, joined, work
+from workbench.robustness.workload import Block, Work, blocks, joined, work
 
 __all__ = [
     "Block",

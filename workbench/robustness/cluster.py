@@ -18,7 +18,7 @@ import numpy as np
 
 from workbench.errors import WorkbenchError
 from workbench.robustness.document import of_work, work_of
-from workbench.robustness.work import Block, Columns, Work, probe
+from workbench.robustness.workload import Block, Columns, Work, probe
 
 CONNECT = 10.0  # s, to reach the scheduler
 PATIENCE = 30.0  # s without any worker, after which it is given up

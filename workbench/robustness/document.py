@@ -12,13 +12,13 @@ import numpy as np
 
 from workbench import __version__
 from workbench.compensation import Compensated, Compensator, compensated
-from workbench.control import Controller, Table, law
+from workbench.control import Controller, Table, law_named
 from workbench.definition import Effect, catalogue, find
 from workbench.errors import WorkbenchError
 from workbench.plant import Geometry, Limits, Plant
 from workbench.robustness.cases import Varied
 from workbench.robustness.distribution import Distribution
-from workbench.robustness.work import Work
+from workbench.robustness.workload import Work
 from workbench.simulation import Criteria, Loop
 from workbench.verification.task import Task
 
@@ -76,7 +76,7 @@ def of_controller(controller: Controller) -> dict:
     if isinstance(controller, Compensated):
         return {"base": of_controller(controller.base), "compensation": of_compensator(controller.compensator)}
     tables = controller.tables
-    if law(controller.law.name) is not controller.law:
+    if law_named(controller.law.name) is not controller.law:
         raise WorkbenchError(
             f"controller '{controller.name}' has a law of its own, which no other machine knows by name."
         )
@@ -97,7 +97,7 @@ def controller_of(given: Mapping) -> Controller:
     columns = {n: np.array(c) for n, c in given["columns"].items()}
     return Controller(
         given["name"],
-        law(given["law"]),
+        law_named(given["law"]),
         {n: float(v) for n, v in given["parameters"].items()},
         (Table(np.array(given["knots"]), columns),) if given["knots"] else (),
         None,
