@@ -10,7 +10,7 @@ from collections.abc import Sequence
 
 from workbench import __version__
 from workbench.errors import INTERNAL_ERROR, USER_ERROR, WorkbenchError
-from workbench.verbs import check, diff, effects, new, plan, replay, response, run, trace, verify
+from workbench.verbs import check, completion, diff, effects, new, plan, replay, response, run, trace, verify
 
 VERBS = {
     "new": new,
@@ -23,6 +23,7 @@ VERBS = {
     "replay": replay,
     "verify": verify,
     "effects": effects,
+    "completion": completion,
 }
 
 

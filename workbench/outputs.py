@@ -13,7 +13,9 @@ MARK = ".partial-"
 
 
 def is_running(pid: str) -> bool:
-    """Whether a process of this number runs on this machine."""
+    """Whether a process of this number runs on this machine; where that cannot be asked, it counts as running."""
+    if os.name == "nt":  # there is no signal 0: to send it would end the process
+        return True
     try:
         os.kill(int(pid), 0)
     except (ProcessLookupError, ValueError):
