@@ -93,7 +93,7 @@ class Side:
     freedom: float
 
 
-def side(plant: Plant, passes: Sequence[Passes], theta: np.ndarray | None = None) -> tuple[Side, Solution]:
+def _side(plant: Plant, passes: Sequence[Passes], theta: np.ndarray | None = None) -> tuple[Side, Solution]:
     """Return one side. theta: where the search of the shape parameters starts."""
     problem = Problem(plant, fitted_on(passes))
     solution = solve(problem, theta)
@@ -108,41 +108,41 @@ def side(plant: Plant, passes: Sequence[Passes], theta: np.ndarray | None = None
 @one_thread
 def compare(plant: Plant, before: Sequence[Passes], after: Sequence[Passes]) -> Difference:
     """Return what moved of a plant's free parameters between the identification records of two campaigns."""
-    first, solution = side(plant, before)
-    second, _ = side(plant, after, solution.theta)
-    both = [k for k, e in first.estimates.items() if known(e) and known(second.estimates[k])]
+    first, solution = _side(plant, before)
+    second, _ = _side(plant, after, solution.theta)
+    both = [k for k, e in first.estimates.items() if _known(e) and _known(second.estimates[k])]
     lost = tuple(
         f"{e.effect}@{e.at}.{e.parameter}" for k, e in first.estimates.items() if not e.fixed and k not in both
     )
     pairs = [(first.estimates[k], second.estimates[k]) for k in both]
-    raw = [chance_of(a, b, first.freedom, second.freedom) for a, b in pairs]
+    raw = [_chance_of(a, b, first.freedom, second.freedom) for a, b in pairs]
     changes = tuple(_change(a, b, p, first, second, len(pairs)) for (a, b), p in zip(pairs, holm(raw), strict=True))
-    together = jointly(first, second)
-    return Difference(changes, lost, together, sentence_of(changes, together))
+    together = _jointly(first, second)
+    return Difference(changes, lost, together, _sentence_of(changes, together))
 
 
-def known(e: Estimate) -> bool:
+def _known(e: Estimate) -> bool:
     """Whether the records determine a parameter at all."""
     return not e.fixed and e.high > e.low
 
 
-def deviation(e: Estimate) -> float:
+def _deviation(e: Estimate) -> float:
     """Standard deviation of an estimate whose interval is one deviation wide to each side."""
     return 0.5 * (e.high - e.low)
 
 
-def freedom_of(a: Estimate, b: Estimate, first: float, second: float) -> float:
+def _freedom_of(a: Estimate, b: Estimate, first: float, second: float) -> float:
     """Return Satterthwaite's degrees of freedom of a difference."""
-    va, vb = deviation(a) ** 2, deviation(b) ** 2
+    va, vb = _deviation(a) ** 2, _deviation(b) ** 2
     return (va + vb) ** 2 / (va**2 / first + vb**2 / second)
 
 
-def chance_of(a: Estimate, b: Estimate, first: float, second: float) -> float:
+def _chance_of(a: Estimate, b: Estimate, first: float, second: float) -> float:
     """Return the chance of a difference as large as this where nothing changed."""
     from scipy.special import stdtr
 
-    apart = abs(b.value - a.value) / np.hypot(deviation(a), deviation(b))
-    return float(2.0 * stdtr(freedom_of(a, b, first, second), -apart))
+    apart = abs(b.value - a.value) / np.hypot(_deviation(a), _deviation(b))
+    return float(2.0 * stdtr(_freedom_of(a, b, first, second), -apart))
 
 
 def holm(chances: Sequence[float]) -> list[float]:
@@ -153,7 +153,7 @@ def holm(chances: Sequence[float]) -> list[float]:
     return [float(min(p, 1.0)) for p in corrected]
 
 
-def jointly(first: Side, second: Side) -> float:
+def _jointly(first: Side, second: Side) -> float:
     """Return the chance of the whole vector's difference: d' (A + B)^-1 d, as Hotelling's T^2, smaller freedom counting."""
     from scipy.special import fdtrc
 
@@ -175,8 +175,8 @@ def jointly(first: Side, second: Side) -> float:
 def _change(a: Estimate, b: Estimate, chance: float, first: Side, second: Side, count: int) -> Change:
     from scipy.special import stdtrit
 
-    t = stdtrit(freedom_of(a, b, first.freedom, second.freedom), 1.0 - CHANCE / (2 * count))
-    half = float(t * np.hypot(deviation(a), deviation(b)))
+    t = stdtrit(_freedom_of(a, b, first.freedom, second.freedom), 1.0 - CHANCE / (2 * count))
+    half = float(t * np.hypot(_deviation(a), _deviation(b)))
     apart, size = b.value - a.value, max(abs(a.value), abs(b.value))
     moved = chance < CHANCE and abs(apart) > MATTERS * size
     what = f"{capital(located(a.effect, a.at))}, {a.meaning}"
@@ -192,7 +192,7 @@ def _change(a: Estimate, b: Estimate, chance: float, first: Side, second: Side, 
     return Change(a.effect, a.at, a.parameter, a.unit, a.value, b.value, half, chance, moved, text)
 
 
-def sentence_of(changes: Sequence[Change], together: float) -> str:
+def _sentence_of(changes: Sequence[Change], together: float) -> str:
     """Return what a difference comes to."""
     moved = [c for c in changes if c.moved]
     if moved:

@@ -56,11 +56,11 @@ def campaign_of(
     if isinstance(model, Campaign) and records == model.records and bandwidth == model.bandwidth:
         return model
     for record in records:
-        insist_sound(record, plant)
+        _insist_sound(record, plant)
     return Campaign(Path("."), "made", plant, records, float(bandwidth))
 
 
-def insist_sound(record: Record, plant: Plant) -> None:
+def _insist_sound(record: Record, plant: Plant) -> None:
     """Raise WorkbenchError unless a record has the plant's channels, finite, of one length, at one rate."""
     needed = (DRIVES[plant.rotary], "position", *(("load_position",) if plant.kind == TWO_MASS else ()))
     for name in needed:
