@@ -446,6 +446,11 @@ def test_an_effect_at_a_neutral_value_is_a_simpler_one(name, intervals, left):
     assert simpler(find(name), intervals, COUNT) == left
 
 
+def test_a_composite_of_which_every_part_is_gone_is_none_at_all():
+    gone = {"ratio": (0.0, 0.0), "x0": (0.0, COUNT)}
+    assert simpler(find("lugre_friction"), gone, COUNT) == ""
+
+
 def test_at_its_neutral_value_a_composite_is_what_it_reduces_to():
     """Not by word alone: along a motion the two forces are the same."""
     dq = np.diff(5e-3 * np.sin(np.linspace(0.0, 30.0, 4000)), prepend=0.0)

@@ -43,11 +43,18 @@ CASES = {
     "beyond it the value is wrong": (
         evidence(weighed("inertia", kind=CORRECTION, changed=0.15, tolerance=0.01)), CAUSE, (CAUSE,),
     ),
+    "a value hardly beyond its tolerance is one, as what is beyond takes nothing of practical size": (
+        evidence(weighed("inertia", (0.0214, 0.0165), (0.03, 0.029), CORRECTION, changed=0.0119, tolerance=0.01)), UNKNOWN,
+        (REFINEMENT,),
+    ),
     "less than half a per cent of the drive is a refinement": (
         evidence(weighed(), weighed("lugre_friction", (0.010, 0.0095), (0.010, 0.0095))), CAUSE, (CAUSE, REFINEMENT),
     ),
     "what makes validation worse is not borne out": (
         evidence(weighed(), weighed("creep", (0.03, 0.01), (0.01, 0.012))), CAUSE, (CAUSE, NOT_BORNE_OUT),
+    ),
+    "what takes most of the identification records is no noise, though validation does not bear it out": (
+        evidence(weighed(id_=(0.074, 0.042), val=(0.15, 0.78)), before=0.0), UNKNOWN, (NOT_BORNE_OUT,),
     ),
     "one place that says more than the effects": (
         evidence(weighed(), before=0.05, after=0.04, place_instead=True), UNKNOWN, (DRESSING,),
@@ -126,7 +133,12 @@ def test_a_free_form_is_found_in_the_plant_by_its_own_name_and_named_by_its_clas
 
 def test_a_refinement_is_not_said_to_be_missing():
     from workbench.tracing.result import Cause
-    from workbench.tracing.verdict import refinement
+    from workbench.tracing.wording import refinement
 
     found = refinement(Cause("fading_memory", "axis", "Fading memory is missing.", (), 0.004, 0.002, size=0.003))
     assert "missing" not in found.sentence and "0.3 %" in found.sentence
+
+
+def test_the_cause_that_takes_most_comes_first():
+    small, large = weighed("cogging", (0.05, 0.04), (0.05, 0.04)), weighed("backlash", (0.04, 0.005), (0.04, 0.005))
+    assert decide(evidence(small, large), STANDARD).ranked == ("backlash", "cogging")

@@ -15,8 +15,8 @@ from workbench.tracing.candidates import ADDITION, CORRECTION
 from workbench.tracing.output import as_dict
 from workbench.tracing.result import Cause, Trace
 from workbench.tracing.tracing import trace
-from workbench.tracing.verdict import what_of
 from workbench.tracing.whole import valued
+from workbench.tracing.wording import what_of
 
 
 def folders() -> list[Path]:

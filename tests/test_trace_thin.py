@@ -61,3 +61,34 @@ def test_a_model_that_is_right_on_the_record_is_right_on_the_thinned_one():
     fit = identify(plant, thin(passes_of([made], BAND)))
     assert fit.identification < 1e-4
     assert [e.value for e in fit.estimates] == pytest.approx([0.02, 0.3], rel=1e-4)
+
+
+def dwelling() -> tuple[Plant, list]:
+    """Moves of 0.5 s with as long a rest between, in which the drive ramps within what stiction holds."""
+    t = np.arange(8000) / 1000.0
+    moving = (t // 0.5) % 2 == 0
+    w = 2 * np.pi * 2.0
+    v = np.where(moving, (0.1 + np.sin(w * t) ** 2) * np.where(t // 1.0 % 2 == 0, 1.0, -1.0), 0.0)
+    q = np.cumsum(v) / 1000.0
+    friction = np.where(np.abs(v) > 0.0, np.sign(v), 0.0)
+    ramp = np.where(moving, 0.0, 0.8 - 3.2 * (t % 0.5))
+    drive = 0.3 * v + 0.5 * friction + 0.5 * ramp
+    position = np.round(q / 1e-5) * 1e-5
+    made = Record("made", IDENTIFICATION, t, {"torque": drive, "position": position}, {}, SOURCE, {"position": 1e-5})
+    plant = Plant(ONE_MASS) + find("viscous_friction") + find("coulomb_friction")
+    return plant, passes_of([made], BAND)
+
+
+def test_what_stiction_holds_at_rest_does_not_bend_the_friction_that_is_fitted():
+    plant, passes = dwelling()
+    told = {e.parameter: e.value for e in identify(plant, thin(passes, plant)).estimates}
+    bent = {e.parameter: e.value for e in identify(plant, thin(passes)).estimates}
+    for name, value in {"coulomb": 0.5, "viscous": 0.3}.items():  # the moments beside a rest still count
+        assert abs(told[name] - value) < 0.4 * abs(bent[name] - value)
+
+
+def test_rest_counts_where_friction_has_a_memory_or_is_none():
+    plant, passes = dwelling()
+    assert thin(passes, plant)[0].counts is not None
+    for other in (plant.without("coulomb_friction@axis"), plant + find("presliding_hysteresis")):
+        assert thin(passes, other)[0].counts is None

@@ -184,14 +184,18 @@ def simpler(effect: Effect, intervals: Mapping[str, tuple[float, float]], counts
     """Return the name of the simpler effect that this one is, "" where it is none at all, None where it is itself.
 
     intervals: inside parameter -> (low, high), SI; a parameter without one stands at its value. counts: the encoder's step, SI.
-    A parameter is neutral where its interval holds the neutral value or, of TWO_COUNTS, reaches down to two counts.
+    A parameter is neutral where its interval holds the neutral value or, of TWO_COUNTS, reaches down to two counts. A composite
+    of which every part is gone is none at all.
     """
+    found = []
     for name, (neutral, left) in effect.reduces.items():
         value = effect.parameters[name].value
         low, high = intervals.get(name, (value, value))
         if low <= 2.0 * counts if neutral == TWO_COUNTS else low <= neutral <= high:
-            return left
-    return None
+            found.append(left)
+    if not found:
+        return None
+    return "" if len(effect.parts) > 1 and len(found) == len(effect.parts) else found[0]
 
 
 def namespace(**values) -> SimpleNamespace:

@@ -1,8 +1,10 @@
 """Dry friction that depends on something beside the motion: on the load, and on time."""
 
 from workbench.definition import FORCE, Effect, effect
-from workbench.effects.elementary import absolute
+from workbench.effects.elementary import absolute, expm1
 from workbench.parameter import Parameter
+
+SLOWEST = 1e-5  # 1/s: over an hour 2 % from a steady change
 
 
 @effect
@@ -39,23 +41,30 @@ def load_dependent_friction() -> Effect:
 
 @effect
 def friction_drift() -> Effect:
-    """T = r t dir: Coulomb friction that changes steadily, t on the bench clock that runs on from record to record.
+    """T = r (1 - exp(-e t))/e dir: Coulomb friction that goes over to another level, t on the bench clock that runs on from
+    record to record.
 
-    A first-order picture over one campaign: it holds neither before nor after it, and says nothing of what drifts.
+    r is its rate at t = 0, r/e what it comes to in the end; e -> 0 is a steady change. A bearing's or a gear's temperature settles
+    as exp(-e t), and friction follows it.
     """
 
     def step(s, z, p):
-        return {}, p.rate * s.t * s.dir
+        return {}, -p.rate * expm1(-p.settling * s.t) / p.settling * s.dir
 
     return Effect(
         name="friction_drift",
         cause="friction that drifts while the axis is measured: it warms up, or its grease is spread",
-        formula="T = r t dir",
+        formula="T = r (1 - exp(-e t))/e dir",
         source="Simoni, Beschi, Legnani, Visioli 2015 (friction and temperature)",
         port=FORCE,
         family="friction over time",
         reduces={"rate": (0.0, "")},
-        parameters={"rate": Parameter(0.0, "F/s", "change of Coulomb friction per time")},
+        parameters={
+            "rate": Parameter(0.0, "F/s", "change of Coulomb friction per time at first"),
+            "settling": Parameter(
+                1e-3, "1/s", "rate at which the change settles", lower=SLOWEST, upper=10.0, scale="settling"
+            ),
+        },
         linear=("rate",),
         reads=("t", "dir"),
         step=step,

@@ -36,10 +36,18 @@ class Passes:
 
     fine: passes over the same motion at a higher rate, by which operators of its increments are run: where friction turns,
     the moment counts, and a coarse sample has it wrong by half a step. coarse: takes their outputs (k, fine n) to (k, n).
+    counts: (2, n) of bool, where the drive's and the load's balance count in a fit; everywhere where None.
     """
 
-    def __init__(self, motion: Motion, fine: "Passes | None" = None, coarse: Callable | None = None):
+    def __init__(
+        self,
+        motion: Motion,
+        fine: "Passes | None" = None,
+        coarse: Callable | None = None,
+        counts: np.ndarray | None = None,
+    ):
         self.motion = motion
+        self.counts = counts
         self.fine, self.coarse = fine, coarse
         self._kept: OrderedDict[tuple, np.ndarray] = OrderedDict()
         self.bodies = Bodies(motion, self._keep)

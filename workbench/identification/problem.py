@@ -17,7 +17,7 @@ from workbench.identification.passes import Passes
 from workbench.parameter import Parameter
 from workbench.plant import Plant, reads_load
 
-LOGARITHMIC = ("speed", "stroke", "rate")
+LOGARITHMIC = ("speed", "stroke", "rate", "settling")
 STEP = 1e-4  # relative step of the directional derivative of a pass
 
 
@@ -42,8 +42,13 @@ def from_search(p: Parameter, value: float) -> float:
     return float(np.clip(exp(value) if p.scale in LOGARITHMIC else value, p.lower, p.upper))
 
 
-def stacked(balances: np.ndarray, keep: slice) -> np.ndarray:
-    """Return (rows, n) as one vector of the samples kept, the balances of a sample side by side."""
+def stacked(balances: np.ndarray, keep: slice, counts: np.ndarray | None = None) -> np.ndarray:
+    """Return (rows, n) as one vector of the samples kept, the balances of a sample side by side.
+
+    counts: (rows or more, n) of bool, where a sample's balance counts; all where absent. Elsewhere it is zero.
+    """
+    if counts is not None:
+        balances = np.where(counts[: len(balances)], balances, 0.0)
     if len(balances) == 1:
         return balances[0, keep]
     rows = len(balances)
@@ -134,15 +139,15 @@ class Problem:
         row = 0
         for p, length in zip(self.passes, self.lengths, strict=True):
             keep, part = p.motion.keep, slice(row, row + length)
-            y[part] = stacked(p.filtered_drive(plant), keep)
+            y[part] = stacked(p.filtered_drive(plant), keep, p.counts)
             for e, name, column in p.filtered(plant):
                 index = at.get((e.key, name))
                 if index is None:
                     value = e.parameters[name].value if name else 1.0
                     if value != 0.0:
-                        y[part] -= value * stacked(column, keep)
+                        y[part] -= value * stacked(column, keep, p.counts)
                 else:
-                    phi[part, index] = stacked(column, keep)
+                    phi[part, index] = stacked(column, keep, p.counts)
             row += length
         factor = self.command_scale(plant)
         return (y, phi) if factor == 1.0 else (y * factor, phi * factor)
@@ -177,7 +182,7 @@ class Problem:
                 step = -step
             part = needed_by(plant, name.key)
             other = part.with_values({name.key: {name.parameter: from_search(p, theta[k] + step)}})
-            more = np.concatenate([stacked(q.moved(part, other), q.motion.keep) for q in self.passes])
+            more = np.concatenate([stacked(q.moved(part, other), q.motion.keep, q.counts) for q in self.passes])
             scale = self.command_scale(other)
             result[:, k] = ((scale / factor - 1.0) * base - scale * more) / step
         return result

@@ -19,7 +19,7 @@ from workbench.identification.result import Estimate, Fit
 from workbench.plant import Plant
 from workbench.record import IDENTIFICATION, VALIDATION
 from workbench.tracing.result import Cause, Trace
-from workbench.tracing.verdict import not_carried
+from workbench.tracing.wording import not_carried
 
 PERIODS = ("order", "turns")  # what is held: the period is the machine's
 PHASE, AMPLITUDE = "phase", "amplitude"

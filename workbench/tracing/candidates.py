@@ -1,11 +1,12 @@
 """What a declared model may lack: undeclared effects of the catalogue where they can act, and fixed values that are wrong."""
 
 from collections.abc import Collection, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 
-from workbench.definition import Effect, catalogue
+from workbench.definition import FORCE, Effect, catalogue
 from workbench.effects.free_bank import NAME as FREE_CURVE
+from workbench.parameter import Parameter
 from workbench.plant import Plant, places
 from workbench.tracing.evidence import ADDITION, CORRECTION
 
@@ -44,7 +45,7 @@ class Offer:
     """only: names of the effects that are judged, all where None. own: effects offered beside those of the catalogue.
 
     declared: keys of the declared effects; a periodic one of them is offered once more, at another order. stands_for: key of a
-    free virgin curve -> the declared friction that it takes the place of.
+    free virgin curve, or of an effect whose values are free within their tolerance -> what was declared.
     """
 
     only: Collection[str] | None = None
@@ -105,14 +106,46 @@ def suspects(
                 # the same beside what it may take the place of: two contacts
                 found.append(Suspect(another.named, place, ADDITION, plant + another))
     for e in plant.effects:
-        # a parameter held by definition (the exponent of a virgin curve) is no value from a data sheet
-        default = catalogue()[e.name](at=e.at) if e.name in catalogue() else None
-        by_definition = {n for n, p in default.parameters.items() if p.fixed} if default else set()
-        held = [n for n, p in e.parameters.items() if p.fixed and n not in by_definition and n not in e.knots]
+        told = stands_for.get(e.key, e)  # a value within its tolerance stands for the value
+        held = data_sheet(told)
         # what an instrument told (a clock, by the angle between encoders) was measured, and is no value from a data sheet either
         if held and (not declared or e.key in declared):
-            found.append(Suspect(e.named, e.at, CORRECTION, plant.swap(e.free(*held))))
+            found.append(Suspect(e.named, e.at, CORRECTION, plant.swap(told.free(*held))))
     return sorted(found, key=lambda s: (s.effect, s.at, s.kind, not s.instead))
+
+
+def data_sheet(e: Effect) -> list[str]:
+    """Return the fixed parameters of an effect that are values from a data sheet.
+
+    A parameter held by definition (the exponent of a virgin curve) is none, nor is a knot of a free form.
+    """
+    default = catalogue()[e.name](at=e.at) if e.name in catalogue() else None
+    by_definition = {n for n, p in default.parameters.items() if p.fixed} if default else set()
+    return [n for n, p in e.parameters.items() if p.fixed and n not in by_definition and n not in e.knots]
+
+
+def within_tolerance(plant: Plant, tolerance: float) -> tuple[Plant, dict[str, Effect]]:
+    """Return the plant whose linear data-sheet values are free within their tolerance, and what was declared, by key.
+
+    A mass that is half a per cent off would else be dressed by a lag or a flexible mode. It is searched with, and never reported.
+    """
+    declared = {}
+    for e in plant.effects:
+        loose = {
+            n: around(e.parameters[n], tolerance)
+            for n in data_sheet(e)
+            if n in e.linear and e.parameters[n].value != 0.0
+        }
+        if loose and e.port == FORCE:
+            declared[e.key] = e
+            plant = plant.swap(replace(e, parameters={**e.parameters, **loose}))
+    return plant, declared
+
+
+def around(p: Parameter, tolerance: float) -> Parameter:
+    """Return a parameter that is free within a relative tolerance of its value."""
+    ends = sorted((p.value * (1.0 - tolerance), p.value * (1.0 + tolerance)))
+    return replace(p, fixed=False, lower=max(p.lower, ends[0]), upper=min(p.upper, ends[1]))
 
 
 def needless(effect: Effect, plant: Plant) -> tuple[str, ...]:

@@ -3,10 +3,11 @@
 | question, in this order | answer |
 |---|---|
 | does the angle between two encoders say that one is late? | cause, whatever else |
-| a correction within the fixed value's tolerance, or an effect below the practical size? | refinement |
+| a correction within the fixed value's tolerance, or an effect (a correction beyond its tolerance) below the practical size? | refinement |
 | does the error grow on validation, or does the effect explain nearly nothing there? | not borne out |
 | do the causes take `held` of the validation power, or leave little that is explainable? | cause |
 | is more than `explainable` of the drive predictable from outside the loop? | unknown |
+| does an effect take `held` of the identification power, more than `beside` of the drive, and is not borne out? | unknown |
 | else | nothing missing |
 """
 
@@ -25,7 +26,7 @@ REFINEMENT, NOT_BORNE_OUT, DRESSING = "refinement", "not borne out", "dressing"
 class Verdict:
     """verdict: "cause", "nothing_missing" or "unknown". roles: of each effect of the evidence, in its order: "cause",
     "refinement", "not borne out" or "dressing" (it only dresses what no effect explains). something_else: whether more is
-    missing beside the causes. alarms: names of what an engineer must look at first. added: names of the causes, first found first."""
+    missing beside the causes. alarms: names of what an engineer must look at first. added: names of the causes, the one that takes most first."""
 
     verdict: str
     roles: tuple[str, ...]
@@ -35,7 +36,7 @@ class Verdict:
 
     @property
     def ranked(self) -> tuple[str, ...]:
-        """The causes, best first: in the order in which the search found them."""
+        """The causes, best first: the one that takes most of the identification records leads."""
         return self.added
 
 
@@ -50,10 +51,22 @@ def decide(evidence: Evidence, criteria: Criteria) -> Verdict:
     if causes or evidence.clock:
         size = evidence.after.size
         more = size >= criteria.beside and size >= 0.5 * evidence.before.size and not evidence.idle
-        names = (*(("clock_skew",) if evidence.clock else ()), *(a.effect.partition(" ")[0] for a in causes))
+        names = (
+            *(("clock_skew",) if evidence.clock else ()),
+            *(a.effect.partition(" ")[0] for a in sorted(causes, key=lambda a: -a.size(IDENTIFICATION))),
+        )
         return Verdict(CAUSE, roles, more, alarms(evidence, roles), names)
-    missing = evidence.before.size >= criteria.explainable
+    missing = evidence.before.size >= criteria.explainable or unborne(evidence, roles, criteria)
     return Verdict(UNKNOWN if missing else NOTHING, roles, False, alarms(evidence, roles))
+
+
+def unborne(evidence: Evidence, roles: tuple[str, ...], criteria: Criteria) -> bool:
+    """Whether an effect takes much of the identification records, by `held` and `beside`, and does not hold on validation: it is
+    not the cause, but nor is what it takes noise. Where the reference says nothing (an injected torque alone moves the axis),
+    this is all that says so."""
+    out = [a for a, r in zip(evidence.added, roles, strict=True) if r == NOT_BORNE_OUT]
+    much = (a for a in (*out, *evidence.refused) if a.share(IDENTIFICATION) >= criteria.held)
+    return any(a.size(IDENTIFICATION) >= criteria.beside for a in much)
 
 
 def role(a: Weighed, criteria: Criteria) -> str:
@@ -63,9 +76,15 @@ def role(a: Weighed, criteria: Criteria) -> str:
     # without a validation record both are NaN, and say nothing
     if a.size(VALIDATION) < 0.0 or a.share(VALIDATION) < criteria.carried * a.share(IDENTIFICATION):
         return NOT_BORNE_OUT
-    if a.size(IDENTIFICATION) < criteria.practical:
+    if beyond(a) < criteria.practical:
         return REFINEMENT
     return CAUSE
+
+
+def beyond(a: Weighed) -> float:
+    """Return what an effect takes away, over the drive's rms; of a correction, what no value within its tolerance takes."""
+    size = a.size(IDENTIFICATION)
+    return size * (1.0 - a.tolerance / a.changed) if a.kind == CORRECTION and a.changed > 0.0 else size
 
 
 def answers(evidence: Evidence, causes: list[Weighed], criteria: Criteria) -> bool:

@@ -44,7 +44,8 @@ class Weighed:
     before, after: nrmse without and with it, the effects before it in place, by role. changed: largest relative change of a
     fixed value, tolerance: what that value may be off by. law: "catalogue", or "free form". implausible: why its values are
     no machine's, "" where they may be. load_before, load_after: of two masses, error of the load's balance over the joint's torque;
-    what acts behind the joint shows there, and need not show in the drive. power_up: whether its phase on validation is one of its
+    what acts behind the joint shows there, and need not show in the drive. outside, outside_error: its multiplier by what is outside
+    the loop, and that one's standard error (`outside.multiplier`). power_up: whether its phase on validation is one of its
     own, with which `after` is then.
     """
 
@@ -60,6 +61,8 @@ class Weighed:
     load_before: Mapping[str, float] = field(default_factory=dict)
     load_after: Mapping[str, float] = field(default_factory=dict)
     power_up: bool = False
+    outside: float = float("nan")
+    outside_error: float = float("inf")
 
     @property
     def behind(self) -> bool:

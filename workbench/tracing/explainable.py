@@ -136,27 +136,34 @@ def gained(before: np.ndarray, after: np.ndarray) -> float:
 
 def exogenous(parts: Sequence[Part]) -> float:
     """Return the power that the reference's motion predicts out of sample, standstill left out; records weigh alike."""
+    y, moves = np.concatenate([p.residual for p in parts]), np.concatenate([p.moves for p in parts])
+    found, block = foreseen(parts, y, moves), numbered(parts)
+    told = np.isfinite(found)
+    before = np.bincount(block[told], y[told] ** 2, block[-1] + 1)
+    after = np.bincount(block[told], (y[told] - found[told]) ** 2, block[-1] + 1)
+    return gained(before, after)
+
+
+def foreseen(parts: Sequence[Part], y: np.ndarray, used: np.ndarray) -> np.ndarray:
+    """Return y (n,) as boosted trees predict it out of sample from what is outside the loop; NaN where it is not `used` (n,)
+    of bool, or where too little is. Records weigh alike."""
     from sklearn.ensemble import HistGradientBoostingRegressor
     from threadpoolctl import threadpool_limits
 
     x = ranked(np.vstack([p.outside for p in parts]))
-    y, moves = np.concatenate([p.residual for p in parts]), np.concatenate([p.moves for p in parts])
     weight = np.concatenate([np.full(p.residual.size, 1.0 / max(np.count_nonzero(p.moves), 1)) for p in parts])
-    block = numbered(parts)
-    fold = block % FOLDS
-    before, after = np.zeros(block[-1] + 1), np.zeros(block[-1] + 1)
+    fold = numbered(parts) % FOLDS
+    found = np.full(y.size, np.nan)
     for k in range(FOLDS):
-        seen, out = moves & (fold != k), moves & (fold == k)
+        seen, out = used & (fold != k), used & (fold == k)
         if np.count_nonzero(seen) < 10 * LEAST_LEAF or not out.any():
             continue
         trees = HistGradientBoostingRegressor(
             max_iter=TREES, max_leaf_nodes=LEAVES, min_samples_leaf=LEAST_LEAF, early_stopping=False, random_state=0
         )
         with threadpool_limits(limits=1):  # after the import: what it loads is not known before
-            left = y[out] - trees.fit(x[seen], y[seen], weight[seen]).predict(x[out])
-        before += np.bincount(block[out], y[out] ** 2, before.size)
-        after += np.bincount(block[out], left**2, before.size)
-    return gained(before, after)
+            found[out] = trees.fit(x[seen], y[seen], weight[seen]).predict(x[out])
+    return found
 
 
 def ranked(x: np.ndarray) -> np.ndarray:

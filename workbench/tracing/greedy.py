@@ -1,6 +1,6 @@
 """The search: one effect after another, each the one that explains most of what the others leave on data not seen."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 from workbench.identification.passes import Passes
@@ -36,9 +36,7 @@ def extended(
 ) -> list[Step]:
     """Add effects one after another while one earns its place. Only the last step may have added nothing.
 
-    whole: passes of the identification records as they are. Where the declared model leaves no more than the floor nothing is
-    added, and the search ends where only the noise of drive and encoders is left: an effect could only be fitted to that. Near
-    the floor an effect must take away a plain share, and of more than what counts alone would leave. One effect may be added
+    whole: passes of the identification records as they are. Near the floor an effect must take away a plain share, and of more than what counts alone would leave. One effect may be added
     on credit (see `promised`): it stays where a later one earns its place, and `revised` asks whether it earns its own.
     freshly: a state with its free virgin curves found anew.
     """
@@ -48,7 +46,7 @@ def extended(
     for _ in range(criteria.steps):
         level = steadied(quiet, whole, state.steady)
         judgements = step(state, progress, offer, criteria)
-        least = least_share(state, level, not found, criteria)
+        least = criteria.plain if noise_alone(state, level, PLAIN) else 0.0
         best = leading(judgements, least)
         if best is not None and least > 0.0:
             spurious = of_counts(best.suspect, state, whole)
@@ -66,17 +64,7 @@ def extended(
             break
         state = freshly(best.state)
         quiet = levels(whole, state.plant)
-        if quieted(state, whole, quiet):
-            break
     return earned(found)
-
-
-def quieted(state: State, whole: Sequence[Passes], level: Mapping[str, float]) -> bool:
-    """Whether a state leaves the noise alone: on the thinned records or, where these leave little more, on whole ones."""
-    if noise_alone(state, level):
-        return True
-    near = noise_alone(state, level, PLAIN)
-    return near and noise_alone(State(state.problem.plant, whole, state.solution.theta, solved=True), level)
 
 
 def earned(steps: list[Step]) -> list[Step]:
@@ -98,13 +86,6 @@ def promised(judgements: Sequence[Judgement], criteria: Criteria) -> Judgement |
     c = best.candidate if best else None
     plain = best is not None and best.state is not None and c.gain > max(criteria.plain, criteria.hint * c.scatter)
     return best if plain else None
-
-
-def least_share(state: State, level: Mapping[str, float], first: bool, criteria: Criteria) -> float:
-    """Return the share of the residual's power that an effect must take away to be added to a state."""
-    if first and noise_alone(state, level, 1.0):
-        return 1.0
-    return criteria.plain if noise_alone(state, level, PLAIN) else 0.0
 
 
 def leading(judgements: Sequence[Judgement], least: float = 0.0) -> Judgement | None:

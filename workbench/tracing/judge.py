@@ -5,12 +5,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from workbench.definition import catalogue, simpler
+from workbench.definition import TIME, catalogue, simpler
 from workbench.effects.free_bank import NAME as FREE_CURVE
 from workbench.finding import capital, title
 from workbench.identification.problem import Problem
 from workbench.identification.solve import NoValue
-from workbench.plant import Plant
+from workbench.plant import TWO_MASS, Plant
 from workbench.processes import shared
 from workbench.tracing.candidates import ADDITION, WHOLE, Offer, Suspect
 from workbench.tracing.criteria import Criteria
@@ -181,31 +181,36 @@ def plainest_first(judgements: Sequence[Judgement], criteria: Criteria, state: S
     """Let a simpler effect lead in the place of one that it then is: a parameter stands where the law is another one's.
 
     LuGre without presliding is Stribeck's friction, a kinematic error of order 1 an eccentricity. The simpler one leads where it
-    takes `near` of what the other takes. What is nothing but a virgin curve says no more than the free curve that stands in the
-    present model, and does not lead.
+    takes `near` of what the other takes; where it does not, what the other takes more is a matter of counts. What is nothing of its own does not lead (LuGre without presliding and without Stribeck's
+    peak is Coulomb friction), nor what is nothing but a virgin curve where a free curve stands in the present model.
     """
     curved = {e.at for e in state.plant.effects if e.name == FREE_CURVE}
+    present = {e.key for e in state.plant.effects}
     for _ in range(min(LEADING, len(judgements))):
         first = judgements[0]
         name = reduced(first, state)
         if name is None:
             break
-        if first.suspect.at in curved and "masing" in catalogue()[name].holds if name else False:
-            rest = [j for j in judgements if j is not first]
-            judgements = [
-                *simplest_first(rest, criteria, state),
-                replace(first, candidate=replace(first.candidate, earns=False)),
-            ]
+        said = name == "" or f"{name}@{first.suspect.at}" in {*present, *first.suspect.instead, *first.suspect.restored}
+        if said or (first.suspect.at in curved and "masing" in catalogue()[name].holds):
+            judgements = pushed_back(judgements, criteria, state)
             continue
-        other = next(
-            (j for j in judgements if j.suspect.effect == name and j.candidate.earns and j.theta is not None), None
-        )
+        other = next((j for j in judgements if j.suspect.effect == name and j.theta is not None), None)
+        if other is None:
+            break
         whole = state.errors.total
-        if other and whole - other.errors.total >= criteria.near * (whole - first.errors.total):
+        if other.candidate.earns and whole - other.errors.total >= criteria.near * (whole - first.errors.total):
             other = other if other.refitted else refitted_as(state, other, criteria)
             judgements = [other, *(j for j in judgements if j.suspect is not other.suspect)]
-        break
+            break
+        judgements = pushed_back(judgements, criteria, state)
     return judgements
+
+
+def pushed_back(judgements: Sequence[Judgement], criteria: Criteria, state: State) -> list[Judgement]:
+    """Return judgements with the first behind all others, as one that does not earn its place."""
+    first, *rest = judgements
+    return [*simplest_first(rest, criteria, state), replace(first, candidate=replace(first.candidate, earns=False))]
 
 
 def reduced(j: Judgement, state: State) -> str | None:
@@ -213,11 +218,18 @@ def reduced(j: Judgement, state: State) -> str | None:
     if not j.refitted or j.suspect.kind != ADDITION:
         return None
     effect = j.refitted.plant[j.suspect.key]
+    if effect.port == TIME and state.plant.kind == TWO_MASS:
+        return None  # a clock of one of two encoders is no delay of the drive
     counts = max(p.motion.counts for p in state.passes)
-    around = {
-        n: tuple(sorted((p.value * (1.0 - NEUTRAL), p.value * (1.0 + NEUTRAL)))) for n, p in effect.parameters.items()
-    }
-    return simpler(effect, around, counts)
+    near = {n: NEUTRAL * abs(p.value) for n, p in effect.parameters.items()}
+    # a clock that over all the records gains less than half a sample keeps pace
+    span = max(p.motion.t[-1] for p in state.passes) - min(p.motion.t[0] for p in state.passes)
+    step = min(p.motion.record.dt for p in state.passes)
+    near |= {n: 0.5 * step / span for n, p in effect.parameters.items() if p.scale == "drift"}
+    around = {n: (p.value - near[n], p.value + near[n]) for n, p in effect.parameters.items()}
+    # nor is a gap a gap that is short beside the presliding length
+    length = effect.parameters["x0"].value if "x0" in effect.parameters else 0.0
+    return simpler(effect, around, max(counts, 0.5 * NEUTRAL * length))
 
 
 def absurd(j: Judgement, state: State) -> bool:

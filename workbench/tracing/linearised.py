@@ -76,7 +76,7 @@ class Linearised(Problem):
             for e, name, column in p.filtered(part):
                 if e.key != self.beside:
                     continue
-                values = stacked(column, keep) * self.base_scale
+                values = stacked(column, keep, p.counts) * self.base_scale
                 if name in at:
                     own[rows, at[name]] = values
                 else:

@@ -5,14 +5,13 @@ exponential where asperities slip at lognormal distances. So the search looks be
 curve (Maxwell slip of held slips, heights >= 0); what that curve alone takes is a refinement of the declared law.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from workbench.definition import FORCE, Effect
-from workbench.effects.free_bank import LENGTHS, NAME, hysteresis_bank
-from workbench.effects.hysteresis import maxwell_slip
+from workbench.effects.free_bank import LENGTHS, NAME, bank_beside, hysteresis_bank
 from workbench.identification.bodies import CHANNEL
 from workbench.identification.passes import Passes
 from workbench.identification.problem import Problem
@@ -23,6 +22,9 @@ from workbench.plant import Plant
 # before it, to 100 counts or 1e-2 of the travel, the longest presliding of bearings and guides; a factor of 2.1 apart. Half or
 # twice as many change the curve's residual by less than 2 %.
 FIRST, COUNTS, TRAVEL, APART = 0.3, 100.0, 1e-2, 2.1
+# Where the longest element carries more than CARRIES of the height the curve has not ended there: it goes on to FURTHEST of the
+# travel, beyond which a curve is a spring.
+CARRIES, FURTHEST = 0.1, 0.1
 LEAST = 3  # elements of a curve
 UNSEEN = 1e-6  # of the travel: stands for a count where none is known
 KEPT = 1e-3  # of the curve's height, below which an element is left out
@@ -64,6 +66,22 @@ def slips_at(place: str, passes: Sequence[Passes]) -> tuple[float, ...]:
     return tuple(np.geomspace(FIRST * count, last, 1 + int(np.ceil(np.log(last / (FIRST * count)) / np.log(APART)))))
 
 
+def lengthened(known: Sequence[Law], plant: Plant, passes: Sequence[Passes]) -> tuple[Law, ...]:
+    """Return laws whose slips go on where the longest element of the curve that stands in a plant carries much of its height."""
+    found = []
+    stands = {e.key: e for e in plant.effects}
+    furthest = FURTHEST * max(float(np.ptp(p.motion.q)) for p in passes)
+    for law in known:
+        last = law.slips[-1]
+        held = heights(stands[law.key]) if law.key in stands else {}
+        if held.get(last, 0.0) > CARRIES * sum(held.values()) and last < furthest:
+            count = int(np.ceil(np.log(furthest / last) / np.log(APART)))
+            more = last * (furthest / last) ** (np.arange(1, count + 1) / count)
+            law = replace(law, slips=(*law.slips, *map(float, more)))
+        found.append(law)
+    return tuple(found)
+
+
 def count_at(place: str, passes: Sequence[Passes]) -> float:
     """Return the encoder's count at a place in SI, UNSEEN of the travel where it is not known."""
     known = [p.bodies.counts(CHANNEL.get(place, "position")) for p in passes]
@@ -84,8 +102,9 @@ def freed(plant: Plant, known: Sequence[Law], passes: Sequence[Passes]) -> Plant
     """Return the plant with the free virgin curves of `known`, where their declared laws or earlier curves stand in it.
 
     Shape parameters hold while the heights are found; elements that hold nothing are left out, and a curve of height 0 leaves
-    the declared law.
+    the declared law. Until then the direction is that of the law or curve that stands there.
     """
+    present = {e.key: e for e in plant.effects}
     plant = as_declared(plant, known)
     here = [law for law in known if law.declared.key in {e.key for e in plant.effects}]
     if not here:
@@ -94,28 +113,35 @@ def freed(plant: Plant, known: Sequence[Law], passes: Sequence[Passes]) -> Plant
     for e in plant.effects:
         held = held.swap(replace(e, parameters={n: replace(p, fixed=p.fixed or n not in e.linear) for n, p in e.parameters.items()}))  # fmt: skip
     for law in here:
-        held = held.without(law.declared.key) + bank(law)
+        stands = present.get(law.key)
+        begun = (
+            curve(law, heights(stands))
+            if stands
+            else bank_beside(law.slips, [plant[law.declared.key]], law.declared.at)
+        )
+        held = held.without(law.declared.key) + begun
     try:
         problem = Problem(held, passes)
         solved = problem.with_linear(held, solve(problem, most=0).c)
     except NoValue:
         return plant
     for law in here:
-        springs = solved[bank(law).key].parameters
-        heights = np.array([springs[f"k{i}"].value * d for i, d in enumerate(law.slips, 1)])
-        if heights.sum() > 0.0:
-            plant = plant.without(law.declared.key) + curve(law, heights)
+        found = heights(solved[law.key])
+        if sum(found.values()) > 0.0:
+            plant = plant.without(law.declared.key) + curve(law, found)
     return plant
 
 
-def curve(law: Law, heights: np.ndarray) -> Effect:
-    """Return the free virgin curve whose elements hold these heights (slips,), those that hold nothing left out."""
-    kept = np.sort(np.argsort(-heights, kind="stable")[: max(LEAST, np.count_nonzero(heights > KEPT * heights.sum()))])
-    slips, held = np.array(law.slips)[kept], heights[kept]
+def heights(bank: Effect) -> dict[float, float]:
+    """Return slip -> height of the elements of a bank."""
+    p = {n: p.value for n, p in bank.parameters.items()}
+    return {p[f"slip{n[1:]}"]: value * p[f"slip{n[1:]}"] for n, value in p.items() if n in bank.linear}
+
+
+def curve(law: Law, found: Mapping[float, float]) -> Effect:
+    """Return the free virgin curve whose elements hold these heights, by slip, those that hold nothing left out."""
+    every = np.array([found.get(s, 0.0) for s in law.slips])
+    kept = np.sort(np.argsort(-every, kind="stable")[: max(LEAST, np.count_nonzero(every > KEPT * every.sum()))])
+    slips, held = np.array(law.slips)[kept], every[kept]
     virgin = np.minimum(slips[:, None] / slips, 1.0) @ held
     return hysteresis_bank(slips, virgin / virgin[-1], virgin[-1], law.declared.at)
-
-
-def bank(law: Law) -> Effect:
-    """Return the Maxwell slip of held slips from which a free curve is found."""
-    return maxwell_slip(law.slips)(at=law.declared.at)

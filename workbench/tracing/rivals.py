@@ -49,7 +49,7 @@ def experiment(
     from workbench.planning import envelope_of, load_rest, sensing_of, separate
 
     a, b = plant[found.suspect.key], rival.refitted.plant[rival.suspect.key]
-    passes = thin(whole, PLANNED)
+    passes = thin(whole, least=PLANNED)
     bare = without(plant, found.suspect, declared)
     bare = bare.without(b.key) if b.key in {e.key for e in bare.effects} and rival.suspect.kind == ADDITION else bare
     try:

@@ -10,7 +10,7 @@ from workbench.tracing.candidates import Offer, without
 from workbench.tracing.criteria import Criteria
 from workbench.tracing.greedy import Step, extended, leading
 from workbench.tracing.judge import Judgement, Progress, lighter, step
-from workbench.tracing.near_law import Law, as_declared, count_at, freed, laws
+from workbench.tracing.near_law import Law, as_declared, count_at, freed, laws, lengthened
 from workbench.tracing.state import State
 
 PROMISE = 0.05  # of the residual's power, from which a candidate is asked again when others are taken out
@@ -59,17 +59,19 @@ class Selection:
 
 def select(declared: State, whole: Sequence[Passes], offer: Offer, criteria: Criteria, progress: Progress) -> Selection:
     """Return what the search adds to a declared model. whole: passes of the identification records as they are."""
-    known = laws(declared.plant, declared.passes)
+    known = tuple(law for law in laws(declared.plant, declared.passes) if law.declared.key not in offer.stands_for)
+    base = curved(declared, known, criteria)
+    longer = lengthened(known, base.plant, declared.passes)
+    if longer != known:
+        known, base = longer, curved(declared, longer, criteria)
 
     def freshly(state: State) -> State:
-        """Return a state with its free curves found anew."""
-        here = tuple(law for law in known if law.key in {e.key for e in state.plant.effects})
-        return with_curves(state, here) or state if here else state
+        """Return a state with the free curves that take what is of practical size beside what was added, found anew."""
+        held = {e.key for e in state.plant.effects}
+        here = tuple(law for law in known if {law.key, law.declared.key} & held)
+        return curved(state, here, criteria) if here else state
 
-    base = with_curves(declared, known)
-    if base is None or size(declared, base) < 0.5 * criteria.practical:
-        base, known = declared, ()
-    offer = replace(offer, stands_for={law.key: law.declared for law in known})
+    offer = replace(offer, stands_for={**offer.stands_for, **{law.key: law.declared for law in known}})
     steps = extended(base, whole, progress, offer, criteria, freshly)
     looked = [s.judgements for s in steps]
     answer = Answer([s.added for s in steps if s.added is not None], base).standing
@@ -77,6 +79,17 @@ def select(declared: State, whole: Sequence[Passes], offer: Offer, criteria: Cri
         answer = revised(answer, base.plant, looked, progress, offer, criteria)
     answer, refined = of_declared_laws(answer, known, looked, progress, offer, criteria)
     return Selection(declared, base, answer, steps, looked, known, refined)
+
+
+def curved(state: State, known: Sequence[Law], criteria: Criteria) -> State:
+    """Return a state with the free virgin curves of `known`, found anew where that is better, or with the declared laws where the
+    curves take less than half of what is of practical size."""
+    held = {e.key for e in state.plant.effects}
+    stands = any(law.key in held for law in known)
+    plain = State(as_declared(state.plant, known), state.passes) if stands else state
+    found = [s for s in (state if stands else None, with_curves(state, known)) if s is not None]
+    best = min(found, key=lambda s: s.errors.total, default=plain)
+    return best if best is not plain and size(plain, best) >= 0.5 * criteria.practical else plain
 
 
 def with_curves(state: State, known: Sequence[Law]) -> State | None:
@@ -118,11 +131,15 @@ def of_declared_laws(
             answer = replace(answer, revised=plain)
             continue
         progress(f"asking what the virgin curve at the {law.declared.at} is")
-        offered = replace(offer, only={"presliding_hysteresis", "fading_memory"}, stands_for={})
+        offered = replace(
+            offer,
+            only={"presliding_hysteresis", "fading_memory"},
+            stands_for={k: e for k, e in offer.stands_for.items() if k == e.key},
+        )
         judgements = step(plain, progress, offered, criteria)
         looked.append(judgements)
         formulas = [j for j in judgements if j.suspect.at == law.declared.at and j.suspect.instead and j.refitted]
-        best = min(formulas, key=lambda j: (j.errors.total, j.suspect.key), default=None)
+        best = commonest(formulas, criteria.practical**2 * last.power)
         near = best is not None and taken(plain, best) >= criteria.near * (plain.errors.total - last.errors.total)
         if near and length(best) > SEEN * count_at(law.declared.at, last.passes):
             best = best if best.state else replace(best, state=best.refitted.state)
@@ -132,6 +149,14 @@ def of_declared_laws(
         else:
             refined.append(law)
     return answer, tuple(refined)
+
+
+def commonest(formulas: Sequence[Judgement], alike: float) -> Judgement | None:
+    """Return the formula that leaves least, or the one with Masing's memory where it leaves no more than `alike` beside that one:
+    asperities remember every reversal, and bristles that forget are the rarer picture."""
+    best = min(formulas, key=lambda j: (j.errors.total, j.suspect.key), default=None)
+    level = [j for j in formulas if j.errors.total - best.errors.total <= alike]
+    return next((j for j in level if "masing" in j.suspect.plant[j.suspect.key].holds), best)
 
 
 def taken(before: State, j: Judgement) -> float:

@@ -103,6 +103,9 @@ def grid(
     if scale == "rate":
         longest = max(float(np.ptp(m.t)) for m in motions)
         return list(np.geomspace(3.0 / longest, 0.1 / min(m.dt for m in motions), 6))
+    if scale == "settling":  # from hardly within all the records to within a third of one
+        span = max(float(m.t[-1]) for m in motions) - min(float(m.t[0]) for m in motions)
+        return list(np.array([0.3, 1.0, 3.0, 10.0]) / span)
     if scale == "order":
         travel = max(float(np.ptp(m.q)) for m in motions)
         most = resolved(passes)

@@ -6,21 +6,28 @@ quantisation and noise do not fold into the band, and read at the new rate: a ra
 record is right on the thinned one.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from fractions import Fraction
 from math import ceil
 
 import numpy as np
 
+from workbench.definition import FORCE
+from workbench.identification.bodies import CHANNEL
 from workbench.identification.passes import Passes
 from workbench.identification.shift import between
 from workbench.motion import LowPass, motion
+from workbench.plant import Plant
 from workbench.record import Record
 
 LEAST = 4.0  # kept rate over the evaluation bandwidth, at least
 CUT = 0.4  # of the low pass, over the kept rate
 FRACTIONS = 12  # largest q of the ratio p/q
+WINDOW = (
+    0.05  # s, in which an axis at rest stays within one count: half and twice it change no share at rest by a tenth
+)
+UNSEEN = 1e-6  # of the travel: stands for a count where none is known
 FINE = 16.0  # rate over the evaluation bandwidth at which operators of the motion's increments run, at least
 
 
@@ -44,17 +51,22 @@ def thinned(record: Record, bandwidth: float, least: float = LEAST) -> Record:
     return replace(record, time=record.time[0] + record.dt * steps, channels=channels)
 
 
-def thin(passes: Sequence[Passes], least: float = LEAST) -> list[Passes]:
-    """Return passes over the thinned records; the same objects where nothing is thinned. least: kept rate over the band."""
-    return [thin_one(p, least) for p in passes]
+def thin(passes: Sequence[Passes], plant: Plant | None = None, least: float = LEAST) -> list[Passes]:
+    """Return passes over the thinned records; the same objects where nothing changes. least: kept rate over the band.
+
+    plant: as declared; where it holds dry friction without memory at a body, that body's balance does not count at rest.
+    """
+    return [thin_one(p, plant, least) for p in passes]
 
 
-def thin_one(p: Passes, least: float = LEAST, of: type[Passes] = Passes) -> Passes:
+def thin_one(p: Passes, plant: Plant | None = None, least: float = LEAST, of: type[Passes] = Passes) -> Passes:
     """Return passes, `of` this class, over one thinned record, whose operators run at FINE times the band."""
     band = p.motion.filter.bandwidth
     record = thinned(p.motion.record, band, least)
+    at_rest = {place: resting(p, place) for place in dry(plant)} if plant is not None else {}
+    counts = counting(p.motion.record, record, at_rest)
     if record is p.motion.record:
-        return p
+        return p if counts is None else of(p.motion, counts=counts)
     fine = thinned(p.motion.record, band, max(FINE, least))
     finer = p if fine is p.motion.record else Passes(motion(fine, band))
     low_pass = LowPass(CUT / record.dt, 1 / fine.dt, fine.time.size)
@@ -63,4 +75,34 @@ def thin_one(p: Passes, least: float = LEAST, of: type[Passes] = Passes) -> Pass
     def coarse(outputs: np.ndarray) -> np.ndarray:
         return np.stack([between(x, steps) for x in low_pass(outputs)])
 
-    return of(motion(record, band), finer, coarse)
+    return of(motion(record, band), finer, coarse, counts)
+
+
+def dry(plant: Plant) -> list[str]:
+    """Return the places of a plant where friction has a direction and no memory: at rest it holds whatever it has to."""
+    given = {e.at for e in plant.effects if e.provides}
+    return sorted({e.at for e in plant.effects if e.port == FORCE and e.reads == ("dir",)} - given)
+
+
+def resting(p: Passes, place: str) -> np.ndarray:
+    """Return where (n,) the encoder of a place stays within one count for WINDOW s."""
+    from scipy.ndimage import maximum_filter1d, minimum_filter1d
+
+    m, channel = p.motion, CHANNEL[place]
+    if channel not in m.record.channels:
+        return np.zeros(m.u.size, dtype=bool)
+    x = m.record.channels[channel]
+    width = 2 * round(0.5 * WINDOW / m.dt) + 1
+    count = p.bodies.counts(channel) or UNSEEN * float(np.ptp(x))
+    return maximum_filter1d(x, width) - minimum_filter1d(x, width) <= 1.01 * count
+
+
+def counting(record: Record, kept: Record, at_rest: Mapping[str, np.ndarray]) -> np.ndarray | None:
+    """Return (2, n) of bool on the kept record: where the drive's and the load's balance count; None where all of them do."""
+    if not any(x.any() for x in at_rest.values()):
+        return None
+    nearest = np.rint((kept.time - record.time[0]) / record.dt).astype(int).clip(0, record.time.size - 1)
+    counts = np.ones((2, kept.time.size), dtype=bool)
+    for place, x in at_rest.items():
+        counts[int(place == "load")] &= ~x[nearest]
+    return counts

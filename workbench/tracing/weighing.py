@@ -13,6 +13,7 @@ from workbench.tracing.criteria import Criteria
 from workbench.tracing.evidence import CORRECTION, Weighed
 from workbench.tracing.judge import Judgement
 from workbench.tracing.near_law import NAME
+from workbench.tracing.outside import multiplier
 from workbench.tracing.plausible import implausible
 from workbench.tracing.result import Refinement
 from workbench.tracing.selection import Selection
@@ -41,9 +42,16 @@ def weighed(
             implausible=implausible(last[key], last, declared, selected.declared.passes) if present else "",
             load_before=load[i],
             load_after=load[i + 1],
+            **outside(fits[i].plant, fits[i + 1].plant, selected.declared.passes),
         )
         found.append(phased(w, fits[i + 1], key, passes) if present else w)
     return tuple(found)
+
+
+def outside(before: Plant, after: Plant, passes: Sequence[Passes]) -> dict[str, float]:
+    """Return what the instruments say of what `after` has more."""
+    m, error = multiplier(before, after, passes)
+    return {"outside": m, "outside_error": error}
 
 
 def phased(w: Weighed, fit: Fit, key: str, passes: Sequence[Passes]) -> Weighed:

@@ -197,6 +197,13 @@ def verdict_sentence(
             f"Something is missing that no effect of the catalogue explains: {100 * size.size:.1f} % of the drive's rms could be "
             f"predicted from {FROM[size.kind]}"
         )
+        tried = max((*evidence.added, *evidence.refused), key=lambda a: a.size(IDENTIFICATION), default=None)
+        if tried is not None and tried.size(IDENTIFICATION) > size.size == 0.0:
+            said = (
+                f"Something is missing that no effect of the catalogue explains: {title(tried.effect)} takes away "
+                f"{100 * tried.size(IDENTIFICATION):.1f} % of the drive's rms on the identification records, but validation does "
+                "not bear it out"
+            )
         place = lives_in.place if lives_in else None
         if size.kind == "line":
             said = f"{said} of {size.frequency:.3g} Hz"

@@ -1,0 +1,79 @@
+"""Free virgin curves in the place of declared friction, and data-sheet values within their tolerance."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from workbench.definition import find
+from workbench.identification.fit import identify, passes_of
+from workbench.plant import ONE_MASS, Plant
+from workbench.record import IDENTIFICATION, Record, Source
+from workbench.tracing.candidates import CORRECTION, suspects, within_tolerance
+from workbench.tracing.criteria import Criteria
+from workbench.tracing.near_law import FURTHEST, heights, laws, lengthened
+from workbench.tracing.selection import curved
+from workbench.tracing.state import State
+
+SOURCE = Source(Path("made"), "", "made", {})
+COUNT = 1e-6
+PLANT = Plant(ONE_MASS) + find("inertia")(inertia=0.01) + find("viscous_friction") + find("coulomb_friction")
+
+
+def passes(force, start: float = 0.0, seconds: float = 6.0):
+    """Passes over slow and fast sines whose drive is inertia, viscous friction and force(t, q, dir)."""
+    t = start + np.arange(round(1000 * seconds)) / 1000.0
+    w, slow = 2 * np.pi * 3.0, 2 * np.pi * 0.4
+    q = 0.3 * np.sin(slow * t) + 0.05 * np.sin(w * t)
+    v = 0.3 * slow * np.cos(slow * t) + 0.05 * w * np.cos(w * t)
+    a = -0.3 * slow**2 * np.sin(slow * t) - 0.05 * w**2 * np.sin(w * t)
+    drive = 0.01 * a + 0.05 * v + force(t, q, np.sign(v))
+    made = Record("made", IDENTIFICATION, t, {"torque": drive, "position": q}, {}, SOURCE, {"position": COUNT})
+    return passes_of([made], 100.0)
+
+
+def stops(q: np.ndarray, length: float, level: float) -> np.ndarray:
+    """Force of one spring that slips at a length."""
+    x, found = 0.0, np.empty(q.size)
+    for i, dq in enumerate(np.diff(q, prepend=q[0])):
+        x = min(max(x + dq, -length), length)
+        found[i] = level * x / length
+    return found
+
+
+def test_a_curve_goes_on_where_its_longest_element_carries_much():
+    length = 0.03  # of a travel of 0.7: beyond the first reach of a hundredth
+    seen = passes(lambda t, q, way: stops(q, length, 0.5))
+    declared = State(PLANT, seen)
+    known = laws(declared.plant, seen)
+    short = curved(declared, known, Criteria())
+    longer = lengthened(known, short.plant, seen)
+    travel = float(np.ptp(seen[0].motion.q))
+    assert known[0].slips[-1] < length < longer[0].slips[-1] == pytest.approx(FURTHEST * travel)
+    there = curved(declared, longer, Criteria())
+    assert there.errors.total < 0.2 * short.errors.total
+    held = heights(there.plant[longer[0].key])
+    assert sum(held.values()) == pytest.approx(0.5, rel=0.05)
+
+
+def test_a_drift_that_settles_is_found_with_its_rate():
+    seen = [p for s in (0.0, 40.0) for p in passes(lambda t, q, way: (0.5 + 0.2 * (1.0 - np.exp(-t / 20.0))) * way, s)]
+    fit = identify(PLANT + find("friction_drift")(settling=0.02), seen)
+    told = {e.parameter: e.value for e in fit.estimates}
+    assert told["settling"] == pytest.approx(0.05, rel=0.1) and told["rate"] == pytest.approx(0.01, rel=0.1)
+
+
+def test_a_data_sheet_value_is_searched_within_its_tolerance_and_offered_beyond_it():
+    sheet = PLANT.swap(find("inertia")(inertia=0.0099, fixed=True))
+    loose, told = within_tolerance(sheet, 0.01)
+    p = loose["inertia@axis"].parameters["inertia"]
+    assert not p.fixed and (p.lower, p.upper) == pytest.approx((0.0099 * 0.99, 0.0099 * 1.01)) and p.value == 0.0099
+    offered = [s for s in suspects(loose, (), (), told) if s.kind == CORRECTION]
+    assert [s.key for s in offered] == ["inertia@axis"]
+    free = offered[0].plant["inertia@axis"].parameters["inertia"]
+    assert not free.fixed and free.upper > 1.0
+
+
+def test_what_is_free_has_no_tolerance():
+    loose, told = within_tolerance(PLANT, 0.01)
+    assert loose == PLANT and told == {}
