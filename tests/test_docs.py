@@ -84,7 +84,7 @@ def test_every_command_runs_and_says_what_is_quoted(page, place):
                 ran += 1
         elif kind == "toml":
             edit(place / "studies" / "my_axis" / "campaign" / "campaign.toml", text)
-        elif said:  # what stands before the first command is a file
+        elif said and kind != "python":  # tests/test_front.py runs that; what stands before the first command is a file
             for line in filter(str.strip, text.splitlines()):
                 assert line in said, f"'{line}' is not what the commands say:\n{said}"
     assert ran >= 3
