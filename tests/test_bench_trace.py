@@ -15,6 +15,7 @@ from benchmarks._trace_families import judged as of_family
 from benchmarks._trace_ledger import ledger
 from benchmarks._trace_measured import judged_axis
 from benchmarks._trace_peers import greedy, sparse
+from benchmarks._trace_private import changed, numbers
 from benchmarks._trace_run import judged, moved, one, place_right, seen
 from benchmarks._trace_sweep import again as decided_again
 from benchmarks._trace_sweep import sweep as sweep_of
@@ -262,3 +263,24 @@ def test_friction_of_the_load_is_named_though_the_drive_does_not_feel_it():
     before, after = (result["said"][k]["identification"] for k in ("before", "after"))
     assert result["judged"]["first"] and result["judged"]["spurious"] == 0
     assert after == pytest.approx(before, rel=0.02)
+
+
+# --- private numbers ------------------------------------------------------------------------------------------------------
+
+
+def test_a_private_number_is_changed_wherever_it_was_imported_to_and_put_back():
+    from workbench.tracing import greedy, unexplained
+
+    before = unexplained.PLAIN
+    with changed("unexplained", "PLAIN", 7.0):
+        assert unexplained.PLAIN == greedy.PLAIN == 7.0
+    assert unexplained.PLAIN == greedy.PLAIN == before
+
+
+def test_numbers_of_one_name_in_two_modules_are_two():
+    from workbench.tracing import jumps, localise
+
+    with changed("jumps", "MOST", 1):
+        assert jumps.MOST == 1 != localise.MOST
+    named = [(module, name) for module, name, _ in numbers()]
+    assert len(set(named)) == len(named) > 50 and ("judge", "LEADING") in named

@@ -53,6 +53,10 @@ CASES = {
     "what makes validation worse is not borne out": (
         evidence(weighed(), weighed("creep", (0.03, 0.01), (0.01, 0.012))), CAUSE, (CAUSE, NOT_BORNE_OUT),
     ),
+    "a little that no machine has is a refinement": (
+        evidence(weighed(), weighed("kinematic_error", (0.025, 0.022), (0.034, 0.03), implausible="its order stands on its bound")),
+        CAUSE, (CAUSE, REFINEMENT),
+    ),
     "what takes most of the identification records is no noise, though validation does not bear it out": (
         evidence(weighed(id_=(0.074, 0.042), val=(0.15, 0.78)), before=0.0), UNKNOWN, (NOT_BORNE_OUT,),
     ),

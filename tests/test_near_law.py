@@ -11,9 +11,11 @@ from workbench.plant import ONE_MASS, Plant
 from workbench.record import IDENTIFICATION, Record, Source
 from workbench.tracing.candidates import CORRECTION, suspects, within_tolerance
 from workbench.tracing.criteria import Criteria
+from workbench.tracing.decide import Verdict
 from workbench.tracing.near_law import FURTHEST, heights, laws, lengthened
 from workbench.tracing.selection import curved
 from workbench.tracing.state import State
+from workbench.tracing.tracing import later
 
 SOURCE = Source(Path("made"), "", "made", {})
 COUNT = 1e-6
@@ -77,3 +79,11 @@ def test_a_data_sheet_value_is_searched_within_its_tolerance_and_offered_beyond_
 def test_what_is_free_has_no_tolerance():
     loose, told = within_tolerance(PLANT, 0.01)
     assert loose == PLANT and told == {}
+
+
+def test_what_is_not_borne_out_is_asked_again_behind_the_others():
+    one, two = object(), object()
+    cause, not_borne = Verdict("cause", ("cause",)), ("not borne out", "cause")
+    assert later([one, two], Verdict("cause", not_borne)) == [two, one]
+    assert later([one, two], Verdict("cause", ("cause", "not borne out"))) is None
+    assert later([one], cause) is None
