@@ -1,7 +1,7 @@
 """What changed between two campaigns of one axis: before and after a repair, cold and warm.
 
-    two campaigns, one model (check_models) ─► each fitted, every value free ─► compare ─► Difference (a Change a parameter)
-                                          └──► doubts: where the records themselves are not alike
+two campaigns, one model (check_models) ─► each fitted, every value free ─► compare ─► Difference (a Change a parameter)
+                                      └──► doubts: where the records themselves are not alike
 """
 
 from workbench.difference.changes import Change, Difference, compare

@@ -1,8 +1,8 @@
 """Limit cycles of the sampled loop: predicted by harmonic balance, confirmed or refuted by simulation, over a region of gains.
 
-    Plant ─► axis_of (mass, friction over a cycle) ─► balance (first harmonic, then odd ones) ─► Cycle ─┐
-    Controller x two factors (dials) ─► command (waveform over a cycle)                                 ├─► region ─► Region
-                              └──────► simulated (released from several starts, in lanes) ─► Motion ────┘
+Plant ─► axis_of (mass, friction over a cycle) ─► balance (first harmonic, then odd ones) ─► Cycle ─┐
+Controller x two factors (dials) ─► command (waveform over a cycle)                                 ├─► region ─► Region
+                          └──────► simulated (released from several starts, in lanes) ─► Motion ────┘
 """
 
 from workbench.limit_cycle.axis import Axis, axis_of

@@ -1,7 +1,7 @@
 """What a controller does on axes that differ: draws, both perspectives, statements with confidence, worst cases kept.
 
-    Varied (name, Distribution) ─► Cases (independent, grid or even) ─► work ─► blocks ─► run here or on a cluster ─► joined
-    columns (controller -> metric -> (cases,)) ─► perspectives, share_beyond, influences; worst cases replay to the same bits
+Varied (name, Distribution) ─► Cases (independent, grid or even) ─► work ─► blocks ─► run here or on a cluster ─► joined
+columns (controller -> metric -> (cases,)) ─► perspectives, share_beyond, influences; worst cases replay to the same bits
 """
 
 from workbench.robustness.cases import Cases, Varied, even, grid, independent

@@ -1,7 +1,7 @@
 """Gains over amplitude: a shape-constrained fit at knots even in log2, and what it is worth between them.
 
-    Gains (a PD each amplitude) ─► fit_schedule (quadratic program in logs) ─► Schedule (knots, look-up)
-                                   fewest_knots: the shortest that is close     └─► between_knots, passivity: checks of it
+Gains (a PD each amplitude) ─► fit_schedule (quadratic program in logs) ─► Schedule (knots, look-up)
+                               fewest_knots: the shortest that is close     └─► between_knots, passivity: checks of it
 """
 
 from workbench.schedule.check import BetweenKnots, Passivity, between_knots, passivity
