@@ -1,13 +1,12 @@
 """How long a thousand describing functions take, beside their closed form and an adaptive quadrature."""
 
 from math import cos, expm1, pi
-from statistics import median
-from time import perf_counter
 
 import numpy as np
 from scipy.integrate import quad
 from scipy.special import ive
 
+from benchmarks._timing import milliseconds
 from workbench.definition import find
 from workbench.description import equivalent
 
@@ -30,17 +29,6 @@ def adaptive() -> None:
     for a in AMPLITUDES:
         quad(lambda t, a=a: y(a / 2.0 * (1.0 - cos(t))) * cos(t), 0.0, pi, epsabs=0.0, epsrel=1e-10, limit=200)
         quad(lambda u, a=a: y(u) - u / a * y(a), 0.0, a, epsabs=0.0, epsrel=1e-10, limit=200)
-
-
-def milliseconds(call, repeats: int) -> float:
-    """Median time of a call, after one that is not counted (the first compiles)."""
-    call()
-    times = []
-    for _ in range(repeats):
-        start = perf_counter()
-        call()
-        times.append(perf_counter() - start)
-    return 1e3 * median(times)
 
 
 def main() -> None:

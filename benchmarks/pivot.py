@@ -6,27 +6,16 @@ and 10 s of the pivot's 12 kHz loop within 0.5 s.
 
 import importlib
 from pathlib import Path
-from statistics import median
 from time import perf_counter
 
 import numpy as np
 
+from benchmarks._timing import milliseconds
 from workbench.hysteresis import Bank, nonnegative
 from workbench.hysteresis.fit import grid, solved, stacked
 from workbench.study.running import steps_of
 
 STUDY = Path(__file__).parent.parent / "studies" / "vcm_pivot"
-
-
-def milliseconds(call, repeats: int = 21) -> float:
-    """Median time of a call, after one that is not counted (the first compiles)."""
-    call()
-    times = []
-    for _ in range(repeats):
-        start = perf_counter()
-        call()
-        times.append(perf_counter() - start)
-    return 1e3 * median(times)
 
 
 def main() -> None:

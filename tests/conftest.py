@@ -22,6 +22,7 @@ ALLOWED = (
     "no A2L reader here",
     "no cross compiler here",
     "no emulator here",
+    "no compiler that measures MC/DC here",
 )
 
 

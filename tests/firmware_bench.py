@@ -7,9 +7,10 @@ import shutil
 import numpy as np
 import pytest
 
-from workbench.control import FeedForward, fixed_pd, grid, pi_cascade, profile_pi, scheduled_pd
+from workbench.control import FeedForward, drive_cascade, fixed_pd, grid, pi_cascade, profile_pi, scheduled_pd
 from workbench.control.laws import RULES
 from workbench.firmware import host
+from workbench.frequency.notch import Notch
 from workbench.plant import ONE_MASS, TWO_MASS, Limits, Plant
 from workbench.simulation import Loop
 
@@ -34,12 +35,20 @@ def fed() -> FeedForward:
     return FeedForward(0.0074, speeds, 0.3 + 0.05 * speeds)
 
 
+def drive(notches: int):
+    """A closed drive's cascade with feed-forward, and so many notches."""
+    given = [Notch(180.0 * (i + 1), 60.0, 0.1) for i in range(notches)]
+    return drive_cascade(60.0, 5.0, 300.0, 12.0, sample_time=2.5e-4, notches=given, forward=1.0, mass=0.0074)
+
+
 def every() -> dict:
     """Name -> (controller, loop, plant) of every law of one encoder, and of laws that read two."""
     one = {
         "fixed": fixed_pd(900.0, 5.0),
         "cascade": pi_cascade(60.0, 5.0, 300.0, 12.0),
         "profile": profile_pi(60.0, 5.0, 300.0, 400.0, 0.01, 12.0),
+        "drive": drive(0),
+        "drive, notch": drive(1),
         "fed forward": profile_pi(60.0, 5.0, 300.0, 400.0, 0.01, 12.0, feed_forward=fed()),
     }
     for rule in RULES:
@@ -125,8 +134,11 @@ def memories(draw, made, position: np.ndarray, size: np.ndarray) -> dict[str, np
         "y": position, "motor.y": position + np.round(draw.normal(size=n) * 3.0), "furthest": position + near, "vh": speed, "motor.vh": speed, "way": way,
         "turned": position + near - way * size, "share": np.where(way == 0.0, 1.0, draw.choice([0.5, 1.0], n)),
         "law.held": np.abs(near), "law.integral": limit * draw.uniform(-1, 1, n),
+        "law.asked": position, "law.asked_rate": 1e-3 * speed,
     }  # fmt: skip
-    return {m: found[m] for m in made.reference.stages.states}
+    states = made.reference.stages.states
+    found |= {m: limit * draw.uniform(-1, 1, n) for m in states if m.startswith(("law.first", "law.second"))}
+    return {m: found[m] for m in states}
 
 
 def golden(made, n: int = 1000, seed: int = 1) -> tuple[np.ndarray, np.ndarray]:
@@ -150,6 +162,11 @@ def golden(made, n: int = 1000, seed: int = 1) -> tuple[np.ndarray, np.ndarray]:
     to = np.round(draw.normal(size=n) * size**0.6).astype(np.int64)
     to[::13], to[5::29] = 0, 2**31 - 7  # on the target, and far beyond what is told apart
     target = (now + (to & 0xFFFFFFFF).astype(np.uint32)).astype(np.uint32)
+    if "law.asked" in reference.stages.states:  # the reference of the sample before, mostly this one's
+        asked = (target - origin).view(np.int32) + np.where(
+            draw.uniform(size=n) < 0.2, np.round(draw.normal(size=n)), 0.0
+        )
+        states[:, 3 + reference.stages.states.index("law.asked")] = reference.stored("law.asked", asked).view(np.uint32)
     other = (now.view(np.int32) * 0.75 + draw.normal(size=n) * 30.0).astype(np.int32).view(np.uint32)
     added = np.where(draw.uniform(size=n) < 0.3, draw.normal(size=n) * made.numbers.limit, 0.0)
     words = reference.stored("added", added).view(np.uint32)

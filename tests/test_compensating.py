@@ -1,9 +1,12 @@
 """[compensation] of a study: what is asked for, what it is worth, and what is said where it cannot be had."""
 
+import json
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
-from workbench.compensation import Compensator
+from workbench.compensation import Compensator, compensated
 from workbench.control import fixed_pd
 from workbench.definition import find
 from workbench.errors import WorkbenchError
@@ -11,6 +14,7 @@ from workbench.plant import ONE_MASS, Limits, Plant
 from workbench.simulation import Loop
 from workbench.study import configuration
 from workbench.study.compensating import compensation
+from workbench.study.leaving import leave
 from workbench.verification.compensating import Slow, bears, worth
 from workbench.verification.task import Task
 
@@ -84,3 +88,37 @@ def test_a_loop_that_friction_alone_holds_up_is_found():
     named = Compensator.of(PLANT, ("stop",), source="measured")
     assert bears(PLANT, LOOP, PD, named, Slow(0.01, 0.5))
     assert not bears(PLANT, LOOP, fixed_pd(60.0, -0.02), named, Slow(0.01, 0.5))
+
+
+def test_its_margin_stands_beside_its_worth(tmp_path):
+    task = Task(PLANT, LOOP, 0.1, 0.1)
+    makers = {"fixed PD": lambda lanes: PD}
+    part = compensation(
+        study(tmp_path), task, makers, lambda _: None, margins=lambda *given: dict.fromkeys(given[2], 1.5)
+    )
+    assert part.figures["compensation_sensitivity"] == part.figures["compensation_sensitivity_off"] == 1.5
+    (chapter,) = part.chapters
+    table = next(b for b in chapter.blocks if hasattr(b, "rows"))
+    assert table.columns[-1] == "Ms" and {row[-1] for row in table.rows} == {"1.50"}
+
+
+def test_what_leaves_a_study_holds_the_law_and_its_compensation_in_both_arithmetics(tmp_path):
+    plant = Plant(
+        ONE_MASS,
+        (find("inertia")(inertia=0.01), find("presliding_hysteresis")(h0=0.1, x0=1e-3)),
+        limits=Limits(3.0, 20.0),
+    )
+    named = Compensator.of(plant, ("presliding_hysteresis",), source="reference")
+    one = SimpleNamespace(controller=lambda lanes: compensated(fixed_pd(np.full(lanes, 60.0), 0.5), named))
+    leave(
+        {"fixed PD, compensated": one},
+        "fixed PD, compensated",
+        plant,
+        LOOP.sample_time,
+        tmp_path,
+        task=Task(plant, LOOP, 0.1, 0.1),
+    )
+    (entry,) = json.loads((tmp_path / "contents.json").read_text(encoding="utf-8"))["controllers"]
+    assert entry["recommended"] and entry["compensation"]["effects"] == ["presliding_hysteresis@axis"]
+    files = [*entry["files"], *entry["compensation"]["float32"], *entry["compensation"]["fixed"]]
+    assert all((tmp_path / f).is_file() for f in files) and any(f.endswith("compensation.c") for f in files)

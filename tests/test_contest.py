@@ -7,7 +7,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from workbench.control import FeedForward, fixed_pd, grid
+from workbench.control import FeedForward, fixed_pd
 from workbench.definition import find
 from workbench.errors import WorkbenchError
 from workbench.exporting.feed_forward import export_feed_forward
@@ -17,7 +17,7 @@ from workbench.report.reproduction import Printed, counted, reproduction_table
 from workbench.simulation import Loop
 from workbench.verification.bound import time_optimal
 from workbench.verification.contest import Contest, Standing, contest, verdict
-from workbench.verification.families import cascade_family, joint_family, joint_gains, pd_family
+from workbench.verification.families import cascade_family, pd_family
 from workbench.verification.line_up import feed_forward_of
 from workbench.verification.linear import Linear, TwoMasses
 from workbench.verification.margin import Asked, against_margin
@@ -82,16 +82,6 @@ def test_speed_from_the_motor_keeps_a_margin_that_speed_from_beyond_the_joint_do
 
 def test_the_bound_of_two_masses_is_that_of_the_rigid_axis():
     assert time_optimal(parted(), STEP) == pytest.approx(time_optimal(rigid(), STEP), rel=1e-3)
-
-
-def test_gains_over_the_joint_go_through_their_free_values():
-    at, knots = np.array([2e-5, 2e-4, 2e-3]), grid(1e-5, 4e-3, 2)
-    kp, kd = joint_gains(knots, at, np.array([[400.0, 100.0, 25.0, 8.0, 4.0, 1.0]]))
-    assert kp[0, 0] == pytest.approx(400.0) and kp[0, -1] == pytest.approx(25.0) and kd[0, -1] == pytest.approx(1.0)
-    middle = np.exp(np.interp(np.log(2e-4), np.log(knots), np.log(kp[0])))
-    assert middle == pytest.approx(100.0, rel=0.05)
-    family = joint_family(masses(440.0), knots, at, (250.0, 4.0), 1e-4)
-    assert family.controller(family.start[None, :], 2).law.follows == "joint"
 
 
 def standing(name, time, error, costs=(1.0, 3.0, 2.0)) -> Standing:

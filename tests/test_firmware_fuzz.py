@@ -39,6 +39,7 @@ def blocks(made) -> list[bytes]:
         changed(data, "count", np.inf),
         changed(data, "limit", np.inf),
         changed(data, "bits", 33),
+        changed(data, "verdict", 16),
         data[:40],
         data[:-1],
         data + b"\0",

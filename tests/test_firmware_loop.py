@@ -11,8 +11,10 @@ from workbench.cli import main
 from workbench.control import fixed_pd, pi_cascade, scheduled_pd
 from workbench.definition import find
 from workbench.firmware import firmware, quantisation
+from workbench.firmware.document import document
 from workbench.firmware.image import read
 from workbench.firmware.loop import Compiled, run_firmware
+from workbench.firmware.verification import judged, same_bits
 from workbench.plant import ONE_MASS, TWO_MASS, Limits, Plant
 from workbench.robustness import worst
 from workbench.robustness.cases import Varied
@@ -54,7 +56,13 @@ def test_two_masses_are_moved_too():
     loop = Loop(2.5e-4, 4, 0.0, 2.5e-4, 0.5 * COUNT, COUNT, "load_position")
     c = scheduled_pd(Gains, "frozen", motor_speed=True, scale=0.2)
     law = simulate(plant, loop, c, ScenarioArrays(1, target=TO), 0.4)
-    run = run_firmware(firmware(c, loop, plant), plant, loop, ScenarioArrays(1, target=TO), 0.4)
+    made = firmware(c, loop, plant)
+    run = run_firmware(made, plant, loop, ScenarioArrays(1, target=TO), 0.4)
+    for arithmetic in ARITHMETICS:  # every sample, by both encoders
+        own = firmware(c, loop, plant, arithmetic)
+        driven = run_firmware(own, plant, loop, ScenarioArrays(1, target=TO), 0.4)
+        samples, same = same_bits(own, driven, np.array([TO]))
+        assert same == samples == 1600 and np.ptp(driven.trajectories["other"]) > 1000.0
     assert np.isfinite(law.time_1pct).all()
     assert np.abs(law.final_error - run.final_error).max() < 2.0 * COUNT
     assert np.abs(law.time_1pct - run.time_1pct).max() < 1e-4
@@ -105,6 +113,20 @@ def test_verify_drives_a_studys_axes_and_writes_what_it_found(tmp_path, capsys):
         assert {"axis.c", "axis.h", "axis.hex", "axis.json", "axis.a2l", "axis_table.h"} <= {
             p.name for p in place.iterdir()
         }
+
+
+def test_a_table_says_the_verdict_of_the_study_that_it_was_made_by(tmp_path):
+    assert judged(tmp_path) == 0
+    for checks, traced, said in (
+        ([True, True], "cause", 5),
+        ([True, False], "unknown", 14),
+        ([], "nothing_missing", 8),
+    ):
+        text = json.dumps({"checks": [{"passed": p} for p in checks], "verdict": traced})
+        (tmp_path / "results.json").write_text(text)
+        assert judged(tmp_path) == said
+    made = firmware(fixed_pd(900.0, 5.0), LOOP, AXIS, verdict=5)
+    assert document(made)["verdict"] == "requirements met; trace: cause"
 
 
 def test_verify_says_what_is_missing(tmp_path, capsys):

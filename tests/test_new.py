@@ -297,6 +297,12 @@ def test_a_channel_that_is_told_wrongly_is_answered_with_how_to_tell_it(
         ("load_position_rad", "position", "rad", {"load"}),
         ("following error", "", "", {"error"}),
         ("column 2", "", "", set()),
+        ("theta_m", "position", "", set()),
+        ("x-output-current", "current", "", set()),
+        ("current_in", "current", "", set()),
+        ("ms_today", "time", "ms", set()),
+        ("torque [N.m]", "torque", "N*m", set()),
+        ("AIPos.A1", "position", "", set()),
     ],
 )
 def test_a_name_says_quantity_unit_and_quality(name, kind, unit, quality):
@@ -315,3 +321,173 @@ def test_the_step_of_an_encoder_is_found_in_rounded_decimals():
     position = 4.848e-6 * np.round(300 * np.sin(np.linspace(0, 6, 4000)))
     assert quantum(np.round(position, 7)) == pytest.approx(4.848e-6, rel=0.01)
     assert quantum(np.sin(np.linspace(0, 6, 4000))) == 0.0
+
+
+def wave(n=1500, seed=5):
+    """Time in s, torque in N*m and position in rad of an axis in closed form, and a reference 5 ms ahead of it."""
+    t, noise = np.arange(n) * 1e-3, np.random.default_rng(seed).normal(size=n)
+    q, v, a = (
+        np.sin(9 * t) + 0.2 * np.sin(31 * t),
+        9 * np.cos(9 * t),
+        -81 * np.sin(9 * t) - 0.2 * 31**2 * np.sin(31 * t),
+    )
+    v = v + 0.2 * 31 * np.cos(31 * t)
+    torque = 0.01 * a + 0.02 * v + 0.1 * np.tanh(v / 0.1) + 0.005 * noise
+    return t, torque, q, np.sin(9 * (t + 0.005)) + 0.2 * np.sin(31 * (t + 0.005))
+
+
+def made_of(tmp_path, header, *columns, name="log.csv", **flags):
+    """Return what `new` says of a log of these columns, in one text, and the campaign."""
+    np.savetxt(tmp_path / name, np.column_stack(columns), "%.9g", ",", header=header, comments="")
+    said = new(tmp_path / "axis", [tmp_path / name], **flags)
+    return "\n".join(said.lines), load(tmp_path / "axis" / "campaign")
+
+
+def refusal(tmp_path, header, *columns, **flags):
+    with pytest.raises(WorkbenchError) as caught:
+        made_of(tmp_path, header, *columns, **flags)
+    assert not (tmp_path / "axis").exists()
+    return str(caught.value)
+
+
+def test_a_column_called_time_is_taken_with_its_jitter_and_that_is_said(tmp_path):
+    t, torque, q, _ = wave()
+    uneven = t + np.random.default_rng(1).uniform(-4e-4, 4e-4, t.size)
+    said, campaign = made_of(tmp_path, "time,torque_Nm,angle_rad", uneven, torque, q)
+    assert "time: column 'time' in 's'" in said and "resampled" in said
+    assert campaign.records[0].dt == pytest.approx(1e-3, rel=0.05)
+
+
+def test_a_counter_of_samples_has_a_rate_that_is_assumed(tmp_path):
+    t, torque, q, _ = wave()
+    said, campaign = made_of(tmp_path, "sample,torque_Nm,angle_rad", np.arange(t.size), torque, q)
+    assert "1000 count/s, assumed" in said
+    assert "time" in {f.subject for f in campaign.findings if f.kind == "assumed scale"}
+
+
+def test_a_rate_that_two_units_would_make_is_assumed(tmp_path):
+    t, torque, q, _ = wave()
+    said, campaign = made_of(tmp_path, "time,torque_Nm,angle_rad", 20 * t, torque, q)  # 50 Hz in s, 50 kHz in ms
+    assert "50 Hz in s, 50000 Hz in ms" in said
+    assert "time" in {f.subject for f in campaign.findings if f.kind == "assumed scale"}
+
+
+def test_samples_without_time_ask_for_their_rate(tmp_path):
+    _, torque, q, _ = wave()
+    assert "--rate HZ" in refusal(tmp_path, "torque_Nm,angle_rad,spare", torque, q, q * 0 + 1)
+    _, campaign = made_of(tmp_path, "torque_Nm,angle_rad", torque, q, rate=2000.0)
+    assert campaign.records[0].dt == pytest.approx(5e-4)
+
+
+def test_several_axes_are_listed_and_asked_for(tmp_path):
+    t, torque, q, _ = wave()
+    _, other, place, _ = wave(seed=6)
+    columns = (t, q, place[::-1], torque, other[::-1])
+    header = "t,position.q6,position.q7,effort.q6,effort.q7"
+    assert "2 axes (q6, q7); say which one is meant: --axis q6" in refusal(tmp_path, header, *columns)
+    assert "did you mean 'q7'" in refusal(tmp_path, header, *columns, axis="q77")
+    said, campaign = made_of(tmp_path, header, *columns, axis="q7")
+    assert campaign.records[0].source.columns["torque"] == "effort.q7"
+    assert "a sliding joint's is in" in said and {"torque", "position"} <= {f.subject for f in campaign.findings}
+
+
+def test_an_unknown_unit_is_refused_with_the_nearest_and_told_by_a_flag(tmp_path):
+    t, torque, q, _ = wave()
+    sentence = refusal(tmp_path, "t,torque [Nmc],angle_rad", t, 1e2 * torque, q)
+    assert "states the unit 'Nmc', which is not known for a torque; nearest: N*m, N*mm, N*cm." in sentence
+    assert sentence.endswith("--unit 'torque [Nmc]=N*m'")
+    _, campaign = made_of(tmp_path, "t,torque [Nmc],angle_rad", t, 1e2 * torque, q, units={"torque [Nmc]": "N*cm"})
+    assert np.ptp(campaign.records[1].channels["torque"]) == pytest.approx(np.ptp(torque), rel=1e-6)
+    (tmp_path / "b").mkdir()
+    assert "there is no such unit" in refusal(tmp_path / "b", "t,i,pos", t, torque, q, units={"i": "furlong"})
+
+
+def test_a_reference_is_one_by_slope_and_scale_and_else_only_listed(tmp_path):
+    t, torque, q, reference = wave()
+    said, campaign = made_of(
+        tmp_path, "t,torque_Nm,angle_rad,setpoint_deg,gear", t, torque, q, np.degrees(reference), 30 * q
+    )
+    assert campaign.records[0].source.columns["reference"] == "setpoint_deg"
+    assert "'gear': it follows the position, 30 times as far: perhaps a second encoder" in said
+    for folder, header, scale in (
+        ("b", "t,torque_Nm,angle_rad,setpoint", 57.3),
+        ("c", "t,torque_Nm,angle_rad,other", 1.2),
+    ):
+        (tmp_path / folder).mkdir()
+        said, campaign = made_of(tmp_path / folder, header, t, torque, q, scale * reference)
+        assert "reference" not in campaign.records[0].channels and "not used:" in said
+
+
+def test_what_is_not_used_is_listed_with_what_it_might_be_and_what_is_stuck_is_passed_over(tmp_path):
+    t, torque, q, _ = wave()
+    stuck = np.where(t < 0.7, 0.0, 1.0)
+    columns = (t, stuck, torque, torque / 0.1, q, 30 + t)
+    said, campaign = made_of(tmp_path, "t,torque_sensor_Nm,torque_Nm,iq_A,angle_rad,motor_temp", *columns)
+    assert campaign.records[0].source.columns["torque"] == "torque_Nm"
+    assert "'torque_sensor_Nm': it does not change" in said
+    assert "'iq_A': a current beside the drive" in said and "'motor_temp': a temperature" in said
+
+
+def test_why_a_column_was_left_out_is_said_where_it_is_missed(tmp_path):
+    t, torque, q, _ = wave()
+    torque[100:120] = np.nan
+    assert "column 'torque_Nm' holds 'nan'" in refusal(
+        tmp_path, "t,torque_Nm,angle_deg,setpoint_deg", t, torque, q, q * 1.5
+    )
+
+
+def test_of_two_axes_without_names_neither_is_guessed(tmp_path):
+    t, torque, q, _ = wave()
+    _, other, place, _ = wave(seed=6)
+    assert "several pairs of columns" in refusal(
+        tmp_path, "a,b,c,d,e", t, torque, q, other[::-1], place[::-1] + 0.5 * t
+    )
+
+
+@pytest.mark.parametrize("name", ["all", "clean", "bench-trace", "-x", ".hidden", "a b", "x" * 101])
+def test_a_name_that_a_command_or_a_folder_would_misunderstand_is_refused(tmp_path, name):
+    with pytest.raises(WorkbenchError, match="command of the Makefile|cannot name a study"):
+        new(tmp_path / name, [tmp_path / "log.csv"])
+
+
+def test_the_commands_of_the_makefile_are_those_that_names_must_not_have():
+    from workbench.intake.new import VERBS
+
+    text = (Path(__file__).resolve().parent.parent / "Makefile").read_text(encoding="utf-8")
+    (line,) = [line for line in text.splitlines() if line.startswith("VERBS")]
+    assert set(line.split(":=")[1].split()) <= set(VERBS)
+
+
+def test_one_log_under_two_names_is_refused(axis, tmp_path):
+    file = csv(tmp_path / "a.csv", foreign(axis[0]["val_moves"]))
+    (tmp_path / "b.csv").write_bytes(file.read_bytes())
+    with pytest.raises(WorkbenchError, match="the same bytes as"):
+        new(tmp_path / "axis", [file, tmp_path / "b.csv"])
+
+
+def test_file_names_with_dots_make_two_records(axis, tmp_path):
+    files = [csv(tmp_path / f"run.{k}.csv", foreign(axis[0][n])) for k, n in enumerate(("id_multisine", "val_moves"))]
+    new(tmp_path / "axis", files)
+    assert {r.name for r in load(tmp_path / "axis" / "campaign").records} == {"run_0", "run_1"}
+
+
+def test_two_masses_begin_with_dry_friction_on_both(tmp_path):
+    from workbench.intake.text import TWO_MASS
+
+    assert {at for at, name, *_ in TWO_MASS if name == "coulomb_friction"} == {"motor", "load"}
+
+
+def test_axis_rate_and_unit_are_told_on_the_command_line(tmp_path, monkeypatch, capsys):
+    _, torque, q, _ = wave()
+    monkeypatch.chdir(tmp_path)
+    columns = np.column_stack([1e2 * torque, q, torque[::-1], q[::-1]])
+    np.savetxt("log.csv", columns, "%.9g", ",", header="tau1 [x],q1_rad,tau2 [x],q2_rad", comments="")
+    told = ["--axis", "1", "--rate", "2000", "--unit", "tau1 [x]=N*cm"]
+    assert main(["new", "axis", "--records", "log.csv", *told]) == 0
+    assert "2000 Hz" in capsys.readouterr().out
+    record = load(Path("studies/axis/campaign")).records[1]
+    assert record.dt == pytest.approx(5e-4) and record.source.columns["torque"] == "tau1 [x]"
+    assert np.ptp(record.channels["torque"]) == pytest.approx(np.ptp(torque), rel=1e-6)
+    for wrong, said in ((["--rate", "0"], "--rate 0"), (["--unit", "tau1"], "--unit COLUMN=UNIT")):
+        assert main(["new", "other", "--records", "log.csv", *wrong]) == 2
+        assert said in capsys.readouterr().err

@@ -25,6 +25,22 @@ class Source:
 MADE = Source(Path("made"), "", "made", {})  # of a record that a program made, and no file holds
 
 
+@dataclass(frozen=True)
+class Payload:
+    """What was added to the axis (to its load) for a record, and is known: inertia a + mgl sin(q + phase) beside the model.
+
+    inertia: kg*m^2 or kg. mgl: N*m, its weight times the lever; rotary axes only. phase: rad.
+    """
+
+    inertia: float = 0.0
+    mgl: float = 0.0
+    phase: float = 0.0
+
+    def force(self, q: np.ndarray, a: np.ndarray) -> np.ndarray:
+        """Return the torque or force (n,) that it takes."""
+        return self.inertia * a + self.mgl * np.sin(q + self.phase)
+
+
 @dataclass(frozen=True, eq=False)
 class Record:
     """Channels sampled at one uniform rate.
@@ -33,8 +49,8 @@ class Record:
     channels: name -> (n,) array in SI; "torque" or "force", "position", and further channels as measured.
     units: name -> SI unit string, of drive and positions known without. resolution: name -> encoder step in SI, where known. locked: the load is held.
     counts_from: s; before it no error counts: earlier samples only bring operators with memory into their state. zero: rad
-    or m that was added to load_position because the two encoders' zeros lie apart; None where they are one. All arrays are
-    made read-only.
+    or m that was added to load_position because the two encoders' zeros lie apart; None where they are one. payload: what
+    was added to the axis, or None. All arrays are made read-only.
     """
 
     name: str
@@ -48,6 +64,7 @@ class Record:
     locked: bool = False
     counts_from: float = -inf
     zero: float | None = None
+    payload: Payload | None = None
 
     def __post_init__(self):
         for array in (self.time, *self.channels.values()):

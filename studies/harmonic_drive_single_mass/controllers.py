@@ -28,6 +28,7 @@ ERROR, PROFILE = "scheduled PD (error)", "scheduled PD (error, profile)"
 FIXED, CASCADE, SOFT = "fixed PD", "PI cascade", "soft cascade"
 BEST, FED = "profile with PI", "profile with PI, fed forward"
 NOMINAL = "scheduled PD (following), no spread"  # for no load and the disc alone
+TRADE = "scheduled PD (following), nominal"  # for these alone in time and error, its overshoot held over the grid
 SMALL = 0.9e-3  # rad: up to here friction is a spring
 TIMES = ("simulated_time_small", "simulated_time_4mrad", "simulated_time_21mrad", "simulated_time_104mrad", "promised_time_deviation")  # fmt: skip
 FIT_KEYS = ("actuator", "friction")
@@ -95,7 +96,10 @@ def held(
     say(f"tuning {NOMINAL}")
     narrow = replace(task, frictions=(1.0,), inertias=(1.0,), phases=4, duration=time).on(model)
     alone = entered(task, narrow, made.family(PAPER), seeds, NOMINAL)
-    return made, replace(found, standings={**found.standings, NOMINAL: alone})
+    say(f"tuning {TRADE}")
+    kept = replace(task, nominal=True, duration=time).on(model)
+    trade = entered(task, kept, made.family(PAPER), seeds, TRADE)
+    return made, replace(found, standings={**found.standings, NOMINAL: alone, TRADE: trade})
 
 
 def for_margin(control: Control, model: Plant, task: Task, limit: float, names: tuple[str, ...]) -> dict[str, Family]:
@@ -130,7 +134,7 @@ def designed(
     tuned = {n: s.tuned.median for n, s in found.standings.items() if s.tuned}
     final, between = {control.rule: table.schedule}, checks[control.rule].between
     return Designed(
-        plant, made.equivalent, made.gains, table.interpolated, polished, between, tuned, final, table.climbed, ()
+        plant, made.equivalent, made.gains, table.interpolated, polished, between, tuned, final, table.climbed, table.rivals
     ), checks, table  # fmt: skip
 
 
@@ -147,9 +151,13 @@ def figures_of_checks(checks: dict[str, Checks]) -> dict[str, float]:
 
 def asked_for(found: Contest, margins: AgainstMargin) -> tuple[Asked, ...]:
     """Return what was hoped of the paper's rule and is not had within the limit on Ms."""
+    other = found[TRADE]
     gross = (
-        "a large step without overshoot arrives in gross sliding, where friction holds it at h0/Kp: the presliding gains are not "
-        "entered, and Ms bounds Kp. With the error in the rule they are"
+        "tuned for its worst case a large step arrives stiffly damped and in gross sliding, where friction holds it at h0/Kp. Tuned "
+        "to be accurate on the nominal axis, its overshoot held over the grid, the same schedule arrives softly, turns back and is "
+        f"finished by the presliding gains: at the same margin {1e6 * other.median('error'):.0f} µrad, "
+        f"{1e6 * other.median('error_loaded'):.0f} loaded, and {1e3 * other.median('error_grid'):.2g} mrad in the worst case of the "
+        "grid. The trade is nominal against worst case, more than error against margin"
     )
     one = "both arrive with the gains of gross sliding, so a schedule over the stroke is a fixed PD there"
     paper, fixed = margins.values[PAPER], margins.values[FIXED]
@@ -188,6 +196,9 @@ def figures_of(found: Contest) -> tuple[dict[str, float], dict[str, str]]:
         "paper_error_tuned_without_spread": of(NOMINAL, "error"),
         "paper_error_tuned_without_spread_loaded": of(NOMINAL, "error_loaded"),
         "paper_error_tuned_without_spread_grid": of(NOMINAL, "error_grid"),
+        "paper_error_nominal": of(TRADE, "error"),
+        "paper_error_nominal_loaded": of(TRADE, "error_loaded"),
+        "paper_error_nominal_grid": of(TRADE, "error_grid"),
         "error_rule_error": of(ERROR, "error"),
         "error_rule_error_loaded": of(ERROR, "error_loaded"),
         "error_rule_error_grid": of(ERROR, "error_grid"),
@@ -198,6 +209,7 @@ def figures_of(found: Contest) -> tuple[dict[str, float], dict[str, str]]:
     ratios = {
         "paper_time_over_bound": found.over_bound(PAPER),
         "paper_time_over_bound_tuned_without_spread": found.over_bound(NOMINAL),
+        "paper_time_over_bound_nominal": found.over_bound(TRADE),
         "paper_error_over_fixed": of(PAPER, "error") / of(FIXED, "error"),
         "error_rule_time_over_bound": found.over_bound(ERROR),
         "error_rule_time_over_fixed": of(ERROR, "time") / of(FIXED, "time"),

@@ -34,10 +34,11 @@ from workbench.verification.contest import as_table as contest_table
 from workbench.verification.margin import against_margin
 from workbench.verification.promise import promise
 from workbench.verification.recommend import recommend
+from workbench.verification.worth import regret_of
 
 from . import controllers, description, paper, records
 from .controllers import BEST as PROFILE_PI
-from .controllers import CASCADE, ERROR, FIXED, NOMINAL, PAPER, SHORT, SOFT
+from .controllers import CASCADE, ERROR, FIXED, NOMINAL, PAPER, SHORT, SOFT, TRADE
 from .records import FIRST, SECOND
 
 FURTHER = ("actuators", "friction", "records", "contest")
@@ -81,7 +82,10 @@ def contested(study: Study, control: Control, model: Plant, known: Plant, say) -
     designed, checks, table = controllers.designed(made, held, control, model, say)
     polished, regret = designed.polished, table.regret_on(held.task)
     kept = promise(known, polished, held.task)
-    tuned = {n: t for n, t in designed.tuned.items() if n != NOMINAL} | {TABLE: table.climbed.best}
+    on, best = table.climbed.on, table.climbed.references
+    fewer = {r.family.name: regret_of(on, r, best, held.task) for r in table.rivals.found}
+    tuned_too = {n: regret_of(on, held[n].tuned.median, best, held.task) for n in (FIXED, CASCADE, PROFILE_PI)}
+    tuned = {n: t for n, t in designed.tuned.items() if n not in (NOMINAL, TRADE)} | {TABLE: table.climbed.best}
     choice = recommend(held.task, tuned, model.displacement)
     say("error against margin")
     asked = study.table.table("contest", ("seeds", "tuning_time"), ("margins", "soft_cascade", "fits"))
@@ -104,7 +108,7 @@ def contested(study: Study, control: Control, model: Plant, known: Plant, say) -
         control_chapters.step_chapter(loaded, {n: held[n].maker for n in (PAPER, SOFT, CASCADE, PROFILE_PI)}, "loaded"),
     )
     against = contest_chapter(
-        held, (PAPER, ERROR, PROFILE_PI), BASELINES, tuple(n for n in held.standings if n not in (SOFT, NOMINAL))
+        held, (PAPER, ERROR, PROFILE_PI), BASELINES, tuple(n for n in held.standings if n not in (SOFT, NOMINAL, TRADE))
     )
     limit = control.goal.sensitivity
     paid = (asked_table(missed, margins.limits, limit), margin_figure(margins, "rad", limit))
@@ -128,7 +132,7 @@ def contested(study: Study, control: Control, model: Plant, known: Plant, say) -
             recommended_chapter(choice, model, control.loop.count),
             control_chapters.schedule_chapter(designed, control.rule),
             polish_chapter(polished, kept, model),
-            ladder_chapter(table.climbed, regret, model, control.rule),
+            ladder_chapter(table.climbed, regret, model, control.rule, fewer, tuned_too),
             *(checks_chapter(c, control.goal.sensitivity, model, rule) for rule, c in checks.items()),
             *steps,
             against,
@@ -139,7 +143,7 @@ def contested(study: Study, control: Control, model: Plant, known: Plant, say) -
             "tuned_plant": {"digest": model.digest, "lines": list(model.digest_lines())},
             "contest": contest_table(held),
             "gains": gains_table(polished),
-            "ladder": ladder_table(table.climbed, regret),
+            "ladder": ladder_table(table.climbed, regret, fewer | tuned_too),
             "reproduction": as_table(printed),
             "fits": fits,
             "error_against_margin": {"limits": margins.limits, **margins.values},

@@ -1,14 +1,15 @@
 """The assumed plant of two masses, and the records that the study logs with its output locked."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import pi
 
 import numpy as np
 
+from workbench.control import fixed_pd
 from workbench.definition import find
 from workbench.plant import ONE_MASS, TWO_MASS, Geometry, Limits, Plant
 from workbench.record import IDENTIFICATION, VALIDATION, Record
-from workbench.simulation import Loop, Scenario, open_loop
+from workbench.simulation import Loop, Scenario, ScenarioArrays, open_loop, simulate
 from workbench.study.configuration import Study
 from workbench.study.simulated import record_of
 
@@ -17,6 +18,11 @@ KEYS = (
     "gear_error",
 )  # fmt: skip
 PER_RECORD = 4  # control samples a logged one
+KEPT = ("bandwidth_of_torque", "torque", "duration", "noise", "bandwidth", "free", "frequency")  # of [records]
+PERIODS, LOGGING = (
+    3,
+    (250.0, 5.0),
+)  # of the slow sine with the output free; Kp and Kd of the loop that it is logged through
 
 
 @dataclass(frozen=True)
@@ -41,7 +47,6 @@ def assumed(study: Study) -> Assumed:
     damping, ratio = one.quantity("damping", "N*m*s/rad"), one.number("ratio", above=0.0)
     inertia, friction = find("inertia"), find("presliding_hysteresis")
     limits = Limits(one.quantity("torque", "N*m", above=0.0), one.quantity("speed", "rad/s", above=0.0))
-    geometry = Geometry(gear_ratio=ratio)
     plant = Plant(
         TWO_MASS,
         (
@@ -54,11 +59,29 @@ def assumed(study: Study) -> Assumed:
             friction(h0=(1.0 - share) * h0, x0=x0, at="load"),
             find("kinematic_error")(sine=one.quantity("gear_error", "rad"), order=2.0 * ratio, at="joint"),
         ),
-        geometry=geometry,
+        geometry=Geometry(gear_ratio=ratio),
         limits=limits,
     )
-    rigid = Plant(ONE_MASS, (inertia(inertia=motor + load), friction(h0=h0, x0=x0)), geometry=geometry, limits=limits)
-    return Assumed(plant, rigid, damping, (k1, k2 + hysteresis / stroke), load)
+    ground = friction(h0=h0, x0=x0)
+    return Assumed(plant, rigid_of(plant, ground), damping, (k1, k2 + hysteresis / stroke), load)
+
+
+def rigid_of(plant: Plant, ground) -> Plant:
+    """Return the axis of two masses as one, with friction to ground."""
+    mass = sum(e.parameters["inertia"].value for e in plant.effects if e.name == "inertia")
+    one = (find("inertia")(inertia=mass), ground)
+    return Plant(ONE_MASS, one, geometry=plant.geometry, limits=plant.limits)
+
+
+def identified(fitted: Plant, known: Assumed) -> Assumed:
+    """Return what was identified, with the joint's damping as assumed: torque up to 1 Hz does not show it."""
+    spring, joint = fitted["piecewise_stiffness"].parameters, fitted["presliding_hysteresis@joint"].parameters
+    ground = fitted["presliding_hysteresis@motor"].parameters
+    plant = fitted + known.plant["linear_damping"]
+    friction = find("presliding_hysteresis")(h0=ground["h0"].value, x0=ground["x0"].value, d=ground["d"].value)
+    soft = spring["k1"].value
+    stiff = soft + max(spring["k2"].value, 0.0) + joint["h0"].value / joint["x0"].value
+    return Assumed(plant, rigid_of(plant, friction), known.damping, (soft, stiff), known.load)
 
 
 def declared(known: Plant) -> Plant:
@@ -80,10 +103,32 @@ def random_torque(seed: int, rms: float, band: float, dt: float, samples: int) -
     return ramp * rms * wave / np.sqrt(np.mean(wave**2))
 
 
+def with_ground(fitted: Plant) -> Plant:
+    """Return a plant of one hysteretic spring with friction on the motor's side beside it, values unknown."""
+    return fitted + find("presliding_hysteresis")(h0=0.1, x0=1.0 / 400.0, at="motor")
+
+
+def free(study: Study, loop: Loop, known: Plant) -> Record:
+    """Log a slow sine with the output free: what slides then is friction to ground."""
+    asked = study.table.table("records", KEPT)
+    size, frequency = asked.quantity("free", "rad", above=0.0), asked.quantity("frequency", "Hz", above=0.0)
+    duration = PERIODS / frequency
+    t = loop.sample_time * np.arange(int(round(duration / loop.sample_time)))
+    reference = size * np.sin(2 * pi * frequency * t)[:, None]
+    scenario = ScenarioArrays(1, target=reference[-1], noise=asked.quantity("noise", "N*m"), seed=3, phase=0.5)
+    run = simulate(
+        known, replace(loop, velocity_filter=8.0 * loop.sample_time), fixed_pd(*LOGGING, motor_speed=True), scenario, duration,
+        ("motor.y", "load.y", "u"), every=PER_RECORD, reference=reference,
+    ).trajectories  # fmt: skip
+    channels = {"torque": run["u"][:, 0], "position": run["motor.y"][:, 0], "load_position": run["load.y"][:, 0]}
+    counts = {"position": loop.resolution, "load_position": loop.load_resolution}
+    said = f"output free, {frequency:g} Hz sine of {size:.3g} rad"
+    return record_of("id_free", IDENTIFICATION, known, run.time, channels, counts, said)
+
+
 def locked(study: Study, loop: Loop, known: Plant) -> tuple[tuple[Record, ...], float]:
     """Log random torque with the output locked, once to identify and once to validate; return (records, bandwidth)."""
-    keys = ("bandwidth_of_torque", "torque", "duration", "noise", "bandwidth")
-    asked = study.table.table("records", keys)
+    asked = study.table.table("records", KEPT)
     samples = int(round(asked.quantity("duration", "s", above=0.0) / loop.sample_time))
     rms, band = asked.quantity("torque", "N*m", above=0.0), asked.quantity("bandwidth_of_torque", "Hz", above=0.0)
     drive = np.stack([random_torque(s, rms, band, loop.sample_time, samples) for s in (1, 2)], axis=1)

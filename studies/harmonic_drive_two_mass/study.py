@@ -4,21 +4,26 @@ Everything is derived from the plant that study.toml assumes. What a second enco
 encoder and on both.
 """
 
+from collections.abc import Sequence
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
-from workbench.definition import find
+from workbench.compensation import REFERENCE, Compensator
+from workbench.errors import WorkbenchError
 from workbench.finding import Finding
 from workbench.identification.fit import identify, passes_of
+from workbench.identification.result import Fit
 from workbench.report import control as control_chapters
 from workbench.report.contents import Chapter, Items, Paragraph
-from workbench.report.contest import asked_table, contest_chapter, margin_figure
+from workbench.report.contest import contest_chapter
 from workbench.report.recommend import RECOMMENDED, recommended_chapter
 from workbench.report.reproduction import as_table, counted
 from workbench.study import standard
 from workbench.study.compensating import compensation
 from workbench.study.configuration import Study
+from workbench.study.control import write_table
 from workbench.study.controlling import control_of
 from workbench.study.leaving import leave
 from workbench.study.outcome import Outcome, Part, with_part
@@ -26,12 +31,12 @@ from workbench.study.series import robustness
 from workbench.tracing.tracing import trace
 from workbench.verification.contest import Contest, verdict
 from workbench.verification.contest import as_table as contest_table
-from workbench.verification.margin import AgainstMargin
+from workbench.verification.design import two_modes
 from workbench.verification.recommend import recommend
 
-from . import controllers, description, paper
-from .controllers import BEST, BOTH, FIXED, JOINT, ON_LOAD, ON_MOTOR, OUTPUT
-from .plant import assumed, declared, locked
+from . import controllers, description, hunting, paper
+from .controllers import BEST, BOTH, FIXED, JOINT, ON_LOAD, ON_MOTOR, OUTPUT, WIDE, Over
+from .plant import Assumed, assumed, declared, free, identified, locked, with_ground
 
 FURTHER = ("plant", "records", "encoders", "contest")
 SUSPECTS = (
@@ -41,14 +46,6 @@ SUSPECTS = (
     "cubic_stiffness",
 )  # the trace is asked about these
 SHOWN = (OUTPUT, JOINT, BOTH, ON_MOTOR, BEST)
-
-GAINS_SAID = (
-    "The gains are those of the stroke of the relative displacement since its own reversal, the difference of two encoders. "
-    "They are free at three amplitudes and searched on the simulated loop, with position from the output and speed from the "
-    "motor. Where the searches of different seeds end far apart, the displacement seldom is there and the gains matter little. "
-    "The variable is small: a few counts of the motor's encoder without load, of which the gear's error, which moves the "
-    "reading and not the torque, is a large part."
-)
 
 
 def run(study: Study, say) -> Outcome:
@@ -63,7 +60,10 @@ def run(study: Study, say) -> Outcome:
     passes = passes_of(records, bandwidth)
     found = trace(lacking, passes, say, most=1, only=SUSPECTS)
     fit = found.before  # the paper's one spring
-    apart = identify(fit.plant + find("presliding_hysteresis")(h0=0.1, x0=2e-3, at="motor"), passes)
+    apart = identify(with_ground(fit.plant), passes)
+    say("identifying with the output free")
+    full = identify(with_ground(fit.plant), passes_of((*records, free(study, loop, known.plant)), bandwidth))
+    model = identified(full.plant, known)
     amplitudes = standard.amplitudes(study)
     outcome = Outcome(
         plant=lacking,
@@ -78,56 +78,65 @@ def run(study: Study, say) -> Outcome:
         ),
         findings=(*found.findings, *fit.findings),
     )
-    held, margins = controllers.held(study, control, known, loop, say)
-    outcome = with_part(outcome, contested(study, held, margins))
+    say("gains over the relative displacement")
+    over = controllers.over_joint(study, control, fit.plant, model, loop)
+    held = controllers.held(study, control, known, model, loop, over, say)
+    outcome = with_part(outcome, contested(study, held, model, full, over))
     outcome = with_part(outcome, robustness(study, held.task, held.makers, say))
-    return with_part(outcome, compensation(study, held.task, held.makers, say))
+    return with_part(outcome, compensation(study, held.task, held.makers, say, margins=partial(margins_of, held)))
 
 
-def contested(study: Study, held: Contest, margins: AgainstMargin) -> Part:
-    """Everything about controllers."""
-    reversal = study.table.table("contest", controllers.KEYS).number("reversal")
-    variable, counts = description.variable_figure(held, reversal * held.task.loop.resolution)
+def margins_of(held: Contest, name: str, compensator: Compensator, gains: Sequence[float]) -> dict[float, float]:
+    """Return gain of the compensation -> Ms: from the reference it closes no path, and the margin is the controller's own."""
+    if compensator.source != REFERENCE:
+        raise WorkbenchError(
+            "the margin of two masses is known for a compensation from the reference; state that source."
+        )
+    return dict.fromkeys(gains, held[name].median("sensitivity"))
+
+
+def contested(study: Study, held: Contest, model: Assumed, full: Fit, over: Over) -> Part:
+    """Everything about controllers. model: that they were tuned on, from the fit `full`."""
+    variable, counts = description.variable_figure(held, over.schedule.reversal)
     printed = paper.rows(held)
     figures, units = controllers.figures_of(held)
-    task = held.task
+    task, plant = held.task, model.plant
     loaded = replace(task, load_inertias=task.load_inertias[-1:])
-    missed = controllers.asked_for(held, margins)
     tuned = {n: s.tuned.median for n, s in held.standings.items() if s.tuned}
     choice = recommend(task, tuned, "rad")
-    plant = task.plant
-    limit = task.weights.sensitivity
-    paid = (asked_table(missed, margins.limits, limit), margin_figure(margins, "rad", limit))
-    against = contest_chapter(held, (JOINT,), (OUTPUT, FIXED, BOTH, BEST), tuple(held.standings))
+    final = two_modes(over.schedule, tuned[JOINT], "following")
+    hunts = hunting.looked_at(task, over, final)
+    pumping = max(float(np.max(p.pumping / p.damping)) for p in over.passivity(final))
     return Part(
         figures={
             **figures,
             **counts,
             **counted(printed),
-            **{f"{m.name}_had_at_sensitivity": m.had_at(margins.limits) or np.inf for m in missed},
+            "joint_pumping_over_damping": pumping,
+            **hunting.figures_of(hunts),
         },
         units=units,
         findings=(Finding(RECOMMENDED, "gains", choice.sentence),),
-        files=(lambda folder: leave(tuned, choice.name, plant, task.loop.sample_time, folder / "gains"),),
+        files=(
+            lambda folder: write_table(final, plant, folder / "gains"),
+            lambda folder: leave(tuned, choice.name, plant, task.loop.sample_time, folder / "gains", JOINT, task),
+        ),
         chapters=(
             recommended_chapter(choice, plant, task.loop.count),
-            Chapter(
-                "Gains over the relative displacement",
-                (Paragraph(GAINS_SAID), description.schedule_figure(held), variable),
-            ),
+            description.joint_chapter(full, over, held, final, variable),
+            hunting.chapter(hunts, pumping),
             control_chapters.step_chapter(task, {n: held[n].maker for n in SHOWN}),
             control_chapters.step_chapter(loaded, {n: held[n].maker for n in SHOWN}, "loaded"),
-            replace(against, blocks=(*against.blocks, *paid)),
+            contest_chapter(held, (JOINT,), (OUTPUT, WIDE, FIXED, BOTH, BEST), tuple(held.standings)),
             encoders_chapter(held),
             paper.chapter(printed, held),
         ),
         tables={
             "recommended": {"controller": choice.name, "candidates": [vars(r) for r in choice.rows]},
             "tuned_plant": {"digest": plant.digest, "lines": list(plant.digest_lines())},
+            "joint_gains": {n: getattr(over.gains, n) for n in ("amplitude", "kp", "kd", "time")},
             "contest": contest_table(held),
             "reproduction": as_table(printed),
-            "error_against_margin": {"limits": margins.limits, **margins.values},
-            "asked": [{**vars(m), "had_at": m.had_at(margins.limits)} for m in missed],
         },
     )
 

@@ -40,6 +40,19 @@ class Compensated:
         """|S| after over before, dB, at the stepped frequencies."""
         return decibel(self.after[size].sensitivity) - decibel(self.before[size].sensitivity)
 
+    @property
+    def hump(self) -> float:
+        """How much |S| rises at most, dB, at 0.25 and 1.5 V."""
+        return max(float(self.change(a).max()) for a in (0.25, 1.5))
+
+    def at(self, where: str, frequency: float) -> dict[str, float]:
+        """What each remedy changes, dB, of a disturbance somewhere at one frequency: the least of it over the amplitudes."""
+        rows = [d for d in self.disturbed if d["where"] == where and d["frequency"] == frequency]
+        return {
+            "compensation": max((d["compensation"] for d in rows), key=abs),
+            "observer": max(d["observer"] for d in rows),
+        }
+
     def hump_off(self, size: float) -> float:
         """How far |S| after compensation is from that of the loop without friction, dB, from 50 to 120 Hz."""
         f = self.after[size].frequency
@@ -117,7 +130,7 @@ def figures(found: Compensated, bank: Bank, smallest: Preload) -> tuple[dict[str
     after = found.after
     high = [i for i, f in enumerate(STEPPED) if f > 13.5]
     off, small = found.off, found.off_small
-    forced = [d for d in found.disturbed if d["where"] == "force" and d["frequency"] == limits.TEN]
+    forced, shown = (found.at(where, limits.TEN) for where in ("force", "output"))
     decibels = {
         "a11_magnitude": magnitude,
         "a11_preload_magnitude": off_response(found, smallest)[0],
@@ -129,8 +142,10 @@ def figures(found: Compensated, bank: Bank, smallest: Preload) -> tuple[dict[str
         "a16_two_samples_late": max(off["delay 2"], small["delay 2"]),
         "a18_hump": max(float(found.change(a)[i]) for a in (0.25, 1.5) for i in high),
         "a18_hump_off_linear": max(found.hump_off(a) for a in (0.25, 0.5, 1.5)),
-        "a19_force_compensated": max((d["compensation"] for d in forced), key=abs),
-        "a19_force_observer": max(d["observer"] for d in forced),
+        "a19_force_compensated": forced["compensation"],
+        "a19_force_observer": forced["observer"],
+        "a19_output_compensated": shown["compensation"],
+        "a19_output_observer": shown["observer"],
         "a20_describing_function": off_described(found, bank),
     }
     plain = {
@@ -138,6 +153,8 @@ def figures(found: Compensated, bank: Bank, smallest: Preload) -> tuple[dict[str
         "a14_linearity": linearity(*found.cosine[1]),
         "a17_decays_calibrated": limits.largest_decaying(found.over["calibrated"]),
         "a17_decays_printed": limits.largest_decaying(found.over["printed"]),
+        "bare_integrator_left": limits.on_bare_integrator(CALIBRATED),
+        "weak_loop_compensated": found.weak["compensated"],
     }
     return decibels | {"a11_phase": phase} | plain, dict.fromkeys(decibels, "dB") | {"a11_phase": "deg"}
 

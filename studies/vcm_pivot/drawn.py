@@ -113,6 +113,14 @@ def rivals(fits: Ladder) -> Figure:
                   columns=2, height=2.6)  # fmt: skip
 
 
+def over_frequency(axes, below: str, ncols: int = 1) -> None:
+    """Label two graphs over frequency, of the response over the double integrator's and of something below it."""
+    axes[0].set_ylabel("x/u over K₀/s² (dB)")
+    axes[1].set_ylabel(below)
+    axes[1].set_xlabel("frequency (Hz)")
+    axes[0].legend(loc="lower right", ncols=ncols)
+
+
 def responses(found: Compensated, bank: Bank, smallest) -> Figure:
     heading = "Operators hold the response at every amplitude; preload and two slopes at none"
 
@@ -128,10 +136,7 @@ def responses(found: Compensated, bank: Bank, smallest) -> Figure:
                 seen.frequency, seen.over_integrator, "o", ms=3, color=SERIES[k], label=f"stepped, {size:g} V"
             )
             axes[1].semilogx(seen.frequency, np.degrees(np.angle(-seen.plant)), "o", ms=3, color=SERIES[k])
-        axes[0].set_ylabel("x/u over K₀/s² (dB)")
-        axes[1].set_ylabel("phase − 180° (°)")
-        axes[1].set_xlabel("frequency (Hz)")
-        axes[0].legend(loc="lower right", ncols=2)
+        over_frequency(axes, "phase − 180° (°)", ncols=2)
 
     return figure("responses", heading, draw, "Counterpart of Fig. 8. Dots: sines through the loop of the pivot; lines: describing "
                   "functions of what was identified.", "Magnitude and phase over frequency.", rows=2, height=4.4, share=True)  # fmt: skip
@@ -145,10 +150,7 @@ def best_linear_figure(found: Compensated) -> Figure:
         for b, color, label in zip(found.linear, (BEFORE, AFTER), ("before", "after compensation"), strict=True):
             axes[0].semilogx(LINES, relative(b.value, omega), ".", ms=3, color=color, label=label)
             axes[1].loglog(LINES, b.total / np.abs(b.value), ".", ms=3, color=color)
-        axes[0].set_ylabel("x/u over K₀/s² (dB)")
-        axes[1].set_ylabel("scatter")
-        axes[1].set_xlabel("frequency (Hz)")
-        axes[0].legend(loc="lower right")
+        over_frequency(axes, "scatter")
         decades(axes[1].yaxis)
 
     return figure("best_linear", heading, draw, "Best linear approximation, eight multisines of random phases, odd lines, without "
@@ -167,10 +169,7 @@ def compensated_responses(found: Compensated) -> Figure:
                 axes[0].semilogx(seen.frequency, seen.over_integrator, style, color=SERIES[k],
                                  label=f"{size:g} V" if style == "-" else None)  # fmt: skip
                 axes[1].semilogx(seen.frequency, np.degrees(np.angle(-seen.plant)), style, color=SERIES[k])
-        axes[0].set_ylabel("x/u over K₀/s² (dB)")
-        axes[1].set_ylabel("phase − 180° (°)")
-        axes[1].set_xlabel("frequency (Hz)")
-        axes[0].legend(loc="lower right", ncols=2)
+        over_frequency(axes, "phase − 180° (°)", ncols=2)
 
     return figure("compensated_responses", heading, draw, "Counterparts of Figs. 13 and 14. Dotted: before compensation. Above zero is "
                   "too much of it.", "Magnitude and phase over frequency.", rows=2, height=4.4, share=True)  # fmt: skip

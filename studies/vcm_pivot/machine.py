@@ -10,12 +10,11 @@ from dataclasses import dataclass, field, replace
 from functools import cache
 from pathlib import Path
 
-import numba
 import numpy as np
 
+from .kernel import SUBSTEPS, run
 from .loop import FILTER, K0, KD, KI, KP, PLANT, RATE, TS, Preset
 
-SUBSTEPS = 4
 WINDAGE = 500.0  # Hz, of its low pass
 MEASURED, REFERENCE = 0, 1  # what drives the compensation
 
@@ -107,7 +106,7 @@ class Machine:
         p = self.pivot
         dt = 1.0 / self.rate
         notch = (*FILTER[0], *FILTER[1][1:]) if self.rate == RATE else (1.0, 0.0, 0.0, 0.0, 0.0)
-        _run(
+        run(
             given.reference, pushed, nothing if given.output is None else given.output, sensed,
             *PLANT.sampled(dt / SUBSTEPS), np.append(p.law, self.bias), p.radii, p.springs, p.rates, p.weights,
             np.array([self.preset.kc, KP, KD / dt, KI * dt, *notch]), *_compensator(self.compensation),
@@ -144,88 +143,3 @@ def _observer(bandwidth: float) -> np.ndarray:
     q, a = bilinear([w**2], [1.0, np.sqrt(2.0) * w, w**2], 1.0 / TS)
     second, _ = bilinear([w**2 / K0, 0.0, 0.0], [1.0, np.sqrt(2.0) * w, w**2], 1.0 / TS)
     return np.concatenate([q, second, a[1:]])
-
-
-@numba.njit(nogil=True, error_model="numpy")
-def _run(
-    reference, pushed, output, sensed, a, b, law, radii, springs, rates, weights, control, c_radii, c_springs, c_rates,
-    c_weights, c, delay, source, observer, count, dt, out,
-):  # fmt: skip
-    h = dt / SUBSTEPS
-    keep, gained = np.exp(-rates * h), np.empty(rates.size)
-    for j in range(rates.size):
-        gained[j] = -np.expm1(-rates[j] * h) / (rates[j] * h)
-    c_keep, c_gained = np.exp(-c_rates * dt), np.empty(c_rates.size)
-    for j in range(c_rates.size):
-        c_gained[j] = -np.expm1(-c_rates[j] * dt) / (c_rates[j] * dt)
-    play, creep = np.zeros(radii.size), np.zeros(rates.size)
-    c_play, c_creep, ring = np.zeros(c_radii.size), np.zeros(c_rates.size), np.zeros(delay + 1)
-    s, moved = np.zeros(6), np.zeros(6)
-    e1 = integral = n1 = n2 = filtered = before = 0.0
-    y1 = y2 = u1 = u2 = d1 = d2 = 0.0
-    u = 0.0
-    for k in range(reference.size):
-        start = s[5]
-        y = start + output[k] + sensed[k]
-        if count > 0.0:
-            y = count * np.floor(y / count + 0.5)
-        e = reference[k] - y
-        # eq. (1): derivative by a backward difference, integral delayed by one sample, then the filter
-        value = control[0] * (control[1] * e + control[2] * (e - e1) + integral)
-        integral += control[3] * e
-        e1 = e
-        w = value - control[7] * n1 - control[8] * n2
-        own = control[4] * w + control[5] * n1 + control[6] * n2
-        n2, n1 = n1, w
-        # the bank on its source
-        at = y if source == 0 else reference[k]
-        friction = c[0] * at
-        for i in range(c_radii.size):
-            c_play[i] = max(at - c_radii[i], min(at + c_radii[i], c_play[i]))
-            friction += c_springs[i] * (at - c_play[i])
-        for j in range(c_rates.size):
-            c_creep[j] = c_keep[j] * c_creep[j] + c_gained[j] * (at - before)
-            friction += c_weights[j] * c_creep[j]
-        before = at
-        filtered += c[3] * (friction - filtered)
-        ring[k % (delay + 1)] = c[1] * filtered
-        given = ring[(k + 1) % (delay + 1)]
-        known = 0.0
-        if (
-            observer.size > 0
-        ):  # what is at the input beside the drive less its compensation; that drive is a sample late
-            dy = observer[3] * y + observer[4] * y1 + observer[5] * y2
-            known = dy - observer[0] * u - observer[1] * u1 - observer[2] * u2 - observer[6] * d1 - observer[7] * d2
-            d2, d1 = d1, known
-            y2, y1 = y1, y
-            u2, u1 = u1, u
-        net = own - known
-        whole = net + given
-        u = net
-        if count > 0.0:
-            whole = count * np.floor(whole / count + 0.5)
-            u = whole - given
-        mean = 0.0
-        for _ in range(SUBSTEPS):
-            x, v = s[5], s[4]
-            wide = 1.0 + law[3] * np.log(1.0 + abs(v) / law[4])
-            f = law[0] * x + law[1] * x * x * x + law[2] * v + law[5] * (x - law[6])
-            for i in range(radii.size):
-                r = radii[i] * wide
-                z = max(x - r, min(x + r, play[i]))
-                play[i] = z
-                f += springs[i] * (x - z)
-            for j in range(rates.size):
-                f += weights[j] * creep[j]
-            mean += f / SUBSTEPS
-            drive = whole + pushed[k] - f
-            for i in range(6):
-                total = b[i] * drive
-                for j in range(6):
-                    total += a[i, j] * s[j]
-                moved[i] = total
-            for i in range(6):
-                s[i] = moved[i]
-            for j in range(rates.size):
-                creep[j] = keep[j] * creep[j] + gained[j] * (s[5] - x)
-        out[0, k], out[1, k], out[2, k], out[3, k], out[4, k] = start, y, whole, own, mean

@@ -122,13 +122,28 @@ static void wanted(size_t size)
     what.period *= 2.0f;
     insist(wb_check(bytes, size, &what, &head) == WB_PERIOD, "another sample time is accepted");
     what.period = 0.0f;
+    { /* the same bytes as a table of the other arithmetic, for a firmware of that */
+        static uint8_t copy[8192];
+        uint32_t crc;
+        int byte;
+        insist(size <= sizeof copy, "a table is too long for this test");
+        (void)memcpy(copy, bytes, size);
+        what.arithmetic = 3u - what.arithmetic;
+        copy[20] = (uint8_t)what.arithmetic;
+        crc = wb_crc32(copy, size - 4u);
+        for (byte = 0; byte < 4; ++byte) {
+            copy[size - 4u + (size_t)byte] = (uint8_t)(crc >> (8 * byte));
+        }
+        (void)wb_check(copy, size, &what, &head);
+        what.arithmetic = 3u - what.arithmetic;
+    }
 #if WB_AXIS_KNOTS > 0
     what.most_knots = 1u;
     insist(wb_check(bytes, size, &what, &head) == WB_SHAPE, "more knots than there is memory for are accepted");
     {
-        float beyond;
-        insist(wb_segment(&table.head, table.knot, 0.5f * table.knot[0], &beyond) == 0u, "below the first knot");
-        insist(wb_segment(&table.head, table.knot, 1e30f, &beyond) == table.head.last, "beyond the last knot");
+        int within;
+        insist(wb_segment(&table.head, 0.5f * table.knot[0], &within) == 0u && !within, "below the first knot");
+        insist(wb_segment(&table.head, 1e30f, &within) == table.head.last && !within, "beyond the last knot");
     }
 #ifdef FIXED
     {
@@ -141,6 +156,32 @@ static void wanted(size_t size)
 #endif
 #endif
 }
+
+#ifdef FIXED
+/* Quotients and roots of numbers of every size, held to what they are defined as. */
+static void arithmetic(void)
+{
+    uint64_t state = 88172645463325252u;
+    long k;
+    for (k = 0; k < 200000; ++k) {
+        int32_t a;
+        int32_t b;
+        int up;
+        uint64_t whole;
+        uint64_t found;
+        state = state * 6364136223846793005u + 1442695040888963407u;
+        a = (int32_t)((uint32_t)(state >> 34) >> ((state >> 5) % 31u));
+        b = (int32_t)(((uint32_t)(state >> 20) & 0x3FFFFFFFu) >> ((state >> 10) % 31u)) + 1;
+        b = (k % 50 == 0) ? 0x3FFFFFFF : b;
+        up = (int)(state >> 16) & 31;
+        whole = ((uint64_t)(uint32_t)a << up) / (uint64_t)(uint32_t)b;
+        insist((uint64_t)(uint32_t)wb_over(a, b, up) == ((whole < 1073741824u) ? whole : 1073741824u), "a quotient is wrong");
+        whole = (uint64_t)(uint32_t)a << (29 + k % 2);
+        found = (uint64_t)(uint32_t)wb_root(a, 29 + (int)(k % 2));
+        insist(found * found <= whole && (found + 1u) * (found + 1u) > whole, "a root is wrong");
+    }
+}
+#endif
 
 /* What the laws of these tests do not reach by themselves. */
 static void corners(void)
@@ -160,6 +201,7 @@ static void corners(void)
     insist(wb_over(7, 2, 0) == 3 && wb_over(-7, 2, 0) == -3 && wb_over(7, -2, 0) == -3, "a quotient is wrong");
     insist(wb_over(5, 0, 4) == 80 && wb_over(1 << 30, 1, 20) == 1 << 30, "a quotient is not cut off");
     insist(wb_root(-1, 4) == 0 && wb_root(16, 4) == 16, "a root is wrong");
+    arithmetic();
 #endif
 }
 

@@ -1,7 +1,7 @@
 """A named effect, cancelled: compensation from the one definition of the effect, as a part of the control law.
 
     u = law(r, y, ...) + g D[L[F(p)]]      a force F of the plant, on a position p: measured, asked for, or observed
-    r' = E(r)                              an error E of the angle, undone where the reference enters
+    r' = r + g (E(r) - r)                  an error E of the angle, undone where the reference enters
 
 L is a first-order low pass, D a delay of whole samples, g a gain. The composed law is one SX program like any other: it
 runs in lanes, in the oracle, in a contest and in tables of robustness.

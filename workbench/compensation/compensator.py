@@ -21,7 +21,7 @@ MOST = 64  # samples of delay: each is a state of the law
 class Compensator:
     """effects: forces at the axis, the motor or the load, and angle maps. source: of the position that they see, `READ`
     (what the encoder of that side reads, its filtered velocity), `REFERENCE` (what is asked for; adds no feedback path) or
-    `OBSERVED` (of a tracking observer). gain: of the forces. delay: samples. low_pass: Hz, 0 for none.
+    `OBSERVED` (of a tracking observer). gain: of what is cancelled. delay: samples. low_pass: Hz, 0 for none.
 
     mass (kg*m^2 or kg) and bandwidth (Hz): of the observer, x' = v + 2 w e, v' = u/mass + w^2 e, e = y - x, u the law's own
     command. ratio, pole_pairs: the plant's. still, inertial: forces of one mass that a contact carries (`plant.carried`), for
@@ -124,8 +124,5 @@ def undone(effect: Effect) -> Effect:
     """
     if effect.name != "play_bank":
         raise WorkbenchError(f"effect '{effect.name}' has no exact inverse here; a play bank has one.")
-    closure = dict(
-        zip(effect.step.__code__.co_freevars, (c.cell_contents for c in effect.step.__closure__ or ()), strict=True)
-    )
     weights = [effect.parameters[n].value for n in effect.linear]
-    return play_bank(*inverse(list(closure["radii"]), weights))
+    return play_bank(*inverse([effect.parameters[n].value for n in effect.knots], weights))

@@ -33,7 +33,7 @@ def compensated(controller: Controller, compensator: Compensator) -> Compensated
         )
     made = structure(compensator)
     law = _law(controller.law, made)
-    given = {n: getattr(controller, n) for n in ("tables", "table", "reversal")}
+    given = {n: getattr(controller, n) for n in ("tables", "table", "reversal", "velocity_filter")}
     parameters = {**controller.parameters, **values_of(compensator, made)}
     return Compensated(
         f"{controller.name}, compensated", law, parameters, **given, base=controller, compensator=compensator

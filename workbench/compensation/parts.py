@@ -1,5 +1,7 @@
 """What a compensation does in one sample, in SX: signals of each side, forces, what shapes them, and angle maps undone."""
 
+from collections.abc import Mapping
+
 import casadi as ca
 import numpy as np
 
@@ -49,6 +51,7 @@ def asked(s: Structure, signals, p):
             r = motor
         else:  # the reading of the position that is asked for
             r = mapped(r, r, r)
+    r = signals.r + getattr(p, f"{PREFIX}_gain") * (r - signals.r)
     return namespace(**{**vars(signals), "r": r, "e": r - signals.y})
 
 
@@ -57,22 +60,35 @@ def forces(s: Structure, signals, z, p, u) -> tuple[dict, ca.SX]:
     after, total = {}, ca.SX(0)
     for side in s.sides:
         moved, given = moving(s, side, signals, z, p, u)
-        after |= moved
-        for i, e in enumerate(s.order):
-            if e.at != side:
-                continue
-            width = maximum(2.0 * signals.count, LEAST)
-            size = sum(e.states.values())
-            own = [f"{PREFIX}_{i}_{n}_{k}" for n, m in e.states.items() for k in range(m)]
-            before = ca.vertcat(*(getattr(z, n) for n in own)) if size else ca.SX(0, 1)
-            following, output, provided = apply(e, {n: given[n] for n in e.reads}, before, parameters(i, e, p, width))
-            given |= provided
-            after |= {n: following[k] for k, n in enumerate(own)}
-            total = total + output if e.key not in s.silent else total
+        following, force = acted(s, side, given, z, p, signals.count)
+        after |= moved | following
+        total = total + force
     shaped, total = late(s, signals, z, p, total)
     limited = clip(u + total, -signals.limit, signals.limit)
     clock = {f"{PREFIX}_clock": z_of(z, "clock") + signals.dt, f"{PREFIX}_whole": limited}
     return after | shaped | clock, total
+
+
+def acted(s: Structure, side: str, given: dict, z, p, count, known: Mapping | None = None) -> tuple[dict, ca.SX]:
+    """Return (next states, force) of the effects of one side on its signals.
+
+    known: key -> function of the signals that stands for an effect, such as a table of it.
+    """
+    after, total = {}, ca.SX(0)
+    width = maximum(2.0 * count, LEAST)
+    for i, e in enumerate(s.order):
+        if e.at != side:
+            continue
+        if known and e.key in known:
+            total = total + known[e.key](given)
+            continue
+        own = [f"{PREFIX}_{i}_{n}_{k}" for n, m in e.states.items() for k in range(m)]
+        before = ca.vertcat(*(getattr(z, n) for n in own), ca.SX(0, 1))
+        following, output, provided = apply(e, {n: given[n] for n in e.reads}, before, parameters(i, e, p, width))
+        given |= provided
+        after |= {n: following[k] for k, n in enumerate(own)}
+        total = total + output if e.key not in s.silent else total
+    return after, total
 
 
 def z_of(z, name: str):

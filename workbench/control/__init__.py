@@ -1,5 +1,6 @@
 """Controllers as data: a law, its numbers and its tables. What runs them is workbench.simulation."""
 
+from workbench.control.drive import drive_cascade
 from workbench.control.law import Controller, Law
 from workbench.control.laws import RULES, fixed_pd, pi_cascade, scheduled_pd
 from workbench.control.named import law_named
@@ -12,6 +13,7 @@ __all__ = [
     "FeedForward",
     "Law",
     "Table",
+    "drive_cascade",
     "fixed_pd",
     "gains_at",
     "grid",

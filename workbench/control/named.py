@@ -2,7 +2,7 @@
 
 from functools import cache
 
-from workbench.control import laws, profile
+from workbench.control import drive, laws, profile
 from workbench.control.law import FEEDBACK, FOLLOWED, Law
 from workbench.errors import WorkbenchError, nearest
 
@@ -21,7 +21,8 @@ def every() -> dict[str, Law]:
         for motor_speed in either
         if follows == FEEDBACK or rule == laws.FOLLOWING
     )
-    return {one.name: one for one in (*fixed, *profiles, *scheduled)}
+    drives = (drive._law(count) for count in range(drive.MOST + 1))
+    return {one.name: one for one in (*fixed, *profiles, *scheduled, *drives)}
 
 
 def law_named(name: str) -> Law:

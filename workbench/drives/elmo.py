@@ -24,6 +24,8 @@ def sets(gains: Sequence[Cascade], units: Units, integral: str) -> list[tuple[fl
         raise WorkbenchError(f"Elmo: the integral gain's unit is '{integral}'; {nearest(integral, INTEGRAL)}")
     if not 1 <= len(gains) <= SETS:
         raise WorkbenchError(f"Elmo: {len(gains)} sets of gains; the drive holds 1 to {SETS}. Leave out amplitudes.")
+    for g in gains:
+        g.without_notches("Elmo")
     if any(g.mass or g.viscous or g.forward for g in gains):
         raise WorkbenchError(
             "Elmo: gain sets hold no feed-forward; write it where the drive takes it, and leave it out here."

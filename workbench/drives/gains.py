@@ -14,6 +14,7 @@ import numpy as np
 
 from workbench.control.law import Controller
 from workbench.errors import WorkbenchError
+from workbench.frequency.notch import Notch
 from workbench.plant import Plant
 
 TURN = 2.0 * pi
@@ -24,6 +25,7 @@ class Cascade:
     """kv: 1/s. kvp: N*m*s/rad or N*s/m. ki: N*m/rad or N/m. mass: kg*m^2 or kg. viscous: N*m*s/rad or N*s/m.
 
     speed_limit: rad/s or m/s. limit: N*m or N. forward: share of the reference's speed that the speed loop is given. rotary.
+    notches: behind the speed loop, as part of the loop that was tuned.
     """
 
     kv: float
@@ -35,12 +37,21 @@ class Cascade:
     viscous: float = 0.0
     forward: float = 0.0
     rotary: bool = True
+    notches: tuple[Notch, ...] = ()
 
     def __post_init__(self):
         for name in ("kv", "kvp", "ki", "speed_limit", "limit", "mass", "viscous", "forward"):
             value = getattr(self, name)
             if not (isfinite(value) and value >= 0.0):
                 raise WorkbenchError(f"a cascade's {name} is {value:g}; a finite number, not negative, is needed.")
+
+    def without_notches(self, where: str) -> None:
+        """Raise WorkbenchError where there are notches, for a format that holds none."""
+        if self.notches:
+            raise WorkbenchError(
+                f"{where}: this format holds no notch, and the gains were tuned with {len(self.notches)}: without them the loop "
+                "is another. State notches = 0 and tune again, or write the notches as objects (sdo, twincat)."
+            )
 
     @property
     def pid(self) -> tuple[float, float, float]:

@@ -25,6 +25,7 @@ def write(gains: Cascade, units: Units, channel: str = "pid.x") -> str:
     """
     if not CHANNEL.fullmatch(channel):
         raise WorkbenchError(f"LinuxCNC: '{channel}' is no pid channel; such as pid.x or pid.0.")
+    gains.without_notches("LinuxCNC")
     machine = pi / 180.0 if gains.rotary else 1e-3  # SI of one degree or millimetre
     drive = units.amps or 1.0
     p, i, d = gains.pid

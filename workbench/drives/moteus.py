@@ -18,6 +18,7 @@ RANGES = {
 
 def write(gains: Cascade) -> str:
     """Return the lines; WorkbenchError for a linear axis, feed-forward, or a number beyond the range."""
+    gains.without_notches("moteus")
     if not gains.rotary:
         raise WorkbenchError(
             "moteus turns: it takes gains of a rotary axis; state the screw's pitch as a gear and tune again."

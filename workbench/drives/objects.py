@@ -7,11 +7,18 @@ study states the objects, from the drive's manual.
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from workbench.control.drive import MOST
 from workbench.drives.fields import TYPES, packed, unpacked
 from workbench.drives.gains import Cascade
 from workbench.errors import WorkbenchError, nearest
+from workbench.frequency.notch import Notch
 
-QUANTITIES = ("kv", "kvp", "ki", "speed_limit", "limit", "mass", "viscous", "forward")
+PARTS = ("centre", "width", "depth")  # of a notch: Hz, Hz, 1
+NOTCHES = tuple(f"notch{i}_{part}" for i in range(1, MOST + 1) for part in PARTS)
+QUANTITIES = ("kv", "kvp", "ki", "speed_limit", "limit", "mass", "viscous", "forward", *NOTCHES)
+IDLE = Notch(
+    100.0, 10.0, 1.0
+)  # what is written for a notch that is not used: of depth 1, it passes everything, wherever it is
 
 
 @dataclass(frozen=True)
@@ -39,6 +46,14 @@ class Object:
         return f"object 0x{self.index:04X}:{self.subindex:02X} ({self.quantity})"
 
 
+def quantity_of(gains: Cascade, name: str) -> float:
+    """The number of a cascade that an object takes, SI and Hz."""
+    if name not in NOTCHES:
+        return getattr(gains, name)
+    i, part = int(name[5]) - 1, name.split("_")[1]
+    return getattr(gains.notches[i] if i < len(gains.notches) else IDLE, part)
+
+
 def entries(gains: Cascade, objects: Sequence[Object]) -> list[tuple[Object, bytes]]:
     """Return each object with its bytes; WorkbenchError where one cannot hold its number, is named twice, or a gain in use
     has no object."""
@@ -50,7 +65,14 @@ def entries(gains: Cascade, objects: Sequence[Object]) -> list[tuple[Object, byt
             raise WorkbenchError(
                 f"the drive has no object for {name}, which is {getattr(gains, name):.6g}; state one, or leave it out."
             )
-    return [(o, packed(getattr(gains, o.quantity) * o.per_si, o.type, o.where)) for o in objects]
+    missing = {f"notch{i}_{part}" for i in range(1, len(gains.notches) + 1) for part in PARTS} - {
+        o.quantity for o in objects
+    }
+    if missing:
+        raise WorkbenchError(
+            f"the drive has no object for {sorted(missing)[0]}, and the gains were tuned with that notch."
+        )
+    return [(o, packed(quantity_of(gains, o.quantity) * o.per_si, o.type, o.where)) for o in objects]
 
 
 def value_of(one: Object, data: bytes) -> float:

@@ -22,6 +22,7 @@ RANGES = {
 
 def write(gains: Cascade) -> str:
     """Return the configuration; WorkbenchError for a linear axis, speed feed-forward that is no whole share, or a range."""
+    gains.without_notches("ODrive")
     if not gains.rotary:
         raise WorkbenchError(
             "ODrive turns: it takes gains of a rotary axis; state the screw's pitch as a gear and tune again."

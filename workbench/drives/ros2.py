@@ -30,6 +30,7 @@ def write(gains: Cascade, joint: str = "axis", name: str = "pid_controller") -> 
     for word in (joint, name):
         if not NAME.fullmatch(word):
             raise WorkbenchError(f"ros2_control: '{word}' is no name of a joint or a node; letters, digits and _ are.")
+    gains.without_notches("ros2_control")
     if gains.mass or gains.viscous or gains.forward:
         raise WorkbenchError(
             "ros2_control: a pid_controller has no feed-forward of speed and acceleration; leave it out here."

@@ -85,12 +85,13 @@ def play_bank(radii: Sequence[float], weights: Sequence[float] = ()) -> Effect:
     wrong = [b for a, b in zip((0.0, *radii), radii, strict=False) if not b > a]
     if wrong:
         raise WorkbenchError(f"play radii must increase from above 0; {wrong[0]:g} does not.")
-    names = [f"c{i}" for i in range(len(radii) + 1)]
+    names, held = [f"c{i}" for i in range(len(radii) + 1)], tuple(f"r{i}" for i in range(1, len(radii) + 1))
 
     def step(s, z, p):
         x = z.x + s.dq
         after, force = {"x": x}, p.c0 * x
-        for i, r in enumerate(radii, 1):
+        for i in range(1, len(radii) + 1):
+            r = getattr(p, f"r{i}")
             y = clip(getattr(z, f"y{i}"), x - r, x + r)
             after[f"y{i}"], force = y, force + getattr(p, f"c{i}") * y
         return after, force
@@ -104,7 +105,12 @@ def play_bank(radii: Sequence[float], weights: Sequence[float] = ()) -> Effect:
         family="friction with memory",
         parameters={
             n: Parameter(0.0, "F/x", f"weight of play {i}" if i else "weight of x") for i, n in enumerate(names)
+        }
+        | {
+            n: Parameter(r, "x", f"radius of play {i}", fixed=True)
+            for i, (n, r) in enumerate(zip(held, radii, strict=True), 1)
         },
+        knots=held,
         linear=tuple(names),
         states={"x": 1} | {f"y{i}": 1 for i in range(1, len(radii) + 1)},
         reads=("dq",),

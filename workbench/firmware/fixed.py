@@ -14,7 +14,7 @@ import casadi as ca
 from workbench.errors import WorkbenchError
 from workbench.firmware import interval
 from workbench.firmware.interval import Interval
-from workbench.firmware.stages import Part
+from workbench.firmware.parts import Part
 from workbench.kernel.c import LOGIC
 from workbench.kernel.choice import Choice
 from workbench.kernel.program import Line
@@ -208,5 +208,10 @@ class Typed:
         """Text of a value in a given format (of a state), cut off at that format's ends where it may be beyond."""
         text = self._at(name, form.bits)
         low, high = self.interval(name)
-        beyond = max(abs(low), abs(high)) > max(abs(form.low), abs(form.high))
-        return f"wb_within({text}, {round(max(abs(form.low), abs(form.high)) * 2.0**form.bits)})" if beyond else text
+        most = max(abs(form.low), abs(form.high))
+        if max(abs(low), abs(high)) <= most:
+            return text
+        own = self.values[name].format.bits if name in self.values else form.bits
+        if own < form.bits:  # it is finer there: cut off first, for what is beyond would not fit
+            return shifted(f"wb_within({{{name}}}, {int(most * 2.0**own)})", own - form.bits)
+        return f"wb_within({text}, {round(most * 2.0**form.bits)})"

@@ -4,9 +4,10 @@ import numpy as np
 
 from workbench.firmware.fixed import Typed
 from workbench.firmware.numbers import Numbers
+from workbench.firmware.parts import Part
 from workbench.firmware.reference import WIDE, Axes, Reference, signed
 from workbench.firmware.scales import GAIN, REACH, Scales, stored
-from workbench.firmware.stages import COMMAND, INCREMENT, Part
+from workbench.firmware.stages import COMMAND, INCREMENT
 from workbench.simulation.given import REFERENCE
 
 MOST = 2**30

@@ -4,9 +4,11 @@ from collections import Counter
 from collections.abc import Mapping
 
 from workbench.firmware.fixed import Typed
+from workbench.firmware.naming import identifier
 from workbench.firmware.numbers import Numbers
+from workbench.firmware.parts import Part
 from workbench.firmware.scales import REACH, Scales
-from workbench.firmware.stages import ADDED, COMMAND, POSITIONS, Part, identifier
+from workbench.firmware.stages import ADDED, COMMAND, POSITIONS
 from workbench.firmware.units import power_of, unit
 from workbench.firmware.write import Source, law_code, parameter
 from workbench.kernel.c import LONGEST, bare

@@ -17,7 +17,7 @@
 | 52 | float32 | largest command, N*m or N |
 | 56 | uint32 | bits of the encoder, 2 to 32: where its reading wraps |
 | 60 | uint32 | jump: the largest plausible way between two samples, counts |
-| 64 | uint32 | verdict: 0 not judged, 1 the study's requirements are met, 2 they are not |
+| 64 | uint32 | verdict: 0 not judged, 1 the study's requirements are met, 2 they are not; and of the trace, 4 a cause, 8 nothing missing, 12 unknown |
 | 68 | uint32 | motion: 0 rotary (rad, N*m), 1 linear (m, N) |
 | 72 | uint8[32] | sha256 of the plant that the gains were tuned on |
 | 104 | word[n] | constants, positions counted: float32, or int32 of the scales that the law's header names |
@@ -37,7 +37,20 @@ from workbench.errors import WorkbenchError
 MAGIC, ORDER, VERSION = b"WBTABLE\0", 0x01020304, 1
 HEAD = struct.Struct("<8s9I3f4I32s")
 FLOAT32, FIXED = 1, 2
-VERDICTS = ("not judged", "requirements met", "requirements not met")
+JUDGED, TRACED = (
+    ("not judged", "requirements met", "requirements not met"),
+    ("not traced", "cause", "nothing_missing", "unknown"),
+)
+VERDICTS = tuple(
+    f"{JUDGED[v % 4]}; trace: {TRACED[v // 4]}" if v % 4 < len(JUDGED) else "" for v in range(4 * len(TRACED))
+)  # by the number of the field
+
+
+def verdict_of(passed: bool | None, traced: str = "") -> int:
+    """Return the verdict's field. passed: whether the study's requirements were met; traced: the trace's verdict, or ""."""
+    return (0 if passed is None else 1 if passed else 2) + 4 * (TRACED.index(traced) if traced in TRACED else 0)
+
+
 FIELDS = (
     "magic", "order", "version", "length", "arithmetic", "law", "constants", "rows", "knots", "per_octave",
     "sample_time", "count", "limit", "bits", "jump", "verdict", "motion", "plant",

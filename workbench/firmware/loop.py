@@ -65,13 +65,14 @@ def source(made: Firmware, design: Design, substeps: int) -> str:
     for piece in design.pieces:
         pieces.append(function(piece, at, first))
         first += piece.after.inputs[1]
-    other = ""
+    other, counted = "", "0.0"
     if made.numbers.stages.both:
         row = "load.y" if made.numbers.stages.feedback == "position" else "motor.y"
         other = f"        now.other = wb_counted(r[{at[row]}], run->other_count);\n"
+        counted = "(double)now.other"
     noise = f"        r[{at['noise']}] = wb_noise(run->seed, (uint64_t)k) * run->strength;\n" if design.noisy else ""
     return Template((HERE / "loop.c.in").read_text(encoding="utf-8")).substitute(
-        header=f"{made.source.name}.h", p=made.source.p, pieces="\n".join(pieces), other=other, noise=noise,
+        header=f"{made.source.name}.h", p=made.source.p, pieces="\n".join(pieces), other=other, counted=counted, noise=noise,
         y=at["y"], u=at["u"], u_c=at["u_c"], substeps=substeps,
     )  # fmt: skip
 
@@ -88,7 +89,7 @@ class Compiled:
         assert refused == 0, refused  # the table was made for this law, a line above
 
     def lane(self, bound: Bound, i: int) -> tuple[np.ndarray, np.ndarray]:
-        """Return the final rows of one scenario, and its readings and commands (samples, 2)."""
+        """Return the final rows of one scenario, and its readings, commands and counts of the other encoder (samples, 3)."""
         scenarios, loop, made = bound.scenarios, bound.loop, self.made
 
         def one(x):
@@ -105,7 +106,7 @@ class Compiled:
             other or 1.0, unit, int(np.floor(one(scenarios.target) / loop.count + 0.5)), delay, bound.samples,
             bound.window_from, slots,
         )  # fmt: skip
-        ring, out = np.zeros(slots), np.zeros((bound.samples, 2))
+        ring, out = np.zeros(slots), np.zeros((bound.samples, 3))
         pointers = [x.ctypes.data_as(ctypes.c_void_p) for x in (rows, constants)]
         self.library.wb_loop_run(
             *pointers, ctypes.byref(run), *(x.ctypes.data_as(ctypes.c_void_p) for x in (ring, out))
@@ -121,7 +122,8 @@ def run_firmware(
     duration: float,
     criteria: Criteria | None = None,
 ) -> Metrics:
-    """Return the metrics of a loop that the compiled firmware closes, one scenario after another, with "y" and "u" kept.
+    """Return the metrics of a loop that the compiled firmware closes, one scenario after another, with "y", "u" and, of two encoders,
+    the other one's counts "other" kept.
 
     Targets are rounded to encoder counts. Raises WorkbenchError as `simulate`, and where there is no C compiler.
     """
@@ -133,4 +135,9 @@ def run_firmware(
     final = {n: np.array([rows[j] for rows, _ in lanes]) for j, n in enumerate(bound.design.rows)}
     kept = np.stack([out for _, out in lanes], axis=-1)
     time = np.arange(bound.samples) * loop.sample_time
-    return finished(bound, final, criteria.band, Trajectories(time, {"y": kept[:, 0], "u": kept[:, 1]}))
+    return finished(
+        bound,
+        final,
+        criteria.band,
+        Trajectories(time, dict(zip(("y", "u", "other"), np.moveaxis(kept, 1, 0), strict=True))),
+    )

@@ -48,7 +48,7 @@ def firmware(
 ) -> Firmware:
     """Return the firmware of one controller on a loop, for an axis.
 
-    arithmetic: "float32" or "fixed". verdict: 0 not judged, 1 requirements met, 2 not met. bits, travel: see `numbers`.
+    arithmetic: "float32" or "fixed". verdict: see image.verdict_of. bits, travel: see `numbers`.
     Raises WorkbenchError where the controller, the loop or the arithmetic does not hold together.
     """
     if arithmetic not in ARITHMETICS:

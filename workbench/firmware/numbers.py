@@ -1,13 +1,14 @@
 """A controller's numbers as its firmware holds them: constants, knots and gains, positions counted in encoder counts."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import frexp, isfinite
 
 import numpy as np
 
 from workbench.control.law import JOINT, Controller
 from workbench.errors import WorkbenchError
-from workbench.firmware.stages import Stages, stages
+from workbench.firmware.parts import Stages
+from workbench.firmware.stages import stages
 from workbench.firmware.units import power_of
 from workbench.kernel import arrays
 from workbench.plant import Plant
@@ -68,16 +69,19 @@ def numbers(
         raise WorkbenchError("firmware limits its command, and the drive states no limit: state actuator_limit.")
     if not 2 <= bits <= 32:
         raise WorkbenchError(f"an encoder of {bits} bits cannot be read; 2 to 32 are possible.")
-    if len(controller.tables) > 1 or any(np.ndim(v) for v in controller.parameters.values()):
+    if len(controller.tables) > 1 or any(np.size(v) > 1 for v in controller.parameters.values()):
         raise WorkbenchError(f"controller '{controller.name}' has several sets of gains; firmware takes one.")
-    made = stages(controller.law, loop.feedback)
+    counted = any(t.knots[0] < count for t in controller.tables)
+    made = stages(controller.law, loop.feedback, counted)
     given = given_of(controller, loop, plant, made)
     values = np.array([float(v) for v in arrays.evaluate(made.before, [given[n] for n in made.given])[0]])
     if not np.isfinite(values).all():
         worst = made.constants[int(np.argmin(np.isfinite(values)))]
         raise WorkbenchError(f"controller '{controller.name}': {worst.formula} is not finite.")
     table = controller.tables[0] if controller.tables else None
-    factor = float(controller.parameters.get("scale", 1.0))  # every schedule's command is proportional to its gains
+    factor = float(
+        np.ravel(controller.parameters.get("scale", 1.0))[0]
+    )  # every schedule's command is proportional to its gains
     columns = {n: factor * in_counts(f"gain.{n}", table.columns[n], count) for n in made.columns}
     speed = plant.limits.speed / count if isfinite(plant.limits.speed) else FAR / loop.sample_time / 64.0
     jump = int(min(max(MARGIN * speed * loop.sample_time, 64.0), FAR))
@@ -102,6 +106,12 @@ def in_counts(name: str, value, count: float):
     return value * count ** -power_of(name)[1]
 
 
+def smoothing_of(controller: Controller, loop: Loop) -> float:
+    """Return the share of a new difference in the filtered velocity: the law's own filter's, else the loop's."""
+    own = controller.velocity_filter
+    return loop.smoothing if own is None else replace(loop, velocity_filter=float(np.ravel(own)[0])).smoothing
+
+
 def given_of(controller: Controller, loop: Loop, plant: Plant, made: Stages) -> dict[str, float]:
     """Return name -> value of what the stages' constants are made of, in counts."""
     coarser = max(loop.resolution, loop.load_resolution) if controller.law.follows == JOINT else loop.count
@@ -110,12 +120,12 @@ def given_of(controller: Controller, loop: Loop, plant: Plant, made: Stages) -> 
     si = {
         "sample_time": loop.sample_time,
         "sample_rate": 1.0 / loop.sample_time,
-        "smoothing": loop.smoothing,
+        "smoothing": smoothing_of(controller, loop),
         "count": loop.count,
         "back": back,
         "limit": plant.limits.drive,
         "other_count": other / loop.count,
-        **{f"law.{n}": float(v) for n, v in controller.parameters.items()},
+        **{f"law.{n}": float(np.ravel(v)[0]) for n, v in controller.parameters.items()},
     }
     missing = set(made.given) - set(si)
     if missing:

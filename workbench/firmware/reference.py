@@ -8,7 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from workbench.firmware.numbers import FAR, Numbers
-from workbench.firmware.stages import ADDED, COMMAND, INCREMENT, POSITIONS, Part
+from workbench.firmware.parts import Part
+from workbench.firmware.stages import ADDED, COMMAND, INCREMENT, POSITIONS
 from workbench.kernel import single
 from workbench.simulation.given import REFERENCE
 from workbench.simulation.sampled import AMPLITUDE

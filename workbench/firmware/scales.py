@@ -9,13 +9,15 @@ import numpy as np
 from workbench.errors import WorkbenchError
 from workbench.firmware.fixed import WHOLE, Format, Typed, envelope, fitting
 from workbench.firmware.numbers import FAR, Numbers
-from workbench.firmware.stages import ADDED, COMMAND, INCREMENT, Part
+from workbench.firmware.parts import Part
+from workbench.firmware.stages import ADDED, COMMAND, INCREMENT
 from workbench.simulation.given import REFERENCE
 from workbench.simulation.sampled import AMPLITUDE
 
 REACH = 2**24  # counts: how far a target, a turn or a second encoder is told from the origin; WB_REACH of wb_fixed.h
 GAIN = 18  # bits of a gain beside its sign. With 15, steps landed 2.3 counts elsewhere than in float64, for small gains far
 # below the largest had 11 left; with more, the way between two knots would have less than the 12 bits that it has beside them
+RINGS = 8.0  # times the limit that a notch's memory holds, as its input is not limited yet; half cuts off a hard start
 FINEST = 64  # units of the amplitude between two knots, at least
 
 
@@ -48,8 +50,10 @@ class Scales:
             return known[name]
         if name.startswith("gain."):
             return self.column(name.removeprefix("gain."))
-        if name.split(".")[-1] == "vh":
+        if name.split(".")[-1] in ("vh", "asked_rate"):
             return fitting(-speed, speed)
+        if name.startswith(("law.first", "law.second")):  # memories of a notch
+            return fitting(-RINGS * limit, RINGS * limit)
         if self.both and name in ("motor.y", "load.y", "furthest", "turned"):
             return Format(5, -2.0 * REACH, 2.0 * REACH)
         return Format(0, -REACH, REACH)
@@ -81,7 +85,7 @@ class Scales:
         speed = 2.0 ** ceil(log2(n.speed))
         travel = float(self.travel)
         jumps = dict.fromkeys(("motor_increment", "load_increment"), 2.0 ** ceil(log2(n.jump)))
-        return {"error": travel, "vh": speed, "motor_vh": speed, **jumps}
+        return {"error": travel, "vh": speed, "asked_rate": speed, "motor_vh": speed, **jumps}
 
     def typed(self, part: Part) -> Typed:
         inputs = {f"i0_{j}": self.row(n) for j, n in enumerate(part.rows)}
@@ -114,7 +118,7 @@ class Scales:
             )
         factor = envelope(self.numbers.count)
         shift = factor.bits + self.result(AMPLITUDE).bits - bits
-        if not 1 <= shift <= 62:
+        if not 2 <= shift <= 32:
             raise WorkbenchError(
                 f"an encoder count of {self.numbers.count:.3g} does not fit knots that end at {last:.3g} in fixed point."
             )

@@ -7,6 +7,7 @@ from collections.abc import Mapping
 
 import casadi as ca
 
+from workbench.control.drive import COEFFICIENTS, MOST
 from workbench.errors import WorkbenchError
 from workbench.kernel.choice import Choice
 from workbench.kernel.program import Program
@@ -36,6 +37,11 @@ POWERS: dict[str, Power] = {
     "law.per_first": (0.0, -1.0, 1.0),
     "law.held": POSITION,
     "law.integral": FORCE,
+    "law.forward": NONE,
+    "law.asked": POSITION,
+    "law.asked_rate": SPEED,
+    **{f"law.{n}_{i}": NONE for n in COEFFICIENTS for i in range(1, MOST + 1)},
+    **{f"law.{n}_{i}": FORCE for n in ("first", "second") for i in range(1, MOST + 1)},
     "gain.kp": (1.0, -1.0, 0.0),
     "gain.kd": (1.0, -1.0, 1.0),
     "gain.friction": FORCE,

@@ -7,10 +7,12 @@ from pathlib import Path
 
 import numpy as np
 
+from workbench.compensation import Compensated
 from workbench.control import Controller
 from workbench.errors import WorkbenchError, nearest
 from workbench.firmware import quantisation
 from workbench.firmware.export import files_of
+from workbench.firmware.image import verdict_of
 from workbench.firmware.loop import run_firmware
 from workbench.firmware.make import ARITHMETICS, Firmware, firmware
 from workbench.outputs import whole
@@ -61,15 +63,16 @@ def difference(a: np.ndarray, b: np.ndarray) -> float:
     return float(np.max(np.abs(a[both] - b[both]), initial=0.0))
 
 
-def same_bits(made: Firmware, run: Metrics, targets: np.ndarray, other: np.ndarray | None = None) -> tuple[int, int]:
+def same_bits(made: Firmware, run: Metrics, targets: np.ndarray) -> tuple[int, int]:
     """Return (samples, in how many the reference in Python commands what the C did) along the motions that were run."""
     y, u = run.trajectories["y"], run.trajectories["u"]
     raw = (np.floor(y / made.numbers.count + 0.5).astype(np.int64) & 0xFFFFFFFF).astype(np.uint32)
     aims = (np.floor(targets / made.numbers.count + 0.5).astype(np.int64) & 0xFFFFFFFF).astype(np.uint32)
-    axes = made.reference.start(raw[0], aims)
+    other = run.trajectories["other"].astype(np.int64).astype(np.uint32)
+    axes = made.reference.start(raw[0], aims, other[0])
     same = 0
     for k in range(len(raw)):
-        found = made.reference.real("u_c", made.reference.step(axes, raw[k], aims))
+        found = made.reference.real("u_c", made.reference.step(axes, raw[k], aims, 0, other[k]))
         same += int(np.count_nonzero(found == u[k]))
     return raw.size, same
 
@@ -84,8 +87,8 @@ def chaotic(task: Task, controller: Controller, scenarios: ScenarioArrays, law: 
     return found
 
 
-def compared(work: Work, name: str, arithmetic: str, values: np.ndarray) -> tuple[Firmware, Compared]:
-    """Run one controller of a study on axes (n, k), as law and as firmware."""
+def compared(work: Work, name: str, arithmetic: str, values: np.ndarray, verdict: int = 0) -> tuple[Firmware, Compared]:
+    """Run one controller of a study on axes (n, k), as law and as firmware. verdict: of its table."""
     block, task = Block(0, values), work.task
     plants, fields = applied(task.plant, work.varied, values)
     scenarios = work.scenarios(block, fields)
@@ -94,15 +97,31 @@ def compared(work: Work, name: str, arithmetic: str, values: np.ndarray) -> tupl
     law = task.on(plants).run(work.controllers[name], scenarios)
     steady = ~chaotic(task.on(plants), work.controllers[name], scenarios, law)
     travel = TRAVEL * abs(task.step - task.start)
-    made = firmware(work.controllers[name], task.loop, task.plant, arithmetic, travel=travel)
+    made = firmware(work.controllers[name], task.loop, task.plant, arithmetic, travel=travel, verdict=verdict)
     run = run_firmware(made, plants, task.loop, scenarios, task.duration, task.criteria)
     targets = np.broadcast_to(scenarios.target, (len(values),))
-    samples, same = same_bits(made, run, targets) if not made.numbers.stages.both else (0, 0)
+    samples, same = same_bits(made, run, targets)
     return made, Compared(
         name, arithmetic, len(values), int(np.count_nonzero(~steady)),
         difference(law.final_error[steady], run.final_error[steady]) / count,
         difference(law.time_1pct, run.time_1pct), difference(law.overshoot, run.overshoot), samples, same,
     )  # fmt: skip
+
+
+def asked(work: Work, controller: str | None, say: Callable[[str], None]) -> list[str]:
+    """Return the controllers to be verified: one, or all that are one firmware; a compensation is another beside its law's."""
+    names = list(work.controllers)
+    if controller is not None and controller not in names:
+        raise WorkbenchError(f"the study ran no controller '{controller}'; {nearest(controller, names)}")
+    twice = [n for n in names if isinstance(work.controllers[n], Compensated)]
+    if controller in twice:
+        raise WorkbenchError(
+            f"controller '{controller}' is two firmwares, its law's and its compensation's, which are not driven together here; "
+            "verify the controller without its compensation."
+        )
+    for n in twice:
+        say(f"{n}: left out, its compensation is a firmware of its own")
+    return [controller] if controller is not None else [n for n in names if n not in twice]
 
 
 def verify(
@@ -120,11 +139,8 @@ def verify(
             "the firmware is to drive."
         )
     work, cases = worst.read(kept)
-    names = list(work.controllers)
-    if controller is not None:
-        if controller not in names:
-            raise WorkbenchError(f"the study ran no controller '{controller}'; {nearest(controller, names)}")
-        names = [controller]
+    names = asked(work, controller, say)
+    verdict = judged(place)
     drawn = independent(work.varied, draws, SEED).values
     found, files = [], {}
     for name in names:
@@ -132,11 +148,21 @@ def verify(
         values = np.vstack([drawn, *(v[None, :] for v in own)])
         for arithmetic in ARITHMETICS:
             say(f"{name}, {arithmetic}")
-            made, one = compared(work, name, arithmetic, values)
+            made, one = compared(work, name, arithmetic, values, verdict)
             found.append(one)
             files[f"{slug(name)}/{arithmetic}"] = made
     write(place / "firmware", tuple(found), files)
     return tuple(found)
+
+
+def judged(place: Path) -> int:
+    """Return the verdict that a study's outputs were given, as its tables hold it; 0 where there is none."""
+    file = place / "results.json"
+    if not file.is_file():
+        return 0
+    found = json.loads(file.read_text(encoding="utf-8"))
+    passed = all(c["passed"] for c in found["checks"]) if found["checks"] else None
+    return verdict_of(passed, found["verdict"])
 
 
 def slug(name: str) -> str:

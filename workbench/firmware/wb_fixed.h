@@ -23,11 +23,11 @@ static inline int32_t wb_times(int32_t a, int32_t b, int by)
     return (int32_t)(((int64_t)a * b) >> by);
 }
 
-/* As wb_times, and no more than 2^30. */
+/* As wb_times, and no more than 2^30: by is 2 to 32, so that the upper word alone says whether it would be. */
 static inline int32_t wb_times_most(int32_t a, int32_t b, int by)
 {
-    const int64_t found = ((int64_t)a * b) >> by;
-    return (int32_t)((found > 1073741824) ? 1073741824 : found);
+    const int64_t found = (int64_t)a * b;
+    return ((int32_t)(found >> 32) >= ((int32_t)1 << (by - 2))) ? 1073741824 : (int32_t)(found >> by);
 }
 
 /* a 2^up / b, towards zero and no more than 2^30 in size; by the least unit where b is zero. */

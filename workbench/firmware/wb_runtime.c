@@ -124,7 +124,7 @@ static enum wb_refusal fields(const uint8_t *bytes, const wb_wanted *wanted, wb_
     head->numbers_at = (uint32_t)HEAD;
     head->knots_at = head->numbers_at + 4u * wb_u32(bytes + AT_NUMBERS);
     head->rows_at = head->knots_at + 4u * head->knots;
-    if ((bits < 2u) || (bits > 32u) || (head->jump > WB_FAR) || (head->verdict > 2u)) {
+    if ((bits < 2u) || (bits > 32u) || (head->jump > WB_FAR) || (head->verdict > 15u) || ((head->verdict & 3u) == 3u)) {
         return WB_FIELD;
     }
     if (!positive(head->sample_time) || !positive(head->count) || !positive(head->limit)) {

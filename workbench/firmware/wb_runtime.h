@@ -57,7 +57,7 @@ typedef struct {
     uint32_t first;     /* the first knot's bits >> shift */
     uint32_t encoder_shift; /* bits of a word that the encoder does not fill */
     uint32_t jump;      /* largest plausible way between two samples [count] */
-    uint32_t verdict;   /* 0: not judged, 1: requirements met, 2: not met */
+    uint32_t verdict;   /* 0: not judged, 1: requirements met, 2: not met; of the trace 4: a cause, 8: nothing missing, 12: unknown */
     uint32_t numbers_at;/* where numbers, knots and rows begin [byte] */
     uint32_t knots_at;
     uint32_t rows_at;
@@ -165,7 +165,11 @@ static inline float wb_maxf(float a, float b)
 
 static inline float wb_absf(float a)
 {
+#if defined(__GNUC__)
+    return __builtin_fabsf(a); /* one instruction, or two; never a call */
+#else
     return wb_real(wb_bits(a) & 0x7FFFFFFFu);
+#endif
 }
 
 /* The same where the second operand is a number for certain: a literal, or one of the table, which was checked. */
@@ -194,17 +198,16 @@ static inline float wb_givenf(float a)
 float wb_sqrtf(float a);
 
 /*
- * The segment i of an amplitude on knots at 2^e (1 + j/m), and how far beyond knot i it lies. The leading bits of a
+ * The segment i of an amplitude on knots at 2^e (1 + j/m), and whether it lies beyond knot i within the table. The leading bits of a
  * float count such knots. Below the first knot gains are those of the first, from the last on of the last. Amplitudes are not negative.
  */
-static inline uint32_t wb_segment(const wb_head *head, const float *knots, float amplitude, float *beyond)
+static inline uint32_t wb_segment(const wb_head *head, float amplitude, int *within)
 {
     const uint32_t i = (wb_bits(amplitude) >> head->shift) - head->first;
-    if (i < head->last) {
-        *beyond = amplitude - knots[i];
+    *within = i < head->last;
+    if (*within) {
         return i;
     }
-    *beyond = 0.0f; /* at or beyond one of the ends */
     return (i > 0x7FFFFFFFu) ? 0u : head->last;
 }
 

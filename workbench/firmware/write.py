@@ -6,7 +6,9 @@ from pathlib import Path
 from string import Template
 
 from workbench import control
-from workbench.firmware.stages import COMMAND, POSITIONS, Part, Stages, identifier
+from workbench.firmware.naming import identifier
+from workbench.firmware.parts import Part, Stages
+from workbench.firmware.stages import COMMAND, POSITIONS
 from workbench.firmware.units import power_of, unit
 from workbench.kernel.c import Writer, bare
 from workbench.kernel.choice import Choice
@@ -123,7 +125,13 @@ class Source:
         y = "now.y" in (*self.stages.observe.rows, *self.stages.command.rows)
         lines = ["int32_t way;", *["float y;"] * y, "float reference;"]
         if self.stages.columns:
-            lines += ["float beyond;", "uint32_t i;", *(f"float {n};" for n in self.stages.columns)]
+            lines += [
+                "float amplitude;",
+                "float beyond;",
+                "int within;",
+                "uint32_t i;",
+                *(f"float {n};" for n in self.stages.columns),
+            ]
         within = " || !wb_encoder_within(&state->encoder)" if self.stages.both else ""
         follow = "!wb_encoder_follow(&state->encoder, &table->head, now->position, &way)"
         lines += [f"if ({follow}{within}) {{", "    return 0.0f;", "}"]
@@ -134,7 +142,8 @@ class Source:
         lines += ["y = (float)state->encoder.position;"] * y
         lines += ["reference = (float)wb_signed((uint32_t)now->reference - state->encoder.origin);"]
         if self.stages.columns:
-            lines += [f"i = wb_segment(&table->head, table->knot, {seen} * table->head.count, &beyond);"]
+            lines += [f"amplitude = {seen} * table->head.count;", "i = wb_segment(&table->head, amplitude, &within);"]
+            lines += ["beyond = within ? amplitude - table->knot[i] : 0.0f;"]
             for j, n in enumerate(self.stages.columns):
                 lines += [f"{n} = table->row[{2 * j}][i] + table->row[{2 * j + 1}][i] * beyond;"]
                 given[f"gain.{n}"] = n

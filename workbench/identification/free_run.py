@@ -13,6 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from workbench.errors import WorkbenchError
+from workbench.identification.output_error import payload_inertia
 from workbench.identification.passes import Passes
 from workbench.identification.problem import Problem
 from workbench.identification.refine import Loops, nearest_to_measured
@@ -50,7 +51,7 @@ def positions(plants: Sequence[Plant], motion: Motion) -> np.ndarray:
     record = motion.record
     start, speed = beginning(record)
     drive = np.repeat(motion.u[:, None], len(plants), axis=1)
-    scenarios = [Scenario(start=start, speed=speed)] * len(plants)
+    scenarios = [Scenario(start=start, speed=speed, load_inertia=payload_inertia(record))] * len(plants)
     counts = record.resolution.get("position", 0.0)
     return open_loop(list(plants), drive, record.dt, SUBSTEPS, scenarios=scenarios, resolution=counts)["q"]
 

@@ -69,12 +69,21 @@ def outputs(
     held = kind == TWO_MASS and record.locked
     rows = dict(zip(SENSORS[: 1 if held else None], READINGS[kind], strict=False)) | {DRIVE: "u"}
     start = record.channels["load_position" if kind == TWO_MASS and not held else "position"][0]
-    one = Scenario(start=float(start), locked=float(held))
+    one = Scenario(start=float(start), locked=float(held), load_inertia=payload_inertia(record))
     run = simulate(
         list(plants), loop, controller, [one] * len(plants), record.time.size * loop.sample_time, tuple(rows.values()),
         reference=record.channels["reference"], injected=record.channels.get("injected"),
     )  # fmt: skip
     return {name: run.trajectories[row] for name, row in rows.items()}, run.finite
+
+
+def payload_inertia(record: Record) -> float:
+    """Return the payload's inertia of a record; WorkbenchError where it has weight, which a scenario does not simulate."""
+    if record.payload is not None and record.payload.mgl:
+        raise WorkbenchError(
+            f"record '{record.name}' states a payload with weight (mgl), which is not simulated; take a record without it."
+        )
+    return record.payload.inertia if record.payload is not None else 0.0
 
 
 def relative(x: np.ndarray, simulated: np.ndarray, keep: slice) -> float:

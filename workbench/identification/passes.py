@@ -64,10 +64,20 @@ class Passes:
         return value
 
     def filtered_drive(self, plant: Plant) -> np.ndarray:
-        """Return F(u') (rows, n): the drive, and nothing on the load's side."""
+        """Return F(u') (rows, n): the drive, and nothing on the load's side; less what the record's payload takes."""
         path = path_of(drive_maps(plant))
         drive = self._keep(("drive", path), lambda: self.motion.filter(self.command.applied(plant)))
-        return np.stack([drive, np.zeros_like(drive)][: self.rows(plant)])
+        given = np.stack([drive, np.zeros_like(drive)][: self.rows(plant)])
+        added = self.payload(plant)
+        return given if added is None else given - self._closed(plant, self.motion.filter(added), added)
+
+    def payload(self, plant: Plant) -> np.ndarray | None:
+        """Return what the record's payload takes of each balance (rows, n), or None; a load that is held moves none."""
+        record, place = self.motion.record, "load" if plant.kind == TWO_MASS else "axis"
+        if record.payload is None or (place == "load" and record.locked):
+            return None
+        signals, _ = self._signals(plant, place)
+        return record.payload.force(signals["q"], signals["a"]) * self._lever(plant, place)[1]
 
     def rows(self, plant: Plant) -> int:
         """Balances of this record: one body; motor and load; the motor alone where the load is locked."""
@@ -237,7 +247,8 @@ def balances(passes: Passes, plant: Plant) -> np.ndarray:
     total = np.zeros((passes.rows(plant), passes.motion.u.size))
     for e, name, column in passes.columns(plant):
         total += (e.parameters[name].value if name else 1.0) * column
-    return total
+    added = passes.payload(plant)
+    return total if added is None else total + passes._closed(plant, added, added)
 
 
 def required(passes: Passes, plant: Plant) -> np.ndarray:

@@ -1,126 +1,105 @@
 """Which column is which channel: by its name and unit where these say so, else by the data."""
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 
 from workbench.errors import WorkbenchError, nearest
 from workbench.intake import signals
-from workbench.intake.names import Meaning, is_length, kind_of, meaning
-from workbench.readers import Survey
+from workbench.intake.axes import DRIVES, of_axis
+from workbench.intake.clocks import seconds, time_of, unknown_unit
+from workbench.intake.columns import Columns, Guess
+from workbench.intake.names import is_length, kind_of
+from workbench.intake.others import alike, others_of
 
-DRIVES = ("torque", "force", "current", "voltage")  # the likelier first
 EXPLAINED = 0.3  # share of a drive's power that motion must explain for nameless columns to be taken for a pair
-SMOOTH = 0.999  # correlation above which a column is another reading of the position, or of its velocity
+APART = 0.1  # of a drive's power: a pair of columns that explains as much but for this is a rival of the best
+IDLE = {"d", "id", "reactive"}  # of the current along the field, which makes no torque
+ROS = "as sensor_msgs/JointState has it; a sliding joint's is in"  # of position and effort beside each other
 
 
-@dataclass(frozen=True)
-class Guess:
-    """One channel. channel: of the campaign format. column, unit: in the files. why: a clause."""
-
-    channel: str
-    column: str
-    unit: str
-    why: str
-    kind: str = ""
-
-
-@dataclass(frozen=True)
-class Columns:
-    """What is common to all files. data: of each file, name -> (n,). meanings: name -> what the name says."""
-
-    surveys: tuple[Survey, ...]
-    meanings: Mapping[str, Meaning]
-
-    @property
-    def names(self) -> list[str]:
-        return list(self.meanings)
-
-    def of(self, name: str) -> list[np.ndarray]:
-        return [s.columns[name] for s in self.surveys]
-
-    def moves(self, name: str) -> bool:
-        return any(np.ptp(x) > 0 for x in self.of(name))
-
-
-def common(surveys: Sequence[Survey]) -> Columns:
-    """Return the columns that every file has; WorkbenchError where there are fewer than three."""
-    first = surveys[0]
-    names = [n for n in first.columns if all(n in s.columns for s in surveys)]
-    if len(names) < 3:
-        raise WorkbenchError(
-            f"{first.path}: {len(names)} columns of numbers are common to all records ({', '.join(names) or 'none'}); time, "
-            "drive (torque, force or current) and position are needed in each, under the same names."
-        )
-    return Columns(tuple(surveys), {n: meaning(n, first.units.get(n, "")) for n in names})
-
-
-def channels(columns: Columns, told: Mapping[str, str]) -> tuple[Guess, ...]:
+def channels(
+    columns: Columns, told: Mapping[str, str], *, axis: str = "", rate: float | None = None
+) -> tuple[Guess, ...]:
     """Return the guesses for time, drive, position and whatever else is there, in this order.
 
-    told: channel -> column, as its user says. Raises WorkbenchError where one of the first three cannot be found.
+    told: channel -> column, as its user says. axis: which of several is meant. rate: Hz, where no column is the time. Raises
+    WorkbenchError, naming the flag that says it, where one of the first three cannot be told.
     """
     for channel, column in told.items():
         if column not in columns.names:
             raise WorkbenchError(
                 f"--channel {channel}={column}: there is no such column; {nearest(column, columns.names)}"
             )
-    time = _time(columns, told)
+    columns, _ = of_axis(columns, axis, told)
+    time = time_of(columns, told, rate)
     rest = [n for n in columns.names if n != time.column and n not in told.values() and columns.moves(n)]
+    rest = [n for n in rest if columns.meanings[n].kind != "time"]
     drive, position = _pair(columns, rest, told, time)
     if kind_of(drive.unit) not in ("torque", "force") and is_length(position.unit):
         drive = replace(drive, channel="force")
     taken = {time.column, drive.column, position.column}
-    others = _others(columns, [n for n in rest if n not in taken], told, position)
-    position, others = _not_the_reference(columns, position, others, time)
+    others = others_of(columns, [n for n in rest if n not in taken], told, position)
+    position, others = _not_the_reference(columns, position, others)
     return (time, drive, position, *others)
-
-
-def _time(columns: Columns, told: Mapping[str, str]) -> Guess:
-    named = [n for n, m in columns.meanings.items() if m.kind == "time"]
-    clocks = [n for n in columns.names if all(signals.is_clock(x) for x in columns.of(n))]
-    found = told.get("time") or next((n for n in named if n in clocks), None) or next(iter(clocks), None)
-    if found is None:
-        raise WorkbenchError(
-            f"{columns.surveys[0].path}: no column increases evenly as time does ({', '.join(columns.names)}); log the "
-            "time, or say which column it is: --channel time=COLUMN."
-        )
-    unit, rate = signals.clock_unit(columns.of(found)[0])
-    why = "you say so" if "time" in told else "its name says so" if found in named else "it increases evenly"
-    if columns.meanings[found].unit in signals.CLOCKS:
-        unit = columns.meanings[found].unit
-        rate = 1.0 / (float(np.median(np.diff(columns.of(found)[0]))) * signals.CLOCKS[unit])
-        return Guess("time", found, unit, f"{why}, and its unit; that makes {rate:.6g} Hz", "time")
-    return Guess("time", found, unit, f"{why}; in {unit} its steps make {rate:.6g} Hz, as drives log", "time")
 
 
 def _pair(columns: Columns, rest: Sequence[str], told: Mapping[str, str], time: Guess) -> tuple[Guess, Guess]:
     """Return drive and position: by name, else the pair of columns in which motion explains the drive best."""
-    drives = [told["drive"]] if "drive" in told else _likeliest(columns, rest, DRIVES)
-    positions = [told["position"]] if "position" in told else _likeliest(columns, rest, ("position",))[:1]
+    named = {
+        "drive": [told["drive"]] if "drive" in told else _likeliest(columns, rest, DRIVES),
+        "position": [told["position"]] if "position" in told else _likeliest(columns, rest, ("position",)),
+    }
     open_ = [n for n in rest if columns.meanings[n].kind == "" and "error" not in columns.meanings[n].quality]
-    by_name = {"drive": bool(drives), "position": bool(positions)}
-    drives, positions = drives or open_, positions or open_
-    best, score = None, -np.inf
-    for d in drives:
-        for p in positions:
-            if d != p:
-                explained = _explained(columns, d, p, time) if len(drives) * len(positions) > 1 else 1.0
-                best, score = ((d, p), explained) if explained > score else (best, score)
-    if best is None or (score < EXPLAINED and not all(by_name.values())):
+    named["position"] = list(_distinct(columns, named["position"]))
+    pairs = [(d, p) for d in named["drive"] or open_ for p in named["position"] or open_ if d != p]
+    scores = {pair: _explained(columns, *pair, time) if len(pairs) > 1 else 1.0 for pair in pairs}
+    best = max(scores, key=scores.get, default=None)
+    if best is None or (scores[best] < EXPLAINED and not (named["drive"] and named["position"])):
+        raise WorkbenchError(_untold(columns, rest))
+    rivals = [p for p in pairs if scores[p] > scores[best] - APART and _another(columns, p, best)]
+    if rivals:
+        shown = " and ".join(f"'{d}' over '{p}' ({100 * scores[d, p]:.0f} %)" for d, p in (best, *rivals[:2]))
+        part = "drive" if rivals[0][1] == best[1] else "position"
+        mend = f"--channel {part}={best[part == 'position']}"
         raise WorkbenchError(
-            f"{columns.surveys[0].path}: which column is the drive's torque, force or current and which the position cannot "
-            f"be told from the names or the data ({', '.join(rest) or 'none is left'}); say --channel drive=COLUMN "
-            "--channel position=COLUMN."
+            f"{columns.path}: several pairs of columns may be drive and position: motion explains {shown}; say which is meant: {mend}"
         )
     reasons = {
         part: "you say so" if part in told
-        else "its name says so" if named
-        else f"motion explains {100 * score:.0f} % of one column by the other, the best of all pairs"
-        for part, named in by_name.items()
+        else "its name says so" if by_name
+        else f"motion explains {100 * scores[best]:.0f} % of one column by the other, the best of all pairs"
+        for part, by_name in named.items()
     }  # fmt: skip
-    return _drive(columns, best[0], reasons["drive"]), _position(columns, best[1], reasons["position"])
+    ros = "effort" in columns.meanings[best[0]].words
+    return _drive(columns, best[0], reasons["drive"], ros), _position(columns, best[1], reasons["position"], ros)
+
+
+def _distinct(columns: Columns, names: Sequence[str]) -> Iterator[str]:
+    """Yield columns of which none follows an earlier one: several readings of one position are one candidate."""
+    kept: list[str] = []
+    for n in names:
+        if not any(alike(columns, n, other) for other in kept):
+            kept.append(n)
+            yield n
+
+
+def _another(columns: Columns, pair: tuple[str, str], best: tuple[str, str]) -> bool:
+    """Whether a pair is another axis's, or another drive signal: not a second reading of the same two."""
+    return any(a != b and not alike(columns, a, b) for a, b in zip(pair, best, strict=True))
+
+
+def _untold(columns: Columns, rest: Sequence[str]) -> str:
+    refused = [why for s in columns.surveys for why in s.refused.values()]
+    still = [n for n in columns.names if not columns.moves(n)]
+    left = f" Left out: {' '.join(refused[:3])}" if refused else ""
+    left += f" Left out, since they do not move: {', '.join(still)}." if still else ""
+    return (
+        f"{columns.path}: which column is the drive's torque, force or current and which the position cannot "
+        f"be told from the names or the data ({', '.join(rest) or 'none is left'}); say --channel drive=COLUMN "
+        f"--channel position=COLUMN.{left}"
+    )
 
 
 def _likeliest(columns: Columns, names: Sequence[str], kinds: Sequence[str]) -> list[str]:
@@ -131,6 +110,9 @@ def _likeliest(columns: Columns, names: Sequence[str], kinds: Sequence[str]) -> 
         return ("reference" in m.quality, "measured" not in m.quality, kinds.index(m.kind))
 
     fit = [n for n in names if columns.meanings[n].kind in kinds]
+    fit = [
+        n for n in fit if not (columns.meanings[n].kind == "current" and IDLE & set(columns.meanings[n].words))
+    ] or fit
     fit = [n for n in fit if not {"error", "load"} & columns.meanings[n].quality]
     return [n for n in fit if rank(n) == min(map(rank, fit))]
 
@@ -138,8 +120,9 @@ def _likeliest(columns: Columns, names: Sequence[str], kinds: Sequence[str]) -> 
 def _explained(columns: Columns, drive: str, position: str, time: Guess) -> float:
     """Return the share of the drive that motion explains, the best of all files; less where a position is rough."""
     found = []
-    for t, d, p in zip(columns.of(time.column), columns.of(drive), columns.of(position), strict=True):
-        rate = 1.0 / (float(np.median(np.diff(t))) * signals.CLOCKS[time.unit])
+    for s in columns.surveys:
+        d, p = s.columns[drive], s.columns[position]
+        rate = 1.0 / float(np.median(np.diff(seconds(time, s.columns.get(time.column), d.size))))
         rough = float(np.std(np.diff(p)) / max(float(np.std(p)), 1e-300))
         rough_drive = float(np.std(np.diff(d)) / max(float(np.std(d)), 1e-300))
         explained = signals.relation(p, d, rate, signals.motion_band(p, rate)).explained
@@ -147,54 +130,32 @@ def _explained(columns: Columns, drive: str, position: str, time: Guess) -> floa
     return max(found)
 
 
-def _drive(columns: Columns, name: str, why: str) -> Guess:
+def _drive(columns: Columns, name: str, why: str, ros: bool) -> Guess:
     m = columns.meanings[name]
+    if m.unknown:
+        raise unknown_unit(columns, name)
     kind = m.kind if m.kind in DRIVES else "current"
     default = {"torque": "N*m", "force": "N", "current": "A", "voltage": "V"}[kind]
     said = f"{why}, and its unit" if m.unit else f"{why}; its unit is a guess"
+    said = f"{why}; in N*m {ROS} N" if ros and not m.unit else said
     unit = m.unit or default
     linear = unit in ("N", "mN", "kN", "uN", "lbf") or kind == "force"
-    return Guess("force" if linear else "torque", name, unit, said, kind)
+    return Guess("force" if linear else "torque", name, unit, said, kind, stated=bool(m.unit))
 
 
-def _position(columns: Columns, name: str, why: str) -> Guess:
+def _position(columns: Columns, name: str, why: str, ros: bool = False) -> Guess:
     m = columns.meanings[name]
+    if m.unknown:
+        raise unknown_unit(columns, name)
     if m.unit:
         return Guess("position", name, m.unit, f"{why}, and its unit", "position")
     whole = all(np.all(x == np.round(x)) for x in columns.of(name))
     said = "whole numbers, so encoder counts" if whole else "no unit is stated, so that 'rad' is a guess"
-    return Guess("position", name, "count" if whole else "rad", f"{why}; {said}", "position")
+    said = f"in rad {ROS} m" if ros and not whole else said
+    return Guess("position", name, "count" if whole else "rad", f"{why}; {said}", "position", stated=False)
 
 
-def _others(columns: Columns, rest: Sequence[str], told: Mapping[str, str], position: Guess) -> tuple[Guess, ...]:
-    """Return reference, load position, velocity and temperature, where a name says so or the data do."""
-    found: dict[str, Guess] = {}
-    for n in rest:
-        m = columns.meanings[n]
-        like = min(float(np.corrcoef(x, p)[0, 1]) if np.ptp(x) > 0 and np.ptp(p) > 0 else 1.0
-                   for x, p in zip(columns.of(n), columns.of(position.column), strict=True))  # fmt: skip
-        unit = m.unit or position.unit
-        if m.quality & {"error"}:
-            continue
-        if "load" in m.quality and m.kind == "position":
-            found.setdefault("load_position", Guess("load_position", n, unit, "its name says so"))
-        elif m.kind == "velocity" and "reference" not in m.quality and m.unit and m.unit != "count":
-            found.setdefault("velocity", Guess("velocity", n, m.unit, "its name and unit say so"))
-        elif m.kind in ("temperature", "normal") and m.unit:
-            found.setdefault(m.kind, Guess(m.kind, n, m.unit, "its name and unit say so"))
-        elif "reference" in m.quality and m.kind in ("", "position"):
-            found.setdefault("reference", Guess("reference", n, unit, "its name says so"))
-        elif m.kind in ("", "position") and like > SMOOTH:
-            why = f"it follows the position (correlation {like:.4f})"
-            found.setdefault("reference", Guess("reference", n, unit, why))
-    for channel, column in told.items():
-        if channel not in ("time", "drive", "position"):
-            unit = columns.meanings[column].unit or position.unit
-            found[channel] = Guess(channel, column, unit, "you say so")
-    return tuple(found.values())
-
-
-def _not_the_reference(columns: Columns, position: Guess, others: tuple[Guess, ...], time: Guess):
+def _not_the_reference(columns: Columns, position: Guess, others: tuple[Guess, ...]):
     """Exchange position and reference where neither name tells them apart and the 'position' comes first in time."""
     reference = next((g for g in others if g.channel == "reference"), None)
     named = columns.meanings[position.column].quality | (

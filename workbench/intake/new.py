@@ -1,5 +1,7 @@
 """A new study from log files: surveyed, guessed, written whole, and read back before it is kept."""
 
+import hashlib
+import re
 import shutil
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -8,13 +10,19 @@ from pathlib import Path
 from workbench import campaign
 from workbench.errors import WorkbenchError
 from workbench.finding import capital
-from workbench.intake.guess import channels, common
+from workbench.intake.columns import common
+from workbench.intake.guess import channels
+from workbench.intake.names import alike, known_unit
+from workbench.intake.others import unused
 from workbench.intake.proposal import Proposal, proposal
 from workbench.intake.text import campaign_text, study_text
 from workbench.outputs import whole
-from workbench.readers import survey
+from workbench.readers import stem, survey
 
 STUDY, FOLDER = "study.toml", "campaign"
+NAME = re.compile(r"\w[\w.-]*")
+LONGEST = 100  # characters; file systems end at 255 bytes, and outputs append to it
+VERBS = ("all", "bench", "bench-trace", "clean", "fuzz", "help", "lock", "setup", "test")  # of the Makefile
 
 
 @dataclass(frozen=True)
@@ -26,17 +34,27 @@ class New:
     edit: tuple[str, ...]
 
 
-def new(place: Path, files: Sequence[Path], told: Mapping[str, str] | None = None) -> New:
+def new(
+    place: Path, files: Sequence[Path], told: Mapping[str, str] | None = None, *,
+    units: Mapping[str, str] | None = None, axis: str = "", rate: float | None = None,
+) -> New:  # fmt: skip
     """Write a study with its campaign into `place`, which must not exist, and return what was guessed.
 
     told: channel ("time", "drive", "position", "reference", "load_position") -> column, where its user knows better.
+    units: column -> unit, likewise. axis: which of several is meant. rate: Hz, where no column is the time.
     Raises WorkbenchError, and writes nothing, where the files cannot make a campaign that loads.
     """
-    if place.exists():
-        raise WorkbenchError(f"{place} is there already; choose another name, or remove it.")
-    surveys = [survey(f) for f in files]
-    columns = common(surveys)
-    made = proposal(columns, channels(columns, told or {}))
+    _named(place)
+    _different(files)
+    units = _known(units or {})
+    columns = common([survey(f) for f in files], units, 3 if rate is None else 2)
+    guesses = channels(columns, told or {}, axis=axis, rate=rate)
+    aside = unused(columns, guesses)
+    if any(s.notes for s in columns.surveys):  # put on one raster: that of the columns that are used counts
+        used = [g.column for g in guesses if g.column]
+        columns = common([survey(f, used) for f in files], units, len(used))
+    surveys = columns.surveys
+    made = proposal(columns, guesses)
     title = capital(place.name.replace("_", " "))
     copies = _names(files)
     with whole(place, STUDY) as beside:
@@ -47,9 +65,45 @@ def new(place: Path, files: Sequence[Path], told: Mapping[str, str] | None = Non
         (inner / campaign.FILE).write_text(campaign_text(title, made, copies), encoding="utf-8")
         (beside / STUDY).write_text(study_text(title, made), encoding="utf-8")
         _readable(inner)
-    refused = [f"Left out: {why}" for s in surveys for why in s.refused.values()]
+    aside += [f"Left out: {why}" for s in surveys for why in s.refused.values()]
+    aside += [f"{s.path.name}: {note}" for s in surveys for note in s.notes]
     edit = tuple(f"channels.{c.guess.channel}.scale" for c in made.channels if c.scale and c.scale.assumed)
-    return New(place, (*_lines(made, copies), *refused), edit)
+    return New(place, (*_lines(made, copies), *aside), edit)
+
+
+def _named(place: Path) -> None:
+    """Refuse a name that a folder, a command line or the Makefile would misunderstand."""
+    name = place.name
+    if place.exists():
+        raise WorkbenchError(f"{place} is there already; choose another name, or remove it.")
+    if not NAME.fullmatch(name) or len(name) > LONGEST:
+        raise WorkbenchError(
+            f"'{name[:LONGEST]}' cannot name a study; letters, digits, '_', '-' and '.' can, {LONGEST} at most, a letter or digit first."
+        )
+    if name in VERBS:
+        raise WorkbenchError(f"'{name}' is a command of the Makefile (make {name}); choose another name.")
+
+
+def _different(files: Sequence[Path]) -> None:
+    """Refuse one log under two names: it would be validated on what it was fitted to."""
+    seen: dict[str, Path] = {}
+    for file in files:
+        digest = hashlib.sha256(file.read_bytes()).hexdigest() if file.is_file() else str(file)
+        if digest in seen:
+            raise WorkbenchError(f"{file}: holds the same bytes as {seen[digest]}; name each log once.")
+        seen[digest] = file
+
+
+def _known(units: Mapping[str, str]) -> dict[str, str]:
+    """Return column -> unit in this project's spelling."""
+    found = {column: known_unit(unit) for column, unit in units.items()}
+    for column, unit in found.items():
+        if not unit:
+            near = ", ".join(alike(units[column], ""))
+            raise WorkbenchError(
+                f"--unit {column}={units[column]}: there is no such unit; known are {near} and others."
+            )
+    return found
 
 
 def _readable(folder: Path) -> None:
@@ -64,13 +118,14 @@ def _names(files: Sequence[Path]) -> list[str]:
     """Return a name within the folder for each file; of files with one stem the later ones get a number."""
     names, stems = [], set()
     for file in files:
-        stem, dot, suffix = file.name.partition(".")
-        number, unique = 1, stem
+        first = stem(file)
+        suffix = file.name[len(first) :]
+        number, unique = 1, first
         while unique in stems:
             number += 1
-            unique = f"{stem}_{number}"
+            unique = f"{first}_{number}"
         stems.add(unique)
-        names.append(f"{unique}{dot}{suffix}")
+        names.append(f"{unique}{suffix}")
     return names
 
 
@@ -78,6 +133,9 @@ def _lines(p: Proposal, files: Sequence[str]) -> list[str]:
     said = []
     for c in p.channels:
         g = c.guess
+        if g.rate:
+            said.append(f"{g.channel}: {g.rate:g} Hz - {g.why}.")
+            continue
         said.append(f"{g.channel}: column '{g.column}' in '{g.unit}' - {g.why}.")
         if c.scale:
             what = "assumed until you edit it" if c.scale.assumed else "found"

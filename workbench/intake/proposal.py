@@ -6,27 +6,18 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from workbench.intake import signals
-from workbench.intake.guess import Columns, Guess
+from workbench.intake.clocks import seconds
+from workbench.intake.columns import Columns, Guess, Scale
 from workbench.intake.names import is_length, kind_of, parted
+from workbench.readers import stem
 from workbench.readers.sampling import TOLERANCE
 from workbench.record import IDENTIFICATION, VALIDATION
-from workbench.units import to_si
 
 SURE = 0.3  # share of the drive that motion must explain before its sign is believed
 CALM = (0.55, 0.75)  # of a single record: where it is parted, at the calmest moment
 WORDS = {"val", "valid", "validation", "validate", "test", "check", "verify", "verification"}
 DWELL = 0.02  # of the largest speed: an axis slower than this rests
 APART = 0.1  # records whose shares of rest differ by less are taken for motions of one kind
-
-
-@dataclass(frozen=True)
-class Scale:
-    """As campaign.toml has it. assumed: for its engineer to put in. why: what the number is."""
-
-    value: float
-    unit: str
-    assumed: bool
-    why: str
 
 
 @dataclass(frozen=True)
@@ -76,14 +67,15 @@ def proposal(columns: Columns, guesses: Sequence[Guess]) -> Proposal:
     """Return the campaign that these columns make."""
     time, drive, position = guesses[:3]
     linear = drive.channel == "force" or is_length(position.unit)
-    clocks = [to_si(t, time.unit, "s", time.column) for t in columns.of(time.column)]
+    sizes = [s.columns[drive.column].size for s in columns.surveys]
+    clocks = [seconds(time, s.columns.get(time.column), n) for s, n in zip(columns.surveys, sizes, strict=True)]
     rates = [1.0 / float(np.median(np.diff(t))) for t in clocks]
     places, drives = columns.of(position.column), columns.of(drive.column)
     bands = [signals.motion_band(p, r) for p, r in zip(places, rates, strict=True)]
     related = [signals.relation(*x) for x in zip(places, drives, rates, bands, strict=True)]
     best = max(related, key=lambda r: r.explained)
     reversed_ = best.explained > SURE and best.reversed
-    scales = [None, _drive_scale(drive, linear, reversed_), *(_position_scale(g, linear) for g in guesses[2:])]
+    scales = [time.scale, _drive_scale(drive, linear, reversed_), *(_position_scale(g, linear) for g in guesses[2:])]
     channels = []
     for guess, scale in zip(guesses, scales, strict=True):
         step, why = _resolution(columns.of(guess.column)) if "position" in guess.channel else (0.0, "")
@@ -122,6 +114,8 @@ def _drive_scale(guess: Guess, linear: bool, reversed_: bool) -> Scale | None:
     effort, sign = ("N" if linear else "N*m"), (-1.0 if reversed_ else 1.0)
     kind = kind_of(guess.unit)
     turned = "; minus, since this drive counts against the position" if reversed_ else ""
+    if kind == ("force" if linear else "torque") and not guess.stated:
+        return Scale(sign, "1", True, f"no unit is stated, so that '{guess.unit}' is a guess" + turned)
     if kind == ("force" if linear else "torque"):
         return Scale(sign, "1", False, "the sign" + turned) if reversed_ else None
     if kind in ("torque", "force"):
@@ -141,6 +135,8 @@ def _position_scale(guess: Guess, linear: bool) -> Scale | None:
         return Scale(value, unit, True, f"encoder counts a {'mm' if linear else 'revolution'} of the output")
     if linear and not is_length(guess.unit):
         return Scale(10.0, "mm/rev", True, "travel a revolution")
+    if not guess.stated:
+        return Scale(1.0, "1", True, f"no unit is stated, so that '{guess.unit}' is a guess")
     return None
 
 
@@ -159,9 +155,8 @@ def _entries(columns: Columns, clocks, places, rates, bands) -> tuple[Entry, ...
     """Say what each record is for: by its name, else the one that rests most validates; a single one is parted."""
     if len(clocks) == 1:
         return _parted(columns, clocks[0], signals.resting(places[0], rates[0], bands[0]))
-    stems = [s.path.name.split(".")[0] for s in columns.surveys]
-    named = [k for k, stem in enumerate(stems) if WORDS & set(parted(stem)[0])]
-    if named and len(named) < len(stems):
+    named = [k for k, s in enumerate(columns.surveys) if WORDS & set(parted(stem(s.path))[0])]
+    if named and len(named) < len(clocks):
         reasons = dict.fromkeys(named, "its name says so")
     else:
         rest = [float(np.mean(signals.resting(*x) < DWELL)) for x in zip(places, rates, bands, strict=True)]
@@ -180,12 +175,12 @@ def _parted(columns: Columns, time: np.ndarray, speed: np.ndarray) -> tuple[Entr
     """Part the only record in time: fitted up to the calmest moment between 55 and 75 % of it, and validated after it."""
     first, last = (int(share * time.size) for share in CALM)
     at = float(time[first + int(np.argmin(speed[first:last]))])
-    stem = columns.surveys[0].path.name.split(".")[0].replace(" ", "_")
-    stem = "".join(c for c in stem if c.isalnum() or c in "_-") or "record"
+    name = stem(columns.path).replace(" ", "_")
+    name = "".join(c for c in name if c.isalnum() or c in "_-") or "record"
     why = "the only record is parted at its calmest moment between 55 and 75 %"
     return (
-        Entry(0, IDENTIFICATION, why, f"{stem}_first", until=at),
+        Entry(0, IDENTIFICATION, why, f"{name}_first", until=at),
         Entry(
-            0, VALIDATION, f"{why}; what lies before only brings friction into its state", f"{stem}_second", None, at
+            0, VALIDATION, f"{why}; what lies before only brings friction into its state", f"{name}_second", None, at
         ),
     )

@@ -11,7 +11,7 @@ COULOMB = ("coulomb_friction", "coulomb", "F")
 ONE_MASS = tuple(("axis", *effect) for effect in (INERTIA, VISCOUS, COULOMB))
 TWO_MASS = (
     *(("motor", *effect) for effect in (INERTIA, VISCOUS, COULOMB)),
-    *(("load", *effect) for effect in (INERTIA, VISCOUS)),
+    *(("load", *effect) for effect in (INERTIA, VISCOUS, COULOMB)),  # else a gap or a drag at the load takes its place
     ("joint", "linear_stiffness", "stiffness", "F/x"),
     ("joint", "linear_damping", "damping", "F*s/x"),
 )
@@ -72,8 +72,8 @@ def _channel(c: Channel) -> list[str]:
     g = c.guess
     said = [
         f"[channels.{g.channel}]  # {g.why}",
-        f"column = {json.dumps(g.column, ensure_ascii=False)}",
-        f'unit = "{g.unit}"',
+        *([f'rate = {{ value = {g.rate!r}, unit = "Hz" }}'] if g.rate else []),
+        *([] if g.rate else [f"column = {json.dumps(g.column, ensure_ascii=False)}", f'unit = "{g.unit}"']),
     ]
     if c.scale:
         held = ", assumed = true" if c.scale.assumed else ""

@@ -72,7 +72,7 @@ class Writer:
     """Lines of C of one program. kind: "float" or "double". names: line -> the C name that its value gets.
 
     numbers: inputs that are never NaN, so that a minimum or maximum with them takes one comparison. finite: no value is
-    ever NaN, so that x <= 0 may be written as the opposite of 0 < x, and is compared once.
+    ever NaN, so that every one does, and x <= 0 may be written as the opposite of 0 < x, and is compared once.
     """
 
     def __init__(
@@ -131,7 +131,7 @@ class Writer:
             return Text(CONDITIONS[line.op].format(a=self.value(line.a), b=self.value(line.b)), True)
         if signed := self._sign(line):
             return Text(f"wb_sign{self.suffix}({signed})")
-        if line.op in SURE and (line.b in self.numbers or line.b not in self.known):
+        if line.op in SURE and (self.finite or line.b in self.numbers or line.b not in self.known):
             return Text(f"{SURE[line.op]}{self.suffix}({self.value(line.a)}, {self.value(line.b)})")
         if line.op == ca.OP_INV:
             return Text(f"({number(1.0, self.kind)} / {self.value(line.a)})")

@@ -4,7 +4,7 @@ A reader gets the bytes, read once, so that the sha256 in the record's Source is
 """
 
 import hashlib
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Protocol
@@ -12,7 +12,8 @@ from typing import Protocol
 import numpy as np
 
 from workbench.errors import WorkbenchError, nearest
-from workbench.readers import csv, mat, mdf, tdms
+from workbench.readers import csv, excel, hdf5, json, mat, mcap, mdf, npy, parquet, tdms, wpilog
+from workbench.readers.held import Whole
 from workbench.readers.sheet import Sheet
 from workbench.record import Source
 
@@ -33,7 +34,10 @@ class Reader(Protocol):
         """
 
 
-READERS: tuple[Reader, ...] = (csv.Csv(), mat.Mat(), mdf.Mdf(), tdms.Tdms())
+READERS: tuple[Reader, ...] = (
+    csv.Csv(), mat.Mat(), mdf.Mdf(), tdms.Tdms(), hdf5.Hdf5(), parquet.Parquet(), excel.Excel(), json.Json(), npy.Npy(),
+    mcap.Mcap(), wpilog.Wpilog(),
+)  # fmt: skip
 SUFFIXES = tuple(s for r in READERS for s in r.suffixes)
 
 
@@ -43,6 +47,12 @@ def reader(path: Path) -> Reader:
         if path.name.lower().endswith(candidate.suffixes):
             return candidate
     raise WorkbenchError(f"{path}: no reader for this kind of file; readable are {', '.join(SUFFIXES)}.")
+
+
+def stem(path: Path) -> str:
+    """Return a file's name without the suffixes of its format, dots in it as "_": "run.2.csv.gz" is "run_2"."""
+    suffix = max((s for s in SUFFIXES if path.name.lower().endswith(s)), key=len, default="")
+    return path.name[: len(path.name) - len(suffix)].replace(".", "_")
 
 
 def load(path: Path, columns: Mapping[str, str]) -> tuple[Sheet, Source]:
@@ -65,35 +75,55 @@ def read(path: Path, columns: Mapping[str, str]) -> tuple[Mapping[str, np.ndarra
 class Survey:
     """Every column of a file that holds numbers. columns: name -> (n,) array in the file's units, all of one length.
 
-    units: name -> unit as the file writes it. refused: name -> why a column was left out.
+    units: name -> unit as the file writes it. refused: name -> why a column was left out. notes: what was done to the
+    samples on the way in.
     """
 
     path: Path
     columns: Mapping[str, np.ndarray]
     units: Mapping[str, str]
     refused: Mapping[str, str]
+    notes: tuple[str, ...] = ()
 
 
-def survey(path: Path) -> Survey:
-    """Return all that a file of unknown content holds; WorkbenchError where not one column can be read."""
+def survey(path: Path, names: Sequence[str] = ()) -> Survey:
+    """Return all that a file of unknown content holds; WorkbenchError where not one column can be read.
+
+    names: the columns that are meant, where not all are.
+    """
     chosen, content = reader(path), _content(path)
-    names = chosen.columns(content, path)
-    try:
-        sheet = chosen.read(content, path, {name: name for name in names})
-        return Survey(path, sheet.channels, sheet.units, {})
-    except WorkbenchError:
-        columns, units, refused = {}, {}, {}
-    for name in names:  # one that holds text, or gaps, does not keep the others from being read
-        try:
-            sheet = chosen.read(content, path, {name: name})
-            columns[name], units[name] = sheet.channels[name], sheet.units.get(name, "")
-        except WorkbenchError as e:
-            refused[name] = str(e)
+    columns, units, refused, notes = {}, {}, {}, ()
+    for name, found in _each(chosen, content, path, names):
+        if isinstance(found, WorkbenchError):
+            refused[name] = str(found)
+        else:
+            columns[name], units[name], notes = found.channels[name], found.units.get(name, ""), found.notes
     if not columns:
         raise WorkbenchError(next(iter(refused.values()), f"{path}: holds no columns; export the record again."))
     size = max(v.size for v in columns.values())
     columns = {n: v for n, v in columns.items() if v.size == size}  # scalars beside signals, in .mat files
-    return Survey(path, columns, {n: u for n, u in units.items() if u}, refused)
+    return Survey(path, columns, {n: u for n, u in units.items() if u}, refused, notes)
+
+
+def _each(
+    chosen: Reader, content: bytes, path: Path, names: Sequence[str]
+) -> Iterator[tuple[str, Sheet | WorkbenchError]]:
+    """Yield every column, or why it cannot be read: text or gaps in one do not keep the others from being read."""
+    if isinstance(chosen, Whole):
+        yield from chosen.each(content, path, names)
+        return
+    names = names or chosen.columns(content, path)
+    try:
+        sheet = chosen.read(content, path, {name: name for name in names})
+        yield from ((name, sheet) for name in names)
+        return
+    except WorkbenchError:
+        pass
+    for name in names:
+        try:
+            yield name, chosen.read(content, path, {name: name})
+        except WorkbenchError as e:
+            yield name, e
 
 
 def _content(path: Path) -> bytes:

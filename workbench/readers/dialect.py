@@ -4,15 +4,14 @@ The declared column names are known, and they say which delimiter it is: the one
 """
 
 import csv
-import gzip
 import re
-import zlib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 from workbench.errors import WorkbenchError, nearest
 from workbench.readers.cells import number
+from workbench.readers.limits import gunzipped
 from workbench.units.registry import legible, tidy
 
 GZIP = b"\x1f\x8b"
@@ -37,9 +36,13 @@ class Dialect:
     delimiter: str
 
 
-def dialect(content: bytes, path: Path, columns: Mapping[str, str]) -> Dialect:
-    """Return how a file is written; WorkbenchError where it is empty, or has no header with every declared column."""
-    lines = _utf8(_plain(content, path), path).replace(b"\r\n", b"\n").replace(b"\r", b"\n")
+def text_of(content: bytes, path: Path) -> bytes:
+    """Return a text file unpacked, in UTF-8, with line feeds at the ends of its lines; WorkbenchError where it is empty."""
+    return _utf8(_plain(content, path), path).replace(b"\r\n", b"\n").replace(b"\r", b"\n")
+
+
+def dialect(lines: bytes, path: Path, columns: Mapping[str, str]) -> Dialect:
+    """Return how a text is written; WorkbenchError where it has no header with every declared column."""
     line, row, body, first = _parted(lines, columns.values())
     if not line.strip():
         raise WorkbenchError(f"{path}, row {row}: is blank; put the header with the column names there.")
@@ -47,11 +50,14 @@ def dialect(content: bytes, path: Path, columns: Mapping[str, str]) -> Dialect:
     header = _names(line, delimiter)
     _complete(header, f"{path}, row {row}", columns)
     body = body.rstrip(b"\n")
+    quotes = body.count(b'"')
+    if quotes and not quotes % (2 * (body.count(b"\n") + 1)):  # whole columns in quotes, not a stray cell
+        body = body.replace(b'"', b"")
     if delimiter == " ":
         body = b"\n".join(b" ".join(line.split()) for line in body.split(b"\n"))
     head, _, rest = body.partition(b"\n")
     units = [c.strip().strip("[]()").strip() for c in head.decode().split(delimiter)]
-    if len(units) == len(header) and _are_units([units[header.index(c)] for c in columns.values()]):
+    if len(units) == len(header) and are_units([units[header.index(c)] for c in columns.values()]):
         body, first = rest, first + 1
     else:
         units = ()
@@ -63,10 +69,7 @@ def dialect(content: bytes, path: Path, columns: Mapping[str, str]) -> Dialect:
 def _plain(content: bytes, path: Path) -> bytes:
     """Return the text's bytes, unpacked where they are gzip by name or by content."""
     if path.suffix.lower() == ".gz" or content.startswith(GZIP):
-        try:
-            content = gzip.decompress(content) if content else content
-        except (OSError, EOFError, zlib.error) as e:
-            raise WorkbenchError(f"{path}: is no whole gzip file ({e}); copy or pack it again.") from e
+        content = gunzipped(content, path)
     if not content.removeprefix(UTF8).strip():
         raise WorkbenchError(f"{path}: is empty; a header row and samples are needed, so export the record again.")
     return content
@@ -105,7 +108,7 @@ def _parted(lines: bytes, columns: Sequence[str]) -> tuple[str, int, bytes, int]
         shown = line.decode()
         if comments and not _finds_all(shown, columns):
             for comment, at in reversed(comments):
-                for text in (comment, comment.lstrip("#% ")):
+                for text in (comment.lstrip("#% "), comment):
                     if _finds_all(text, columns):
                         return text, at, rest, row
         if columns and not _finds_all(shown, columns):
@@ -123,13 +126,12 @@ def _numbered(line: str) -> str:
     return delimiter.join(f'"column {k + 1}"' for k in range(len(_names(line, delimiter))))
 
 
-def columns_of(content: bytes, path: Path) -> tuple[str, ...]:
+def columns_of(lines: bytes, path: Path) -> tuple[str, ...]:
     """Return the names of all columns of a table, "column 1" and so on where it has no header.
 
     The samples begin at the first line that holds numbers and whose next lines are parted alike; the header is the line
     above them, or above a row of units. Raises WorkbenchError where no line holds two numbers.
     """
-    lines = _utf8(_plain(content, path), path).replace(b"\r\n", b"\n").replace(b"\r", b"\n")
     top = [line.decode() for line in lines.split(b"\n", PREAMBLE + AGREEING)[: PREAMBLE + AGREEING]]
     for k, line in enumerate(top):
         delimiter = max(DELIMITERS, key=lambda d: _numeric(line, d))
@@ -138,7 +140,7 @@ def columns_of(content: bytes, path: Path) -> tuple[str, ...]:
         if all(_numeric(o, delimiter)[1] >= 2 and len(_names(o, delimiter)) == width for o in below) and below:
             above = [_names(o.lstrip("#% "), delimiter) for o in top[max(k - 2, 0) : k]]
             above = [cells for cells in above if len(cells) == width]
-            if len(above) == 2 and not _are_units([c.strip("[]()") for c in above[-1]]):
+            if len(above) == 2 and not are_units([c.strip("[]()") for c in above[-1]]):
                 del above[0]
             return tuple(above[0]) if above else tuple(_names(_numbered(line), delimiter))
     raise WorkbenchError(
@@ -184,8 +186,8 @@ def _complete(header: Sequence[str], where: str, columns: Mapping[str, str]) -> 
             )
 
 
-def _are_units(cells: Sequence[str]) -> bool:
-    """Whether the declared columns' cells are units: no sample among them, and at least one that is known."""
+def are_units(cells: Sequence[str]) -> bool:
+    """Whether the cells of a row are units: no sample among them, and at least one that is known."""
     told = [c for c in cells if c not in NO_UNIT]
     return not any(_sample(c) for c in told) and any(legible(tidy(c)) for c in told)
 

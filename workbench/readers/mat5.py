@@ -9,8 +9,11 @@ import struct
 import zlib
 from collections.abc import Iterator
 from math import prod
+from pathlib import Path
 
 import numpy as np
+
+from workbench.readers.limits import LARGEST, within
 
 START = 128  # byte of the first element
 INT32, UINT32, MATRIX, PACKED = 5, 6, 14, 15
@@ -24,7 +27,10 @@ class Broken(ValueError):
     """What is written cannot be; the message says what and where, within the file or within what it is packed in."""
 
 
-def variables(content: bytes) -> dict[str, object]:
+MOST = 256  # structures of one array that are read: one a channel, as ControlDesk writes them
+
+
+def variables(content: bytes, path: Path) -> dict[str, object]:
     """Return name -> array, or dict of fields for a structure, or a list of dicts for many; Broken where that fails.
 
     Text is a str array, and what is neither numbers nor a structure an array of objects.
@@ -36,7 +42,11 @@ def variables(content: bytes) -> dict[str, object]:
     for kind, data, at in elements(content[START:], order):
         if kind == PACKED:
             try:
-                data = zlib.decompress(data)
+                packed = zlib.decompressobj()
+                data = packed.decompress(data, LARGEST + 1)
+                within(len(data), path)
+                if not packed.eof:
+                    raise zlib.error("it ends too early")
             except zlib.error as e:
                 raise Broken(f"element {at}: {e}") from e
             kind, data, at = next(elements(data, order), (0, b"", at))
@@ -92,9 +102,12 @@ def structure(parts: Iterator, count: int, order: str) -> object:
     if len(length) != 1 or length[0] <= 0 or count < 0 or len(joined) % length[0]:
         raise Broken("a structure's field names cannot be parted")
     names = [joined[k : k + length[0]].split(b"\0")[0].decode("latin-1") for k in range(0, len(joined), length[0])]
-    if count != 1:
-        return [{}] * min(count, 2)
-    return {n: matrix(d, order)[1] if (d := part(parts, MATRIX)) else np.zeros(0) for n in names}
+    if count > MOST:
+        return [{}] * 2
+    made = [
+        {n: matrix(d, order)[1] if (d := part(parts, MATRIX)) else np.zeros(0) for n in names} for _ in range(count)
+    ]
+    return made[0] if count == 1 else made
 
 
 def part(parts: Iterator, wanted: int) -> bytes:

@@ -3,17 +3,18 @@
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from functools import cache
 from pathlib import Path
 
 import numpy as np
 
 from workbench.errors import WorkbenchError
 from workbench.finding import Finding
-from workbench.readers import load, reader
+from workbench.readers import load, reader, stem
 from workbench.readers.declaration import Table
 from workbench.readers.sampling import FEWEST, uniform
 from workbench.readers.stated import stated
-from workbench.record import IDENTIFICATION, ROLES, VALIDATION, Record
+from workbench.record import IDENTIFICATION, ROLES, VALIDATION, Payload, Record
 from workbench.units import effect_unit, scaled, to_si
 
 # Templates as effects state them: F is N*m or N, x is rad or m.
@@ -37,7 +38,8 @@ class Channel:
     """column: its name in the files. unit: as measured. si: inside. resolution: encoder step in SI, or 0.
 
     scaled: the unit that the column times `factor` has, from which it is converted; `unit` and 1 where no scale is
-    declared. assumed: the scale is a guess that waits for its engineer.
+    declared. assumed: the scale is a guess that waits for its engineer. rate: Hz, of a time that counts samples and has no
+    column.
     """
 
     column: str
@@ -47,10 +49,17 @@ class Channel:
     scaled: str
     factor: float = 1.0
     assumed: bool = False
+    rate: float = 0.0
 
     def to_si(self, values, where: str, *, step: bool = False):
         """Return values of the column in SI. step: a difference, such as the encoder's."""
-        return to_si(self.factor * values, self.scaled, self.si, where, step=step)
+        with np.errstate(over="ignore"):
+            product = self.factor * values
+        if not np.all(np.isfinite(product)):
+            raise WorkbenchError(
+                f"{where} is too large when it is multiplied by its scale; check the samples and the scale."
+            )
+        return to_si(product, self.scaled, self.si, where, step=step)
 
 
 def channels(top: Table, two_mass: bool, notes: dict[str, str]) -> dict[str, Channel]:
@@ -70,6 +79,11 @@ def channels(top: Table, two_mass: bool, notes: dict[str, str]) -> dict[str, Cha
             raise WorkbenchError(f"{table.where}: channel '{name}' is missing; the plant needs it, so add it.")
     channels = {}
     for name in table.values:
+        if name == "time" and isinstance(table.values[name], dict) and "rate" in table.values[name]:
+            one = table.table(name, ("rate",), ("meaning",))
+            channels[name] = Channel("", "s", "s", 0.0, "s", rate=one.quantity("rate", "Hz", above=0.0))
+            notes["channels.time.meaning"] = one.text("meaning")
+            continue
         one = table.table(name, ("column", "unit"), ("meaning", "resolution", "scale"))
         channel = _channel(one, effect_unit(CHANNELS[name], "torque" in table))
         for other, seen in channels.items():
@@ -116,13 +130,13 @@ def records(
     top: Table, folder: Path, channels: Mapping[str, Channel], resample: bool
 ) -> tuple[tuple[Record, ...], tuple[Finding, ...]]:
     """Return the records in SI, at least one of each role, and the findings about them."""
-    further = ("motion", "start_time_s", "load_locked", "name", "until", "counts_from")
+    further = ("motion", "start_time_s", "load_locked", "name", "from", "until", "counts_from", "payload")
     declared = list(top.tables("records", "file", ("file", "role"), further))
     names: dict[str, str] = {}
     for one in declared:
         one.choice("role", ROLES, "role")
         path = _inside(folder, one)
-        name = one.text("name") or path.name.split(".")[0]
+        name = one.text("name") or stem(path)
         if "name" in one and not NAME.fullmatch(name):
             raise WorkbenchError(f"{one.path('name')} is '{name}'; letters, digits, '_' and '-' make a record's name.")
         if name in names:
@@ -133,18 +147,24 @@ def records(
     for role in (IDENTIFICATION, VALIDATION):
         if not any(one.text("role") == role for one in declared):
             raise WorkbenchError(f"{top.path('records')}: no record has role '{role}'; add one, or change a role.")
-    pairs = [_record(one, folder, name, channels, resample) for name, one in zip(names, declared, strict=True)]
+    opened = cache(lambda path: load(path, {n: c.column for n, c in channels.items() if not c.rate}))
+    pairs = [_record(one, folder, name, channels, resample, opened) for name, one in zip(names, declared, strict=True)]
     return tuple(r for r, _ in pairs), tuple(f for _, found in pairs for f in found)
 
 
-def _record(one: Table, folder: Path, name: str, channels: Mapping[str, Channel], resample: bool):
+def _record(one: Table, folder: Path, name: str, channels: Mapping[str, Channel], resample: bool, opened):
     path = _inside(folder, one)
-    sheet, source = load(path, {n: c.column for n, c in channels.items()})
-    data = {n: c.to_si(sheet.channels[n], f"{path}: column '{c.column}'") for n, c in channels.items()}
-    time, data, resampled = uniform(name, data.pop("time"), data, sheet.place, resample=resample)
-    time, data, counts_from = _window(one, time, data)
-    findings = [f for n, c in channels.items() if (f := stated(name, c.column, sheet.units.get(n, ""), c.unit))]
+    measured = {n: c for n, c in channels.items() if not c.rate}
+    sheet, source = opened(path)  # two records may be of one file
+    data = {n: c.to_si(sheet.channels[n], f"{path}: column '{c.column}'") for n, c in measured.items()}
+    if rate := channels["time"].rate:
+        data["time"] = np.arange(next(iter(data.values())).size) / rate
+    time, data, first = _window(one, data.pop("time"), data)
+    time, data, resampled = uniform(name, time, data, lambda k: sheet.place(k + first), resample=resample)
+    counts_from = _counted(one, time)
+    findings = [f for n, c in measured.items() if (f := stated(name, c.column, sheet.units.get(n, ""), c.unit))]
     findings += [resampled] if resampled else []
+    findings += [Finding("resampled", name, f"In record '{name}' {note}") for note in sheet.notes]
     start = one.number("start_time_s", float(time[0]))
     if abs(start - time[0]) > time[1] - time[0]:
         findings.append(_clock(name, start, time))
@@ -159,26 +179,45 @@ def _record(one: Table, folder: Path, name: str, channels: Mapping[str, Channel]
         motion=one.text("motion"),
         locked=one.flag("load_locked"),
         counts_from=counts_from,
+        payload=_payload(one, "torque" in channels),
     )
     return record, findings
 
 
 def _window(one: Table, time: np.ndarray, data: Mapping[str, np.ndarray]):
-    """Return (time, channels, counts_from) as the keys 'until' and 'counts_from' part one file into two records.
+    """Return (time, channels, number of the first sample) of what the keys 'from' and 'until' leave of a file.
 
-    'until' cuts a record off. 'counts_from' keeps what lies before it, for operators with memory to come into their
-    state, and no error counts there.
+    They cut a file into records, or a gap out of it, before anything is asked of its time axis.
     """
-    inside = slice(0, None)
-    if "until" in one:
-        inside = slice(0, int(np.searchsorted(time, one.quantity("until", "s"))))
+    if "from" not in one and "until" not in one:
+        return time, data, 0
+    low = one.quantity("from", "s") if "from" in one else -np.inf
+    high = one.quantity("until", "s") if "until" in one else np.inf
+    inside = np.flatnonzero((time >= low) & (time < high))
+    if inside.size < FEWEST:
+        key = "from" if "from" in one else "until"
+        raise WorkbenchError(f"{one.path(key)} leaves {inside.size} samples; at least {FEWEST} are needed.")
+    return time[inside], {n: values[inside] for n, values in data.items()}, int(inside[0])
+
+
+def _counted(one: Table, time: np.ndarray) -> float:
+    """Return the time from which errors count: what lies before it brings operators with memory into their state."""
     first = one.quantity("counts_from", "s") if "counts_from" in one else -np.inf
-    time, data = time[inside].copy(), {n: values[inside].copy() for n, values in data.items()}
     left = int(np.count_nonzero(time >= first))
     if left < FEWEST:
-        key = "counts_from" if "counts_from" in one else "until"
-        raise WorkbenchError(f"{one.path(key)} leaves {left} samples that count; at least {FEWEST} are needed.")
-    return time, data, first
+        raise WorkbenchError(
+            f"{one.path('counts_from')} leaves {left} samples that count; at least {FEWEST} are needed."
+        )
+    return first
+
+
+def _payload(one: Table, rotary: bool) -> Payload | None:
+    """Return what was added to the axis for a record; on a linear axis a mass alone, whose weight is a constant offset."""
+    if "payload" not in one:
+        return None
+    units = {"inertia": "F*s^2/x"} | ({"mgl": "F", "phase": "x"} if rotary else {})
+    given = one.table("payload", (), tuple(units))
+    return Payload(**{n: given.quantity(n, effect_unit(units[n], rotary)) for n in given.values})
 
 
 def _clock(name: str, start: float, time: np.ndarray) -> Finding:

@@ -12,6 +12,8 @@ from types import MappingProxyType, ModuleType
 import numpy as np
 
 from workbench.errors import WorkbenchError
+from workbench.readers import instants
+from workbench.readers.arrays import listed
 
 
 @dataclass(frozen=True, eq=False)
@@ -19,12 +21,13 @@ class Sheet:
     """channels: channel -> (n,) float array of the caller's own, all of one length and finite, in the file's own units.
 
     place: sample number from 0 -> where it stands, for a sentence ("moves.csv, row 12"). units: channel -> its unit as
-    the file writes it, where the file does.
+    the file writes it, where the file does. notes: what was done to the samples on the way in, a sentence each.
     """
 
     channels: Mapping[str, np.ndarray]
     place: Callable[[int], str]
     units: Mapping[str, str] = field(default_factory=dict)
+    notes: tuple[str, ...] = ()
 
     def __post_init__(self):
         object.__setattr__(self, "units", MappingProxyType({c: u for c, u in self.units.items() if u}))
@@ -35,9 +38,10 @@ def library(module: str, extra: str, path: Path) -> ModuleType:
     try:
         return importlib.import_module(module)
     except ImportError as e:
-        kind = f"{path.suffix.lower()} files" if extra != "hdf5" else "a .mat file of version 7.3"
+        kind = "a .mat file of version 7.3" if path.suffix.lower() == ".mat" else f"{path.suffix.lower()} files"
         raise WorkbenchError(
-            f"{path}: reading {kind} needs the extra '{extra}': pip install 'servo-workbench[{extra}]'."
+            f"{path}: reading {kind} needs the extra '{extra}': pip install 'servo-workbench[{extra}]', or in a checkout "
+            f"pip install -e '.[{extra}]'."
         ) from e
 
 
@@ -59,16 +63,32 @@ def place(path: Path) -> Callable[[int], str]:
 
 
 def vector(values: object, column: str, path: Path) -> np.ndarray:
-    """Return a row, a column or a plain vector of real numbers as (n,) floats; WorkbenchError for anything else."""
+    """Return a row, a column or a plain vector of real numbers as (n,) floats; WorkbenchError for anything else.
+
+    Dates and times of day become seconds.
+    """
     array = np.asarray(values)
+    if array.dtype.kind in "mM":
+        array = instants.since_1970(array)
+    elif array.dtype.kind in "UTO" and array.size and instants.written(array.flat[0]):
+        array = _dated(array.ravel(), column, path)
     if array.dtype.kind not in "fiub":
-        kinds = {"c": "complex numbers", "U": "text", "S": "text", "M": "dates", "V": "a structure"}
+        kinds = {"c": "complex numbers", "U": "text", "S": "text", "T": "text", "V": "a structure"}
         kind = kinds.get(array.dtype.kind, "no plain numbers")
         raise WorkbenchError(f"{path}: '{column}' holds {kind}; save it as a vector of real numbers.")
     if array.size != max(array.shape, default=1):
         shape = " x ".join(map(str, array.shape))
-        raise WorkbenchError(f"{path}: '{column}' is {shape}; save each of its columns as a vector of its own.")
+        names = listed(column, array.shape)
+        mend = f"name one of them, '{names[0]}' to '{names[-1]}'" if len(names) > 1 else "save each column by itself"
+        raise WorkbenchError(f"{path}: '{column}' is {shape}; {mend}.")
     return np.array(array.ravel(), dtype=float)
+
+
+def _dated(cells: np.ndarray, column: str, path: Path) -> np.ndarray:
+    try:
+        return instants.seconds(cells.tolist())
+    except (ValueError, TypeError, AttributeError) as e:
+        raise WorkbenchError(f"{path}: '{column}' holds text that is no date; save it as numbers of seconds.") from e
 
 
 def sheet(vectors: Mapping[str, np.ndarray], columns: Mapping[str, str], path: Path, units=None) -> Sheet:

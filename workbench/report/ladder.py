@@ -1,5 +1,7 @@
 """The chapter on the ladder: regret of a gain table, move by move, and the references that it is held against."""
 
+from collections.abc import Mapping
+
 import numpy as np
 
 from workbench.plant import Plant
@@ -9,10 +11,14 @@ from workbench.report.drawing import AFTER, BEFORE, MUTED, decades, svg
 from workbench.verification.climb import Climbed
 from workbench.verification.ladder import COUNTS, timed
 from workbench.verification.regret import Regret
+from workbench.verification.worth import worth_sentence
 
 
-def ladder_chapter(climbed: Climbed, held: Regret, plant: Plant, rule: str) -> Chapter:
-    """What the table takes over a reference for each move alone. held: regret on the plant that judges."""
+def ladder_chapter(
+    climbed: Climbed, held: Regret, plant: Plant, rule: str, fewer: Mapping[str, Regret], others: Mapping[str, Regret]
+) -> Chapter:
+    """What the table takes over a reference for each move alone. held: regret on the plant that judges; fewer: of what has fewer
+    levels, tuned alike; others: of controllers that were tuned for one step."""
     time, error, over = held.worst
     scenarios = len(set(climbed.on.scenarios))
     text = (
@@ -25,13 +31,36 @@ def ladder_chapter(climbed: Climbed, held: Regret, plant: Plant, rule: str) -> C
     )
     return Chapter(
         "One table for every move",
-        (Paragraph(text), figure(climbed, held, plant), references_table(climbed, held, plant)),
+        (
+            Paragraph(text),
+            figure(climbed, held, plant),
+            references_table(climbed, held, plant),
+            Paragraph(worth_sentence(held, fewer)),
+            others_table({climbed.best.family.name: held, **fewer, **others}),
+        ),
     )
+
+
+def others_table(regrets: Mapping[str, Regret]) -> Table:
+    """The worst regret of every controller on the same ladder."""
+
+    def cell(value: float) -> str:
+        return numbers.number(value) if np.isfinite(value) else "not at rest"
+
+    rows = tuple(
+        (n, cell(r.worst[0]), cell(r.worst[1]), numbers.percent(r.worst[2]) if np.isfinite(r.worst[2]) else "–")
+        for n, r in regrets.items()
+    )
+    caption = (
+        "Worst regret over the same moves, against the same references. The table, fixed gains and the switch are tuned for all "
+        "moves; the others for the one step of the task, so that they may be slow or restless on small ones."
+    )
+    return Table(("controller", "time", "error", "overshoot"), rows, caption, "lrrr")
 
 
 def runs_sentence(climbed: Climbed) -> str:
     return (
-        f"Of {len(climbed.runs)} searches from soft and stiff arrivals none ends more than {numbers.percent(climbed.spread)} above "
+        f"Of {len(climbed.runs)} searches from soft and stiff arrivals none ends more than {numbers.percent(climbed.spread - 1.0)} above "
         "the best."
     )
 
@@ -85,8 +114,9 @@ def references_table(climbed: Climbed, held: Regret, plant: Plant) -> Table:
     return Table(columns, tuple(rows), "References over the moves of one size, and the table's worst regret.", "r" * 8)
 
 
-def as_table(climbed: Climbed, held: Regret) -> dict[str, object]:
-    """What results.json holds: every move with its reference and the table's regret, and every run of the search."""
+def as_table(climbed: Climbed, held: Regret, others: Mapping[str, Regret]) -> dict[str, object]:
+    """What results.json holds: every move with its reference and the table's regret, every run of the search, and the worst regrets
+    of other controllers."""
     on, known = climbed.on, climbed.references
     moves = [
         {
@@ -97,7 +127,8 @@ def as_table(climbed: Climbed, held: Regret) -> dict[str, object]:
         for h, move in enumerate(rung)
     ]  # fmt: skip
     runs = [{"seed": c.seed, "cost": c.value, "numbers": c.numbers} for c in climbed.runs]
-    return {"moves": moves, "runs": runs, "scenarios": [list(s) for s in dict.fromkeys(on.scenarios)]}
+    worst = {n: dict(zip(("time", "error", "overshoot"), r.worst, strict=True)) for n, r in others.items()}
+    return {"moves": moves, "runs": runs, "others": worst, "scenarios": [list(s) for s in dict.fromkeys(on.scenarios)]}
 
 
 def figures_of(climbed: Climbed, held: Regret) -> dict[str, float]:

@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from workbench.compensation import Compensated
 from workbench.control import Controller
 from workbench.robustness.cases import Cases, Varied
 from workbench.robustness.vary import applied, checked, extended
@@ -73,13 +74,14 @@ class Work:
 
 def single(controller: Controller) -> Controller:
     """Return a controller of one lane as one for any number of lanes."""
+    more = {"base": single(controller.base)} if isinstance(controller, Compensated) else {}
     values = {n: float(np.ravel(v)[0]) for n, v in controller.parameters.items()}
     tables = controller.tables
     if tables:
         tables = (tables[0 if controller.table is None else int(controller.table[0])],)
     filtered = controller.velocity_filter
     filtered = None if filtered is None else float(np.ravel(filtered)[0])
-    return replace(controller, parameters=values, tables=tables, table=None, velocity_filter=filtered)
+    return replace(controller, parameters=values, tables=tables, table=None, velocity_filter=filtered, **more)
 
 
 def work(task: Task, makers: Mapping[str, Callable[[int], Controller]], varied: Iterable[Varied]) -> Work:

@@ -93,7 +93,9 @@ def reversals(symbols: Symbols, y: ca.SX) -> tuple[dict[str, ca.SX], ca.SX]:
     found = ca.logic_and(other, way != 0.0)
     after = {
         "furthest": where(ca.logic_or(onward, other), y, furthest),
-        "way": where(other, (delta > 0.0) - (delta < 0.0), way),
+        "way": where(
+            other, where(delta > 0.0, 1.0, -1.0), way
+        ),  # back is not negative, so that delta is not zero there
         "turned": where(other, furthest, turned),
         "share": where(found, 0.5, share),
         "reversals": count + found,

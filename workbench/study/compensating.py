@@ -10,12 +10,12 @@
 Further keys: delay (samples), low_pass and bandwidth (Hz, of the observer), mismatch (share, 0.3).
 """
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from workbench.compensation import OBSERVED, REFERENCE, SOURCES, Compensator, compensated
+from workbench.compensation import OBSERVED, REFERENCE, SOURCES, Compensator
 from workbench.control import Controller
 from workbench.errors import WorkbenchError, nearest
 from workbench.finding import Finding, title
@@ -26,7 +26,9 @@ from workbench.report.drawing import AFTER, BEFORE, svg
 from workbench.report.wording import listed
 from workbench.study.configuration import Study
 from workbench.study.outcome import Part
+from workbench.verification.compensated import SUFFIX, contestant
 from workbench.verification.compensating import Slow, Worth, bears, worth
+from workbench.verification.design import Designed
 from workbench.verification.task import Task
 
 KEYS = ("effects", "controller", "amplitude", "frequency")
@@ -36,13 +38,14 @@ MISMATCH = 0.3
 
 @dataclass(frozen=True)
 class Asked:
-    """What [compensation] says. options: of the compensator."""
+    """What [compensation] says. options: of the compensator. where: the file and table that say it."""
 
     effects: tuple[str, ...]
     controller: str
     slow: Slow
     mismatch: float
     options: Mapping[str, object]
+    where: str = "[compensation]"
 
     def on(self, plant: Plant) -> Compensator:
         """Return the compensator of these effects as a plant has them."""
@@ -66,24 +69,23 @@ def asked(study: Study, plant: Plant) -> Asked:
         "low_pass": one.quantity("low_pass", "Hz", above=0.0) if "low_pass" in one else 0.0,
         "bandwidth": one.quantity("bandwidth", "Hz", above=0.0) if "bandwidth" in one else 0.0,
     }
-    return Asked(tuple(effects), one.text("controller"), slow, one.number("mismatch", MISMATCH, above=0.0), options)
+    off = one.number("mismatch", MISMATCH, above=0.0)
+    return Asked(tuple(effects), one.text("controller"), slow, off, options, study.table.path("compensation"))
 
 
 def compensation(
-    study: Study, task: Task, makers: Mapping[str, Callable[[int], Controller]], say, model: Plant | None = None
-) -> Part:
-    """Return what compensation of named effects is worth on the plant of a task.
+    study: Study, task: Task, makers: Mapping[str, Callable[[int], Controller]], say, model: Plant | None = None,
+    margins: Callable[[str, Compensator, Sequence[float]], Mapping[float, float]] | None = None,
+) -> Part:  # fmt: skip
+    """Return what compensation of named effects is worth on the plant of a task, to the controller with the gains that it has.
 
     model: the plant whose effects are taken, that of the task where absent. Where the two differ the task's is the rig's true
     law, and what compensation by that attains stands beside. Figures: compensation_following_ratio, its share of that
-    attained by the true law (compensation_over_true), and the ratio with the mismatch.
+    attained by the true law (compensation_over_true), and the ratio with the mismatch. margins: (controller, compensator,
+    gains) -> gain -> Ms of the loop with the compensation; the figures compensation_sensitivity, and _off with the mismatch.
     """
     given = asked(study, task.plant)
-    if given.controller not in makers:
-        raise WorkbenchError(
-            f"{study.table.path('compensation')}: there is no controller '{given.controller}'; "
-            f"{nearest(given.controller, makers)}"
-        )
+    chosen(given, makers)
     say("compensating what was named")
     controller = makers[given.controller](len(FOUR))
     found = worth(task.plant, task.loop, controller, given.on(model or task.plant), given.slow, given.mismatch)
@@ -98,11 +100,33 @@ def compensation(
         "following_error_alone": found.errors[0.0],
         "following_error_compensated": found.errors[1.0],
     }
+    ms = margins(given.controller, given.on(model or task.plant), tuple(found.errors)) if margins else {}
+    if ms:
+        figures |= {"compensation_sensitivity": ms[1.0], "compensation_sensitivity_off": max(ms.values())}
     x = task.plant.displacement
     units = dict.fromkeys(("following_error_alone", "following_error_compensated"), x)
-    rows = [{"gain": g, "following_error": e} for g, e in found.errors.items()]
+    rows = [{"gain": g, "following_error": e, "sensitivity": ms.get(g)} for g, e in found.errors.items()]
     said = fallen(given, task, makers[given.controller](1))
-    return Part(figures, units, (chapter(given, found, true, x),), said, {"compensation": rows})
+    return Part(figures, units, (chapter(given, found, true, x, ms),), said, {"compensation": rows})
+
+
+def chosen(given: Asked, controllers: Mapping[str, object]) -> None:
+    """Raise WorkbenchError where [compensation] names a controller that there is not."""
+    if given.controller not in controllers:
+        raise WorkbenchError(
+            f"{given.where}: there is no controller '{given.controller}'; {nearest(given.controller, controllers)}"
+        )
+
+
+def with_compensated(
+    made: Designed, given: Asked | None, task: Task, seeds: Sequence[int], say: Callable[[str], None]
+) -> Designed:
+    """Return the design with the controller of [compensation] beside the others, with the compensation and tuned with it."""
+    if given is None:
+        return made
+    chosen(given, made.tuned)
+    one = contestant(made, task, given.controller, given.on(made.plant), seeds, say)
+    return replace(made, tuned={**made.tuned, f"{given.controller}{SUFFIX}": one})
 
 
 def fallen(given: Asked, task: Task, controller: Controller) -> tuple[Finding, ...]:
@@ -121,20 +145,11 @@ def fallen(given: Asked, task: Task, controller: Controller) -> tuple[Finding, .
     )
 
 
-def compensated_makers(study: Study, plant: Plant, makers: Mapping[str, Callable[[int], Controller]]) -> dict:
-    """Return name -> maker of the controller of [compensation] with it; it is compared as any other."""
-    given = asked(study, plant)
-    if given.controller not in makers:
-        return {}
-    compensator = given.on(plant)
-    return {f"{given.controller}, compensated": lambda lanes: compensated(makers[given.controller](lanes), compensator)}
-
-
 FOUR = range(4)  # lanes: without, with, and off either way
 
 
-def chapter(given: Asked, found: Worth, true: Worth, x: str) -> Chapter:
-    """What it is worth, in a table and over time."""
+def chapter(given: Asked, found: Worth, true: Worth, x: str, ms: Mapping[float, float]) -> Chapter:
+    """What it is worth, in a table and over time. ms: gain -> Ms."""
     names = listed([title(e.partition("@")[0]) for e in given.effects])
     source = given.options["source"]
     share = given.mismatch
@@ -149,18 +164,21 @@ def chapter(given: Asked, found: Worth, true: Worth, x: str) -> Chapter:
         f"identification have. The controller is “{given.controller}”, the motion a sine of {numbers.scaled(given.slow.amplitude, x)} "
         f"at {given.slow.frequency:g} Hz. {feedback}"
     )
+    labels = {0.0: "without", 1.0: "compensated"} | {1.0 + s: f"compensation {100 * s:+.0f} %" for s in (-share, share)}
     rows = [
-        ("without", numbers.scaled(found.errors[0.0], x), ""),
-        ("compensated", numbers.scaled(found.errors[1.0], x), factor(found.ratio)),
-        *(
-            (f"compensation {100 * s:+.0f} %", numbers.scaled(found.errors[1.0 + s], x), factor(found.errors[0.0] / found.errors[1.0 + s]))
-            for s in (-share, share)
-        ),
+        (labels[g], numbers.scaled(found.errors[g], x), factor(found.errors[0.0] / found.errors[g]) if g else "", margin(ms, g))
+        for g in labels
     ]  # fmt: skip
     if true is not found:
-        rows.append(("by the plant's true law", numbers.scaled(true.errors[1.0], x), factor(true.ratio)))
+        rows.append(("by the plant's true law", numbers.scaled(true.errors[1.0], x), factor(true.ratio), ""))
+    columns = ("", "largest following error", "smaller by", "Ms")
+    caption = (
+        "Following error over the last two periods. Ms: the largest |S| of the linearised loop with the compensation in it, "
+        "over amplitudes from two counts to gross sliding."
+    )
+    kept = slice(None) if ms else slice(3)
     table = Table(
-        ("", "largest following error", "smaller by"), tuple(rows), "Following error over the last two periods.", "lrr"
+        columns[kept], tuple(r[kept] for r in rows), caption if ms else caption.split(" Ms:")[0], "lrrr"[kept]
     )
 
     def draw(axes):
@@ -177,6 +195,12 @@ def chapter(given: Asked, found: Worth, true: Worth, x: str) -> Chapter:
         "compensation", lambda: svg(heading, draw, height=2.6), "Error over time.", f"Two traces. {heading}."
     )
     return Chapter("Compensation of what was named", (Paragraph(text), table, figure))
+
+
+def margin(ms: Mapping[float, float], gain: float) -> str:
+    """Ms at one gain of the compensation, as a table shows it."""
+    value = ms.get(gain, np.nan)
+    return numbers.number(value) if np.isfinite(value) else "unstable" if gain in ms else ""
 
 
 def factor(ratio: float) -> str:

@@ -22,7 +22,12 @@ CONTROL = (
     "export",
     "plan",
 )  # read by study.controlling, study.planning
-SERIES = ("robustness", "limit_cycle", "compensation")  # read by study.series, study.hunting, study.compensating
+SERIES = (
+    "robustness",
+    "limit_cycle",
+    "compensation",
+    "drive",
+)  # read by study.series, .hunting, .compensating, .driving
 
 
 class MissingData(WorkbenchError):

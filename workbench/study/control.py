@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from functools import partial
 from math import isfinite
 
 import numpy as np
@@ -20,21 +21,27 @@ from workbench.report.ladder import ladder_chapter
 from workbench.report.polish import as_table as gains_table
 from workbench.report.polish import polish_chapter
 from workbench.report.recommend import RECOMMENDED, recommended_chapter
-from workbench.study.compensating import compensated_makers, compensation
+from workbench.schedule import Schedule
+from workbench.study.compensating import asked, compensation, with_compensated
 from workbench.study.configuration import Study
 from workbench.study.controlling import Control, Shown, control_of
+from workbench.study.driving import driven
 from workbench.study.hunting import limit_cycles
 from workbench.study.leaving import leave
+from workbench.study.metal import metal
 from workbench.study.outcome import NOT_TUNED, Outcome, Part, with_part
 from workbench.study.series import robustness, slug
 from workbench.tracing.result import Trace
 from workbench.tuning import OutOfReach
 from workbench.verification.assumed import loop_of, move_of
 from workbench.verification.compare import Comparison, compare, verdicts
+from workbench.verification.compensated import SUFFIX, margins
 from workbench.verification.design import Designed, design
 from workbench.verification.promise import promise
 from workbench.verification.recommend import Recommended, recommend
+from workbench.verification.regret import Regret
 from workbench.verification.task import Task
+from workbench.verification.worth import regret_of
 
 BASELINES = ("fixed PD", "PI cascade", "profile with PI")
 BLIND = (1, 2)  # seeds of the search on the declared model, one from each arrival
@@ -56,18 +63,20 @@ def run(
     declared = control.limited(found.before.plant)
     task = control.task.on(plant)
     made = designed(plant, control, task, say, response=resonant(records, plant, bandwidth))
+    given = asked(study, plant) if "compensation" in study.table else None
+    made = with_compensated(made, given, task, control.seeds, say)
     say("comparing the controllers")
     ours = f"scheduled PD ({control.rule})"
     makers = {name: tuned.controller for name, tuned in made.tuned.items()}
-    compared = makers | (compensated_makers(study, plant, makers) if "compensation" in study.table else {})
-    comparison = verdicts(compare(task, compared), ours, BASELINES, plant.displacement)
+    comparison = verdicts(compare(task, makers), ours, BASELINES, plant.displacement)
     choice = recommend(task, made.tuned, plant.displacement)
     kept, held = promise(plant, made.polished, task), made.climbed.regret
+    against, tuned_too = on_ladder(made)
     parts = [
         recommended_chapter(choice, plant, task.loop.count),
         polish_chapter(made.polished, kept, plant),
         chapters.schedule_chapter(made, control.rule),
-        ladder_chapter(made.climbed, held, plant, control.rule),
+        ladder_chapter(made.climbed, held, plant, control.rule, against, tuned_too),
         chapters.step_chapter(task, makers),
         chapters.comparison_chapter(comparison, task),
     ]
@@ -83,7 +92,7 @@ def run(
         },
         "controllers": controllers(made),
         "gains": gains_table(made.polished),
-        "ladder": ladder_table(made.climbed, held),
+        "ladder": ladder_table(made.climbed, held, against | tuned_too),
         "comparison": [vars(r) for r in comparison.rows],
     }
     if found.causes:
@@ -97,21 +106,33 @@ def run(
     tables["tuned_plant"] = {"digest": plant.digest, "lines": list(plant.digest_lines())}
     files = (
         lambda folder: write_gains(made, control, folder),
-        lambda folder: leave(made.tuned, choice.name, plant, task.loop.sample_time, folder / "gains", ours),
+        lambda folder: leave(made.tuned, choice.name, plant, task.loop.sample_time, folder / "gains", ours, task),
     )
     limits = tuple(f for f in made.findings if f.kind == "response limits")
     advice = Finding(RECOMMENDED, "gains", choice.sentence, {}, "")
     said = (advice, *assumptions(study.table, control, shown), *raised(control, made), *limits, *comparison.findings)
     part = Part(figures, units, tuple(parts), said, tables, files)
     if "robustness" in study.table:
-        part = with_part(part, robustness(study, task, compared, say))
+        part = with_part(part, robustness(study, task, makers, say))
         share = part.figures.get(f"share_beyond_final_error_{slug(choice.name)}")
         part = part if share is None else replace(part, figures={**part.figures, "recommended_share_beyond": share})
     if "limit_cycle" in study.table:
         part = with_part(part, limit_cycles(study, task, makers, say))
     if "compensation" in study.table:
-        part = with_part(part, compensation(study, task, makers, say))
+        part = with_part(part, compensation(study, task, makers, say, margins=partial(margins, made, task)))
+    firm = metal(choice.name, made.tuned[choice.name].controller, task, found.verdict, say)
+    part = with_part(part, firm)
+    if "drive" in study.table:
+        part = with_part(part, driven(study, task, made, records, bandwidth, control.rule, say))
     return part
+
+
+def on_ladder(made: Designed) -> tuple[dict[str, Regret], dict[str, Regret]]:
+    """Return the regrets of what has fewer levels than the table, and of those tuned for one step, on its ladder."""
+    on, known = made.climbed.on, made.climbed.references
+    fewer = {r.family.name: regret_of(on, r, known) for r in made.rivals.found}
+    alone = [n for n in made.tuned if n in BASELINES or n.endswith(SUFFIX)]
+    return fewer, {n: regret_of(on, made.tuned[n], known) for n in alone}
 
 
 def designed(plant: Plant, control: Control, task: Task, say: Callable[[str], None], **options) -> Designed:
@@ -146,11 +167,15 @@ def resonant(records: Sequence[Record], plant: Plant, bandwidth: float) -> Respo
 
 def write_gains(made: Designed, control: Control, folder) -> None:
     """Write the gain table of the study's rule into gains/."""
+    write_table(made.final[control.rule], made.plant, folder / "gains", control.scale)
+
+
+def write_table(schedule: Schedule, plant: Plant, place, scale: dict | None = None) -> None:
+    """Write a gain table into a folder that is made for it."""
     from workbench.exporting import export
 
-    place = folder / "gains"
     place.mkdir()
-    export(made.final[control.rule], made.plant, place, scale=control.scale)
+    export(schedule, plant, place, scale=scale)
 
 
 def controllers(made: Designed) -> list[dict]:

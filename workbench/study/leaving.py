@@ -6,10 +6,14 @@ from pathlib import Path
 
 import numpy as np
 
+from workbench.compensation import Compensated, Compensator
 from workbench.errors import WorkbenchError
 from workbench.exporting.numbers import export_numbers
 from workbench.exporting.whole import write_together
+from workbench.firmware.compensation_make import compensation_firmware
+from workbench.firmware.make import ARITHMETICS
 from workbench.plant import Plant
+from workbench.verification.task import Task
 
 UNITS = {  # of the numbers of every law; F and x are the plant's own
     "kp": "F/x", "kd": "F*s/x", "kv": "1/s", "kvp": "F*s/x", "ki": "F/x", "speed_limit": "x/s", "deceleration": "x/s^2",
@@ -29,11 +33,13 @@ TABLE = "gains"
 
 
 def leave(
-    tuned: Mapping[str, object], first: str, plant: Plant, sample_time: float, folder: Path, table: str = ""
-) -> None:
+    tuned: Mapping[str, object], first: str, plant: Plant, sample_time: float, folder: Path, table: str = "",
+    task: Task | None = None,
+) -> None:  # fmt: skip
     """Write the numbers of every controller (name -> controller(lanes)) whose law has no table, and contents.json.
 
-    first: the recommended one. table: name of the one that the gain table beside them is of. Contents names the controllers in
+    first: the recommended one. table: name of the one that the gain table beside them is of. task: of which a compensation's
+    firmware is written, beside the numbers of the law. Contents names the controllers in
     order, the recommended first, each with its files, and the digest of the plant that all of them were tuned for.
     """
     entries = []
@@ -46,7 +52,10 @@ def leave(
             law = LAWS.get(controller.law.name.split(",")[0], controller.law.name)
             files = [p.name for p in export_numbers(name, law, numbers, sample_time, plant, folder)]
             files += list(FED) if controller.tables else []
-        entries.append({"controller": name, "recommended": name == first, "law": controller.law.name, "files": files})
+        entry = {"controller": name, "recommended": name == first, "law": controller.law.name, "files": files}
+        if isinstance(controller, Compensated) and task is not None:
+            entry["compensation"] = leave_compensation(controller.compensator, plant, task, folder)
+        entries.append(entry)
     content = {
         "format": "servo-workbench gains",
         "recommended": first,
@@ -56,8 +65,25 @@ def leave(
     write_together(Path(folder), {CONTENTS: (json.dumps(content, indent=1) + "\n").encode()})
 
 
+def leave_compensation(compensator: Compensator, plant: Plant, task: Task, folder: Path) -> dict[str, object]:
+    """Write the firmware of a compensation in every arithmetic that holds it, and return what contents.json says of it."""
+    said: dict[str, object] = {"effects": [e.key for e in compensator.effects], "source": compensator.source}
+    travel = (task.start - abs(task.step), task.start + abs(task.step))
+    for arithmetic in ARITHMETICS:
+        place = f"compensation/{arithmetic}"
+        try:
+            made = compensation_firmware(compensator, task.loop, plant, arithmetic, travel=travel)
+            files = write_together(Path(folder) / place, made.exported())
+            said[arithmetic] = [f"{place}/{p.name}" for p in files]
+        except WorkbenchError as e:
+            said[arithmetic] = f"not written: {e}"
+    return said
+
+
 def numbers_of(controller, plant: Plant) -> dict[str, tuple[float, str]]:
-    """Return name -> (value, unit) of every parameter of a controller's law."""
+    """Return name -> (value, unit) of every parameter of a controller's law; of a compensated one, of the law alone."""
+    if isinstance(controller, Compensated):
+        return numbers_of(controller.base, plant)
     out = {}
     for name, value in controller.parameters.items():
         if name not in UNITS:

@@ -68,7 +68,11 @@ def run(study: Study, say: Say) -> Outcome:
         from workbench.study.controlling import control_of
 
         shown = shown_by(campaign.plant, passes)
-        control_of(study.table, campaign.plant, shown)  # what is misspelt is said before anything long starts
+        asked = control_of(study.table, campaign.plant, shown)  # what is misspelt is said before anything long starts
+        if "drive" in study.table:
+            from workbench.study.driving import stated
+
+            stated(study.table, campaign.plant, asked.loop.count)
     found = trace(campaign.plant, passes, say)
     say("describing the plant over amplitude")
     equivalents = described(found.after.plant, amplitudes(study)) if study.describe else ()

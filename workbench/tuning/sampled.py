@@ -57,6 +57,22 @@ def response(theta: np.ndarray, motion: tuple[np.ndarray, np.ndarray, np.ndarray
     return top / bottom / z**clock.whole
 
 
+def forced(system: np.ndarray, theta: np.ndarray, clock: Clock) -> np.ndarray:
+    """Return the responses (..., f, n) of the n states of x' = A x + b u to a held and delayed u at theta (f,), exact (Van Loan 1978).
+
+    system (..., n + 1, n + 1): A and b over a row of zeros, in SI.
+    """
+    from scipy.linalg import expm
+
+    n, time, part = system.shape[-1] - 1, clock.sample_time, clock.part
+    late, early = expm(system * time * (1.0 - part)), expm(system * time * part)
+    phi, z = late[..., :n, :n] @ early[..., :n, :n], np.exp(1j * theta)
+    through = late[..., :n, :n] @ early[..., :n, n, None]
+    drive = late[..., None, :n, n] + through[..., None, :, 0] / z[:, None]
+    x = np.linalg.solve(z[:, None, None] * np.eye(n) - phi[..., None, :, :], drive[..., None])[..., 0]
+    return x / z[:, None] ** clock.whole
+
+
 def difference(theta: np.ndarray, clock: Clock) -> np.ndarray:
     """Return the frequency response of the filtered difference, y to vh, per sample."""
     back = np.exp(-1j * np.asarray(theta))

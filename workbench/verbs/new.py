@@ -16,19 +16,29 @@ def declare(verbs) -> None:
         description="Read log files of any supported format, guess channels, units, rate and roles, say why, and write a "
         "study that runs.",
     )
-    new.add_argument("name", help="of the study: a folder of this name is made under studies/")
+    new.add_argument("name", help="of the study, made as studies/NAME; with a '/' in it, the folder itself")
     new.add_argument("--records", type=Path, nargs="+", required=True, metavar="FILE", help="log files of one axis")
     new.add_argument(
         "--channel", action="append", default=[], metavar="CHANNEL=COLUMN",
         help=f"what the data cannot say; channels: {', '.join(CHANNELS)}",
     )  # fmt: skip
+    new.add_argument(
+        "--axis", default="", metavar="AXIS", help="which one is meant, where the logs hold several: --axis q7"
+    )
+    new.add_argument("--rate", type=float, metavar="HZ", help="samples a second, where no column is the time")
+    new.add_argument(
+        "--unit", action="append", default=[], metavar="COLUMN=UNIT", help="of a column whose name does not say it"
+    )
 
 
 def do(given: argparse.Namespace) -> int:
     from workbench.intake.new import new
 
     place = Path(given.name) if "/" in given.name else Path("studies") / given.name
-    made = new(place, given.records, told(given.channel))
+    if given.rate is not None and not 0.0 < given.rate < 1e9:
+        raise WorkbenchError(f"--rate {given.rate:g}: samples a second are needed, as 1000 for one each millisecond.")
+    units = dict(_pair("unit", "COLUMN", "UNIT", text) for text in given.unit)
+    made = new(place, given.records, told(given.channel), units=units, axis=given.axis, rate=given.rate)
     print("\n".join(made.lines))
     print(f"\nWritten: {made.folder}/study.toml and {made.folder}/campaign/campaign.toml")
     if made.edit:
@@ -50,3 +60,10 @@ def told(pairs: list[str]) -> dict[str, str]:
             raise WorkbenchError(f"--channel {pair}: there is no channel '{channel}'; {nearest(channel, CHANNELS)}")
         found[channel] = column
     return found
+
+
+def _pair(option: str, left: str, right: str, text: str) -> tuple[str, str]:
+    column, equals, unit = text.rpartition("=")
+    if not (column and unit):
+        raise WorkbenchError(f"--{option} {text}: write --{option} {left}={right}.")
+    return column, unit

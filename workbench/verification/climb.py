@@ -10,8 +10,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from workbench.control import Controller
-from workbench.verification.families import Family
+from workbench.verification.families import Family, OfFamily
 from workbench.verification.ladder import Ladder, all_rungs, climbed
 from workbench.verification.regret import References, Regret, cost, raised, references, regret
 
@@ -23,7 +22,7 @@ ALONE = 0.3  # share of the numbers that every other generation moves
 
 
 @dataclass(frozen=True, eq=False)
-class Climb:
+class Climb(OfFamily):
     """One run. point: its numbers. value: its cost. figures (rungs, 2, 3). evaluations: points tried."""
 
     family: Family
@@ -32,15 +31,6 @@ class Climb:
     value: float
     figures: np.ndarray
     evaluations: int = 0
-
-    @property
-    def numbers(self) -> dict[str, float]:
-        """Name -> value, SI."""
-        return dict(zip(self.family.numbers, map(float, self.point), strict=True))
-
-    def controller(self, lanes: int = 1) -> Controller:
-        """Return the controller, the same in every one of `lanes` scenarios."""
-        return self.family.controller(self.point[None, :], lanes)
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,8 +48,8 @@ class Climbed:
 
     @property
     def spread(self) -> float:
-        """How far the worst run's cost lies above the best one's, relative."""
-        return max(r.value for r in self.runs) / self.runs[0].value - 1.0
+        """The worst run's cost over the best one's."""
+        return max(r.value for r in self.runs) / self.runs[0].value
 
 
 def climb(

@@ -12,6 +12,7 @@ import numpy as np
 
 from workbench.compensation import Compensator, compensated
 from workbench.control import Controller
+from workbench.definition import ANGLE
 from workbench.errors import WorkbenchError
 from workbench.plant import Plant
 from workbench.simulation import Loop, ScenarioArrays, simulate
@@ -64,6 +65,17 @@ def with_gains(controller: Controller, compensator: Compensator, gains: Sequence
     return replace(made, parameters={**made.parameters, GAIN: np.asarray(gains, dtype=float)})
 
 
+def undoable(loop: Loop, controller: Controller, compensator: Compensator) -> None:
+    """Raise WorkbenchError where a joint's error would be undone for a loop that closes behind the joint: it sees the error."""
+    behind = loop.feedback == "load_position" and "motor_y" not in controller.law.reads
+    for e in compensator.maps:
+        if e.port == ANGLE and behind:
+            raise WorkbenchError(
+                f"controller '{controller.name}' closes its loop on the output's encoder, within which '{e.named}' lies; undo it "
+                "for a loop on the motor's encoder."
+            )
+
+
 def worth(
     plant: Plant, loop: Loop, controller: Controller, compensator: Compensator, slow: Slow, share: float = 0.3
 ) -> Worth:
@@ -71,6 +83,7 @@ def worth(
 
     WorkbenchError where the controller does not follow the slow motion at all.
     """
+    undoable(loop, controller, compensator)
     gains = (0.0, 1.0, 1.0 - share, 1.0 + share)
     reference = slow.reference(loop)
     output = "q" if plant.kind == "one mass" else "load.q"

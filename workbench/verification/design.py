@@ -20,6 +20,7 @@ from workbench.verification.optimise import Tuned, optimise_seeds
 from workbench.verification.polish import Polished, polish
 from workbench.verification.tabled import RUNS, tabled
 from workbench.verification.task import Task
+from workbench.verification.worth import Rivals
 
 RULES = ("error", "following", "frozen")
 BRAKING = 0.65  # of the torque that the drive has: where a search for the deceleration of a profile begins
@@ -34,7 +35,7 @@ class Designed:
     the robust ones of these. tuned: family name -> its best point.
 
     final: the schedule that the search over the ladder ended with, rule -> Schedule; what is exported. between: its
-    sensitivity and stability between its knots. climbed: that search.
+    sensitivity and stability between its knots. climbed: that search. rivals: what has fewer levels.
     """
 
     plant: Plant
@@ -46,6 +47,7 @@ class Designed:
     tuned: dict[str, Tuned | Climb]
     final: dict[str, Schedule]
     climbed: Climbed
+    rivals: Rivals
     findings: tuple[Finding, ...] = ()
 
 
@@ -124,8 +126,9 @@ def design(
     polished = polish(plant, equivalent, gains, goal, own, say)
     linear = linear_of(plant, equivalent, loop)
     made = tabled(
-        polished, linear, goal, own, rule, per_octave=per_octave, tolerance=tolerance, load=load, seeds=seeds, say=say
-    )
+        polished, linear, goal, own, rule, per_octave=per_octave, tolerance=tolerance, load=load, seeds=seeds, say=say,
+        against=baselines,
+    )  # fmt: skip
     say("checking the gains between the knots")
     _, inertia, viscous = friction_of(plant)
     at = described_at(plant, equivalent, gains, loop)
@@ -138,7 +141,17 @@ def design(
     findings = (*limits, *between.findings, *pumping.findings)
     final = {rule: made.schedule}
     return Designed(
-        plant, equivalent, gains, made.interpolated, polished, between, tuned, final, made.climbed, findings
+        plant,
+        equivalent,
+        gains,
+        made.interpolated,
+        polished,
+        between,
+        tuned,
+        final,
+        made.climbed,
+        made.rivals,
+        findings,
     )
 
 

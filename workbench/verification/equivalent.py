@@ -36,7 +36,9 @@ def friction_of(plant: Plant) -> tuple[Plant, float, float]:
 def made_up(name: str, counts: float, dt: float, **moved: np.ndarray):
     """Return a motion that no record holds: q, dq, v, a (n,) every dt seconds, of an encoder with this resolution."""
     n = moved["q"].size
-    record = SimpleNamespace(channels={}, name=name, locked=False, zero=None, resolution={"position": counts})
+    record = SimpleNamespace(
+        channels={}, name=name, locked=False, zero=None, payload=None, resolution={"position": counts}
+    )
     return SimpleNamespace(record=record, counts=counts, t=dt * np.arange(n), dt=dt, u=np.zeros(n), **moved)
 
 

@@ -11,8 +11,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from workbench.control import Controller, FeedForward, fixed_pd, pi_cascade, profile_pi, scheduled_pd
+from workbench.control.law import FEEDBACK, JOINT
 from workbench.verification.linear import Judge
 
+MOST = (1.5, 1.2)  # of the tuned gains, Kp and Kd: on the presliding spring they are as stiff as |S| allows
+MOST_JOINT = (
+    1.5,
+    4.0,
+)  # over the relative displacement, which is as small while the axis slides: it may have to be damped by more
 FILTER = 8.0  # samples: where the search for a velocity filter begins, amid what it may be
 CASCADE_RANGE = np.array(
     [(0.05, 0.02, 0.001, 0.05), (5.0, 10.0, 100.0, 8.0)]
@@ -35,6 +41,22 @@ class Family:
     controller: Callable[[np.ndarray, int], Controller]
     sensitivity: Callable[[np.ndarray], np.ndarray]
     settled: Callable[[np.ndarray], np.ndarray] = lambda points: points
+
+
+class OfFamily:
+    """What a point of a family is called, and made into. Whoever inherits has family and point (numbers,)."""
+
+    family: Family
+    point: np.ndarray
+
+    @property
+    def numbers(self) -> dict[str, float]:
+        """Name -> value, SI."""
+        return dict(zip(self.family.numbers, map(float, self.point), strict=True))
+
+    def controller(self, lanes: int = 1) -> Controller:
+        """Return the controller, the same in every one of `lanes` scenarios."""
+        return self.family.controller(self.point[None, :], lanes)
 
 
 def repeated(values: np.ndarray, lanes: int) -> np.ndarray:
@@ -155,9 +177,13 @@ def scheduled_family(
     speed_limit: float | None = None,
     *,
     motor_speed: bool = False,
+    follows: str = FEEDBACK,
 ) -> Family:
-    """Scheduled PD in two modes: two scales, switch, gains of gross sliding; with a start of the deceleration, that too."""
-    presliding = [1.0, 1.0, 3e-3 if schedule.knots[-1] > 3e-3 else schedule.knots[-1]]
+    """Scheduled PD in two modes: two scales, switch, gains of gross sliding; with a start of the deceleration, that too.
+
+    follows: what the stroke is of: the position that is controlled, or, JOINT, the relative displacement of two masses.
+    """
+    presliding = [1.0, 1.0, min(3e-3, 0.5 * schedule.knots[-1])]  # inside its range: a search does not begin on a bound
     start = np.array([*presliding, *start, *([deceleration] if deceleration else [])])
 
     def controller(points, lanes):
@@ -166,60 +192,22 @@ def scheduled_family(
         if deceleration:
             profile = {"deceleration": repeated(points[:, 5], lanes), "speed_limit": speed_limit}
         which = np.repeat(np.arange(len(points)), lanes)
-        return scheduled_pd(tables, rule, table=which, motor_speed=motor_speed, **profile)
+        return scheduled_pd(tables, rule, table=which, motor_speed=motor_speed, follows=follows, **profile)
 
     def sensitivity(points):
         return linear.scheduled_peak(schedule.knots, *two_mode_gains(schedule, points))
 
+    over = "relative displacement" if follows == JOINT else rule
+
     lower = np.array([0.04, 0.2, schedule.knots[0], *(start[3:5] / 100), *(0.3 * start[5:])])
-    upper = np.array([1.5, 1.2, schedule.knots[-1], *(start[3:5] * 100), *(2.0 * start[5:])])
+    most = MOST_JOINT if follows == JOINT else MOST
+    upper = np.array([*most, schedule.knots[-1], *(start[3:5] * 100), *(2.0 * start[5:])])
     return Family(
-        f"scheduled PD ({rule}{', profile' if deceleration else ''})",
+        f"scheduled PD ({over}{', profile' if deceleration else ''})",
         ("kp scale", "kd scale", "switch", "gross kp", "gross kd", "deceleration")[: start.size],
         lower,
         upper,
         start,
         controller,
         sensitivity,
-    )
-
-
-def joint_gains(knots: np.ndarray, at: np.ndarray, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return (kp, kd) (points, m) at knots (m,), straight in log-log between the amplitudes `at` (n,); points (points, 2 n)
-    hold n values of kp, then n of kd."""
-    n, where = at.size, np.log(knots)
-    kp, kd = (
-        np.exp([np.interp(where, np.log(at), row) for row in np.log(part)]) for part in (points[:, :n], points[:, n:])
-    )
-    return kp, kd
-
-
-def joint_family(
-    linear: Judge,
-    knots: np.ndarray,
-    at: np.ndarray,
-    start: tuple[float, float],
-    reversal: float,
-    *,
-    motor_speed: bool = True,
-) -> Family:
-    """PD scheduled over the relative displacement of motor and load since its reversal: kp and kd at the amplitudes `at`.
-
-    knots: of the table. reversal: of the relative displacement, rad or m.
-    """
-    n = at.size
-    start = np.repeat(start, n)
-
-    def controller(points, lanes):
-        kp, kd = joint_gains(knots, at, points)
-        tables = [Blend(knots, p, d, "following", reversal) for p, d in zip(kp, kd, strict=True)]
-        which = np.repeat(np.arange(len(points)), lanes)
-        return scheduled_pd(tables, "following", table=which, follows="joint", motor_speed=motor_speed)
-
-    def sensitivity(points):
-        return np.max([linear.peak(points[:, i, None], points[:, n + i, None]) for i in range(n)], axis=0)
-
-    names = (*(f"kp at {a:.2g}" for a in at), *(f"kd at {a:.2g}" for a in at))
-    return Family(
-        "scheduled PD (relative displacement)", names, start / 100, start * 100, start, controller, sensitivity
     )

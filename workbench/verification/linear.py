@@ -163,22 +163,13 @@ class TwoMasses(Judge):
 
     def _response(self, load: float, stiffness: float) -> np.ndarray:
         """(2, f): x = [q, v, q of the load, v of the load], exact between samples (Van Loan 1978)."""
-        from scipy.linalg import expm
-
         k, c = stiffness, self.damping
         a = np.zeros((5, 5))
         a[0, 1] = a[2, 3] = 1.0
         a[1, :4] = np.array([-k, -c, k, c]) / self.motor
         a[3, :4] = np.array([k, c, -k, -c]) / load
         a[1, 4] = 1.0 / self.motor
-        time, part = self.loop.sample_time, self.clock.part
-        late = expm(a * time * (1.0 - part))
-        early = expm(a * time * part)
-        phi = late[:4, :4] @ early[:4, :4]
-        z = np.exp(1j * self.theta)
-        drive = late[:4, 4] + (late[:4, :4] @ early[:4, 4]) / z[:, None]
-        x = np.linalg.solve(z[:, None, None] * np.eye(4) - phi, drive[:, :, None])[:, :, 0]
-        return (x / z[:, None] ** self.clock.whole)[:, [0, 2]].T
+        return sampled.forced(a, self.theta, self.clock)[:, [0, 2]].T
 
     @property
     def position(self) -> np.ndarray:

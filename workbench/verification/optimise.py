@@ -9,9 +9,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from workbench.control import Controller
 from workbench.simulation import Metrics
-from workbench.verification.families import Family
+from workbench.verification.families import Family, OfFamily
 from workbench.verification.task import Task, cost
 
 POPULATION = 12  # members a searched number
@@ -50,7 +49,7 @@ class Trail:
 
 
 @dataclass(frozen=True, eq=False)
-class Tuned:
+class Tuned(OfFamily):
     """A family's best point. numbers: name -> value, SI. value: its cost; evaluations: points tried; trail: what they gave."""
 
     family: Family
@@ -59,14 +58,6 @@ class Tuned:
     evaluations: int
     seed: int
     trail: Trail
-
-    @property
-    def numbers(self) -> dict[str, float]:
-        return dict(zip(self.family.numbers, map(float, self.point), strict=True))
-
-    def controller(self, lanes: int = 1) -> Controller:
-        """Return the controller, the same in every one of `lanes` scenarios."""
-        return self.family.controller(self.point[None, :], lanes)
 
 
 @dataclass(frozen=True, eq=False)

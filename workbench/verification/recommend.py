@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from workbench.compensation import Compensated
 from workbench.control import Controller
 from workbench.simulation import Metrics
 from workbench.verification.compare import PHASES
@@ -55,12 +56,19 @@ def recommend(task: Task, tuned: Mapping[str, object], unit: str) -> Recommended
     unit: of position, "rad" or "m".
     """
     bound = task.bound()
-    rows = [candidate(task, n, t.controller, t.family.sensitivity(t.point[None, :]), len(t.numbers), bound) for n, t in tuned.items()]  # fmt: skip
+    rows = [candidate(task, n, t.controller, t.family.sensitivity(t.point[None, :]), known_to(t), bound) for n, t in tuned.items()]  # fmt: skip
     least = min((r.cost for r in rows if r.allowed), default=np.inf)
     order = sorted(
         rows, key=lambda r: (not r.allowed, r.cost > least + TIE, r.numbers if r.cost <= least + TIE else 0, r.cost)
     )
     return Recommended(order[0].name, tuple(order), said(order, unit))
+
+
+def known_to(tuned) -> int:
+    """Return how many numbers a tuned law has, those of the effects that it cancels among them."""
+    controller = tuned.controller(1)
+    cancelled = controller.compensator.effects if isinstance(controller, Compensated) else ()
+    return len(tuned.numbers) + sum(len(e.parameters) for e in cancelled)
 
 
 def candidate(

@@ -15,8 +15,8 @@ from workbench.verification.families import Family
 from workbench.verification.gain_table import GainTable
 from workbench.verification.ladder import COUNTS, Ladder, all_rungs, climbed, timed
 
-MEAN = 0.3  # share of the mean regret beside the worst: where one move cannot be bettered, the others still count. With 0.1 the worst
-# is 1 % less and the mean 4 % more; with 1 the worst is 3 % more
+MEAN = 0.3  # share of the mean regret beside the worst, so that the others count where one move cannot be bettered: without it
+# they are free; with 1 and more, many moves that are a little better outweigh one that is much worse
 BEATEN = 0.02  # by which a contestant may be better than a reference
 OVERSHOOT = 0.01  # of a step, beyond two counts
 STEEP, WORST = 20.0, 50.0  # what an overshoot costs, and the most that a regret counts

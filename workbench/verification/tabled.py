@@ -10,12 +10,13 @@ from workbench.schedule.fit import REVERSAL
 from workbench.tuning import TuningGoal
 from workbench.verification.climb import GENERATIONS, Climbed, climb
 from workbench.verification.families import pd_family
-from workbench.verification.gain_table import gain_table, table_family
-from workbench.verification.ladder import all_rungs, climbed, ladder
+from workbench.verification.gain_table import fixed_family, gain_table, switched_family, table_family
+from workbench.verification.ladder import ladder
 from workbench.verification.linear import Linear
 from workbench.verification.polish import Polished
-from workbench.verification.regret import Regret, first_grid, regret
+from workbench.verification.regret import Regret, first_grid
 from workbench.verification.task import Task
+from workbench.verification.worth import Rivals, regret_of, rivals
 
 AHEAD = {"error": (4.0, 2.0), "following": (2.0, 1.0), "frozen": (1.0, 0.5)}  # soft and stiff arrivals of each rule
 # An arrival is soft where gains are those tuned for a longer step than the one that is left. Under "error" a step that ends a
@@ -25,17 +26,17 @@ RUNS = (1, 2, 3)  # seeds, where a study states none: both arrivals in turn
 
 @dataclass(frozen=True, eq=False)
 class Tabled:
-    """schedule: what is exported. interpolated: through the gains per amplitude alone. climbed: the search over the ladder."""
+    """schedule: what is exported. interpolated: through the gains per amplitude alone. climbed: the search over the ladder. rivals:
+    fixed gains and a two-level switch by the same search; none where they were not asked for."""
 
     schedule: Schedule
     interpolated: Schedule
     climbed: Climbed
+    rivals: Rivals
 
     def regret_on(self, task: Task) -> Regret:
         """Return the regret of the best table where another plant, that of `task`, climbs the ladder."""
-        on, best = replace(self.climbed.on, task=task), self.climbed.best
-        figures = climbed(on, best.family, best.point[None, :], all_rungs(on, best.point[None, :]))[0]
-        return regret(on, figures, self.climbed.references)
+        return regret_of(self.climbed.on, self.climbed.best, self.climbed.references, task)
 
 
 def tabled(
@@ -51,11 +52,12 @@ def tabled(
     seeds: Sequence[int] = RUNS,
     generations: int = GENERATIONS,
     sizes: int | None = None,
+    against: bool = True,
     say: Callable[[str], None] = lambda _: None,
 ) -> Tabled:
     """Return the table of one rule for the plant of a task, tuned for every move of its ladder.
 
-    load: N*m or N, of the ladder. seeds, generations: of the search. sizes: of the ladder's steps.
+    load: N*m or N, of the ladder. seeds, generations: of the search. sizes: of the ladder's steps. against: whether rivals are tuned.
     """
     robust = polished.gains(polished.robust, goal)
     amplitude, plant = robust.amplitude, task.plant
@@ -78,4 +80,7 @@ def tabled(
     found = climb(on, starts, (fixed, first_grid(table)), seeds=seeds, generations=generations, say=say)
     kp, kd = table.gains(found.best.point[None, :])
     schedule = replace(interpolated, knots=table.knots, kp=kp[0], kd=kd[0], rule=rule, findings=())
-    return Tabled(schedule, interpolated, found)
+    fewer = (fixed_family(table, robust, linear, rule, 1e-2 * task.step), switched_family(table, robust, linear, rule))
+    if against:
+        say("tuning fixed gains and a two-level switch over all moves")
+    return Tabled(schedule, interpolated, found, rivals(found, fewer if against else (), generations))

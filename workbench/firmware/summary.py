@@ -1,0 +1,108 @@
+"""What a controller's firmware comes to in one arithmetic: size, instructions where they were measured, what rounding does to
+the loop, and how an axis moves under the compiled C beside the law in float64.
+"""
+
+import json
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+
+from workbench.control import Controller
+from workbench.errors import WorkbenchError
+from workbench.firmware import host, quantisation
+from workbench.firmware.loop import run_firmware
+from workbench.firmware.make import Firmware, firmware
+from workbench.firmware.verification import TRAVEL, difference, same_bits
+from workbench.verification.task import Task
+
+MEASURED = Path(__file__).with_name("measured.json")  # held by the tests that run the target
+HEAD, ENCODER, WORD = 13, 4, 4  # words of wb_head and wb_encoder, and bytes of a word
+
+
+@dataclass(frozen=True)
+class Measured:
+    """On a Cortex-M4 at -O2: instructions of a step, worst and mean, and bytes of controller and loader."""
+
+    worst: int
+    mean: int
+    code: int
+
+
+@dataclass(frozen=True)
+class Moved:
+    """The task's scenarios under the compiled C beside float64. error: counts; time: s, the largest differences. samples, same: of bits."""
+
+    error: float
+    time: float
+    samples: int
+    same: int
+
+
+@dataclass(frozen=True, eq=False)
+class Summary:
+    """made: the firmware. ram: bytes of table and state. gain: largest relative error of the loop's gain by rounding.
+
+    sensitivity: by what |S| of at most the task's Ms moves with it, no more. measured, moved: None where there is none.
+    """
+
+    made: Firmware
+    arithmetic: str
+    ram: int
+    gain: float
+    sensitivity: float
+    measured: Measured | None
+    moved: Moved | None
+
+
+@cache
+def known() -> dict:
+    return json.loads(MEASURED.read_text(encoding="utf-8"))
+
+
+def measured_of(law: str, arithmetic: str) -> Measured | None:
+    """Return what the tests hold of a law on the target; None of a law that they do not run."""
+    found = known().get(law, {}).get(arithmetic)
+    return Measured(**found) if found else None
+
+
+def ram_of(made: Firmware) -> int:
+    """Bytes that a firmware's table and state take in memory."""
+    n = made.numbers
+    factor = 1 if made.source.number_type == "int32_t" and n.knots.size else 0
+    knots, rows = max(made.source.knots, 1), max(made.source.rows, 1)
+    table = HEAD + factor + len(n.values) + knots * (1 + rows)
+    return WORD * (table + ENCODER + len(n.stages.states))
+
+
+def rounding(made: Firmware) -> float:
+    """Return the largest relative error of a number that the loop's gain is proportional to: gains, and the rate of samples."""
+    return max((q.error for q in quantisation.numbers(made) if q.wanted), default=0.0)
+
+
+def moved(made: Firmware, controller: Callable[[int], Controller], task: Task) -> Moved | None:
+    """Run the task under both; None where this machine has no C compiler."""
+    try:
+        host.compiler()
+    except WorkbenchError:
+        return None
+    count, scenarios = task.loop.count, task.scenarios()
+    whole = count * np.floor(scenarios.target / count + 0.5)
+    scenarios = replace(scenarios, target=whole)
+    law = task.run(controller(scenarios.lanes), scenarios)
+    run = run_firmware(made, task.plant, task.loop, scenarios, task.duration, task.criteria)
+    samples, same = same_bits(made, run, np.broadcast_to(whole, scenarios.lanes))
+    return Moved(difference(law.final_error, run.final_error) / count, difference(law.time_1pct, run.time_1pct), samples, same)  # fmt: skip
+
+
+def summary(controller: Callable[[int], Controller], task: Task, arithmetic: str, verdict: int = 0) -> Summary:
+    """Return the summary of one controller(lanes); WorkbenchError as `firmware`."""
+    one = controller(1)
+    made = firmware(one, task.loop, task.plant, arithmetic, travel=TRAVEL * abs(task.step - task.start), verdict=verdict)  # fmt: skip
+    gain, most = rounding(made), task.weights.sensitivity
+    return Summary(
+        made, arithmetic, ram_of(made), gain, gain * most * (most + 1.0),  # |dS| = |S T| |dL/L|, and |T| <= 1 + |S|
+        measured_of(one.law.name, arithmetic), moved(made, controller, task),
+    )  # fmt: skip
