@@ -594,7 +594,7 @@ def test_a_long_gap_is_refused_even_with_resampling(campaign):
     campaign.put("val_moves.csv", np.delete(rows(20.0), range(40, 50), axis=0))
     for resample in (False, True):
         campaign.refused(
-            "row 42: a gap of 0.011 s in time, 11 median steps of 0.001 s; split the record there into two files.",
+            "row 42: a gap of 0.011 s in time, 11 median steps of 0.001 s; split the record there into two files, or into two records by 'until' and 'from'.",
             file="val_moves.csv",
             resample=resample,
         )

@@ -23,7 +23,7 @@ from workbench.plant import ONE_MASS, Limits, Plant
 from workbench.readers.declaration import Table
 from workbench.report.drive import drive_chapter
 from workbench.simulation import Loop, Scenario, simulate
-from workbench.study.driving import OPTIONAL, cascades, stated
+from workbench.study.driving import OPTIONAL, cascades, driven, stated
 from workbench.verification import drive_search
 from workbench.verification.drive_beside import beside, following
 from workbench.verification.drive_cases import Lagged, slowed
@@ -225,3 +225,19 @@ def test_what_no_gains_can_keep_is_refused():
     with pytest.raises(WorkbenchError, match="current_lag out"):
         behind(behind(TASK, 1e-4), 1e-4)
     assert sizes_of(TASK, 1).tolist() == [TASK.step]
+
+
+def test_a_study_leaves_its_drives_files_and_figures(monkeypatch, tmp_path):
+    monkeypatch.setattr(drive_search, "GENERATIONS", 1)
+    monkeypatch.setattr(drive_search, "OFFSPRING", 2)
+    text = TEXT.replace("sets = 16", "sets = 2\namps = 2.0")
+    gains = SimpleNamespace(amplitude=BEGIN[0], kp=BEGIN[1], kd=BEGIN[2])
+    law = SimpleNamespace(controller=lambda lanes: pi_cascade(60.0, 1.2, 20.0, 15.0))
+    made = SimpleNamespace(gains=gains, equivalent=DESCRIBED, tuned={"scheduled PD (error)": law})
+    part = driven(SimpleNamespace(table=declared(text)), TASK, made, (), 100.0, "error", lambda _: None)
+    assert part.figures["drive_sensitivity_peak"] <= 2.01 and set(part.units) < set(part.figures)
+    json.dumps(part.tables, allow_nan=True)
+    (write,) = part.files
+    write(tmp_path)
+    assert {p.name for p in (tmp_path / "drive").iterdir()} == {"elmo.txt", "friction.csv"}  # kvp has no object
+    assert [f.subject for f in part.findings] == ["sdo"]

@@ -7,7 +7,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from workbench.control import FeedForward, fixed_pd
+from workbench.control import FeedForward, fixed_pd, grid
 from workbench.definition import find
 from workbench.errors import WorkbenchError
 from workbench.exporting.feed_forward import export_feed_forward
@@ -17,11 +17,12 @@ from workbench.report.reproduction import Printed, counted, reproduction_table
 from workbench.simulation import Loop
 from workbench.verification.bound import time_optimal
 from workbench.verification.contest import Contest, Standing, contest, verdict
-from workbench.verification.families import cascade_family, pd_family
+from workbench.verification.families import Blend, cascade_family, pd_family, scheduled_family, soft_gains
 from workbench.verification.line_up import feed_forward_of
 from workbench.verification.linear import Linear, TwoMasses
 from workbench.verification.margin import Asked, against_margin
-from workbench.verification.task import Task, Weights
+from workbench.verification.optimise import first_members
+from workbench.verification.task import Task, Weights, cost
 
 LOOP = Loop(2.5e-4, 4, 2.5e-4, 2.5e-4, 4.848e-6)
 LIMITS = Limits(3.3, 12.57)
@@ -202,3 +203,22 @@ def test_a_filter_of_its_own_gives_a_cascade_beyond_the_joint_a_margin_that_the_
     assert family.numbers[-1] == "velocity_filter" and family.controller(
         family.start[None, :], 2
     ).velocity_filter.shape == (2,)
+
+
+def test_where_the_nominal_axis_counts_a_search_begins_softly_too_and_time_and_error_of_others_are_free():
+    judge = masses(440.0)
+    knots = grid(1e-5, 2.0, 2)
+    tuned = Blend(knots, np.full(knots.size, 400.0), np.full(knots.size, 4.0), "following", 1e-5)
+    soft = soft_gains(0.0074, 3.3, 12.57)
+    assert soft[0] == pytest.approx(37.3, rel=0.01) and soft[1] ** 2 == pytest.approx(4 * 0.0074 * soft[0])
+    family = scheduled_family(judge, tuned, "following", (250.0, 5.0), motor_speed=True, soft=soft)
+    bounds = np.log([family.lower, family.upper])
+    task = Task(rigid(), Loop(2.5e-4), STEP, 0.2, frictions=(0.5, 1.0), phases=1)
+    assert set(first_members(task, family, 1, bounds)) == {"x0"}
+    made = first_members(replace(task, nominal=True), family, 1, bounds)["init"]
+    near = np.abs(made - np.log(family.soft)).max(axis=1) < 0.5
+    assert near.sum() >= 10 and (made >= bounds[0]).all() and (made <= bounds[1]).all()
+    figures = {n: np.zeros(2) for n in ("overshoot", "ripple")}
+    metrics = SimpleNamespace(time_1pct=np.array([0.9, 0.2]), final_error=np.full(2, 1e-5), **figures)
+    assert cost(task, metrics, 0.2, 2)[0] == pytest.approx(4.5)
+    assert cost(replace(task, nominal=True), metrics, 0.2, 2)[0] == pytest.approx(1.0)

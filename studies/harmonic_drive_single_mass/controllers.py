@@ -154,8 +154,8 @@ def asked_for(found: Contest, margins: AgainstMargin) -> tuple[Asked, ...]:
     other = found[TRADE]
     gross = (
         "tuned for its worst case a large step arrives stiffly damped and in gross sliding, where friction holds it at h0/Kp. Tuned "
-        "to be accurate on the nominal axis, its overshoot held over the grid, the same schedule arrives softly, turns back and is "
-        f"finished by the presliding gains: at the same margin {1e6 * other.median('error'):.0f} µrad, "
+        "to be accurate on the nominal axis, its overshoot held over the grid, the same schedule may arrive softly, turn back and be "
+        f"finished by the presliding gains: at the same margin it leaves {1e6 * other.median('error'):.0f} µrad, "
         f"{1e6 * other.median('error_loaded'):.0f} loaded, and {1e3 * other.median('error_grid'):.2g} mrad in the worst case of the "
         "grid. The trade is nominal against worst case, more than error against margin"
     )

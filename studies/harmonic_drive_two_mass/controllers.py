@@ -22,6 +22,7 @@ from workbench.verification.families import (
     pd_family,
     profile_family,
     scheduled_family,
+    soft_gains,
 )
 from workbench.verification.joint import (
     JointGains,
@@ -107,10 +108,10 @@ def families(study: Study, control: Control, model: Assumed, loop: Loop, over: O
     pd, kv = (250.0, 5.0), 50.0
     cascade, speed = (kv, pd[1], 0.1 * kv * pd[1]), REACHED * rigid.limits.speed
     braking = BRAKING * rigid.limits.drive / (motor + model.load)
-    both = linear(False, True)
+    both, soft = linear(False, True), soft_gains(motor + model.load, rigid.limits.drive, rigid.limits.speed)
     return (
-        scheduled_family(both, first.schedule, "following", pd, motor_speed=True),
-        scheduled_family(both, over.schedule, "following", pd, motor_speed=True, follows="joint"),
+        scheduled_family(both, first.schedule, "following", pd, motor_speed=True, soft=soft),
+        scheduled_family(both, over.schedule, "following", pd, motor_speed=True, follows="joint", soft=soft),
         pd_family(both, pd, motor_speed=True),
         cascade_family(both, cascade, speed, motor_speed=True, name=BOTH),
         cascade_family(linear(True, True), cascade, speed, motor_position=True, name=ON_MOTOR),

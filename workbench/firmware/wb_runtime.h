@@ -103,6 +103,21 @@ static inline uint32_t wb_bits(float real)
     return word.bits;
 }
 
+/* How many zeros lead; word is not 0. */
+static inline uint32_t wb_leading(uint32_t word)
+{
+#if defined(__GNUC__)
+    return (uint32_t)__builtin_clz(word);
+#else
+    uint32_t zeros = 0u;
+    while ((word & 0x80000000u) == 0u) {
+        word <<= 1;
+        ++zeros;
+    }
+    return zeros;
+#endif
+}
+
 /* The word as two's complement, without leaving it to the compiler: one move, or none. */
 static inline int32_t wb_signed(uint32_t word)
 {
@@ -194,6 +209,9 @@ static inline float wb_givenf(float a)
 {
     return (a == a) ? a : 0.0f;
 }
+
+/* The root of a word that is not 0, downwards. */
+uint32_t wb_root64(uint64_t word);
 
 float wb_sqrtf(float a);
 

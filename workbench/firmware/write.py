@@ -55,7 +55,7 @@ class Source:
 
     kind = "float"
     template = "law_float.c.in"
-    runtime: tuple[str, ...] = ("wb_runtime.h", "wb_runtime.c")
+    runtime: tuple[str, ...] = ("wb_runtime.h", "wb_runtime.c", "wb_root.c")
     include = "wb_runtime.h"
 
     def __init__(self, stages: Stages, name: str, knots: int = MOST_KNOTS, effort: str = "N*m"):

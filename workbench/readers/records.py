@@ -120,7 +120,7 @@ def assumptions(channels: Mapping[str, Channel]) -> tuple[Finding, ...]:
             "assumed scale", name,
             f"The scale of channel '{name}' (column '{c.column}', '{c.unit}' to '{c.si}') is assumed, not known.",
             {"factor": c.factor},
-            f"Put the data sheet's number into channels.{name}.scale of campaign.toml, and remove 'assumed'.",
+            f"Put the data sheet's number into channels.{name}.scale of campaign.toml, or the right unit beside it, and remove 'assumed'.",
         )
         for name, c in channels.items() if c.assumed
     )  # fmt: skip

@@ -53,7 +53,7 @@ def uniform(
     if steps[worst] > LONGEST_GAP * median:
         raise UnsoundRecord(
             f"{place(worst + 1)}: a gap of {steps[worst]:.6g} s in time, {steps[worst] / median:.0f} median steps of "
-            f"{median:.6g} s; split the record there into two files.",
+            f"{median:.6g} s; split the record there into two files, or into two records by 'until' and 'from'.",
             "dropped samples",
             name,
         )

@@ -19,6 +19,7 @@ MOST_JOINT = (
     1.5,
     4.0,
 )  # over the relative displacement, which is as small while the axis slides: it may have to be damped by more
+SOFT_SCALE = 0.5  # of the tuned gains beside gains of a soft arrival, where a search begins
 FILTER = 8.0  # samples: where the search for a velocity filter begins, amid what it may be
 CASCADE_RANGE = np.array(
     [(0.05, 0.02, 0.001, 0.05), (5.0, 10.0, 100.0, 8.0)]
@@ -30,7 +31,8 @@ class Family:
     """name: as the report says it. numbers: names of what is searched. lower, upper, start: on the natural scale.
 
     controller(points, lanes): one controller whose numbers vary over points, each repeated for `lanes` scenarios.
-    sensitivity(points): largest Ms over linearisations, (points,). settled(points): points whose numbers all act.
+    sensitivity(points): largest Ms over linearisations, (points,). settled(points): points whose numbers all act. soft: another
+    start, from which a large step arrives softly.
     """
 
     name: str
@@ -41,6 +43,7 @@ class Family:
     controller: Callable[[np.ndarray, int], Controller]
     sensitivity: Callable[[np.ndarray], np.ndarray]
     settled: Callable[[np.ndarray], np.ndarray] = lambda points: points
+    soft: np.ndarray | None = None
 
 
 class OfFamily:
@@ -178,10 +181,12 @@ def scheduled_family(
     *,
     motor_speed: bool = False,
     follows: str = FEEDBACK,
+    soft: tuple[float, float] | None = None,
 ) -> Family:
     """Scheduled PD in two modes: two scales, switch, gains of gross sliding; with a start of the deceleration, that too.
 
-    follows: what the stroke is of: the position that is controlled, or, JOINT, the relative displacement of two masses.
+    follows: what the stroke is of: the position that is controlled, or, JOINT, the relative displacement of two masses. soft: gains
+    of gross sliding of another start.
     """
     presliding = [1.0, 1.0, min(3e-3, 0.5 * schedule.knots[-1])]  # inside its range: a search does not begin on a bound
     start = np.array([*presliding, *start, *([deceleration] if deceleration else [])])
@@ -210,4 +215,12 @@ def scheduled_family(
         start,
         controller,
         sensitivity,
+        soft=np.clip([*(SOFT_SCALE * start[:2]), start[2], *soft, *start[5:]], lower, upper) if soft else None,
     )
+
+
+def soft_gains(mass: float, drive: float, speed: float) -> tuple[float, float]:
+    """Return (kp, kd) under which a bare mass arrives on a double pole at p = 2 drive/(mass speed), the slope of the speed over
+    the way at which braking from full speed begins: Kd = 2 m p, Kp = m p^2."""
+    pole = 2.0 * drive / (mass * speed)
+    return mass * pole**2, 2.0 * mass * pole

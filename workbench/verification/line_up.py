@@ -12,7 +12,14 @@ from workbench.tuning import Gains, TuningGoal
 from workbench.verification.bound import sliding_torque
 from workbench.verification.design import BRAKING, REACHED, gains_of, linear_of
 from workbench.verification.equivalent import friction_of
-from workbench.verification.families import Family, cascade_family, pd_family, profile_family, scheduled_family
+from workbench.verification.families import (
+    Family,
+    cascade_family,
+    pd_family,
+    profile_family,
+    scheduled_family,
+    soft_gains,
+)
 from workbench.verification.linear import Linear
 from workbench.verification.task import Task
 
@@ -68,9 +75,10 @@ def line_up(
     kv = kp / kd
     ki = 0.1 * kv * kd
     braking = BRAKING * plant.limits.drive / linear.inertia
+    soft = soft_gains(linear.inertia, plant.limits.drive, plant.limits.speed)
     known = feed_forward_of(plant, loop.resolution)
     families = (
-        *(scheduled_family(linear, schedule, rule, (kp, kd)) for rule in RULES),
+        *(scheduled_family(linear, schedule, rule, (kp, kd), soft=soft) for rule in RULES),
         scheduled_family(linear, schedule, "error", (kp, kd), braking, speed),
         pd_family(linear, (kp, kd)),
         cascade_family(linear, (kv, kd, ki), speed),
