@@ -38,7 +38,7 @@ class Mode:
     frequency_half: float
     damping: float
     damping_half: float
-    _rise: float
+    rise: float
 
 
 @dataclass(frozen=True, eq=False)

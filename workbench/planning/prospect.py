@@ -31,7 +31,7 @@ class Prospect:
     then: float
     reached: bool
     why: str
-    _sentence: str
+    sentence: str
 
 
 def prospects(plan: Plan, known: Sequence[Estimate], accuracy: float) -> tuple[Prospect, ...]:

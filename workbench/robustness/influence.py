@@ -24,7 +24,7 @@ class Influence:
     """name: of what varies. correlation: rank correlation, share: of the ranks' variance; each with its standard error."""
 
     name: str
-    _correlation: float
+    correlation: float
     correlation_error: float
     share: float
     share_error: float
