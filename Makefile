@@ -8,13 +8,15 @@
 ## make bench     run the benchmarks
 ## make bench-trace   trace many campaigns whose answers are known (make bench-trace CAMPAIGNS=200 SEED=1 ARGS=--help)
 ## make lock      pin the dependencies of pyproject.toml again (make lock UPGRADE=--upgrade: to the newest)
-## make setup     set up .venv only; every command does so where it has to
+## make setup     set up .venv only; every command does so where it has to (make setup EXTRAS="hdf5 mdf", or EXTRAS=all)
+## make third-party   write docs/third-party.md: every pinned package with its licence
 ## make clean     remove everything that these commands made: .venv, caches (kernels too), finished steps and reports
 
 MAIN    := harmonic_drive_axis
 PYTHON  ?= python3
 WORKERS ?= 2
 UPGRADE ?=
+EXTRAS  ?=
 CAMPAIGNS ?= 200
 CALLS   ?= 100000000
 INPUTS  ?= 10000
@@ -24,7 +26,7 @@ ARGS    ?=
 VENV    := .venv
 BIN     := $(VENV)/bin
 STUDIES := $(sort $(MAIN) $(notdir $(patsubst %/study.toml,%,$(wildcard studies/*/study.toml))))
-VERBS   := all bench bench-trace clean fuzz help lock setup test
+VERBS   := all bench bench-trace clean fuzz help lock setup test third-party
 
 CLASH   := $(filter $(VERBS),$(STUDIES))
 ifneq ($(CLASH),)
@@ -41,13 +43,19 @@ endif
 #
 #   whole-PLACE           nothing was left half done. Taken away before anything is changed and put back after it, so a
 #                         set-up killed at any moment leaves an environment without it, and the next one starts afresh.
-#   installed-PLACE-PINS  these very pins are installed. While it is there, make neither installs nor asks the network.
+#   installed-PLACE-PINS-EXTRAS   these very pins are installed: "lean", what the package itself needs, "a+b", that and
+#                         two extras, or "all". While it is there, make neither installs nor asks the network.
 
 PLACE := $(shell $(PYTHON) -c 'import os, sys, zlib; print("%d.%d-%08x" % (sys.version_info[:2] + \
            (zlib.crc32((os.getcwd() + getattr(sys, "base_prefix", "")).encode()) & 0xffffffff,)))')
 PINS  := $(shell cat requirements.lock pyproject.toml | cksum | tr ' ' '-')
 WHOLE := $(VENV)/whole-$(PLACE)
-READY := $(VENV)/installed-$(PLACE)-$(PINS)
+DONE  := $(VENV)/installed-$(PLACE)-$(PINS)
+empty :=
+FULL  := $(DONE)-all
+LEAN  := $(DONE)-lean
+# Where everything is installed, that will do for any choice of extras.
+READY := $(or $(wildcard $(FULL)),$(if $(strip $(EXTRAS)),$(DONE)-$(subst $(empty) $(empty),+,$(sort $(EXTRAS))),$(LEAN)))
 
 ifndef LOCKED
 
@@ -57,7 +65,7 @@ ifndef LOCKED
 UNDER_LOCK := $(PYTHON) -c 'import fcntl, os, sys; fd = os.open(".", os.O_RDONLY); os.set_inheritable(fd, True); \
                 fcntl.flock(fd, fcntl.LOCK_EX); os.execvp(sys.argv[1], sys.argv[1:])'
 
-$(READY):
+$(sort $(READY) $(FULL)):
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11) and \
 	    "This project needs Python 3.11 or newer; here python3 is %d.%d. Name another one: make PYTHON=..." \
 	    % sys.version_info[:2])'
@@ -78,15 +86,17 @@ $(WHOLE):
 
 # uv is pinned in the lock as everything else is, so pip fetches it with its hashes; where there is no uv for this
 # machine (or with INSTALLER=pip), pip installs the rest of the lock by itself, which takes longer and gives the same.
-# awk parts the lock: an entry begins at the margin, and its hashes follow indented. Everything is compiled here, so that
-# the first command does not pay for it, even where nothing may be written later (PYTHONDONTWRITEBYTECODE).
-$(READY): | $(WHOLE)
-	@echo "Installing what requirements.lock pins."
+# tools/pins.py takes of the lock what the extras need, and awk parts that: an entry begins at the margin, and its hashes
+# follow indented. Everything is compiled here, so that the first command does not pay for it, even where nothing may be
+# written later (PYTHONDONTWRITEBYTECODE).
+$(sort $(READY) $(FULL)): | $(WHOLE)
+	@$(PYTHON) tools/pins.py select $(patsubst lean,,$(subst +, ,$(patsubst $(DONE)-%,%,$@))) > $(VENV)/pins.txt
+	@echo "Installing what requirements.lock pins ($(patsubst $(DONE)-%,%,$@))."
 	@rm -f $(VENV)/whole-* $(VENV)/installed-*
-	@awk '/^[^ ]/ { ours = /^uv==/ }  ours' requirements.lock > $(VENV)/uv.txt
-	@awk '/^[^ ]/ { ours = /^uv==/ } !ours' requirements.lock > $(VENV)/rest.txt
+	@awk '/^[^ ]/ { ours = /^uv==/ }  ours' $(VENV)/pins.txt > $(VENV)/uv.txt
+	@awk '/^[^ ]/ { ours = /^uv==/ } !ours' $(VENV)/pins.txt > $(VENV)/rest.txt
 	@if test $(INSTALLER) = uv && $(PIP) install --require-hashes -r $(VENV)/uv.txt && $(UV) --version > /dev/null; then \
-	    $(UV) pip install --compile-bytecode --python $(BIN)/python --require-hashes -r requirements.lock && \
+	    $(UV) pip install --compile-bytecode --python $(BIN)/python --require-hashes -r $(VENV)/pins.txt && \
 	    $(UV) pip install --python $(BIN)/python --no-build-isolation --no-deps --editable . ; \
 	else \
 	    echo "Without uv: pip installs, which takes a little longer." && \
@@ -95,7 +105,7 @@ $(READY): | $(WHOLE)
 	fi || { echo "The set-up did not finish, for the reason above. It needs the network once; run make again." >&2; exit 1; }
 	@$(BIN)/python -m compileall -q workbench
 	@touch $(WHOLE)
-	@touch $@
+	@touch $(LEAN) $@
 
 endif
 
@@ -110,29 +120,33 @@ all: $(READY)
 
 setup: $(READY)
 
-test: $(READY)
+test: $(FULL)
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/python -m pytest -n $(WORKERS)
 
-fuzz: $(READY)
+fuzz: $(FULL)
 	@$(BIN)/python tests/fuzz.py $(INPUTS)
 	@$(BIN)/python tests/test_firmware_fuzz.py $(CALLS)
 
-bench: $(READY)
+bench: $(FULL)
 	@$(BIN)/python -m benchmarks
 
 # What is done is kept under reports/bench_trace/, so that a run that was stopped goes on where it was.
-bench-trace: $(READY)
+bench-trace: $(FULL)
 	@WORKERS=$(WORKERS) $(BIN)/python -m benchmarks.trace --campaigns $(CAMPAIGNS) --seed $(SEED) $(ARGS)
 
 # One file for every system and Python (--universal), one version of each package (--fork-strategy fewest) so that the
-# numbers of a study do not depend on the Python, hashes for all, and no address that a download came from.
+# numbers of a study do not depend on the Python, hashes for all, what asked for each, and no address that a download came
+# from.
 lock: $(READY)
 	@test -x $(BIN)/uv || { echo "Only uv can write the lock, and it could not be had on this machine." >&2; exit 1; }
 	$(BIN)/uv pip compile pyproject.toml --quiet $(UPGRADE) --all-extras --universal --python-version 3.11 \
-	    --fork-strategy fewest --generate-hashes --no-emit-index-url --no-emit-find-links --no-annotate --no-header \
+	    --fork-strategy fewest --generate-hashes --no-emit-index-url --no-emit-find-links --no-header \
 	    --output-file requirements.lock
+
+third-party: $(FULL)
+	@$(BIN)/python tools/pins.py third-party
 
 help:
 	@sed -n 's/^## //p' Makefile

@@ -22,7 +22,7 @@ from workbench.robustness import (
 )
 from workbench.robustness.local import on_threads
 from workbench.robustness.vary import applied
-from workbench.robustness.work import digest
+from workbench.robustness.workload import digest
 from workbench.simulation import Loop
 from workbench.verification.task import Task
 

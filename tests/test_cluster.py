@@ -16,7 +16,7 @@ from workbench.plant import ONE_MASS, Limits, Plant
 from workbench.robustness import Varied, blocks, independent, joined, uniform, work
 from workbench.robustness.cluster import on_cluster
 from workbench.robustness.local import on_threads
-from workbench.robustness.work import digest
+from workbench.robustness.workload import digest
 from workbench.simulation import Loop
 from workbench.verification.task import Task
 
@@ -136,7 +136,7 @@ def test_a_worker_that_is_killed_costs_no_block_and_no_bit(cluster, given):
 
 def test_an_error_of_the_work_itself_reaches_who_asked(cluster, given):
     """A drawn number that is none: the worker's sentence comes back, and is not taken for a lost worker."""
-    from workbench.robustness.work import Block
+    from workbench.robustness.workload import Block
 
     address, _ = cluster
     w, parts, _ = given

@@ -10,7 +10,7 @@ from workbench.control import fixed_pd
 from workbench.definition import find
 from workbench.plant import ONE_MASS, Limits, Plant
 from workbench.robustness.document import of_controller
-from workbench.robustness.work import single
+from workbench.robustness.workload import single
 from workbench.simulation import Loop, ScenarioArrays, simulate
 from workbench.verification.compensated import amplitudes, entered, judge, returned
 from workbench.verification.families import pd_family

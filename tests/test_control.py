@@ -61,15 +61,15 @@ def test_what_is_wrong_with_a_controller_is_a_sentence():
 
 
 def test_every_law_of_the_package_is_known_by_its_own_name():
-    from workbench.control import law, laws, profile
+    from workbench.control import law_named, laws, profile
     from workbench.control.law import Law
     from workbench.control.named import every
 
     written = {id(x) for module in (laws, profile) for x in vars(module).values() if isinstance(x, Law)}
     made = scheduled_pd(schedule(), "error", deceleration=1.0, speed_limit=2.0).law
-    assert written <= {id(x) for x in every().values()} and law(made.name) is made
+    assert written <= {id(x) for x in every().values()} and law_named(made.name) is made
     with pytest.raises(WorkbenchError, match="pi_cascade"):
-        law("pi_cascad")
+        law_named("pi_cascad")
 
 
 def test_a_controllers_own_velocity_filter_takes_the_place_of_the_loops():

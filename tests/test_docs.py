@@ -84,7 +84,7 @@ def test_every_command_runs_and_says_what_is_quoted(page, place):
                 ran += 1
         elif kind == "toml":
             edit(place / "studies" / "my_axis" / "campaign" / "campaign.toml", text)
-        elif said:  # what stands before the first command is a file
+        elif said and kind != "python":  # tests/test_front.py runs that; what stands before the first command is a file
             for line in filter(str.strip, text.splitlines()):
                 assert line in said, f"'{line}' is not what the commands say:\n{said}"
     assert ran >= 3
@@ -113,3 +113,15 @@ def test_the_pages_name_every_verb_and_no_file_that_is_not_there():
         text = path.read_text(encoding="utf-8")
         for link in re.findall(r"\]\(([^)#:]+)\)", text):
             assert (path.parent / link).exists(), f"{page} links to '{link}'."
+
+
+def test_the_page_of_types_is_made_of_the_code():
+    command = [sys.executable, "tools/type_table.py"]
+    made = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True, encoding="utf-8").stdout
+    page = (ROOT / "docs" / "types.md").read_text(encoding="utf-8")
+    assert page == made, "write it anew: python tools/type_table.py > docs/types.md"
+
+
+def test_no_more_than_thirty_words_are_our_own_and_they_are_in_order():
+    words = re.findall(r"^\| ([a-z].*?) \| ", (ROOT / "docs" / "glossary.md").read_text("utf-8"), re.MULTILINE)[1:]
+    assert 20 <= len(words) <= 30 and words == sorted(words)

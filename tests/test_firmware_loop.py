@@ -19,7 +19,7 @@ from workbench.plant import ONE_MASS, TWO_MASS, Limits, Plant
 from workbench.robustness import worst
 from workbench.robustness.cases import Varied
 from workbench.robustness.distribution import Distribution
-from workbench.robustness.work import Work
+from workbench.robustness.workload import Work
 from workbench.simulation import Criteria, Loop, ScenarioArrays, simulate
 from workbench.simulation.binding import bind
 from workbench.simulation.run import run_lanes

@@ -12,7 +12,7 @@ from workbench.errors import WorkbenchError
 from workbench.limit_cycle import axis_of, balance, command, dials, region, turned
 from workbench.limit_cycle.describing import comes_back
 from workbench.limit_cycle.further import ORDERS
-from workbench.limit_cycle.simulated import LONGER, Motion, harmonics, simulated
+from workbench.limit_cycle.simulation import LONGER, Motion, harmonics, simulated
 from workbench.limit_cycle.waves import clipped, found_after, harmonics_of, turning
 from workbench.plant import ONE_MASS, TWO_MASS, Limits, Plant
 from workbench.report.contents import Figure
@@ -173,7 +173,7 @@ def test_a_saturated_loop_has_the_power_balance_of_a_triangular_velocity():
 
 def test_two_roots_in_one_cell_are_looked_for_beside_the_point_that_is_nearest():
     """D = (x - 0.05)(x - 0.15) + i y on whole numbers: no part of it changes its sign between corners of a cell."""
-    from workbench.limit_cycle.balance import _candidates, _hollows
+    from workbench.limit_cycle.harmonic_balance import _candidates, _hollows
 
     x, y = np.arange(-3.0, 4.0)[:, None], np.arange(-3.0, 4.0)[None, :] + 1e-6
     d = (x - 0.05) * (x - 0.15) + 1j * y

@@ -14,11 +14,11 @@ from workbench.identification.fit import identify, passes_of
 from workbench.identification.problem import Problem
 from workbench.identification.solve import solve
 from workbench.planning import Envelope, Sensing, design, prospects, sensing_of, separate
-from workbench.planning.design import tried
 from workbench.planning.envelope import load_rest
 from workbench.planning.following import followed
 from workbench.planning.motions import moves, multisine, quantity, ramps, sine
 from workbench.planning.pool import pool
+from workbench.planning.selection import tried
 from workbench.plant import ONE_MASS, TWO_MASS, Limits, Plant, freed
 from workbench.record import IDENTIFICATION, Record, Source
 

@@ -34,7 +34,7 @@ from workbench.robustness.document import of_work, work_of
 from workbench.robustness.influence import first_order
 from workbench.robustness.local import on_threads
 from workbench.robustness.perspective import ranking, share_beyond_worst, statement
-from workbench.robustness.work import Block, digest, probe
+from workbench.robustness.workload import Block, digest, probe
 from workbench.simulation import Loop
 from workbench.study.series import declared, robustness
 from workbench.verification.task import Task

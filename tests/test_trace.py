@@ -247,11 +247,9 @@ def test_a_suspect_without_a_value_on_the_records_is_ranked_and_harms_nothing(tm
 
 def test_the_package_is_called_with_a_fit(tmp_path, few):
     import workbench
-    from workbench.identification.fit import identify
 
     campaign, _ = made(tmp_path, 111, "transport_delay")
-    passes = passes_of(campaign.records, campaign.bandwidth)
-    found = workbench.trace(identify(campaign.plant, passes), passes, most=1)
+    found = workbench.trace(workbench.identify(campaign), most=1)
     assert found.verdict == CAUSE and found.added == ("transport_delay",)
 
 

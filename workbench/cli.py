@@ -12,7 +12,7 @@ from collections.abc import Sequence
 from workbench import __version__
 from workbench.errors import INTERNAL_ERROR, USER_ERROR, WorkbenchError, mishap
 from workbench.interruption import STOPPED, Stopped, stoppable
-from workbench.verbs import check, diff, effects, new, plan, replay, response, run, trace, verify
+from workbench.verbs import check, completion, diff, effects, new, plan, replay, response, run, trace, verify
 
 VERBS = {
     "new": new,
@@ -25,6 +25,7 @@ VERBS = {
     "replay": replay,
     "verify": verify,
     "effects": effects,
+    "completion": completion,
 }
 
 

@@ -35,3 +35,6 @@ class Finding:
     sentence: str
     evidence: Mapping[str, float] = field(default_factory=dict)
     remedy: str = ""
+
+    def __str__(self) -> str:
+        return self.sentence

@@ -23,7 +23,9 @@ LONGEST = 100  # characters of a name that are kept beside MARK, a process and w
 
 
 def is_running(pid: str) -> bool:
-    """Whether a process of this number runs on this machine."""
+    """Whether a process of this number runs on this machine; where that cannot be asked, it counts as running."""
+    if os.name == "nt":  # there is no signal 0: to send it would end the process
+        return True
     try:
         os.kill(int(pid), 0)
     except (ProcessLookupError, ValueError, OverflowError):

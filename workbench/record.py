@@ -22,6 +22,9 @@ class Source:
     columns: Mapping[str, str]
 
 
+MADE = Source(Path("made"), "", "made", {})  # of a record that a program made, and no file holds
+
+
 @dataclass(frozen=True)
 class Payload:
     """What was added to the axis (to its load) for a record, and is known: inertia a + mgl sin(q + phase) beside the model.
@@ -44,7 +47,7 @@ class Record:
 
     name: the file's stem. role: "identification" or "validation". time: (n,) s, the bench clock, uniform.
     channels: name -> (n,) array in SI; "torque" or "force", "position", and further channels as measured.
-    units: name -> SI unit string. resolution: name -> encoder step in SI, where known. locked: the load is held.
+    units: name -> SI unit string, of drive and positions known without. resolution: name -> encoder step in SI, where known. locked: the load is held.
     counts_from: s; before it no error counts: earlier samples only bring operators with memory into their state. zero: rad
     or m that was added to load_position because the two encoders' zeros lie apart; None where they are one. payload: what
     was added to the axis, or None. All arrays are made read-only.
@@ -54,8 +57,8 @@ class Record:
     role: str
     time: np.ndarray
     channels: Mapping[str, np.ndarray]
-    units: Mapping[str, str]
-    source: Source
+    units: Mapping[str, str] = field(default_factory=dict)
+    source: Source = MADE
     resolution: Mapping[str, float] = field(default_factory=dict)
     motion: str = ""
     locked: bool = False
@@ -66,6 +69,13 @@ class Record:
     def __post_init__(self):
         for array in (self.time, *self.channels.values()):
             array.setflags(write=False)
+        rotary = "force" not in self.channels
+        known = {
+            "torque": "N*m",
+            "force": "N",
+            **dict.fromkeys(("position", "load_position"), "rad" if rotary else "m"),
+        }
+        object.__setattr__(self, "units", {n: u for n, u in known.items() if n in self.channels} | dict(self.units))
         for name in ("channels", "units", "resolution"):
             object.__setattr__(self, name, MappingProxyType(dict(getattr(self, name))))
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from workbench.control import scheduled_pd
-from workbench.limit_cycle.simulated import simulated
+from workbench.limit_cycle.simulation import simulated
 from workbench.report import numbers
 from workbench.report.contents import Chapter, Paragraph, Table
 from workbench.schedule import Schedule

@@ -4,7 +4,7 @@ from collections.abc import Collection, Iterable
 from dataclasses import replace
 from pathlib import Path
 
-from workbench.campaign import load
+from workbench.campaign import Campaign, load
 from workbench.checking import alignment, channels, clocks, excitation, modes, sampling, scale, sign
 from workbench.checking.glitches import impossible
 from workbench.checking.seen import Seen
@@ -29,13 +29,13 @@ STAGES = (
 
 
 @one_thread
-def check(folder: Path) -> tuple[Finding, ...]:
-    """Return what is wrong with the records of a campaign, an empty tuple where nothing is.
+def check(campaign: Campaign | Path) -> tuple[Finding, ...]:
+    """Return what is wrong with the records of a campaign, or of its folder; an empty tuple where nothing is.
 
     Raises WorkbenchError where the campaign cannot be read; what keeps a record from being used is a finding.
     """
     try:
-        seen = Seen(load(folder, resample=True))
+        seen = Seen(campaign if isinstance(campaign, Campaign) else load(campaign, resample=True))
     except UnsoundRecord as e:
         return (Finding(e.kind, e.record, str(e), {}, "Mend this first: nothing else could be checked."),)
     names = {r.name for r in seen.campaign.records}

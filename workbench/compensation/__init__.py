@@ -9,7 +9,7 @@ runs in lanes, in the oracle, in a contest and in tables of robustness.
 
 from workbench.compensation.compensator import OBSERVED, READ, REFERENCE, SOURCES, Compensator, compensable, undone
 from workbench.compensation.law import Compensated, compensated
-from workbench.compensation.predicted import agreement, predicted
+from workbench.compensation.prediction import agreement, predicted
 
 __all__ = [
     "OBSERVED",

@@ -13,7 +13,7 @@ SAMPLES = 400
 SINGLE = 2e-3  # share of the largest output by which single precision between steps may move it
 
 
-def graph(effect: Effect, column: str) -> tuple[ca.Function, ca.Function | None]:
+def _graph(effect: Effect, column: str) -> tuple[ca.Function, ca.Function | None]:
     """Return the step as CasADi evaluates it, (signals, states, inside) -> (next, output and provided), for one column.
 
     And (shape) -> inside, where parameters are derived.
@@ -32,12 +32,12 @@ def graph(effect: Effect, column: str) -> tuple[ca.Function, ca.Function | None]
     return ca.Function("step", [s, z, constants], [after, ca.vertcat(out, *provided.values())]), before
 
 
-def casadi_steps(effect: Effect, signals: np.ndarray) -> np.ndarray:
+def _casadi_steps(effect: Effect, signals: np.ndarray) -> np.ndarray:
     """Columns, then provided signals, (m, n), stepped by CasADi itself."""
     shape = np.array([effect.parameters[n].value for n in effect.shape])
     rows = []
     for column in effect.linear or ("",):
-        function, before = graph(effect, column)
+        function, before = _graph(effect, column)
         constants = shape if before is None else np.asarray(before(shape)).ravel()
         states, found = np.zeros(sum(effect.states.values())), []
         for now in signals.T:
@@ -47,7 +47,7 @@ def casadi_steps(effect: Effect, signals: np.ndarray) -> np.ndarray:
     return np.vstack([*(r[:1] for r in rows), rows[0][1:]])
 
 
-def numpy_steps(effect: Effect, signals: np.ndarray, keep=np.float64) -> np.ndarray:
+def _numpy_steps(effect: Effect, signals: np.ndarray, keep=np.float64) -> np.ndarray:
     """The same, stepped by NumPy. keep: the type in which signals, states and constants are kept between steps."""
     ready = step.build(effect)
     constants = ready.constants({n: p.value for n, p in effect.parameters.items()}).astype(keep).astype(float)
@@ -70,7 +70,7 @@ def bits(effect: Effect) -> tuple[bool, str]:
     signals, ready = rows(effect), step.build(effect)
     constants = ready.constants({n: p.value for n, p in effect.parameters.items()})
     kernel = scan.scan(ready.program, signals, np.zeros(ready.states), constants)
-    others = {"CasADi": casadi_steps(effect, signals), "NumPy": numpy_steps(effect, signals)}
+    others = {"CasADi": _casadi_steps(effect, signals), "NumPy": _numpy_steps(effect, signals)}
     for name, found in others.items():
         differ = ~((found == kernel) | (np.isnan(found) & np.isnan(kernel)))
         if differ.any():
@@ -84,7 +84,7 @@ def single(effect: Effect) -> tuple[bool, str]:
     """With signals, states and constants kept in single precision between steps, the output hardly moves."""
     effect = drawn(effect)
     signals = rows(effect)
-    double, kept = numpy_steps(effect, signals), numpy_steps(effect, signals, np.float32)
+    double, kept = _numpy_steps(effect, signals), _numpy_steps(effect, signals, np.float32)
     largest = np.abs(double).max(axis=1)
     moved = np.max(np.abs(kept - double).max(axis=1) / np.where(largest > 0.0, largest, 1.0))
     return within(float(moved), SINGLE, "Kept in single precision, the output moves, over its largest value, by")

@@ -14,7 +14,7 @@ GRID = 512  # steps of the virgin curve over twice the length of the scene
 TURNS = (0.6, -0.3, 0.2, -0.1, 0.05, -0.2, 0.5, -0.1, 0.7, -0.9, -0.2, -0.5, 0.8, 0.7, 0.75, 0.1, 0.95, -0.95, 0.4)
 
 
-def on_grid(effect: Effect) -> tuple[np.ndarray, np.ndarray, float]:
+def _on_grid(effect: Effect) -> tuple[np.ndarray, np.ndarray, float]:
     """Return (path, virgin force, step): a path of whole double steps with many turning points; the curve in steps."""
     there = scene(effect)
     width = 2.0 * there.length / GRID
@@ -54,7 +54,7 @@ def masing_stack(path: np.ndarray, virgin: np.ndarray) -> np.ndarray:
 def masing(effect: Effect) -> tuple[bool, str]:
     """After every reversal the virgin curve follows, stretched by two, and passed turning points are forgotten."""
     effect = drawn(effect)
-    path, virgin, width = on_grid(effect)
+    path, virgin, width = _on_grid(effect)
     found = along(effect, width * path, scene(effect).dt)
     error = np.abs(found - masing_stack(path, virgin)).max() / np.abs(found).max()
     return within(float(error), SAME, "Over its largest value, the force differs from the stack of turning points by")

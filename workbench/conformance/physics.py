@@ -26,7 +26,7 @@ GIVEN = 1e-6  # share of the force times the path that a passive force may seem 
 SAME = 1e-9  # relative difference of forces that ought to be the same
 
 
-def shapes(effect: Effect) -> list[Effect]:
+def _shapes(effect: Effect) -> list[Effect]:
     """The effect as drawn, and with the free shape parameters a third and three times as large, inside their bounds."""
     made = []
     for factor in (1.0, 1.0 / 3.0, 3.0):
@@ -38,7 +38,7 @@ def shapes(effect: Effect) -> list[Effect]:
 def passive(effect: Effect) -> tuple[bool, str]:
     """Over closed cycles of several sizes and shapes, once settled, the force takes energy and gives none."""
     least = np.inf
-    for shaped in shapes(drawn(effect)):
+    for shaped in _shapes(drawn(effect)):
         there = scene(shaped)
         theta = 2.0 * pi / CYCLE * np.arange(4 * CYCLE + 1)
         for size in (0.1, 0.6, 1.0):
@@ -68,7 +68,7 @@ def rate_independent(effect: Effect) -> tuple[bool, str]:
     return within(max(time, steps), SAME, "Seven times as fast, and in steps of a third, the force differs by")
 
 
-def mirrored(effect: Effect) -> tuple[np.ndarray, np.ndarray]:
+def _mirrored(effect: Effect) -> tuple[np.ndarray, np.ndarray]:
     """Output along a scene, and along the same scene with every motion the other way."""
     effect = drawn(effect)
     signals = scene(effect).signals
@@ -77,13 +77,13 @@ def mirrored(effect: Effect) -> tuple[np.ndarray, np.ndarray]:
 
 def odd(effect: Effect) -> tuple[bool, str]:
     """The other way round, the output is the negative."""
-    there, back = mirrored(effect)
+    there, back = _mirrored(effect)
     return within(np.abs(there + back).max() / np.abs(there).max(), SAME, "Mirrored, the output is not its negative by")
 
 
 def even(effect: Effect) -> tuple[bool, str]:
     """The other way round, the output is the same."""
-    there, back = mirrored(effect)
+    there, back = _mirrored(effect)
     return within(np.abs(there - back).max() / np.abs(there).max(), SAME, "Mirrored, the output is not the same by")
 
 

@@ -14,7 +14,7 @@ from workbench.plant import ONE_MASS, TWO_MASS, Plant, places
 BODY = ("inertia", "cable_spring")  # what the plant has beside the effect: a force that moves, and one that stands
 
 
-def around(effect: Effect) -> Plant:
+def _around(effect: Effect) -> Plant:
     """Return a plant with the effect where it can act; forces of a joint that can act nowhere else act in the joint."""
     two = effect.port == ANGLE or not places(ONE_MASS, effect) or effect.at in ("load", "sensor.load_position")
     kind = TWO_MASS if two else ONE_MASS
@@ -30,7 +30,7 @@ def around(effect: Effect) -> Plant:
     return plant
 
 
-def asked(effect: Effect, plant: Plant, drive: np.ndarray) -> np.ndarray:
+def _asked(effect: Effect, plant: Plant, drive: np.ndarray) -> np.ndarray:
     """Return what the plant asks of its drive, and every balance, (1 + rows, n), on a record with this measured drive."""
     there = scene(effect, SAMPLES).signals
     made = record(effect, drive)
@@ -45,9 +45,9 @@ def asked(effect: Effect, plant: Plant, drive: np.ndarray) -> np.ndarray:
 def sees_no_drive(effect: Effect) -> tuple[bool, str]:
     """Under two measured drives, as large as each other, the same motion asks for the same drive, to the last bit."""
     effect = drawn(effect)
-    plant = around(effect)
+    plant = _around(effect)
     one = scene(effect, SAMPLES).signals["u"].copy()
-    first, other = (asked(effect, plant, drive) for drive in (one, one[::-1].copy()))
+    first, other = (_asked(effect, plant, drive) for drive in (one, one[::-1].copy()))
     if np.array_equal(first, other, equal_nan=True):
         return True, "The same motion asks for the same drive, whatever drive was measured."
     what = "a force" if effect.port == FORCE else "a map"

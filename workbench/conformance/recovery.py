@@ -22,11 +22,11 @@ OFF = {"order": 1.01, "number": 1.1, "time": 0.7, "": 1.2}  # factor on the trut
 RECOVERED = 1e-3  # relative error
 
 
-def start(p: Parameter) -> Parameter:
+def _start(p: Parameter) -> Parameter:
     return p if p.fixed else replace(p, value=float(np.clip(p.value * OFF.get(p.scale, 1.3), p.lower, p.upper)))
 
 
-def errors(truth: Mapping[str, Parameter], found: Mapping[str, Parameter]) -> dict[str, float]:
+def _errors(truth: Mapping[str, Parameter], found: Mapping[str, Parameter]) -> dict[str, float]:
     """Relative error of every parameter that is not held."""
     return {n: abs(found[n].value - p.value) / abs(p.value) for n, p in truth.items() if not p.fixed and p.value}
 
@@ -34,7 +34,7 @@ def errors(truth: Mapping[str, Parameter], found: Mapping[str, Parameter]) -> di
 def recovered(effect: Effect) -> tuple[bool, str]:
     """A fit that starts elsewhere finds the parameters again."""
     effect = drawn(effect)
-    found = errors(effect.parameters, (on_axis(effect) if on_drive(effect) else by_itself(effect)).parameters)
+    found = _errors(effect.parameters, (_on_axis(effect) if _on_drive(effect) else _by_itself(effect)).parameters)
     if not found:
         return True, "There is no parameter to recover."
     worst = max(found, key=found.get)
@@ -43,7 +43,7 @@ def recovered(effect: Effect) -> tuple[bool, str]:
     )
 
 
-def on_drive(effect: Effect) -> bool:
+def _on_drive(effect: Effect) -> bool:
     """Whether identification runs this effect: a force, or a map of the command."""
     return effect.port == FORCE or effect.at == "command"
 
@@ -56,13 +56,13 @@ def record(effect: Effect, drive: np.ndarray | None = None) -> Record:
     return Record("synthetic", IDENTIFICATION, there.signals["t"].copy(), channels, {}, source)
 
 
-def passes(effect: Effect, drive: np.ndarray | None = None) -> Passes:
+def _passes(effect: Effect, drive: np.ndarray | None = None) -> Passes:
     return Passes(motion(record(effect, drive), BAND / scene(effect).dt))
 
 
-def on_axis(effect: Effect) -> Effect:
+def _on_axis(effect: Effect) -> Effect:
     """Return the effect as identified on an axis with a known inertia; forces of a joint act at the axis here."""
-    here = passes(effect)
+    here = _passes(effect)
     if effect.port == FORCE:
         effect = replace(effect, places=("axis",), at="axis")
     if effect.name == "inertia":
@@ -75,18 +75,20 @@ def on_axis(effect: Effect) -> Effect:
     if reads_load(effect):  # the load is not of motion alone
         plant += find("cable_spring")(fixed=True, stiffness=1.0 / float(np.sqrt(np.mean(here.motion.q**2))))
     drive = predicted(here, plant)
-    begun = {n: replace(start(p), value=0.0) if n in effect.linear else start(p) for n, p in effect.parameters.items()}
+    begun = {
+        n: replace(_start(p), value=0.0) if n in effect.linear else _start(p) for n, p in effect.parameters.items()
+    }
     begun = {n: replace(p, value=float(np.clip(p.value, p.lower, p.upper))) for n, p in begun.items()}
-    return identify(plant.swap(replace(effect, parameters=begun)), [passes(effect, drive)]).plant[effect.key]
+    return identify(plant.swap(replace(effect, parameters=begun)), [_passes(effect, drive)]).plant[effect.key]
 
 
-def by_itself(effect: Effect) -> Effect:
+def _by_itself(effect: Effect) -> Effect:
     """Return the effect as fitted to its own output by least squares."""
     from scipy.optimize import least_squares
 
     signals = scene(effect, SAMPLES).signals
     aim = output(effect, signals)
-    begun = {n: start(p) for n, p in effect.parameters.items() if not p.fixed}
+    begun = {n: _start(p) for n, p in effect.parameters.items() if not p.fixed}
     scale = np.array([abs(p.value) for p in begun.values()])
 
     def left(x: np.ndarray) -> np.ndarray:

@@ -25,17 +25,17 @@ class Scene:
     omega: float
 
 
-def scaled(effect: Effect, word: str) -> list[float]:
+def _scaled(effect: Effect, word: str) -> list[float]:
     """Values of the parameters with this scale, not zero."""
     return [p.value for p in effect.parameters.values() if p.scale == word and p.value]
 
 
 def scene(effect: Effect, samples: int = 600, faster: float = 1.0) -> Scene:
     """Return a scene for an effect. faster: the same path, run through in a shorter time."""
-    strokes, orders = scaled(effect, "stroke"), scaled(effect, "order")
+    strokes, orders = _scaled(effect, "stroke"), _scaled(effect, "order")
     length = max([1.6 * s for s in strokes] + [20.0 / k for k in orders], default=1.0)
     omega = 2.0 * pi
-    if speeds := scaled(effect, "speed"):
+    if speeds := _scaled(effect, "speed"):
         omega = 3.0 * max(speeds) / length
     for p in effect.parameters.values():
         if p.scale == "rate" and p.value:

@@ -28,14 +28,14 @@ def derivatives(effect: Effect) -> tuple[bool, str]:
     if not np.isfinite(np.asarray(slope(rest))).all():
         return False, "At rest, where all motion is zero, a derivative of the step is not a finite number."
     random, worst, settled, tried = np.random.default_rng(1), 0.0, 0, 0
-    sizes = np.concatenate([np.abs(signals).max(axis=1), state_sizes(effect, signals), np.abs(values)])
+    sizes = np.concatenate([np.abs(signals).max(axis=1), _state_sizes(effect, signals), np.abs(values)])
     for n in random.choice(signals.shape[1], 6, replace=False):
         at = np.concatenate(
             [signals[:, n], sizes[s.numel() : s.numel() + z.numel()] * random.uniform(-0.5, 0.5, z.numel()), values]
         )
         exact = np.asarray(slope(at))
         for k in np.flatnonzero(sizes):
-            wide, narrow = (difference(value, at, k, h * sizes[k]) for h in (2e-5, 1e-5))
+            wide, narrow = (_difference(value, at, k, h * sizes[k]) for h in (2e-5, 1e-5))
             level = np.abs(np.asarray(value(at)).ravel()) / sizes[k] * 1e-3 + np.abs(narrow) + 1e-300
             smooth = np.abs(wide - narrow) < 0.1 * SLOPES * level
             tried, settled = tried + smooth.size, settled + int(smooth.sum())
@@ -48,7 +48,7 @@ def derivatives(effect: Effect) -> tuple[bool, str]:
     )
 
 
-def state_sizes(effect: Effect, signals: np.ndarray) -> np.ndarray:
+def _state_sizes(effect: Effect, signals: np.ndarray) -> np.ndarray:
     """How large each state becomes along the scene."""
     ready = step.build(effect)
     constants = ready.constants({n: p.value for n, p in effect.parameters.items()})
@@ -59,7 +59,7 @@ def state_sizes(effect: Effect, signals: np.ndarray) -> np.ndarray:
     return largest
 
 
-def difference(function: ca.Function, x: np.ndarray, k: int, h: float) -> np.ndarray:
+def _difference(function: ca.Function, x: np.ndarray, k: int, h: float) -> np.ndarray:
     up, down = x.copy(), x.copy()
     up[k] += h
     down[k] -= h

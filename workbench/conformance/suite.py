@@ -9,44 +9,44 @@ from workbench.definition import FORCE, Effect
 from workbench.errors import WorkbenchError
 
 
-def always(effect: Effect) -> bool:
+def _always(effect: Effect) -> bool:
     return True
 
 
-def claims(word: str) -> Callable[[Effect], bool]:
+def _claims(word: str) -> Callable[[Effect], bool]:
     return lambda effect: word in effect.holds
 
 
-def has_neutral(effect: Effect) -> bool:
+def _has_neutral(effect: Effect) -> bool:
     """Forces by their linear parameters; maps, where all that is free may be zero."""
     if effect.port == FORCE:
         return bool(effect.linear)
     return all(p.fixed or p.scale == "order" or arithmetic.may_vanish(effect, n) for n, p in effect.parameters.items())
 
 
-def can_be_described(effect: Effect) -> bool:
+def _can_be_described(effect: Effect) -> bool:
     return "masing" in effect.holds and effect.virgin is not None
 
 
 PROPERTIES: dict[str, tuple[Callable[[Effect], bool], Callable[[Effect], tuple[bool, str]]]] = {
-    "described": (always, written.described),
-    "units": (always, written.units),
+    "described": (_always, written.described),
+    "units": (_always, written.units),
     "linear": (lambda e: bool(e.linear), written.linear),
-    "neutral": (has_neutral, arithmetic.neutral),
-    "bits": (always, arithmetic.bits),
-    "derivatives": (always, slopes.derivatives),
-    "single precision": (always, arithmetic.single),
-    "passive": (claims("passive"), physics.passive),
-    "rate independent": (claims("rate independent"), physics.rate_independent),
-    "odd": (claims("odd"), physics.odd),
-    "even": (claims("even"), physics.even),
-    "conservative": (claims("conservative"), physics.conservative),
-    "masing": (claims("masing"), memory.masing),
-    "wiping out": (claims("masing"), memory.wiping_out),
+    "neutral": (_has_neutral, arithmetic.neutral),
+    "bits": (_always, arithmetic.bits),
+    "derivatives": (_always, slopes.derivatives),
+    "single precision": (_always, arithmetic.single),
+    "passive": (_claims("passive"), physics.passive),
+    "rate independent": (_claims("rate independent"), physics.rate_independent),
+    "odd": (_claims("odd"), physics.odd),
+    "even": (_claims("even"), physics.even),
+    "conservative": (_claims("conservative"), physics.conservative),
+    "masing": (_claims("masing"), memory.masing),
+    "wiping out": (_claims("masing"), memory.wiping_out),
     "virgin curve": (lambda e: e.virgin is not None, memory.virgin_curve),
-    "describing function": (can_be_described, memory.describing),
-    "prediction": (always, prediction.sees_no_drive),
-    "recovered": (always, recovery.recovered),
+    "describing function": (_can_be_described, memory.describing),
+    "prediction": (_always, prediction.sees_no_drive),
+    "recovered": (_always, recovery.recovered),
 }
 
 

@@ -3,7 +3,7 @@
 from workbench.control.drive import drive_cascade
 from workbench.control.law import Controller, Law
 from workbench.control.laws import RULES, fixed_pd, pi_cascade, scheduled_pd
-from workbench.control.named import law
+from workbench.control.named import law_named
 from workbench.control.profile import FeedForward, profile_pi
 from workbench.control.table import Table, gains_at, grid
 
@@ -17,7 +17,7 @@ __all__ = [
     "fixed_pd",
     "gains_at",
     "grid",
-    "law",
+    "law_named",
     "pi_cascade",
     "profile_pi",
     "scheduled_pd",

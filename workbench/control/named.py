@@ -25,7 +25,7 @@ def every() -> dict[str, Law]:
     return {one.name: one for one in (*fixed, *profiles, *scheduled, *drives)}
 
 
-def law(name: str) -> Law:
+def law_named(name: str) -> Law:
     """Return a law by its name; WorkbenchError with the nearest names where there is none."""
     if name not in every():
         raise WorkbenchError(f"there is no law '{name}' of a controller; {nearest(name, every())}")

@@ -17,7 +17,7 @@ SETTLED = 1e-9  # of the largest force: how little the harmonic may change while
 MOST = 4096  # cycles
 
 
-def motion(amplitude: float, omega: float, samples: int, n: np.ndarray) -> dict[str, np.ndarray]:
+def _motion(amplitude: float, omega: float, samples: int, n: np.ndarray) -> dict[str, np.ndarray]:
     """Return the signals of q = A cos(2 pi n/samples), (n.size,) each; `t` begins with the quarter before n = 0.
 
     dir is the sign of motion, 0 at reversals: that of an effect with no hysteresis beside it, encoder counts forgotten.
@@ -51,7 +51,7 @@ def _settled(effect: Effect, amplitude: float, omega: float, samples: int) -> co
     run = load(scan.source(ready.program), ready.program.name).scan
 
     def force(n: np.ndarray) -> np.ndarray:
-        signals = motion(amplitude, omega, samples, n)
+        signals = _motion(amplitude, omega, samples, n)
         out = np.empty((len(ready.program.outputs[1]), n.size))
         run(np.array([signals[r] for r in ready.reads]).reshape(-1, n.size), states, constants, out)
         return (weights[:, None] * out[: weights.size]).sum(axis=0)
@@ -84,7 +84,7 @@ def first_harmonic(effect: Effect, amplitudes, omega: float, samples: int = 4096
             f"a cycle at {omega:g} rad/s in {samples} samples cannot be stepped; a frequency above zero and a multiple "
             "of 4 samples are needed."
         )
-    missing = sorted(set(effect.reads) - set(motion(1.0, 1.0, 8, np.arange(8))))
+    missing = sorted(set(effect.reads) - set(_motion(1.0, 1.0, 8, np.arange(8))))
     if effect.port != FORCE or missing:
         why = f"it reads {', '.join(missing)}, which a cosine motion does not give"
         why = why if effect.port == FORCE else "it is not a force"

@@ -46,7 +46,7 @@ def rule(nodes: int = NODES) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     return np.sin(t / 2.0) ** 2, -4.0 / np.pi * np.cos(t) * dt, 4.0 / np.pi * np.sin(t) * dt
 
 
-def integrate(curve, amplitude):
+def _integrate(curve, amplitude):
     """Return (k_e, c_e w). curve: y at u/A of the rule, then y(A). Floats, arrays or CasADi SX; the order is fixed."""
     at, *of = rule()
     *curve, end = curve
@@ -57,7 +57,7 @@ def integrate(curve, amplitude):
     return (end + sums[0]) / amplitude, sums[1] / amplitude
 
 
-def virgin(effect: Effect) -> ca.Function:
+def _curve_of(effect: Effect) -> ca.Function:
     """Return y(x, inside parameters), built once per definition; WorkbenchError without Masing's rule."""
     if "masing" not in effect.holds or effect.virgin is None:
         raise WorkbenchError(
@@ -82,9 +82,9 @@ def _program(curve: ca.Function) -> Program:
 def expressions(effect: Effect) -> ca.Function:
     """Return the CasADi function (amplitude, inside parameters in their order) -> (stiffness, loss), differentiable.
 
-    Built once per definition; the values that the effect carries do not enter. Errors as `virgin`.
+    Built once per definition; the values that the effect carries do not enter. Errors as `_curve_of`.
     """
-    return _expressions(effect.name, virgin(effect))
+    return _expressions(effect.name, _curve_of(effect))
 
 
 @cache
@@ -94,7 +94,7 @@ def _expressions(name: str, curve: ca.Function) -> ca.Function:
     return ca.Function(
         f"{name}_equivalent",
         [amplitude, p],
-        [*integrate(values, amplitude)],
+        [*_integrate(values, amplitude)],
         ["amplitude", "parameters"],
         ["stiffness", "loss"],
     )
@@ -103,10 +103,10 @@ def _expressions(name: str, curve: ca.Function) -> ca.Function:
 def equivalent(effect: Effect, amplitudes) -> Equivalent:
     """Return k_e and c_e w at amplitudes (n,), rad or m, zero to peak, for the values that the effect carries.
 
-    The same arithmetic as `expressions`, to the last bit, over lanes. Errors as `virgin`, and for amplitudes not positive.
+    The same arithmetic as `expressions`, to the last bit, over lanes. Errors as `_curve_of`, and for amplitudes not positive.
     """
     amplitudes = positive(amplitudes)
     at = np.append(rule()[0], 1.0)[:, None] * amplitudes
     values = [p.value for p in effect.parameters.values()]
-    curve = map_lanes(_program(virgin(effect)), at.reshape(1, -1), values).reshape(at.shape)
-    return Equivalent(amplitudes, *integrate(curve, amplitudes))
+    curve = map_lanes(_program(_curve_of(effect)), at.reshape(1, -1), values).reshape(at.shape)
+    return Equivalent(amplitudes, *_integrate(curve, amplitudes))

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from workbench.errors import WorkbenchError
+from workbench.notebook import page
 
 
 @dataclass(frozen=True, eq=False)
@@ -24,6 +25,20 @@ class Equivalent:
             array = np.array(getattr(self, name), dtype=float)
             array.flags.writeable = False
             object.__setattr__(self, name, array)
+
+    def _repr_html_(self) -> str:
+        """Stiffness and loss over amplitude, as a table and as a drawing."""
+        sentence = f"Equivalent stiffness and loss at {self.amplitude.size} amplitudes."
+        rows = zip(self.amplitude, self.stiffness, self.loss, strict=True)
+        return page(sentence, ("amplitude, rad or m", "stiffness, SI", "loss, SI"), rows, self._draw)
+
+    def _draw(self, axes) -> None:
+        (one,) = axes
+        one.loglog(self.amplitude, self.stiffness, ".-", label="stiffness")
+        one.loglog(self.amplitude, self.loss, ".--", label="loss")
+        one.set_xlabel("amplitude, rad or m")
+        one.set_ylabel("N·m/rad or N/m")
+        one.legend()
 
 
 def positive(amplitudes) -> np.ndarray:

@@ -11,13 +11,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from workbench.finding import capital, located
+from workbench.finding import Finding, capital, located
 from workbench.identification import intervals
 from workbench.identification.fit import fitted_on
 from workbench.identification.passes import Passes
 from workbench.identification.problem import Name, Problem
 from workbench.identification.result import Estimate
 from workbench.identification.solve import Solution, solve
+from workbench.notebook import page
 from workbench.plant import Plant
 from workbench.threads import one_thread
 
@@ -47,16 +48,37 @@ class Change:
 
 @dataclass(frozen=True, eq=False)
 class Difference:
-    """changes: every free parameter that both sets of records determine. together: chance of the whole vector's difference."""
+    """changes: every free parameter that both sets of records determine. together: chance of the whole vector's difference.
+
+    undetermined: "effect@at.parameter" that one of the sets does not determine. findings: where the records are not alike.
+    """
 
     changes: tuple[Change, ...]
     undetermined: tuple[str, ...]
     together: float
     sentence: str
+    findings: tuple[Finding, ...] = ()
 
     @property
     def moved(self) -> tuple[Change, ...]:
         return tuple(c for c in self.changes if c.moved)
+
+    def _repr_html_(self) -> str:
+        """What moved, as a table of all parameters and a drawing of each difference over its interval's half width."""
+        rows = (
+            (f"{c.effect}@{c.at}", c.parameter, c.before, c.after, c.half, "moved" if c.moved else "", c.unit)
+            for c in self.changes
+        )
+        head = ("effect", "parameter", "before", "after", "±", "", "unit")
+        return page(self.sentence, head, rows, self._draw if self.changes else None)
+
+    def _draw(self, axes) -> None:
+        (one,) = axes
+        size = [(c.after - c.before) / c.half for c in self.changes]
+        one.barh(range(len(size)), size, color=["tab:red" if c.moved else "0.6" for c in self.changes])
+        one.axvspan(-1.0, 1.0, alpha=0.15)
+        one.set_yticks(range(len(size)), [f"{c.effect}.{c.parameter}" for c in self.changes])
+        one.set_xlabel("difference over the half width of its interval")
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,7 +93,7 @@ class Side:
     freedom: float
 
 
-def side(plant: Plant, passes: Sequence[Passes], theta: np.ndarray | None = None) -> tuple[Side, Solution]:
+def _side(plant: Plant, passes: Sequence[Passes], theta: np.ndarray | None = None) -> tuple[Side, Solution]:
     """Return one side. theta: where the search of the shape parameters starts."""
     problem = Problem(plant, fitted_on(passes))
     solution = solve(problem, theta)
@@ -86,41 +108,41 @@ def side(plant: Plant, passes: Sequence[Passes], theta: np.ndarray | None = None
 @one_thread
 def compare(plant: Plant, before: Sequence[Passes], after: Sequence[Passes]) -> Difference:
     """Return what moved of a plant's free parameters between the identification records of two campaigns."""
-    first, solution = side(plant, before)
-    second, _ = side(plant, after, solution.theta)
-    both = [k for k, e in first.estimates.items() if known(e) and known(second.estimates[k])]
+    first, solution = _side(plant, before)
+    second, _ = _side(plant, after, solution.theta)
+    both = [k for k, e in first.estimates.items() if _known(e) and _known(second.estimates[k])]
     lost = tuple(
         f"{e.effect}@{e.at}.{e.parameter}" for k, e in first.estimates.items() if not e.fixed and k not in both
     )
     pairs = [(first.estimates[k], second.estimates[k]) for k in both]
-    raw = [chance_of(a, b, first.freedom, second.freedom) for a, b in pairs]
+    raw = [_chance_of(a, b, first.freedom, second.freedom) for a, b in pairs]
     changes = tuple(_change(a, b, p, first, second, len(pairs)) for (a, b), p in zip(pairs, holm(raw), strict=True))
-    together = jointly(first, second)
-    return Difference(changes, lost, together, sentence_of(changes, together))
+    together = _jointly(first, second)
+    return Difference(changes, lost, together, _sentence_of(changes, together))
 
 
-def known(e: Estimate) -> bool:
+def _known(e: Estimate) -> bool:
     """Whether the records determine a parameter at all."""
     return not e.fixed and e.high > e.low
 
 
-def deviation(e: Estimate) -> float:
+def _deviation(e: Estimate) -> float:
     """Standard deviation of an estimate whose interval is one deviation wide to each side."""
     return 0.5 * (e.high - e.low)
 
 
-def freedom_of(a: Estimate, b: Estimate, first: float, second: float) -> float:
+def _freedom_of(a: Estimate, b: Estimate, first: float, second: float) -> float:
     """Return Satterthwaite's degrees of freedom of a difference."""
-    va, vb = deviation(a) ** 2, deviation(b) ** 2
+    va, vb = _deviation(a) ** 2, _deviation(b) ** 2
     return (va + vb) ** 2 / (va**2 / first + vb**2 / second)
 
 
-def chance_of(a: Estimate, b: Estimate, first: float, second: float) -> float:
+def _chance_of(a: Estimate, b: Estimate, first: float, second: float) -> float:
     """Return the chance of a difference as large as this where nothing changed."""
     from scipy.special import stdtr
 
-    apart = abs(b.value - a.value) / np.hypot(deviation(a), deviation(b))
-    return float(2.0 * stdtr(freedom_of(a, b, first, second), -apart))
+    apart = abs(b.value - a.value) / np.hypot(_deviation(a), _deviation(b))
+    return float(2.0 * stdtr(_freedom_of(a, b, first, second), -apart))
 
 
 def holm(chances: Sequence[float]) -> list[float]:
@@ -131,7 +153,7 @@ def holm(chances: Sequence[float]) -> list[float]:
     return [float(min(p, 1.0)) for p in corrected]
 
 
-def jointly(first: Side, second: Side) -> float:
+def _jointly(first: Side, second: Side) -> float:
     """Return the chance of the whole vector's difference: d' (A + B)^-1 d, as Hotelling's T^2, smaller freedom counting."""
     from scipy.special import fdtrc
 
@@ -153,8 +175,8 @@ def jointly(first: Side, second: Side) -> float:
 def _change(a: Estimate, b: Estimate, chance: float, first: Side, second: Side, count: int) -> Change:
     from scipy.special import stdtrit
 
-    t = stdtrit(freedom_of(a, b, first.freedom, second.freedom), 1.0 - CHANCE / (2 * count))
-    half = float(t * np.hypot(deviation(a), deviation(b)))
+    t = stdtrit(_freedom_of(a, b, first.freedom, second.freedom), 1.0 - CHANCE / (2 * count))
+    half = float(t * np.hypot(_deviation(a), _deviation(b)))
     apart, size = b.value - a.value, max(abs(a.value), abs(b.value))
     moved = chance < CHANCE and abs(apart) > MATTERS * size
     what = f"{capital(located(a.effect, a.at))}, {a.meaning}"
@@ -170,7 +192,7 @@ def _change(a: Estimate, b: Estimate, chance: float, first: Side, second: Side, 
     return Change(a.effect, a.at, a.parameter, a.unit, a.value, b.value, half, chance, moved, text)
 
 
-def sentence_of(changes: Sequence[Change], together: float) -> str:
+def _sentence_of(changes: Sequence[Change], together: float) -> str:
     """Return what a difference comes to."""
     moved = [c for c in changes if c.moved]
     if moved:

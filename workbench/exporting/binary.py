@@ -41,7 +41,7 @@ NAMES = (ROWS, ROWS + DRIVE_ROWS)
 
 def pack(contents: dict, held: Tables) -> bytes:
     """Return gains.bin of a document and its tables."""
-    said = facts(contents).encode()
+    said = _facts(contents).encode()
     length = -(-(FIXED.size + len(said) + CRC.size) // 8) * 8
     fixed = FIXED.pack(
         MAGIC,
@@ -61,7 +61,7 @@ def pack(contents: dict, held: Tables) -> bytes:
     return header + CRC.pack(zlib.crc32(header)) + held.payload
 
 
-def facts(contents: dict) -> str:
+def _facts(contents: dict) -> str:
     """Return the text block: "key value" lines of everything that has no place of its own."""
     lines = [f"{key} {contents[key]}" for key in ("project_version", "name")]
     lines += [

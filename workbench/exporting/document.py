@@ -25,7 +25,7 @@ def document(schedule, plant, held: Tables, scale, name: str) -> dict:
         "format_version": FORMAT_VERSION,
         "project_version": __version__,
         "name": name,
-        "units": units(plant),
+        "units": _units(plant),
         "rule": schedule.rule,
         "reversal": float(schedule.reversal),
         "sample_time": float(schedule.sample_time),
@@ -47,7 +47,7 @@ def document(schedule, plant, held: Tables, scale, name: str) -> dict:
     return out
 
 
-def units(plant) -> dict[str, str]:
+def _units(plant) -> dict[str, str]:
     """Return the SI unit of each quantity of a table."""
     x, f = plant.displacement, plant.effort
     return {"knots": x, "kp": f"{f}/{x}", "kd": f"{f}*s/{x}", "reversal": x, "sample_time": "s"}
@@ -78,12 +78,12 @@ def load(path: str | PathLike) -> dict:
     """
     again = "export the table again"
     try:
-        contents = json.loads(regular(Path(path)).read_bytes(), parse_constant=refuse)
+        contents = json.loads(regular(Path(path)).read_bytes(), parse_constant=_refuse)
     except OSError as error:
         raise WorkbenchError(f"{path} cannot be read ({error.strerror}); name a gain table, gains.json.") from error
     except (ValueError, RecursionError) as error:
         raise WorkbenchError(f"{path} is not JSON ({error}); {again}.") from error
-    check(contents, path)
+    _check(contents, path)
     held = tables_of(contents, str(path))
     said, rows = contents["payload"]["crc32"], contents["payload"]["rows"]
     if rows != list(held.rows):
@@ -100,7 +100,7 @@ def load(path: str | PathLike) -> dict:
     return contents
 
 
-def check(contents, path) -> None:
+def _check(contents, path) -> None:
     """Raise WorkbenchError for the most telling breach of the schema."""
     import jsonschema  # 0.1 s: only when a table is read
 
@@ -112,6 +112,6 @@ def check(contents, path) -> None:
         raise WorkbenchError(f"{path}: {key}: {said}; mend it as {SCHEMA.name} says, or export the table again.")
 
 
-def refuse(constant: str):
+def _refuse(constant: str):
     """Refuse NaN and Infinity, which Python reads but JSON does not have."""
     raise ValueError(f"{constant} is not a number of JSON")

@@ -37,9 +37,9 @@ def header(contents: dict, held: Tables) -> bytes:
         "rule": contents["rule"],
         "frozen": int(contents["rule"] == "frozen"),
         "error": int(contents["rule"] == "error"),
-        "reversal": literal(contents["reversal"]),
+        "reversal": _literal(contents["reversal"]),
         "reversal_said": f"{contents['reversal']:.9g}",
-        "sample_time": literal(contents["sample_time"]),
+        "sample_time": _literal(contents["sample_time"]),
         "sample_time_said": f"{contents['sample_time']:.9g}",
         "crc": f"0x{held.crc:08X}",
         "digest": contents["plant"]["digest"],
@@ -50,11 +50,11 @@ def header(contents: dict, held: Tables) -> bytes:
         "tables": "\n\n".join(table(f"{p}_{key}", units[key], row, p.upper()) for key, row in rows.items()),
         "checks": "\n".join(f"    crc = wb_crc32_table(crc, {p}_{key}, {p.upper()}_COUNT);" for key in rows),
     }
-    fields["drive"] = drive_part(contents, fields) if "drive" in contents else ""
+    fields["drive"] = _drive_part(contents, fields) if "drive" in contents else ""
     return Template(TEMPLATE.read_text(encoding="utf-8")).substitute(fields).encode()
 
 
-def drive_part(contents: dict, fields: dict) -> str:
+def _drive_part(contents: dict, fields: dict) -> str:
     """Return what a header with gains in the drive's units holds beyond the others."""
     drive = contents["drive"]
     own = {f"{key}_drive_unit": drive[key]["unit"] for key in drive}
@@ -62,7 +62,7 @@ def drive_part(contents: dict, fields: dict) -> str:
     return Template(DRIVE_TEMPLATE.read_text(encoding="utf-8")).substitute(fields | own)
 
 
-def literal(value) -> str:
+def _literal(value) -> str:
     """Return the float32 nearest to a number as a C99 literal: hexadecimal, so that no compiler rounds it again."""
     mantissa, _, exponent = float(np.float32(value)).hex().partition("p")
     whole, _, fraction = mantissa.partition(".")
@@ -72,7 +72,7 @@ def literal(value) -> str:
 def table(name: str, unit: str, row: np.ndarray, prefix: str) -> str:
     """Return one constant array, each entry with its decimal value beside it."""
     entries = "\n".join(
-        f"    {literal(v)}{',' if i + 1 < row.size else ' '} /* [{i}] {float(v):.9g} */" for i, v in enumerate(row)
+        f"    {_literal(v)}{',' if i + 1 < row.size else ' '} /* [{i}] {float(v):.9g} */" for i, v in enumerate(row)
     )
     return f"/** [{unit}] */\nstatic const float {name}[{prefix}_COUNT] = {{\n{entries}\n}};"
 

@@ -24,7 +24,7 @@ def lookup32(source, amplitudes, drive: bool = False) -> tuple[np.ndarray, np.nd
     larger of the segment's two gains, where these have one sign. Raises WorkbenchError where the source holds no gains in
     the drive's units.
     """
-    t = held(source)
+    t = _held(source)
     if drive and "kp_drive" not in t.rows:
         raise WorkbenchError("the table holds no gains in the drive's units; export it with a scale.")
     with np.errstate(over="ignore", invalid="ignore"):
@@ -40,7 +40,7 @@ def lookup32(source, amplitudes, drive: bool = False) -> tuple[np.ndarray, np.nd
     return kp, kd
 
 
-def held(source) -> Tables:
+def _held(source) -> Tables:
     """Return the tables of a schedule, a document or a path."""
     if isinstance(source, str | PathLike):
         source = load(source)

@@ -30,13 +30,13 @@ def scales(table: Mapping | None, where: str = "scale") -> dict[str, Scale] | No
     """
     if table is None:
         return None
-    known(table, GAINS, where)
-    return {name: one(table[name], f"{where}.{name}") for name in GAINS}
+    _known(table, GAINS, where)
+    return {name: _one(table[name], f"{where}.{name}") for name in GAINS}
 
 
-def one(entry, where: str) -> Scale:
+def _one(entry, where: str) -> Scale:
     """Return the Scale of one table {unit, per_si}."""
-    known(entry, KEYS, where)
+    _known(entry, KEYS, where)
     unit, factor = entry["unit"], entry["per_si"]
     if not isinstance(unit, str) or not UNIT.fullmatch(unit):
         raise WorkbenchError(f"{where}.unit is {unit!r}; write up to 40 plain characters, such as 'A/count'.")
@@ -47,7 +47,7 @@ def one(entry, where: str) -> Scale:
     return Scale(unit, float(factor))
 
 
-def known(table, keys: tuple[str, ...], where: str) -> None:
+def _known(table, keys: tuple[str, ...], where: str) -> None:
     """Raise WorkbenchError unless `table` is a table with exactly these keys."""
     if not isinstance(table, Mapping):
         raise WorkbenchError(f"{where} is {table!r}; a table with {' and '.join(keys)} is needed.")

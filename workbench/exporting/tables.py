@@ -89,7 +89,7 @@ def grid(knots, per_octave, where: str) -> np.ndarray:
     return rounded
 
 
-def gain_row(values, count: int, name: str, where: str) -> np.ndarray:
+def _gain_row(values, count: int, name: str, where: str) -> np.ndarray:
     """Return one row of gains as float32; WorkbenchError unless there is one a knot, zero or of a size float32 holds."""
     exact = np.asarray(values, dtype=float)
     if exact.shape != (count,):
@@ -118,7 +118,7 @@ def tables(
     rows = {"knots": x}
     for suffix, gains in (("", {"kp": kp, "kd": kd}), ("_drive", drive)):
         if gains is not None:
-            held = {name: gain_row(gains[name], x.size, name + suffix, where) for name in ("kp", "kd")}
+            held = {name: _gain_row(gains[name], x.size, name + suffix, where) for name in ("kp", "kd")}
             rows |= {name + suffix: row for name, row in held.items()}
             rows |= {f"{name}{suffix}_slope": slopes(x, row) for name, row in held.items()}
     for row in rows.values():

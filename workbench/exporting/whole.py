@@ -29,7 +29,7 @@ def write_together(folder: Path, files: Mapping[str, bytes]) -> tuple[Path, ...]
             os.replace(parts[path], path)
             done.append(path)
     except BaseException as error:
-        undo(done, before, parts, made)
+        _undo(done, before, parts, made)
         if isinstance(error, OSError):
             raise WorkbenchError(
                 f"{folder}: the gain table could not be written ({error.strerror or error}: {error.filename});"
@@ -39,7 +39,7 @@ def write_together(folder: Path, files: Mapping[str, bytes]) -> tuple[Path, ...]
     return tuple(targets)
 
 
-def undo(done: list[Path], before: Mapping[Path, bytes | None], parts: Mapping[Path, Path], made: list[Path]) -> None:
+def _undo(done: list[Path], before: Mapping[Path, bytes | None], parts: Mapping[Path, Path], made: list[Path]) -> None:
     """Put back what was there: the files replaced, then the folders made. Goes on where a step fails."""
     for path in done:
         old = before[path]

@@ -19,7 +19,7 @@ from workbench.outputs import whole
 from workbench.robustness import worst
 from workbench.robustness.cases import independent
 from workbench.robustness.vary import applied
-from workbench.robustness.work import Block, Work
+from workbench.robustness.workload import Block, Work
 from workbench.simulation import Metrics, ScenarioArrays
 from workbench.verification.task import Task
 

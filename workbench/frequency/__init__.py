@@ -1,4 +1,8 @@
-"""Frequency responses of records, their modes, a notch for each, and the loop gain that they allow."""
+"""Frequency responses of records, their modes, a notch for each, and the loop gain that they allow.
+
+records ─► shaken (which one) ─► response_of ─► Response ─► fit_modes ─► Modes ─► notch_for, flexible_modes (parts of a plant)
+                                                   └─► gain_limit, sensitivity_peak: of a loop closed around it
+"""
 
 from workbench.frequency.limit import GainLimit, gain_limit, sensitivity_peak
 from workbench.frequency.modes import Mode, Modes, fit_modes

@@ -57,7 +57,7 @@ class Modes:
     def at(self, frequency: np.ndarray) -> np.ndarray:
         """Return acceleration over drive at frequency (n,) Hz."""
         omega = 2 * np.pi * np.asarray(frequency, dtype=float)
-        return columns(omega, self.poles) @ self.residues * np.exp(-1j * omega * self.delay)
+        return _columns(omega, self.poles) @ self.residues * np.exp(-1j * omega * self.delay)
 
     @property
     def system(self):
@@ -72,7 +72,7 @@ class Modes:
         return total
 
 
-def columns(omega: np.ndarray, poles: np.ndarray) -> np.ndarray:
+def _columns(omega: np.ndarray, poles: np.ndarray) -> np.ndarray:
     """Return (n, 2 k + 1): s^2/D and w s/D of each pole, and one."""
     s = 1j * omega[:, None]
     w, z = poles[:, 0], poles[:, 1]
@@ -100,7 +100,7 @@ class Fitting:
         a = 0.0
         for side in (-self.spread, self.spread) if self.spread else (0.0,):
             omega = self.omega + side
-            a = a + columns(omega, poles) * np.exp(-1j * omega * self.delay(theta))[:, None]
+            a = a + _columns(omega, poles) * np.exp(-1j * omega * self.delay(theta))[:, None]
         a = a * (self.weight / (2.0 if self.spread else 1.0))[:, None]
         return np.concatenate([a.real, a.imag])
 
@@ -145,7 +145,7 @@ class Fitting:
         return np.insert(theta, -1, np.log(options[int(np.argmax(gains))]))
 
 
-def coherent(response: Response) -> Response:
+def _coherent(response: Response) -> Response:
     """Return the lines that count."""
     return response.where(response.coherence > COHERENT)
 
@@ -153,7 +153,7 @@ def coherent(response: Response) -> Response:
 @one_thread
 def fit_modes(response: Response, most: int = MOST) -> Modes:
     """Return the modes of a frequency response. WorkbenchError where too few of its lines are coherent."""
-    used = coherent(response)
+    used = _coherent(response)
     if used.frequency.size < LINES:
         raise WorkbenchError(
             f"record '{response.record}': {used.frequency.size} lines of its frequency response have a coherence above "
@@ -164,13 +164,13 @@ def fit_modes(response: Response, most: int = MOST) -> Modes:
     best = fitting.refined(body)
     for _ in range(most):
         more = fitting.refined(fitting.start(best.x))
-        if more.cost > (1.0 - WORTH) * best.cost or criterion(more, used) >= criterion(best, used):
+        if more.cost > (1.0 - WORTH) * best.cost or _criterion(more, used) >= _criterion(best, used):
             break
         best = more
-    return said(fitting, best, used)
+    return _said(fitting, best, used)
 
 
-def criterion(solution, used: Response) -> float:
+def _criterion(solution, used: Response) -> float:
     """Return the Bayesian information criterion, of noise whose size the fit itself tells but never below what is stated."""
     count = 2 * used.frequency.size
     modes = (solution.x.size - 1) // 2
@@ -178,7 +178,7 @@ def criterion(solution, used: Response) -> float:
     return count * np.log(power) + 2 * solution.cost / power + PARAMETERS * modes * np.log(count)
 
 
-def said(fitting: Fitting, solution, used: Response) -> Modes:
+def _said(fitting: Fitting, solution, used: Response) -> Modes:
     """Return a solution as modes, with intervals widened where the fit leaves more than the noise."""
     theta, count = solution.x, 2 * used.frequency.size
     poles, (residues, left) = fitting.poles(theta), fitting.solved(theta)
@@ -189,17 +189,17 @@ def said(fitting: Fitting, solution, used: Response) -> Modes:
     found = []
     for k, (w, z) in enumerate(poles):
         inside = used.omega[0] < w < used.omega[-1] and fitting.narrowest(w) < z < LARGEST
-        above = rise(poles, residues, k)
+        above = _rise(poles, residues, k)
         if inside and half[2 * k + 1] < SURE and above > RISES:
             f = w / (2 * np.pi)
             found.append(Mode(f, f * half[2 * k], z, z * half[2 * k + 1], above))
     return Modes(tuple(sorted(found, key=lambda m: m.frequency)), poles, residues, fitting.delay(theta), misfit)
 
 
-def rise(poles: np.ndarray, residues: np.ndarray, k: int) -> float:
+def _rise(poles: np.ndarray, residues: np.ndarray, k: int) -> float:
     """Return how far a mode's resonance rises above what the response would be there without it."""
     w = poles[k : k + 1, 0]
-    each = columns(w, poles)[0] * residues
+    each = _columns(w, poles)[0] * residues
     own = each[2 * k] + each[2 * k + 1]
     rest = each.sum() - own
     return float(abs(each.sum()) / max(abs(rest), 1e-300))

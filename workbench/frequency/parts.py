@@ -14,7 +14,7 @@ from workbench.frequency.modes import LARGEST, Modes
 PART = "flexible_mode"
 
 
-def zeros(modes: Modes) -> np.ndarray:
+def _zeros(modes: Modes) -> np.ndarray:
     """Return the zeros (n,) of acceleration over drive, delay apart, in the upper half plane, by frequency; rad/s."""
     one, poles = np.poly1d([1.0]), [np.poly1d([1.0, 2 * z * w, w**2]) for w, z in modes.poles]
     total = modes.residues[-1] * prod(poles, start=one)
@@ -32,7 +32,7 @@ def flexible_modes(modes: Modes) -> tuple[Effect, ...]:
     """
     parts, below = [], 0.0
     for mode in modes.modes:
-        between = [r for r in zeros(modes) if below < abs(r) < 2 * np.pi * mode.frequency]
+        between = [r for r in _zeros(modes) if below < abs(r) < 2 * np.pi * mode.frequency]
         between = [r for r in between if 0.0 < -r.real < LARGEST * abs(r)]
         if between:
             parts.append((abs(between[-1]) / (2 * np.pi), -between[-1].real / abs(between[-1])))

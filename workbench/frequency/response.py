@@ -7,11 +7,13 @@ repeat, the estimate leans towards minus the inverse of the controller where the
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
 from workbench.errors import WorkbenchError
 from workbench.frequency.spectra import densities
+from workbench.notebook import page
 from workbench.record import Record
 
 AVERAGES = (
@@ -67,6 +69,37 @@ class Response:
 
         return control.FrequencyResponseData(self.receptance, self.omega)
 
+    @cached_property
+    def modes(self):
+        """The modes of this response, fitted (frequency.fit_modes)."""
+        from workbench.frequency.modes import fit_modes
+
+        return fit_modes(self)
+
+    def _repr_html_(self) -> str:
+        """The modes as a table, and gain and coherence as a drawing."""
+        sentence = (
+            f"Frequency response of record '{self.record}', {self.frequency[0]:.3g} to {self.frequency[-1]:.3g} Hz."
+        )
+        try:
+            found = self.modes.modes
+        except WorkbenchError as too_little:
+            found, sentence = (), f"{sentence} No modes: {too_little}"
+        rows = [(m.frequency, m.frequency_half, m.damping, m.damping_half) for m in found]
+        head = ("mode, Hz", "±", "damping ratio", "±")
+        return page(sentence, head, rows, lambda axes: self._draw(axes, bool(found)), graphs=2)
+
+    def _draw(self, axes, modes: bool) -> None:
+        above, below = axes
+        above.loglog(self.frequency, np.abs(self.value), ".", ms=2, label="measured")
+        if modes:
+            above.loglog(self.frequency, np.abs(self.modes.at(self.frequency)), lw=0.9, label="modes")
+        above.set_ylabel("acceleration over drive, SI")
+        above.legend()
+        below.semilogx(self.frequency, self.coherence, ".", ms=2)
+        below.set_ylabel("coherence")
+        below.set_xlabel("frequency, Hz")
+
     def where(self, keep: np.ndarray) -> "Response":
         """Return the response at some of its lines; keep (n,): which."""
         return Response(
@@ -99,7 +132,7 @@ def response_of(record: Record, *, channel: str = "position", seconds: float | N
     u, a = record.drive[1:-1], np.diff(record.channels[channel], 2) / record.dt**2
     period = period_of(u) if seconds is None else 0
     if period:
-        found = over_periods(record, u, a, period)
+        found = _over_periods(record, u, a, period)
     else:
         size = round(seconds / record.dt) if seconds else u.size // AVERAGES
         if not 64 <= size <= u.size // 2:
@@ -107,7 +140,7 @@ def response_of(record: Record, *, channel: str = "position", seconds: float | N
                 f"record '{record.name}' has {u.size} samples, and a segment {size}; a frequency response needs segments of "
                 "64 samples and two of them."
             )
-        found = by_welch(record, u, a, size)
+        found = _by_welch(record, u, a, size)
     inside = (found.frequency > 0.0) & (found.frequency <= HIGHEST / record.dt) & np.isfinite(found.value)
     return found.where(inside & np.isfinite(found.deviation))
 
@@ -130,12 +163,12 @@ def period_of(u: np.ndarray) -> int:
     return int(lags[first + int(np.argmax(same[first : first + 3]))])
 
 
-def gain_of_difference(f: np.ndarray, dt: float) -> np.ndarray:
+def _gain_of_difference(f: np.ndarray, dt: float) -> np.ndarray:
     """Return what the second difference over dt^2 makes of a true second derivative, (2 sin(w dt/2)/(w dt))^2."""
     return np.sinc(f * dt) ** 2
 
 
-def over_periods(record: Record, u: np.ndarray, a: np.ndarray, period: int) -> Response:
+def _over_periods(record: Record, u: np.ndarray, a: np.ndarray, period: int) -> Response:
     """Average the transforms of whole periods but the first; only lines that are excited are given."""
     count = u.size // period - 1
     parts = [x[-count * period :].reshape(count, period) for x in (u, a)]
@@ -157,12 +190,12 @@ def over_periods(record: Record, u: np.ndarray, a: np.ndarray, period: int) -> R
     deviation = np.sqrt(np.sum(np.abs(left) ** 2, axis=0) / (count - 1) / count / 2.0) / np.abs(mean_u)
     both = np.abs(np.sum(motion * drive.conj(), axis=0)) ** 2
     coherence = both / (np.sum(np.abs(drive) ** 2, axis=0) * np.sum(np.abs(motion) ** 2, axis=0))
-    scale = gain_of_difference(f, record.dt)
+    scale = _gain_of_difference(f, record.dt)
     step = float(np.median(np.diff(f))) if f.size > 1 else 1.0 / (period * record.dt)
     return Response(record.name, f, value / scale, coherence, deviation / scale, step, "periods", count)
 
 
-def by_welch(record: Record, u: np.ndarray, a: np.ndarray, size: int) -> Response:
+def _by_welch(record: Record, u: np.ndarray, a: np.ndarray, size: int) -> Response:
     """Welch's averages over half overlapped segments of `size` samples, Hann's window."""
     rate = 1 / record.dt
     f, power, motion, cross = densities(u, a, rate, size)
@@ -172,12 +205,12 @@ def by_welch(record: Record, u: np.ndarray, a: np.ndarray, size: int) -> Respons
         coherence = np.abs(cross) ** 2 / (power * motion)
         # Bendat and Piersol 2010: relative random error of a gain, of each part
         deviation = np.abs(value) * np.sqrt((1.0 - coherence) / (2.0 * coherence * averages))
-    scale = gain_of_difference(f, record.dt)
+    scale = _gain_of_difference(f, record.dt)
     found = Response(record.name, f, value / scale, coherence, deviation / scale, 1.5 * rate / size, "Welch", averages)
-    return found.where(shakes(power))
+    return found.where(_shakes(power))
 
 
-def shakes(power: np.ndarray) -> np.ndarray:
+def _shakes(power: np.ndarray) -> np.ndarray:
     """Return the lines at which the drive has a density of FAINT or more of its STRONG strongest lines' (n,).
 
     Elsewhere the drive only answers to the encoder, through the controller: coherent, and no response of the axis.

@@ -93,12 +93,12 @@ def solved(a: np.ndarray, f: np.ndarray) -> tuple[np.ndarray, float]:
     return weights / norms, float(wrong / max(np.abs(r.T @ b).max(), 1e-300))
 
 
-def bank_of(weights: np.ndarray, radii, rates) -> Bank:
+def _bank_of(weights: np.ndarray, radii, rates) -> Bank:
     n = 1 + len(radii)
     return Bank(float(weights[0]), radii, weights[1:n], rates, weights[n:])
 
 
-def fitted(bank: Bank, records: Sequence[Periodic], optimality: float, starts: tuple[float, ...] = ()) -> Fitted:
+def _fitted(bank: Bank, records: Sequence[Periodic], optimality: float, starts: tuple[float, ...] = ()) -> Fitted:
     each = gains(bank, records)
     power = [np.sum(r.x**2) for r in records]
     whole = np.sqrt(sum(g * g * p for g, p in zip(each, power, strict=True)) / sum(power))
@@ -113,7 +113,7 @@ def nonnegative(records: Sequence[Periodic], radii, rates, even: float = 0.0) ->
     """
     a, f = stacked(records, radii, rates, even)
     weights, wrong = solved(a, f)
-    return fitted(bank_of(weights, radii, rates), records, wrong)
+    return _fitted(_bank_of(weights, radii, rates), records, wrong)
 
 
 @one_thread
@@ -201,4 +201,4 @@ def shaped(records: Sequence[Periodic], radii, rates, falling: float = 1.0) -> F
     problem.solve(solver=cp.CLARABEL)
     if w.value is None:
         raise WorkbenchError(f"the shaped bank was not solved ({problem.status}); give other radii or rates.")
-    return fitted(bank_of(np.maximum(w.value, 0.0) * scale / norms, radii, rates), records, 0.0)
+    return _fitted(_bank_of(np.maximum(w.value, 0.0) * scale / norms, radii, rates), records, 0.0)

@@ -6,7 +6,9 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from workbench.finding import Finding
+from workbench.notebook import page
 from workbench.plant import Plant
+from workbench.record import Record
 
 
 @dataclass(frozen=True)
@@ -54,6 +56,7 @@ class Fit:
     rms: role -> rms residual, SI. series: record name -> Series. predictions: record name -> unfiltered drive (n,), SI.
     condition: condition number of the scaled columns. spread: "effect@at.parameter", as declared, of what is linear -> (lowest,
     highest) of what each identification record says by itself at the common shape, where two or more determine it.
+    records, bandwidth: what was fitted, as measured, and Hz; none where a fit was made of passes alone.
     """
 
     plant: Plant
@@ -68,3 +71,28 @@ class Fit:
     condition: float = float("nan")
     details: Mapping[str, object] = field(default_factory=dict)
     spread: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    records: tuple[Record, ...] = ()
+    bandwidth: float = float("nan")
+
+    def _repr_html_(self) -> str:
+        """The errors in a sentence, the parameters as a table, and the record that was fitted worst as a drawing."""
+        both = f"{self.identification:.2%} of the drive's rms on identification"
+        both += f", {self.validation:.2%} on validation" if self.validation == self.validation else ""
+        rows = (
+            (f"{e.effect}@{e.at}", e.parameter, e.value, e.low, e.high, "held" if e.fixed else "fitted", e.unit)
+            for e in self.estimates
+        )
+        head = ("effect", "parameter", "value", "low", "high", "", "unit")
+        return page(f"What the model leaves: {both}.", head, rows, self._draw if self.series else None, graphs=2)
+
+    def _draw(self, axes) -> None:
+        worst = max(sorted(self.series), key=lambda name: self.nrmse.get(name, 0.0))
+        s, (above, below) = self.series[worst], axes
+        above.plot(s.time[s.keep], s.measured[s.keep], color="0.6", label="measured")
+        above.plot(s.time[s.keep], s.predicted[s.keep], label="predicted", lw=0.8)
+        above.set_title(f"record '{worst}'")
+        above.set_ylabel(f"drive, {self.plant.effort}")
+        above.legend(loc="upper right", ncols=2)
+        below.plot(s.time[s.keep], s.residual[s.keep], color="tab:red", lw=0.8)
+        below.set_ylabel("residual")
+        below.set_xlabel("time, s")

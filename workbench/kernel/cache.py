@@ -22,7 +22,7 @@ def write_whole(path: Path, text: str) -> None:
     """Write a file so that it is there whole or not at all, also beside another process that writes the same."""
     path.parent.mkdir(parents=True, exist_ok=True)
     handle, beside = tempfile.mkstemp(dir=path.parent, prefix=".", suffix=path.suffix)
-    with os.fdopen(handle, "w") as f:
+    with os.fdopen(handle, "w", encoding="utf-8", newline="\n") as f:
         f.write(text)
     os.replace(beside, path)
 

@@ -1,11 +1,16 @@
-"""Limit cycles of the sampled loop: predicted by harmonic balance, confirmed or refuted by simulation, over a region of gains."""
+"""Limit cycles of the sampled loop: predicted by harmonic balance, confirmed or refuted by simulation, over a region of gains.
+
+Plant ─► axis_of (mass, friction over a cycle) ─► balance (first harmonic, then odd ones) ─► Cycle ─┐
+Controller x two factors (dials) ─► command (waveform over a cycle)                                 ├─► region ─► Region
+                          └──────► simulated (released from several starts, in lanes) ─► Motion ────┘
+"""
 
 from workbench.limit_cycle.axis import Axis, axis_of
-from workbench.limit_cycle.balance import Balance, balance
 from workbench.limit_cycle.describing import command, dials, turned
 from workbench.limit_cycle.further import Cycle
-from workbench.limit_cycle.region import Region, region
-from workbench.limit_cycle.simulated import Motion, simulated
+from workbench.limit_cycle.gain_region import Region, region
+from workbench.limit_cycle.harmonic_balance import Balance, balance
+from workbench.limit_cycle.simulation import Motion, simulated
 
 __all__ = [
     "Axis",

@@ -85,7 +85,7 @@ class Cycles:
         still = all("rate independent" in e.holds for e in rest.effects)
         a = np.geomspace(0.5 * COUNTS * counts, 2.0 * largest, (2 if still else 1) * COARSE[0])
         w = np.geomspace(SLOWEST, FASTEST, 2 if still else COARSE[1])
-        each = [settled(rest, a, np.full(a.size, x), counts) for x in (w[:1] if still else w)]
+        each = [_settled(rest, a, np.full(a.size, x), counts) for x in (w[:1] if still else w)]
         each = each * 2 if still else each
         values = [np.stack([one[k] for one in each], axis=1) for k in range(3)]
         return cls(
@@ -115,7 +115,7 @@ class Cycles:
         return low + (at - before) * (high - low)
 
 
-def settled(rest: Plant, a: np.ndarray, w: np.ndarray, counts: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def _settled(rest: Plant, a: np.ndarray, w: np.ndarray, counts: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Return (k_e (n,), c_e w (n,), forces (n, HALF)) of settled cycles of amplitudes a (n,) at w (n,)."""
     force = cycles_of(rest, a, w, counts)
     known = equivalent_from(a, force)

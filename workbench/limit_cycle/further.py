@@ -90,7 +90,7 @@ class Harmonics:
         swing = theta / dt
         held = 1.0 / (-axis.mass * swing**2 + 1j * axis.viscous * swing)
         size = np.abs(q[..., :1])
-        made = (driven * u - held * friction_along(axis, q, orders, w)) / size
+        made = (driven * u - held * _friction_along(axis, q, orders, w)) / size
         r = q / size - np.where(orders == 1, 1.0, weight) * made
         return np.concatenate([r.real, r.imag], axis=-1)
 
@@ -165,7 +165,7 @@ def _followed(at: Harmonics, x: np.ndarray) -> np.ndarray | None:
     return here
 
 
-def friction_along(axis: Axis, q: np.ndarray, orders: np.ndarray, omega: np.ndarray) -> np.ndarray:
+def _friction_along(axis: Axis, q: np.ndarray, orders: np.ndarray, omega: np.ndarray) -> np.ndarray:
     """Return the harmonics (..., n) of the friction along a motion of harmonics q (..., n) at omega (...)."""
     turn, top = turning(q, orders)
     width = np.pi / SPANS

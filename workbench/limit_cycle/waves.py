@@ -14,7 +14,7 @@ def along(q: np.ndarray, orders: np.ndarray, first: np.ndarray, width: float, co
     return (flat.real @ waves.real - flat.imag @ waves.imag).reshape(*turned_on.shape[:-1], count)
 
 
-def value(q: np.ndarray, orders: np.ndarray, phase: np.ndarray) -> np.ndarray:
+def _value(q: np.ndarray, orders: np.ndarray, phase: np.ndarray) -> np.ndarray:
     """Return sum Re q_k exp(i k f) of harmonics (..., n) at one phase each, (...)."""
     return (q * np.exp(1j * orders * phase[..., None])).real.sum(axis=-1)
 
@@ -26,9 +26,9 @@ def turning(q: np.ndarray, orders: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     width = 2.0 * np.pi / TURNING
     phase = width * along(q, orders, np.zeros(q.shape[:-1]), width, TURNING).argmax(axis=-1)
     for _ in range(STEPS):
-        slope, bend = (value(q * (1j * orders) ** m, orders, phase) for m in (1, 2))
+        slope, bend = (_value(q * (1j * orders) ** m, orders, phase) for m in (1, 2))
         phase = phase - slope / np.minimum(bend, -1e-300)
-    return phase, value(q, orders, phase)
+    return phase, _value(q, orders, phase)
 
 
 def found_after(q: np.ndarray, orders: np.ndarray, turn: np.ndarray, back: float, theta: np.ndarray) -> np.ndarray:
@@ -37,13 +37,13 @@ def found_after(q: np.ndarray, orders: np.ndarray, turn: np.ndarray, back: float
     What it comes back from is the furthest sample: within half a sample of the turning point, on average theta^2/24 of the
     reading's bend below it.
     """
-    top, bend = value(q, orders, turn), -value(q * (1j * orders) ** 2, orders, turn)
+    top, bend = _value(q, orders, turn), -_value(q * (1j * orders) ** 2, orders, turn)
     below = back + np.maximum(bend, 0.0) * theta**2 / 24.0
     ahead = np.sqrt(2.0 * below / np.maximum(bend, 1e-300))
     for _ in range(STEPS):
         phase = turn + np.minimum(ahead, np.pi / 2.0)
-        left = top - below - value(q, orders, phase)
-        ahead = phase - turn + left / np.minimum(value(q * (1j * orders), orders, phase), -1e-300)
+        left = top - below - _value(q, orders, phase)
+        ahead = phase - turn + left / np.minimum(_value(q * (1j * orders), orders, phase), -1e-300)
     return np.clip(ahead, 0.0, np.pi / 2.0)
 
 

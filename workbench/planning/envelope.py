@@ -67,10 +67,10 @@ class Sensing:
             motor, load = smooth(columns[0::2].T), smooth(columns[1::2].T)
             return self.drive**2 * (motor @ motor.T) + (self.load or self.drive) ** 2 * (load @ load.T)
         seen, curved = smooth.derivatives(columns.T, 3)[::2]
-        return self.drive**2 * (seen @ seen.T) + (mass_of(plant) * self.counts) ** 2 / 12.0 * (curved @ curved.T)
+        return self.drive**2 * (seen @ seen.T) + (_mass_of(plant) * self.counts) ** 2 / 12.0 * (curved @ curved.T)
 
 
-def mass_of(plant: Plant) -> float:
+def _mass_of(plant: Plant) -> float:
     """Return the declared inertia of all bodies, kg*m^2 or kg; 0 where none is declared."""
     return sum(e.parameters["inertia"].value for e in plant.effects if e.name == "inertia")
 
@@ -85,15 +85,15 @@ def envelope_of(plant: Plant, passes: Sequence[Passes]) -> Envelope:
     drive = USED * drive if isfinite(drive) else max(float(np.abs(m.u).max()) for m in motions)
     speed = min(plant.limits.speed, max(float(np.abs(m.v).max()) for m in motions))
     fastest = max(float(np.abs(m.a).max()) for m in motions)
-    mass = mass_of(plant)
+    mass = _mass_of(plant)
     if mass > 0.0:
-        fastest = max((drive - resistance(plant, passes)) / mass, 0.1 * drive / mass)
+        fastest = max((drive - _resistance(plant, passes)) / mass, 0.1 * drive / mass)
     return Envelope(
         min(float(m.q.min()) for m in motions), max(float(m.q.max()) for m in motions), speed, fastest, drive
     )
 
 
-def resistance(plant: Plant, passes: Sequence[Passes]) -> float:
+def _resistance(plant: Plant, passes: Sequence[Passes]) -> float:
     """Return the largest part of the drive that does not accelerate a body, on records whose load is free."""
     bodies = replace(plant, effects=tuple(e for e in plant.effects if e.name == "inertia"))
     largest = 0.0

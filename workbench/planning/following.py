@@ -25,18 +25,18 @@ def followed(reference: Reference, plant: Plant, sensing: Sensing) -> Passes:
     """
     given = np.array(reference.position)
     if plant.kind == ONE_MASS:
-        passes = recorded(reference, plant, sensing, {"position": given})
+        passes = _recorded(reference, plant, sensing, {"position": given})
     else:
 
         def make(deflection: np.ndarray) -> Passes:
             positions = {"position": given + deflection, "load_position": given.copy()}
-            return recorded(reference, plant, sensing, positions)
+            return _recorded(reference, plant, sensing, positions)
 
         passes = make(deflection(plant, make, sensing.counts, given.size))
-    return driven(passes, predicted(passes, plant))
+    return _driven(passes, predicted(passes, plant))
 
 
-def recorded(reference: Reference, plant: Plant, sensing: Sensing, positions: dict[str, np.ndarray]) -> Passes:
+def _recorded(reference: Reference, plant: Plant, sensing: Sensing, positions: dict[str, np.ndarray]) -> Passes:
     """Return passes over a record of these positions, its drive zero."""
     channel = "torque" if plant.rotary else "force"
     channels = {channel: np.zeros(reference.position.size), **positions}
@@ -45,7 +45,7 @@ def recorded(reference: Reference, plant: Plant, sensing: Sensing, positions: di
     return Passes(motion(record, sensing.bandwidth))
 
 
-def driven(passes: Passes, drive: np.ndarray) -> Passes:
+def _driven(passes: Passes, drive: np.ndarray) -> Passes:
     """Return passes over the same motion under another drive (n,)."""
     m = passes.motion
     channel = "torque" if "torque" in m.record.channels else "force"

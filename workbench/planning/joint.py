@@ -18,7 +18,7 @@ NUDGE = 2.0  # counts by which the deflection is moved for its slope
 LEAST = 0.3  # of the median slope: inside lost motion there is none
 
 
-def without_motor(plant: Plant) -> Plant:
+def _without_motor(plant: Plant) -> Plant:
     """Return the plant without what acts on the motor or the command: the load's balance is the same."""
     return replace(plant, effects=tuple(e for e in plant.effects if e.at not in ("motor", "command")))
 
@@ -29,7 +29,7 @@ def deflection(plant: Plant, make: Callable[[np.ndarray], Passes], count: float,
     count: of the encoders, rad or m. The deflection is as smooth as the evaluation filter makes it; it is NaN where the joint
     does not resist, so that no deflection balances.
     """
-    rest = without_motor(plant)
+    rest = _without_motor(plant)
     x = np.zeros(samples)
     whole = None
     for _ in range(STEPS):

@@ -55,29 +55,29 @@ def quantity(value: float, unit: str) -> str:
     return f"{digits} {prefix}{unit}"
 
 
-def smoothstep(s: np.ndarray) -> np.ndarray:
+def _smoothstep(s: np.ndarray) -> np.ndarray:
     """Return 0 to 1 with speed and acceleration zero at both ends: the quintic 10 s^3 - 15 s^4 + 6 s^5."""
     s = np.clip(s, 0.0, 1.0)
     return s**3 * (10.0 - 15.0 * s + 6.0 * s**2)
 
 
-def window(t: np.ndarray, seconds: float, rise: float) -> np.ndarray:
+def _window(t: np.ndarray, seconds: float, rise: float) -> np.ndarray:
     """Return a weight that rises from 0 to 1, stays, and falls to 0, at rest for REST s at both ends."""
-    return smoothstep((t - REST) / rise) * smoothstep((seconds - REST - t) / rise)
+    return _smoothstep((t - REST) / rise) * _smoothstep((seconds - REST - t) / rise)
 
 
-def clock(seconds: float, dt: float) -> np.ndarray:
+def _clock(seconds: float, dt: float) -> np.ndarray:
     return np.arange(round(seconds / dt)) * dt
 
 
-def move_time(distance: float, e: Envelope) -> float:
+def _move_time(distance: float, e: Envelope) -> float:
     """Return the shortest time in s of a quintic move: peak speed 15/8 D/T, peak acceleration 10/sqrt(3) D/T^2."""
     return max(1.875 * abs(distance) / e.speed, (5.7735 * abs(distance) / e.acceleration) ** 0.5, 0.02)
 
 
 def sine(e: Envelope, amplitude: float, seconds: float, dt: float, unit: str, frequency: float, places=()) -> Reference:
     """A sine about the centre, or about each of three places in turn."""
-    t = clock(seconds, dt)
+    t = _clock(seconds, dt)
     about = f"about {quantity(e.centre, unit)}"
     if places:
         about = f"about three positions over {quantity(places[-1] - places[0], unit)}"
@@ -86,19 +86,19 @@ def sine(e: Envelope, amplitude: float, seconds: float, dt: float, unit: str, fr
     each = seconds / len(places)
     position = np.full(t.size, places[0])
     for k, (place, after) in enumerate(zip(places, (*places[1:], places[-1]), strict=True)):
-        travel = max(move_time(after - place, e), 0.2 * each)
+        travel = max(_move_time(after - place, e), 0.2 * each)
         length = each - (travel if after != place else 0.0)
         s = t - k * each
         rise = min(1.0 / frequency, 0.4 * (length - 2 * REST))
         here = (s >= 0.0) & (s < each)
-        wave = amplitude * window(s, length, rise) * np.sin(2 * np.pi * frequency * (s - REST))
-        position[here] = (place + wave + (after - place) * smoothstep((s - length) / travel))[here]
+        wave = amplitude * _window(s, length, rise) * np.sin(2 * np.pi * frequency * (s - REST))
+        position[here] = (place + wave + (after - place) * _smoothstep((s - length) / travel))[here]
     return Reference(phrase, position, dt)
 
 
 def ramps(e: Envelope, speed: float, seconds: float, dt: float, unit: str, stroke: float) -> Reference:
     """Back and forth at a constant speed; corners are rounded by a running mean of the speed."""
-    t = clock(seconds, dt)
+    t = _clock(seconds, dt)
     corner = max(4.2 * speed / e.acceleration, 0.02)  # Hann's window turns 2 v round with a peak of 4 v/corner
     leg = max(min(stroke / speed, 0.5 * (seconds - 2 * REST)), 2 * corner)
     legs = max(int((seconds - 2 * REST - corner) / leg), 1)  # the first and the last are halves
@@ -121,15 +121,15 @@ def multisine(
 
     level: of the acceleration limit, and of what speed and travel leave beside the sweep.
     """
-    t = clock(seconds, dt)
+    t = _clock(seconds, dt)
     lines = np.arange(1.0, top + 0.5, max(1.0, round(top / 30)))
     k = np.arange(lines.size)
     phases = -np.pi * k * (k - 1) / lines.size
     angle = 2 * np.pi * np.outer(lines, t) + phases[:, None]
     size = (2 * np.pi * lines[:, None]) ** -2.0
-    shape = window(t, seconds, 0.25) * np.sum(size * np.sin(angle), axis=0)
+    shape = _window(t, seconds, 0.25) * np.sum(size * np.sin(angle), axis=0)
     slow = 1.0 / max(seconds - 2 * REST, 1.0)
-    carrier = sweep * window(t, seconds, 0.25 / slow) * np.sin(2 * np.pi * slow * (t - REST))
+    carrier = sweep * _window(t, seconds, 0.25 / slow) * np.sin(2 * np.pi * slow * (t - REST))
     fast, under = Reference("", shape, dt), Reference("", carrier, dt)
     room = [
         (0.5 * e.span - np.abs(carrier).max()) / np.abs(shape).max(),
@@ -145,17 +145,17 @@ def multisine(
 
 def moves(e: Envelope, reach: float, seconds: float, dt: float, unit: str) -> Reference:
     """Point-to-point moves as fast as the limits allow, over `reach` about the centre, with dwells."""
-    t = clock(seconds, dt)
+    t = _clock(seconds, dt)
     position, at, now, k = np.full(t.size, e.centre), 0.0, REST, 0
     while True:
         k += 1
         to = reach * ((k * 0.618034) % 1.0 - 0.5)
-        travel, back = move_time(to - at, e), move_time(to, e)
+        travel, back = _move_time(to - at, e), _move_time(to, e)
         if now + travel + REST + back + REST > seconds:
             break
-        position += (to - at) * smoothstep((t - now) / travel)
+        position += (to - at) * _smoothstep((t - now) / travel)
         now, at = now + travel + 0.5 * REST, to
-    position -= at * smoothstep((t - now) / move_time(at, e))
+    position -= at * _smoothstep((t - now) / _move_time(at, e))
     return Reference(f"point-to-point moves within {quantity(reach, unit)}, as fast as the limits allow", position, dt)
 
 
@@ -164,8 +164,8 @@ def joined(references: Sequence[Reference], e: Envelope) -> Reference:
     dt, parts = references[0].dt, [references[0].position]
     for following in references[1:]:
         at, to = parts[-1][-1], following.position[0]
-        travel = max(2.0 * move_time(to - at, e), dt)
-        parts += [at + (to - at) * smoothstep(clock(travel, dt) / travel), following.position]
+        travel = max(2.0 * _move_time(to - at, e), dt)
+        parts += [at + (to - at) * _smoothstep(_clock(travel, dt) / travel), following.position]
     counts = Counter(r.phrase for r in references)
     phrase = ", then ".join(f"{n} times {p}" if n > 1 else p for p, n in counts.items())
     return Reference(phrase, np.concatenate(parts), dt)

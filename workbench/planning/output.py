@@ -7,15 +7,15 @@ from pathlib import Path
 import numpy as np
 
 from workbench.identification.passes import Passes
-from workbench.planning.design import Plan
 from workbench.planning.prospect import Prospect
-from workbench.planning.separate import Separation
+from workbench.planning.selection import Plan
+from workbench.planning.separation import Separation
 
 TRAJECTORY, FIGURE = "trajectory.csv", "trajectory.svg"
 JSON = "plan.json"
 
 
-def write_trajectory(
+def _write_trajectory(
     file: Path, time: np.ndarray, position: np.ndarray, drive: np.ndarray, rotary: bool, dt: float
 ) -> None:
     """Write time, position, velocity, acceleration and the drive to feed forward as CSV, every `dt` s, SI.
@@ -35,7 +35,7 @@ def write_trajectory(
 
 def write_plan(folder: Path, plan: Plan, found: tuple[Prospect, ...], accuracy: float, dt: float) -> None:
     """Write the trajectory and plan.json into an existing folder."""
-    write_trajectory(folder / TRAJECTORY, plan.trajectory.time, plan.position, plan.drive, plan.plant.rotary, dt)
+    _write_trajectory(folder / TRAJECTORY, plan.trajectory.time, plan.position, plan.drive, plan.plant.rotary, dt)
     content = {
         "format": 1,
         "accuracy": accuracy,
@@ -50,8 +50,8 @@ def write_plan(folder: Path, plan: Plan, found: tuple[Prospect, ...], accuracy: 
                 "parameter": p.parameter,
                 "value": p.value,
                 "unit": p.unit,
-                "now": number(p.now),
-                "promised": number(p.then),
+                "now": _number(p.now),
+                "promised": _number(p.then),
                 "reached": p.reached,
                 "why": p.why,
                 "sentence": p.sentence,
@@ -77,11 +77,11 @@ def write_separation(folder: Path, found: Separation, passes: Passes | None, rot
     }
     if found.apart:
         m = passes.motion
-        write_trajectory(folder / TRAJECTORY, m.t, m.record.channels["position"], m.u, rotary, dt)
+        _write_trajectory(folder / TRAJECTORY, m.t, m.record.channels["position"], m.u, rotary, dt)
     _dump(folder, content)
 
 
-def number(value: float) -> float | None:
+def _number(value: float) -> float | None:
     return float(value) if isfinite(value) else None
 
 

@@ -9,8 +9,8 @@ import numpy as np
 from workbench.finding import capital, located
 from workbench.identification.intervals import known_together
 from workbench.identification.result import Estimate
-from workbench.planning.design import Plan
 from workbench.planning.information import names_of
+from workbench.planning.selection import Plan
 
 LEAST = 0.01  # share of a value below which nothing is promised: there the model's own picture of the axis ends
 
@@ -41,42 +41,51 @@ def prospects(plan: Plan, known: Sequence[Estimate], accuracy: float) -> tuple[P
     for e in plan.promised:
         if e.fixed:
             continue
-        whole = size(plan, e)
-        then = max(share(e, whole), LEAST)
-        before = share(now[e.effect, e.at, e.parameter], whole)
+        whole = _size(plan, e)
+        then = max(_share(e, whole), LEAST)
+        before = _share(now[e.effect, e.at, e.parameter], whole)
         reached = then <= max(accuracy, LEAST)
-        why = "" if reached else reason(plan, e, then, accuracy)
+        why = "" if reached else _reason(plan, e, then, accuracy)
         found.append(
             Prospect(
-                e.effect, e.at, e.parameter, e.value, e.unit, before, then, reached, why, sentence(e, before, then, why)
+                e.effect,
+                e.at,
+                e.parameter,
+                e.value,
+                e.unit,
+                before,
+                then,
+                reached,
+                why,
+                _sentence(e, before, then, why),
             )
         )
     return tuple(found)
 
 
-def size(plan: Plan, e: Estimate) -> float:
+def _size(plan: Plan, e: Estimate) -> float:
     """Return what a parameter's interval is a share of: its value, or one radian of a phase."""
     return 1.0 if plan.plant[f"{e.effect}@{e.at}"].outside[e.parameter].unit == "rad" else abs(e.value)
 
 
-def share(e: Estimate, whole: float) -> float:
+def _share(e: Estimate, whole: float) -> float:
     """Return the half width of an interval over `whole`; infinite where there is none or nothing to compare with."""
     half = 0.5 * (e.high - e.low)
     return half / whole if half > 0.0 and whole > 0.0 else inf
 
 
-def per_cent(part: float) -> str:
+def _per_cent(part: float) -> str:
     return f"{100 * part:.2g} %" if part < 0.995 else "no better than its size"
 
 
-def sentence(e: Estimate, now: float, then: float, why: str) -> str:
+def _sentence(e: Estimate, now: float, then: float, why: str) -> str:
     value = f"{e.value:.3g}" + ("" if e.unit in ("1", "") else f" {e.unit}")
-    best = per_cent(then) + (" or better" if then <= LEAST else "")
-    text = f"{capital(located(e.effect, e.at))}, {e.meaning}: {value}, now known to {per_cent(now)}, with this motion to {best}"
+    best = _per_cent(then) + (" or better" if then <= LEAST else "")
+    text = f"{capital(located(e.effect, e.at))}, {e.meaning}: {value}, now known to {_per_cent(now)}, with this motion to {best}"
     return f"{text}; {why}." if why else f"{text}."
 
 
-def reason(plan: Plan, e: Estimate, then: float, accuracy: float) -> str:
+def _reason(plan: Plan, e: Estimate, then: float, accuracy: float) -> str:
     """Return why a parameter is not determined as well as was asked for, as a clause."""
     names, effect = names_of(plan.plant), plan.plant[f"{e.effect}@{e.at}"]
     mine = [k for k, n in enumerate(names) if n.key == effect.key]

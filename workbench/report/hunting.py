@@ -5,7 +5,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from workbench.limit_cycle.region import THIRD, Region
+from workbench.limit_cycle.gain_region import THIRD, Region
 from workbench.report import numbers
 from workbench.report.contents import Chapter, Equation, Figure, Paragraph, Table
 from workbench.report.drawing import AFTER, BEFORE, GRID, INK, MUTED, svg

@@ -8,7 +8,7 @@ from workbench.report import numbers
 from workbench.report.contents import Figure
 from workbench.report.drawing import AFTER, BEFORE, MUTED, SERIES, STYLES, decades, envelope, svg
 from workbench.robustness.result import Series
-from workbench.robustness.work import Work
+from workbench.robustness.workload import Work
 from workbench.robustness.worst import Replayed, replay
 
 FLOOR = 0.05  # of an encoder count: where a logarithmic axis begins

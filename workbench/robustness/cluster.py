@@ -18,7 +18,7 @@ import numpy as np
 
 from workbench.errors import WorkbenchError
 from workbench.robustness.document import of_work, work_of
-from workbench.robustness.work import Block, Columns, Work, probe
+from workbench.robustness.workload import Block, Columns, Work, probe
 
 CONNECT = 10.0  # s, to reach the scheduler
 PATIENCE = 30.0  # s without any worker, after which it is given up
@@ -34,12 +34,12 @@ def _work(document: str) -> Work:
     return work_of(json.loads(document))
 
 
-def run_block(document: str, first: int, values: np.ndarray) -> Columns:
+def _run_block(document: str, first: int, values: np.ndarray) -> Columns:
     """On a worker: the columns of a block. One thread: the worker's own threads share its cores."""
     return _work(document).columns(Block(first, values), threads=1)
 
 
-def run_probe(document: str, first: int, values: np.ndarray) -> str:
+def _run_probe(document: str, first: int, values: np.ndarray) -> str:
     """On a worker: the digest of the probe."""
     return probe(_work(document), Block(first, values))
 
@@ -82,7 +82,7 @@ class Crew:
         if not new:
             return
         answers = self.client.run(
-            run_probe, self.document, self.sample.first, self.sample.values, workers=new, on_error="return"
+            _run_probe, self.document, self.sample.first, self.sample.values, workers=new, on_error="return"
         )
         for address, answer in answers.items():
             if answer == self.expected:
@@ -173,7 +173,7 @@ def _hand_out(crew: Crew, parts: list[Block], queue: deque, running: dict) -> No
             number, left = queue.popleft()
             block = parts[number]
             future = crew.client.submit(
-                run_block,
+                _run_block,
                 crew.document,
                 block.first,
                 block.values,

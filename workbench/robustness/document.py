@@ -12,13 +12,13 @@ import numpy as np
 
 from workbench import __version__
 from workbench.compensation import Compensated, Compensator, compensated
-from workbench.control import Controller, Table, law
+from workbench.control import Controller, Table, law_named
 from workbench.definition import Effect, catalogue, find
 from workbench.errors import WorkbenchError
 from workbench.plant import Geometry, Limits, Plant
 from workbench.robustness.cases import Varied
 from workbench.robustness.distribution import Distribution
-from workbench.robustness.work import Work
+from workbench.robustness.workload import Work
 from workbench.simulation import Criteria, Loop
 from workbench.verification.task import Task
 
@@ -34,7 +34,7 @@ def number(value: float) -> float | str:
     return float(value) if isfinite(value) else str(float(value))
 
 
-def of_effect(effect: Effect) -> dict:
+def _of_effect(effect: Effect) -> dict:
     known = catalogue().get(effect.name)
     if known is None or known.step is not effect.step:
         raise WorkbenchError(
@@ -44,17 +44,17 @@ def of_effect(effect: Effect) -> dict:
     return {"effect": effect.name, "at": effect.at, "parameters": {n: p.value for n, p in effect.parameters.items()}}
 
 
-def of_plant(plant: Plant) -> dict:
+def _of_plant(plant: Plant) -> dict:
     return {
         "kind": plant.kind,
         "rotary": plant.rotary,
         "geometry": asdict(plant.geometry),
         "limits": {n: number(v) for n, v in asdict(plant.limits).items()},
-        "effects": [of_effect(e) for e in plant.effects],
+        "effects": [_of_effect(e) for e in plant.effects],
     }
 
 
-def plant_of(given: Mapping) -> Plant:
+def _plant_of(given: Mapping) -> Plant:
     return Plant(
         given["kind"],
         tuple(find(e["effect"])(at=e["at"], **e["parameters"]) for e in given["effects"]),
@@ -64,21 +64,21 @@ def plant_of(given: Mapping) -> Plant:
     )
 
 
-def of_compensator(c: Compensator) -> dict:
-    parts = {n: [of_effect(e) for e in getattr(c, n)] for n in PARTS}
+def _of_compensator(c: Compensator) -> dict:
+    parts = {n: [_of_effect(e) for e in getattr(c, n)] for n in PARTS}
     return parts | {n: getattr(c, n) for n in NUMBERS}
 
 
-def compensator_of(given: Mapping) -> Compensator:
+def _compensator_of(given: Mapping) -> Compensator:
     parts = {n: tuple(find(e["effect"])(at=e["at"], **e["parameters"]) for e in given[n]) for n in PARTS}
     return Compensator(**parts, **{n: given[n] for n in NUMBERS})
 
 
 def of_controller(controller: Controller) -> dict:
     if isinstance(controller, Compensated):
-        return {"base": of_controller(controller.base), "compensation": of_compensator(controller.compensator)}
+        return {"base": of_controller(controller.base), "compensation": _of_compensator(controller.compensator)}
     tables = controller.tables
-    if law(controller.law.name) is not controller.law:
+    if law_named(controller.law.name) is not controller.law:
         raise WorkbenchError(
             f"controller '{controller.name}' has a law of its own, which no other machine knows by name."
         )
@@ -95,11 +95,11 @@ def of_controller(controller: Controller) -> dict:
 
 def controller_of(given: Mapping) -> Controller:
     if "compensation" in given:
-        return compensated(controller_of(given["base"]), compensator_of(given["compensation"]))
+        return compensated(controller_of(given["base"]), _compensator_of(given["compensation"]))
     columns = {n: np.array(c) for n, c in given["columns"].items()}
     return Controller(
         given["name"],
-        law(given["law"]),
+        law_named(given["law"]),
         {n: float(v) for n, v in given["parameters"].items()},
         (Table(np.array(given["knots"]), columns),) if given["knots"] else (),
         None,
@@ -114,7 +114,7 @@ def of_work(work: Work) -> dict:
     return {
         "format": FORMAT,
         "workbench": __version__,
-        "plant": of_plant(task.plant),
+        "plant": _of_plant(task.plant),
         "loop": asdict(task.loop),
         "criteria": asdict(task.criteria),
         "step": task.step,
@@ -163,7 +163,7 @@ def work_of(given: Mapping) -> Work:
             raise WorkbenchError(f"the document has format {given['format']}; this workbench reads {FORMAT}.")
         checked(given)
         task = Task(
-            plant=plant_of(given["plant"]),
+            plant=_plant_of(given["plant"]),
             loop=Loop(**given["loop"]),
             step=given["step"],
             duration=given["duration"],

@@ -35,14 +35,14 @@ class Influence:
         return abs(self.correlation) > SURE * self.correlation_error or self.share > SURE * self.share_error
 
 
-def ranks(values: np.ndarray) -> np.ndarray:
+def _ranks(values: np.ndarray) -> np.ndarray:
     """Return ranks from 0 to 1, equal values sharing theirs; infinite ones are the largest."""
     from scipy.stats import rankdata
 
     return (rankdata(np.nan_to_num(values, nan=np.inf)) - 0.5) / len(values)
 
 
-def correlation(x: np.ndarray, y: np.ndarray) -> float:
+def _correlation(x: np.ndarray, y: np.ndarray) -> float:
     """Pearson's correlation; zero where one does not vary."""
     x, y = x - x.mean(), y - y.mean()
     size = np.sqrt((x * x).sum() * (y * y).sum())
@@ -65,7 +65,7 @@ def first_order(x: np.ndarray, y: np.ndarray, bins: int = BINS) -> float:
     return float((between - (bins - 1) * within) / total)
 
 
-def jackknife(measure: Callable, x: np.ndarray, y: np.ndarray, groups: int = GROUPS) -> float:
+def _jackknife(measure: Callable, x: np.ndarray, y: np.ndarray, groups: int = GROUPS) -> float:
     """Return the standard error of a measure, by leaving out every `groups`-th draw in turn."""
     groups = min(groups, len(y))
     left = np.arange(len(y)) % groups
@@ -77,14 +77,14 @@ def influences(cases: Cases, errors: np.ndarray) -> tuple[Influence, ...]:
     """Return the influence of all that varies on errors (n,), the strongest first. A grid has none: its draws are its levels."""
     if cases.kind == GRID or cases.count < 4 * GROUPS:
         return ()
-    y = ranks(errors)
+    y = _ranks(errors)
     found = []
     for i, v in enumerate(cases.varied):
         x = cases.values[:, i]
         if x.min() == x.max():
             continue
-        r = ranks(x)
+        r = _ranks(x)
         found.append(
-            Influence(v.name, correlation(r, y), jackknife(correlation, r, y), first_order(r, y), jackknife(first_order, r, y))
+            Influence(v.name, _correlation(r, y), _jackknife(_correlation, r, y), first_order(r, y), _jackknife(first_order, r, y))
         )  # fmt: skip
     return tuple(sorted(found, key=lambda f: -f.share))

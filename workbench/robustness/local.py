@@ -4,7 +4,7 @@ from collections.abc import Callable, Iterator
 from functools import partial
 
 from workbench.keeping import step
-from workbench.robustness.work import Block, Columns, Work
+from workbench.robustness.workload import Block, Columns, Work
 
 
 def on_threads(given: Work, parts: list[Block], say: Callable[[str], None] = lambda _: None) -> Iterator[Columns]:

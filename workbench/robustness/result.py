@@ -8,7 +8,7 @@ import numpy as np
 from workbench.robustness.cases import Cases
 from workbench.robustness.influence import Influence
 from workbench.robustness.perspective import Perspectives, Share
-from workbench.robustness.work import Columns, Work
+from workbench.robustness.workload import Columns, Work
 from workbench.robustness.worst import Case
 
 

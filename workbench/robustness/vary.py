@@ -43,16 +43,16 @@ class Target:
     nominal: float
 
 
-def parted(name: str) -> tuple[str, str | None, str]:
+def _parted(name: str) -> tuple[str, str | None, str]:
     """Return (effect, place or None, parameter) of "effect@place.parameter"."""
     head, _, parameter = name.rpartition(".")
     effect, at, place = head.partition("@")
     return effect, (place if at else None), parameter
 
 
-def found(plant: Plant, name: str, where: str) -> Effect:
+def _found(plant: Plant, name: str, where: str) -> Effect:
     """Return the effect that a name is about, of the plant or else of the catalogue; WorkbenchError with nearest names."""
-    effect, place, _ = parted(name)
+    effect, place, _ = _parted(name)
     there = [e for e in plant.effects if e.name == effect and place in (None, e.at)]
     if len(there) > 1:
         raise WorkbenchError(f"{where}: '{effect}' acts at {', '.join(e.at for e in there)}; write '{effect}@place.'.")
@@ -70,7 +70,7 @@ def target(plant: Plant, name: str, where: str = "what varies") -> Target:
     if name in FIELDS:
         unit, lowest = FIELDS[name]
         return Target(name, "", name, effect_unit(unit, plant.rotary), lowest, np.inf, 1.0)
-    effect, parameter = found(plant, name, where), parted(name)[2]
+    effect, parameter = _found(plant, name, where), _parted(name)[2]
     known: dict[str, Parameter] = {**effect.outside, **effect.parameters}
     if parameter not in known:
         raise WorkbenchError(
@@ -99,7 +99,7 @@ def extended(plant: Plant, varied: Sequence[Varied]) -> Plant:
     """Return the plant with each effect that varies; those that it has not yet, at their neutral values."""
     for v in varied:
         if v.name not in FIELDS:
-            e = found(plant, v.name, "what varies")
+            e = _found(plant, v.name, "what varies")
             plant = plant if e.key in plant else plant + e
     return plant
 
@@ -115,14 +115,14 @@ def applied(plant: Plant, varied: Sequence[Varied], values: np.ndarray) -> tuple
         for i, (v, t) in enumerate(zip(varied, targets, strict=True))
     }
     fields = {t.name: x for t, x in columns.items() if not t.key}
-    setters = [(k, *setter(e, {t.parameter: x for t, x in columns.items() if t.key == e.key}))
+    setters = [(k, *_setter(e, {t.parameter: x for t, x in columns.items() if t.key == e.key}))
                for k, e in enumerate(plant.effects) if any(t.key == e.key for t in columns)]  # fmt: skip
     if not setters:
         return plant, fields
-    return [moved(plant, setters, i) for i in range(len(values))], fields
+    return [_moved(plant, setters, i) for i in range(len(values))], fields
 
 
-def setter(effect: Effect, columns: dict[str, np.ndarray]) -> tuple[Callable[..., Effect], list[dict[str, float]]]:
+def _setter(effect: Effect, columns: dict[str, np.ndarray]) -> tuple[Callable[..., Effect], list[dict[str, float]]]:
     """Return (function of named values that gives the effect, those values of each case)."""
     names, rows = list(columns), np.stack(list(columns.values()), axis=1).tolist()
     each = [dict(zip(names, row, strict=True)) for row in rows]
@@ -139,7 +139,7 @@ def setter(effect: Effect, columns: dict[str, np.ndarray]) -> tuple[Callable[...
     return (lambda **v: effect(**inward(outside | v))), each
 
 
-def moved(plant: Plant, setters, i: int) -> Plant:
+def _moved(plant: Plant, setters, i: int) -> Plant:
     """Return the plant of case i."""
     effects = list(plant.effects)
     for k, make, each in setters:

@@ -9,7 +9,7 @@ import numpy as np
 from workbench.errors import WorkbenchError, nearest, regular
 from workbench.robustness.cases import Cases
 from workbench.robustness.document import number, of_work, work_of
-from workbench.robustness.work import KEPT, Block, Columns, Work
+from workbench.robustness.workload import KEPT, Block, Columns, Work
 from workbench.simulation import Trajectories
 from workbench.simulation.bodies import OUTPUT
 

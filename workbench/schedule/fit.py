@@ -41,8 +41,8 @@ def fit_schedule(
     they are not exceeded. tolerance: a larger interpolation error is a finding.
     WorkbenchError: no such knots, range or shape; gains that are not positive.
     """
-    checked(gains, slope, tolerance)
-    lowest, highest = within(gains, lowest, highest)
+    _checked(gains, slope, tolerance)
+    lowest, highest = _within(gains, lowest, highest)
     knots = grid(lowest, highest, per_octave)
     kp, kd, error, at = _fitted(gains, knots, lowest, highest, monotone, slope)
     findings = ()
@@ -80,7 +80,7 @@ def fewest_knots(gains, *, loop, tolerance: float = 0.02, lowest=None, highest=N
             f"{PER_OCTAVE[-1]} knots an octave leave {best.interpolation_error:.2%} to the tuned gains, more than "
             f"{tolerance:.2%}; the shape (monotone, slope) does not allow them. Allow more, or tune at more amplitudes."
         )
-    low, high = within(gains, lowest, highest)
+    low, high = _within(gains, lowest, highest)
     monotone, slope = options.get("monotone", True), options.get("slope", (-2.5, 0.5))
     fewest, most = 0, best.knots.size - 2  # knots that may go, knots that may not
     while fewest < most:
@@ -97,7 +97,7 @@ def fewest_knots(gains, *, loop, tolerance: float = 0.02, lowest=None, highest=N
 
 def _fitted(gains, knots, lowest: float, highest: float, monotone: bool, slope):
     """Return (kp, kd, error, amplitude of the error): the fit over the range, and its distance from the tuned gains."""
-    dense = dense_set(gains, knots, lowest, highest)
+    dense = _dense_set(gains, knots, lowest, highest)
     step = np.diff(np.log(knots))
     low, high = slope[0] * step, (min(slope[1], 0.0) if monotone else slope[1]) * step
     stopped = _stopped(gains, dense)
@@ -112,7 +112,7 @@ def _fitted(gains, knots, lowest: float, highest: float, monotone: bool, slope):
     return *fitted, float(worst.max()), float(dense[worst.argmax()])
 
 
-def dense_set(gains, knots: np.ndarray, lowest: float, highest: float) -> np.ndarray:
+def _dense_set(gains, knots: np.ndarray, lowest: float, highest: float) -> np.ndarray:
     """Return amplitudes (n,), increasing: DENSE a segment, and those of the gains, within lowest to highest."""
     share = np.arange(DENSE) / DENSE
     inner = (knots[:-1, None] + np.diff(knots)[:, None] * share).ravel()
@@ -137,7 +137,7 @@ def _coarse(error: float, at: float, tolerance: float, knots: int, monotone: boo
     )
 
 
-def checked(gains, slope, tolerance: float) -> None:
+def _checked(gains, slope, tolerance: float) -> None:
     """Raise WorkbenchError unless gains are positive at two or more amplitudes, and slope and tolerance make sense."""
     check_gains(gains.amplitude, gains.kp, gains.kd)
     if gains.amplitude.size < 2 or not ((gains.kp > 0.0).all() and (gains.kd > 0.0).all()):
@@ -150,7 +150,7 @@ def checked(gains, slope, tolerance: float) -> None:
         raise WorkbenchError(f"the tolerance of the schedule is {tolerance:g}; it must be positive.")
 
 
-def within(gains, lowest: float | None, highest: float | None) -> tuple[float, float]:
+def _within(gains, lowest: float | None, highest: float | None) -> tuple[float, float]:
     """Return the range of amplitudes; WorkbenchError where it is empty or no gains were tuned for it."""
     first, last = float(gains.amplitude[0]), float(gains.amplitude[-1])
     lowest, highest = first if lowest is None else float(lowest), last if highest is None else float(highest)

@@ -35,7 +35,7 @@ def solve(
     from scipy.sparse import csc_matrix
 
     m = rows.shape[1]
-    hessian, gradient = quadratic(rows, target)
+    hessian, gradient = _quadratic(rows, target)
     limits = np.vstack([np.diff(np.eye(m), axis=0), rows[ceiling]])
     least = np.concatenate([low, np.full(int(ceiling.sum()), -np.inf)])
     most = np.concatenate([high, target[ceiling]])
@@ -57,7 +57,7 @@ def solve(
     return out - out[middle] + x[middle]
 
 
-def quadratic(rows: np.ndarray, target: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _quadratic(rows: np.ndarray, target: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Return (H (m, m), g (m,)) of the objective x' H x/2 - g' x, scaled so that the diagonal of H is about 1."""
     m = rows.shape[1]
     bends = np.diff(np.eye(m), n=2, axis=0)

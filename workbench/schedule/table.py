@@ -9,6 +9,7 @@ from workbench.control import Table, gains_at
 from workbench.control.laws import RULES
 from workbench.errors import WorkbenchError, nearest
 from workbench.finding import Finding
+from workbench.notebook import page
 from workbench.tuning.gains import check_gains
 
 
@@ -86,3 +87,18 @@ class Schedule:
     def noting(self, *findings: Finding) -> "Schedule":
         """Return this schedule with findings added."""
         return replace(self, findings=(*self.findings, *findings))
+
+    def _repr_html_(self) -> str:
+        """The gains at the knots, as a table and as a drawing."""
+        sentence = (
+            f"{self.knots.size} knots, rule '{self.rule}', tuned for a sample time of {1e6 * self.sample_time:.4g} µs; between "
+            f"them the gains are within {self.interpolation_error:.2%} of the tuned ones."
+        )
+        rows = zip(self.knots, self.kp, self.kd, strict=True)
+        return page(sentence, ("amplitude, rad or m", "kp, SI", "kd, SI"), rows, self._draw, graphs=2)
+
+    def _draw(self, axes) -> None:
+        for axis, values, name in zip(axes, (self.kp, self.kd), ("kp", "kd"), strict=True):
+            axis.loglog(self.knots, values, ".-")
+            axis.set_ylabel(f"{name}, SI")
+        axes[-1].set_xlabel("amplitude, rad or m")

@@ -9,7 +9,7 @@ from workbench.errors import WorkbenchError
 from workbench.finding import Finding
 from workbench.limit_cycle import Region, region
 from workbench.readers.declaration import Table
-from workbench.robustness.work import single
+from workbench.robustness.workload import single
 from workbench.study.configuration import Study
 from workbench.study.controlling import numbers
 from workbench.study.outcome import Part

@@ -14,7 +14,7 @@ from workbench.identification.passes import Passes
 from workbench.identification.problem import Problem
 from workbench.identification.result import Fit
 from workbench.identification.solve import solve
-from workbench.planning import Envelope, Sensing, envelope_of, sensing_of
+from workbench.planning import Envelope, Sensing, Separation, envelope_of, sensing_of, separate
 from workbench.planning.envelope import load_rest
 from workbench.plant import Plant, freed
 from workbench.readers.declaration import Table
@@ -56,17 +56,25 @@ def basis_of(name: str, say: Callable[[str], None] = lambda _: None) -> Basis:
             f"{study.table.path('campaign')}: a plan is made for a study of a campaign; name its folder."
         )
     say("reading the campaign")
-    campaign = load_campaign(study.campaign)
+    found = basis(load_campaign(study.campaign), say)
+    given = study.table.table("plan", optional=("accuracy", *KEYS))
+    return replace(
+        found,
+        envelope=limited(found.envelope, given, found.fit.plant.rotary),
+        sample_time=sample_time(study.table, found.sample_time),
+        accuracy=given.number("accuracy", ACCURACY, above=0.0),
+    )
+
+
+def basis(campaign: Campaign, say: Callable[[str], None] = lambda _: None) -> Basis:
+    """Return what a plan for a campaign starts from, within the limits that its records have shown."""
     passes = passes_of(campaign.records, campaign.bandwidth)
     say("fitting the declared model, every value free")
     fit = identify(freed(campaign.plant), passes)
-    given = study.table.table("plan", optional=("accuracy", *KEYS))
     load = load_rest(fit.plant, fitted_on(passes))
     sensing = sensing_of(passes, fit.rms[IDENTIFICATION], load)
-    return Basis(
-        campaign, passes, fit, limited(envelope_of(fit.plant, passes), given, fit.plant.rotary), sensing,
-        sample_time(study.table, sensing.dt), given.number("accuracy", ACCURACY, above=0.0), load, excess_of(fit, passes),
-    )  # fmt: skip
+    envelope = envelope_of(fit.plant, passes)
+    return Basis(campaign, passes, fit, envelope, sensing, sensing.dt, ACCURACY, load, excess_of(fit, passes))
 
 
 def excess_of(fit: Fit, passes: tuple[Passes, ...]) -> float:
@@ -118,6 +126,20 @@ def suspect(basis: Basis, text: str) -> tuple[Plant, Effect, float]:
     solution = solve(problem, beside.onward(found))
     effect = problem.with_linear(problem.with_shape(solution.theta), solution.c)[chosen.key]
     return plant, effect, float(np.sqrt(solution.cost / solution.y.size))
+
+
+def parted(basis: Basis, first: str, second: str) -> tuple[Separation, Plant, Effect, Sensing]:
+    """Return the motion that tells two effects apart; the plant without either, the first effect, and how its log sees.
+
+    first, second: "effect" or "effect@place", as of `suspect`. WorkbenchError where they are one.
+    """
+    (plant, a, left), (_, b, also) = suspect(basis, first), suspect(basis, second)
+    if a.key == b.key:
+        raise WorkbenchError(f"'{a.key}' is named twice; name two effects.")
+    # an effect that is declared is taken out of the model that both share
+    plant = plant.without(b.key) if b.key in (e.key for e in plant.effects) else plant
+    sensing = sensing_of(basis.passes, min(left, also), basis.load)
+    return separate(plant, a, b, basis.envelope, sensing), plant, a, sensing
 
 
 def names_of(known: Sequence, place: str) -> list[str]:

@@ -18,7 +18,7 @@ from workbench.robustness.local import on_threads
 from workbench.robustness.perspective import CONFIDENCE, perspectives, ranking, share_beyond
 from workbench.robustness.result import OfGrid, Series
 from workbench.robustness.vary import FIELDS, checked, target
-from workbench.robustness.work import KEPT, Block, Columns, Work, blocks, joined, work
+from workbench.robustness.workload import KEPT, Block, Columns, Work, blocks, joined, work
 from workbench.study.configuration import Study
 from workbench.study.controlling import numbers
 from workbench.study.outcome import Part

@@ -60,7 +60,7 @@ def write(folder: Path, digest: str) -> None:
 def unchanged(folder: Path, digest: str) -> bool:
     """Whether the outputs in `folder` belong to this digest and are all as they were written."""
     try:
-        stamp = json.loads((folder / FILE).read_text())
+        stamp = json.loads((folder / FILE).read_text(encoding="utf-8"))
         return stamp["inputs"] == digest and all(
             hashlib.sha256((folder / name).read_bytes()).hexdigest() == was for name, was in stamp["outputs"].items()
         )

@@ -5,6 +5,8 @@ from dataclasses import dataclass, field
 
 from workbench.finding import Finding
 from workbench.identification.result import Estimate, Fit
+from workbench.notebook import page
+from workbench.plant import Plant
 from workbench.tracing.criteria import Criteria
 from workbench.tracing.decide import CAUSE, NOTHING, UNKNOWN
 from workbench.tracing.evidence import ADDITION, Evidence
@@ -108,3 +110,22 @@ class Trace:
     def added(self) -> tuple[str, ...]:
         """Names of the effects in the extended model that the declared one lacks, as the catalogue has them."""
         return tuple(c.effect.partition(" ")[0] for c in self.causes)
+
+    @property
+    def plant(self) -> Plant:
+        """The extended plant, fitted: the declared one where nothing was added."""
+        return self.after.plant
+
+    def _repr_html_(self) -> str:
+        """The verdict, the candidates of the first step as a table, and the errors before and after as a drawing."""
+        rows = ((f"{c.effect}@{c.at}", c.kind, c.gain, c.scatter, "added" if c.earns else "") for c in self.ranked)
+        return page(self.sentence, ("candidate", "kind", "gain", "standard error", ""), rows, self._draw)
+
+    def _draw(self, axes) -> None:
+        (one,) = axes
+        names = sorted(self.before.nrmse)
+        for shift, fit, label in ((-0.2, self.before, "as declared"), (0.2, self.after, "extended")):
+            one.bar([i + shift for i in range(len(names))], [fit.nrmse[n] for n in names], 0.4, label=label)
+        one.set_xticks(range(len(names)), names)
+        one.set_ylabel("rms of the residual\nover rms of the drive")
+        one.legend()

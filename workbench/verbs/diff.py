@@ -20,31 +20,25 @@ def declare(verbs) -> None:
 
 def do(given: argparse.Namespace) -> int:
     from workbench.campaign import load
-    from workbench.difference import check_models, compare, doubts
     from workbench.difference.output import JSON, write
-    from workbench.identification.fit import passes_of
+    from workbench.front.fitting import diff
     from workbench.outputs import replaceable, whole
-    from workbench.plant import freed
     from workbench.study.running import campaign_of
 
     if given.out:
         replaceable(given.out, JSON)
+    before, after = (load(campaign_of(name)) for name in (given.before, given.after))
     with Progress() as say:
         say("fitting both campaigns")
-        before, after = (load(campaign_of(name)) for name in (given.before, given.after))
-        check_models(before, after)
-        bandwidth = min(before.bandwidth, after.bandwidth)
-        passes = [passes_of(c.records, bandwidth) for c in (before, after)]
-        found = compare(freed(before.plant), *passes)
-        doubtful = doubts(before, after, *passes)
+        found = diff(before, after)
     if given.out:
         with whole(given.out, JSON) as beside:
-            write(beside, before.title, after.title, found, doubtful)
+            write(beside, before.title, after.title, found)
     print(found.sentence)
     for c in sorted(found.changes, key=lambda c: not c.moved):
         print(f"- {c.sentence}")
     for name in found.undetermined:
         print(f"- {name} is not determined by one of the campaigns, and not compared.")
-    for f in doubtful:
+    for f in found.findings:
         print(f"- {f.sentence}")
     return 0

@@ -78,21 +78,13 @@ def _determine(given: argparse.Namespace, basis, say) -> int:
 
 
 def _separate(given: argparse.Namespace, basis, say) -> int:
-    from workbench.errors import WorkbenchError
     from workbench.outputs import whole
-    from workbench.planning import sensing_of, separate
     from workbench.planning.following import followed, with_effect
     from workbench.planning.output import FIGURE, JSON, TRAJECTORY, write_separation
     from workbench.report.trajectory import figure
-    from workbench.study.planning import suspect
+    from workbench.study.planning import parted
 
-    (plant, a, left), (_, b, also) = (suspect(basis, text) for text in given.separate)
-    if a.key == b.key:
-        raise WorkbenchError(f"'{a.key}' is named twice; name two effects.")
-    # an effect that is declared is taken out of the model that both share
-    plant = plant.without(b.key) if b.key in (e.key for e in plant.effects) else plant
-    sensing = sensing_of(basis.passes, min(left, also), basis.load)
-    found = separate(plant, a, b, basis.envelope, sensing)
+    found, plant, a, sensing = parted(basis, *given.separate)
     passes = followed(found.reference, with_effect(plant, a), sensing) if found.apart else None
     with whole(given.out, JSON) as beside:
         write_separation(beside, found, passes, plant.rotary, basis.sample_time)

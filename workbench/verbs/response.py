@@ -25,29 +25,18 @@ def declare(verbs) -> None:
 
 def do(given: argparse.Namespace) -> int:
     from workbench.campaign import load
-    from workbench.errors import WorkbenchError, nearest
-    from workbench.frequency import fit_modes, response_of, shaken
     from workbench.frequency.output import JSON, findings, write
+    from workbench.front.motions import response as response_of
     from workbench.outputs import replaceable, whole
     from workbench.report.response import figure
     from workbench.study.running import campaign_of
 
     replaceable(given.out, JSON)
     campaign = load(campaign_of(given.campaign))
-    records = [r for r in campaign.records if given.record in (None, r.name)]
-    if not records:
-        raise WorkbenchError(
-            f"there is no record '{given.record}'; {nearest(given.record, [r.name for r in campaign.records])}"
-        )
-    channels = [n for n in records[0].channels if n.endswith("position")]
-    if given.channel not in channels:
-        raise WorkbenchError(
-            f"--channel '{given.channel}' is no position of these records; {nearest(given.channel, channels)}"
-        )
     with Progress() as say:
         say("fitting the modes")
-        response = response_of(shaken(records, campaign.bandwidth), channel=given.channel)
-        modes = fit_modes(response)
+        response = response_of(campaign, given.record, channel=given.channel)
+        modes = response.modes
     found = findings(response, modes)
     unit = "rad/s²/(N·m)" if campaign.plant.rotary else "m/s²/N"
     with whole(given.out, JSON) as beside:

@@ -7,10 +7,10 @@ import numpy as np
 from workbench.control import Controller
 from workbench.keeping import kept
 from workbench.limit_cycle.axis import axis_of
-from workbench.limit_cycle.balance import balance
 from workbench.limit_cycle.describing import Dials, command, dials, turned
 from workbench.limit_cycle.further import Cycle
-from workbench.limit_cycle.simulated import as_simulated, simulated
+from workbench.limit_cycle.harmonic_balance import balance
+from workbench.limit_cycle.simulation import as_simulated, simulated
 from workbench.plant import Plant
 from workbench.simulation import Loop
 from workbench.threads import one_thread

@@ -31,7 +31,7 @@ class Motion:
     third: np.ndarray
 
 
-def refined_loop(loop: Loop) -> Loop:
+def _refined_loop(loop: Loop) -> Loop:
     """Return the loop as it is simulated: with fine substeps."""
     return replace(loop, substeps=max(SUBSTEPS, loop.substeps))
 
@@ -41,11 +41,11 @@ def as_simulated(loop: Loop) -> Loop:
 
     Near the edge of stability even a microsecond decides, and both sides are to speak of one loop.
     """
-    fine = refined_loop(loop)
+    fine = _refined_loop(loop)
     return replace(fine, delay=max(fine.delay - fine.substep / 2.0, 0.0))
 
 
-def stacked(controllers: Sequence[Controller]) -> Controller:
+def _stacked(controllers: Sequence[Controller]) -> Controller:
     """Return controllers of one law as one, a lane each."""
     first = controllers[0]
     parameters = {n: np.array([float(np.ravel(c.parameters[n])[0]) for c in controllers]) for n in first.parameters}
@@ -80,7 +80,7 @@ def simulated(
 
 def _released(plant, loop: Loop, controllers, starts, duration: float, inertia: float, friction: float) -> Motion:
     scenarios = ScenarioArrays(starts.size, start=starts, phase=0.5, inertia=inertia, friction=friction)
-    m = simulate(plant, refined_loop(loop), stacked(controllers), scenarios, duration, ("q",))
+    m = simulate(plant, _refined_loop(loop), _stacked(controllers), scenarios, duration, ("q",))
     q = m.trajectories["q"]
     with np.errstate(all="ignore"):
         found = [_lane(q[:, k], len(q), loop) for k in range(starts.size)]

@@ -63,8 +63,8 @@ class Aim:
 
     def __init__(self, plant: Plant, accuracy: float):
         self.plant, self.names = plant, names_of(plant)
-        self.sizes = np.array([size_of(plant, n) for n in self.names])
-        self.width = width(len(self.names))
+        self.sizes = np.array([_size_of(plant, n) for n in self.names])
+        self.width = _width(len(self.names))
         self.variance = (accuracy / self.width / MARGIN) ** 2
 
     def missing(self, known: Information) -> float:
@@ -77,14 +77,14 @@ class Aim:
         return bool((np.diag(known.covariance(self.sizes)) <= self.variance * self.sizes**2).all())
 
 
-def width(count: int) -> float:
+def _width(count: int) -> float:
     """Return the half width, in standard deviations, of intervals that hold for all of `count` parameters at once (Bonferroni)."""
     from scipy.special import ndtri
 
     return float(ndtri(1.0 - CHANCE / (2 * max(count, 1))))
 
 
-def size_of(plant: Plant, name) -> float:
+def _size_of(plant: Plant, name) -> float:
     """Return what a parameter's accuracy is a share of: its value; of one that is zero, the largest of its own kind."""
     parameter = plant[name.key].parameters[name.parameter]
     alike = [abs(p.value) for p in plant[name.key].parameters.values() if p.unit == parameter.unit]
@@ -124,12 +124,12 @@ def design(
     while len(picks) < most and not (picks and aim.reached(known)):
         progress(f"picking motion {len(picks) + 1}")
         best = min(trials, key=lambda t: aim.missing(known + t.information))
-        best = resized(best, known, aim, plant, envelope, sensing)
+        best = _resized(best, known, aim, plant, envelope, sensing)
         if picks and aim.missing(known + best.information) > aim.missing(known) - len(aim.names) * np.log(WORTH):
             break
         picks.append(best.reference)
         known = known + best.information
-    return finished(plant, aim, sorted(picks, key=lambda r: r.phrase), envelope, sensing)
+    return _finished(plant, aim, sorted(picks, key=lambda r: r.phrase), envelope, sensing)
 
 
 def tried(reference: Reference, plant: Plant, envelope: Envelope, sensing: Sensing) -> Trial | None:
@@ -143,7 +143,7 @@ def tried(reference: Reference, plant: Plant, envelope: Envelope, sensing: Sensi
     return Trial(reference, found) if found else None
 
 
-def resized(trial: Trial, known: Information, aim: Aim, plant: Plant, envelope: Envelope, sensing: Sensing) -> Trial:
+def _resized(trial: Trial, known: Information, aim: Aim, plant: Plant, envelope: Envelope, sensing: Sensing) -> Trial:
     """Return the motion at the best of a few sizes within the limits."""
     if trial.reference.sized is None:
         return trial
@@ -151,7 +151,7 @@ def resized(trial: Trial, known: Information, aim: Aim, plant: Plant, envelope: 
     return min((trial, *(t for t in others if t)), key=lambda t: aim.missing(known + t.information))
 
 
-def finished(plant: Plant, aim: Aim, picks: Sequence[Reference], envelope: Envelope, sensing: Sensing) -> Plan:
+def _finished(plant: Plant, aim: Aim, picks: Sequence[Reference], envelope: Envelope, sensing: Sensing) -> Plan:
     """Return the plan of these picks, its promise computed from the whole trajectory."""
     trajectory = joined(picks, envelope)
     passes = followed(trajectory, plant, sensing)
