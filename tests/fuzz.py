@@ -184,7 +184,7 @@ def worst_cases() -> str:
     from workbench.robustness import worst
     from workbench.robustness.cases import Varied
     from workbench.robustness.distribution import Distribution
-    from workbench.robustness.work import Block, work
+    from workbench.robustness.workload import Block, work
     from workbench.simulation import Loop
     from workbench.verification.task import Task
 
