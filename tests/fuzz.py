@@ -178,7 +178,7 @@ def formats(place: Path, t: np.ndarray, table: np.ndarray) -> None:
 
 def worst_cases() -> str:
     """Return a document of worst cases as a study writes it, of two short ones."""
-    from workbench.control import Controller, law
+    from workbench.control import Controller, law_named
     from workbench.definition import find
     from workbench.plant import ONE_MASS, Limits, Plant
     from workbench.robustness import worst
@@ -195,7 +195,7 @@ def worst_cases() -> str:
         limits=Limits(drive=3.0),
     )
     task = Task(plant, Loop(1e-3, resolution=1e-5), step=0.5, duration=0.2)
-    fixed = law("fixed_pd")
+    fixed = law_named("fixed_pd")
     makers = {"fixed PD": lambda lanes: Controller("fixed PD", fixed, dict.fromkeys(fixed.parameters, 5.0))}
     varied = (Varied("inertia", Distribution("uniform", 0.8, 1.2), False, "1"),)
     given = work(task, makers, varied)

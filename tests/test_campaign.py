@@ -603,7 +603,9 @@ def test_a_long_gap_is_refused_even_with_resampling(campaign):
 def test_a_value_too_large_in_si_is_refused(campaign):
     table = text(rows(20.0)).replace("100.0,0.0", "1e308,0.0", 1)
     campaign.swap('unit = "mN*m"\n', 'unit = "kN*km"\n').put("val_moves.csv", table)
-    campaign.refused(": column 'torque_mNm' is too large in 'N*m'; check the value and its unit", file="val_moves.csv")
+    campaign.refused(
+        ", row 2: sample 1 of torque in record 'val_moves' is 1e+308 kN*km, more than", file="val_moves.csv"
+    )
 
 
 # --- anything at all --------------------------------------------------------------------------------------------------

@@ -54,7 +54,7 @@ CASES = {
         evidence(weighed(), weighed("creep", (0.03, 0.01), (0.01, 0.012))), CAUSE, (CAUSE, NOT_BORNE_OUT),
     ),
     "a little that no machine has is a refinement": (
-        evidence(weighed(), weighed("kinematic_error", (0.025, 0.022), (0.034, 0.03), implausible="its order stands on its bound")),
+        evidence(weighed(), weighed("kinematic_error", (0.025, 0.024), (0.034, 0.033), implausible="its order stands on its bound")),
         CAUSE, (CAUSE, REFINEMENT),
     ),
     "what takes most of the identification records is no noise, though validation does not bear it out": (

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from workbench import keeping
-from workbench.control import law
+from workbench.control import law_named
 from workbench.definition import catalogue
 from workbench.processes import shared
 
@@ -93,10 +93,10 @@ def test_forks_and_threads_count_no_steps(tmp_path, monkeypatch):
 def test_effects_and_laws_are_those_of_the_catalogue_again(tmp_path):
     known = list(catalogue().values())
     file = Path(tmp_path / "x.step")
-    keeping.write(file, (known, law("fixed_pd"), known[0](at=known[0].places[-1], label="b")))
+    keeping.write(file, (known, law_named("fixed_pd"), known[0](at=known[0].places[-1], label="b")))
     found, (effects, fixed, labelled) = keeping.read(file)
     assert found and all(a.step is b.step and a == b for a, b in zip(effects, known, strict=True))
-    assert fixed is law("fixed_pd") and labelled == known[0](at=known[0].places[-1], label="b")
+    assert fixed is law_named("fixed_pd") and labelled == known[0](at=known[0].places[-1], label="b")
 
 
 @pytest.fixture

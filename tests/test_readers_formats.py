@@ -17,7 +17,9 @@ from workbench.readers import load, read, survey
 from workbench.readers.mdf4 import fault
 
 TIME = np.arange(250) * 1e-3 + 2.0
-FORCE = np.random.default_rng(3).normal(size=250) * 10.0 ** np.random.default_rng(4).integers(-200, 200, 250)
+FORCE = np.random.default_rng(3).normal(size=250) * 10.0 ** np.random.default_rng(4).integers(
+    -200, 11, 250
+)  # beyond 1e12 no axis has it
 COLUMNS = {"time": "t", "force": "F"}
 
 

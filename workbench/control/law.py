@@ -64,9 +64,9 @@ class Law:
 
 
 def _named(name: str) -> Law:
-    from workbench.control.named import law
+    from workbench.control.named import law_named
 
-    return law(name)
+    return law_named(name)
 
 
 @dataclass(frozen=True, eq=False)

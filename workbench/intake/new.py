@@ -22,7 +22,18 @@ from workbench.readers import stem, survey
 STUDY, FOLDER = "study.toml", "campaign"
 NAME = re.compile(r"\w[\w.-]*")
 LONGEST = 100  # characters; file systems end at 255 bytes, and outputs append to it
-VERBS = ("all", "bench", "bench-trace", "clean", "fuzz", "help", "lock", "setup", "test")  # of the Makefile
+VERBS = (
+    "all",
+    "bench",
+    "bench-trace",
+    "clean",
+    "fuzz",
+    "help",
+    "lock",
+    "setup",
+    "test",
+    "third-party",
+)  # of the Makefile
 
 
 @dataclass(frozen=True)

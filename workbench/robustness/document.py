@@ -125,7 +125,7 @@ def of_work(work: Work) -> dict:
     }
 
 
-def numbers_in(given: Mapping, where: str, texts: tuple[str, ...] = (), empty: tuple[str, ...] = ()) -> None:
+def _numbers_in(given: Mapping, where: str, texts: tuple[str, ...] = (), empty: tuple[str, ...] = ()) -> None:
     """Raise WorkbenchError where a value of a table is no number. texts: keys of texts; empty: keys that may hold null."""
     for key, value in given.items():
         sound = isinstance(value, (int, float)) and not isinstance(value, bool) and abs(value) <= LARGEST
@@ -135,14 +135,14 @@ def numbers_in(given: Mapping, where: str, texts: tuple[str, ...] = (), empty: t
             )
 
 
-def checked(given: Mapping) -> None:
+def _checked(given: Mapping) -> None:
     """Raise WorkbenchError where a number of a document's task is none, or its run would not end."""
-    numbers_in({n: given[n] for n in ("step", "duration", "noise")}, "")
-    numbers_in(given["loop"], "loop.", ("feedback",))
-    numbers_in(given["criteria"], "criteria.")
+    _numbers_in({n: given[n] for n in ("step", "duration", "noise")}, "")
+    _numbers_in(given["loop"], "loop.", ("feedback",))
+    _numbers_in(given["criteria"], "criteria.")
     for name, one in given["controllers"].items():
         base = one.get("base", one)
-        numbers_in(
+        _numbers_in(
             {n: base.get(n) for n in ("reversal", "velocity_filter")},
             f"controllers.{name}.",
             empty=("reversal", "velocity_filter"),
@@ -161,7 +161,7 @@ def work_of(given: Mapping) -> Work:
             raise TypeError("no table")
         if given["format"] != FORMAT:
             raise WorkbenchError(f"the document has format {given['format']}; this workbench reads {FORMAT}.")
-        checked(given)
+        _checked(given)
         task = Task(
             plant=_plant_of(given["plant"]),
             loop=Loop(**given["loop"]),

@@ -3,7 +3,7 @@
 | question, in this order | answer |
 |---|---|
 | does the angle between two encoders say that one is late? | cause, whatever else |
-| a correction within the fixed value's tolerance, or an effect (a correction beyond its tolerance) below the practical size, or below `beside` with values that no machine has? | refinement |
+| a correction within the fixed value's tolerance, or an effect (a correction beyond its tolerance) below the practical size, or below `explainable` with values that no machine has? | refinement |
 | does the error grow on validation, or does the effect explain nearly nothing there? | not borne out |
 | do the causes take `held` of the validation power, or leave little that is explainable? | cause |
 | is more than `explainable` of the drive predictable from outside the loop? | unknown |
@@ -76,7 +76,7 @@ def role(a: Weighed, criteria: Criteria) -> str:
     # without a validation record both are NaN, and say nothing
     if a.size(VALIDATION) < 0.0 or a.share(VALIDATION) < criteria.carried * a.share(IDENTIFICATION):
         return NOT_BORNE_OUT
-    if beyond(a) < (criteria.beside if a.implausible else criteria.practical):
+    if beyond(a) < (criteria.explainable if a.implausible else criteria.practical):
         return REFINEMENT
     return CAUSE
 
