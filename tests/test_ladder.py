@@ -4,11 +4,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from paper_axis import LOOP, plant
 
-from workbench.definition import find
 from workbench.description import Equivalent
-from workbench.plant import ONE_MASS, Limits, Plant
-from workbench.simulation import Loop
 from workbench.tuning import sampled
 from workbench.tuning.axis import Axis
 from workbench.verification.climb import climb
@@ -20,20 +18,11 @@ from workbench.verification.regret import BEATEN, Regret, first_grid, prices, re
 from workbench.verification.task import Task, Weights
 from workbench.verification.worth import regret_of, rivals, worth_sentence
 
-LOOP = Loop(2.5e-4, 4, 2.5e-4, 2.5e-4, 4.848e-6)
 COUNT = LOOP.count
 AMPLITUDES = np.geomspace(1e-5, 2.5, 20)
 SPRING = Equivalent(AMPLITUDES, 95.0 / (1.0 + 600.0 * AMPLITUDES), 0 * AMPLITUDES)
 LINEAR = Linear(LOOP, 0.0074, 0.0, np.array([0.0, 95.0]), SPRING)
 GAINS = type("Gains", (), {"amplitude": AMPLITUDES, "kp": 2000 / (1 + 4 * AMPLITUDES), "kd": 7.0 + 0 * AMPLITUDES})
-
-
-def plant() -> Plant:
-    return Plant(
-        ONE_MASS,
-        (find("inertia")(inertia=0.0074), find("presliding_hysteresis")(h0=0.15, x0=1 / 636)),
-        limits=Limits(3.3, 12.57),
-    )
 
 
 @pytest.fixture(scope="module")

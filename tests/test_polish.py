@@ -2,11 +2,9 @@
 
 import numpy as np
 import pytest
+from paper_axis import LOOP, plant
 
-from workbench.definition import find
 from workbench.description import Equivalent
-from workbench.plant import ONE_MASS, Limits, Plant
-from workbench.simulation import Loop
 from workbench.tuning import TuningGoal, response, sampled
 from workbench.tuning.axis import Axis
 from workbench.tuning.reach import stiffest
@@ -16,16 +14,7 @@ from workbench.verification.promise import promise
 from workbench.verification.stepping import figures_of
 from workbench.verification.task import Task, Weights
 
-LOOP = Loop(2.5e-4, 4, 2.5e-4, 2.5e-4, 4.848e-6)
 AMPLITUDES = np.array([0.9e-3, 4.3e-3, 0.021])
-
-
-def plant() -> Plant:
-    return Plant(
-        ONE_MASS,
-        (find("inertia")(inertia=0.0074), find("presliding_hysteresis")(h0=0.15, x0=1 / 636)),
-        limits=Limits(3.3, 12.57),
-    )
 
 
 @pytest.fixture(scope="module")

@@ -93,7 +93,7 @@ def records(result: StudyResult) -> Chapter:
     roles = [r.role for r in result.records]
     text = (
         f"The finding rests on {_some(roles.count(IDENTIFICATION))} for identification, from which all parameters come, and "
-        f"{_some(roles.count(VALIDATION))} for validation, read only after the model had been chosen; together they last "
+        f"{_some(roles.count(VALIDATION))} for validation, by which nothing is fitted and which has to bear out what was found; together they last "
         f"{numbers.exact(sum(r.duration for r in result.records), 3)} s."
     )
     caption = (

@@ -15,9 +15,8 @@ from workbench.frequency import Response
 from workbench.frequency.limit import COHERENT
 from workbench.simulation import Loop
 from workbench.tuning import sampled
-from workbench.tuning.sampled import Clock
 from workbench.verification.families import integrating
-from workbench.verification.linear import BELOW, FINE, LOWEST, Judge
+from workbench.verification.linear import Judge
 
 SHORTEST = 1e-6  # s: what a current loop without a stated lag has; a sample is a hundred times as long
 PATH = np.geomspace(0.05, 1.0, 12)  # slowness of the gains from which stability on a measured response is followed
@@ -44,18 +43,6 @@ class Lagged(Judge):
     notches: Sequence = ()
     measured: Response | None = None
     beside: float = 0.0
-
-    @property
-    def clock(self) -> Clock:
-        return Clock.of(self.loop)
-
-    @cached_property
-    def theta(self) -> np.ndarray:
-        return np.concatenate([np.geomspace(LOWEST, BELOW, 40, endpoint=False), np.geomspace(BELOW, np.pi, FINE)])
-
-    @cached_property
-    def rate(self) -> np.ndarray:
-        return sampled.difference(self.theta, self.clock) / self.loop.sample_time
 
     @cached_property
     def position(self) -> np.ndarray:

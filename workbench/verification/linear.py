@@ -38,9 +38,25 @@ def peak_of(loop: np.ndarray, integrators: int) -> np.ndarray:
 
 
 class Judge:
-    """What linearisations of any axis share. theta (f,): rad a sample. rate (f,): response of the filtered difference, per
-    second. position, speed (n, f): responses from torque to the position and to the one whose speed is read. own (n,):
+    """What linearisations of any axis share. loop: the sampled loop. position, speed (n, f): responses from torque to the position and to the one whose speed is read. own (n,):
     integrators of each."""
+
+    loop: Loop
+
+    @property
+    def clock(self) -> Clock:
+        """The loop's sampling and delay."""
+        return Clock.of(self.loop)
+
+    @cached_property
+    def theta(self) -> np.ndarray:
+        """Frequencies (f,), rad a sample: dense where a resonance has to be seen."""
+        return np.concatenate([np.geomspace(LOWEST, BELOW, 40, endpoint=False), np.geomspace(BELOW, np.pi, FINE)])
+
+    @cached_property
+    def rate(self) -> np.ndarray:
+        """Response (f,) of the filtered difference, per second."""
+        return sampled.difference(self.theta, self.clock) / self.loop.sample_time
 
     def peak(
         self, position: np.ndarray, speed: np.ndarray, integrators: int = 0, velocity_filter: np.ndarray | None = None
@@ -81,17 +97,9 @@ class Linear(Judge):
     stiffnesses: np.ndarray
     equivalent: Equivalent | None = None
 
-    @property
-    def clock(self) -> Clock:
-        return Clock.of(self.loop)
-
     @cached_property
     def theta(self) -> np.ndarray:
         return np.geomspace(LOWEST, np.pi, GRID)
-
-    @cached_property
-    def rate(self) -> np.ndarray:
-        return sampled.difference(self.theta, self.clock) / self.loop.sample_time
 
     def responses(self, springs: np.ndarray) -> np.ndarray:
         """Return the responses (n, f) from torque to position, with the zero-order hold and the delay."""
@@ -142,18 +150,6 @@ class TwoMasses(Judge):
     damping: float
     motor_position: bool = False
     motor_speed: bool = True
-
-    @property
-    def clock(self) -> Clock:
-        return Clock.of(self.loop)
-
-    @cached_property
-    def theta(self) -> np.ndarray:
-        return np.concatenate([np.geomspace(LOWEST, BELOW, 40, endpoint=False), np.geomspace(BELOW, np.pi, FINE)])
-
-    @cached_property
-    def rate(self) -> np.ndarray:
-        return sampled.difference(self.theta, self.clock) / self.loop.sample_time
 
     @cached_property
     def responses(self) -> tuple[np.ndarray, np.ndarray]:
