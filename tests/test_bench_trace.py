@@ -283,4 +283,4 @@ def test_numbers_of_one_name_in_two_modules_are_two():
     with changed("jumps", "MOST", 1):
         assert jumps.MOST == 1 != localise.MOST
     named = [(module, name) for module, name, _ in numbers()]
-    assert len(set(named)) == len(named) > 50 and ("judge", "LEADING") in named
+    assert len(set(named)) == len(named) > 50 and ("ranking", "LEADING") in named

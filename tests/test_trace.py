@@ -226,7 +226,7 @@ def test_a_suspect_without_a_value_on_the_records_is_ranked_and_harms_nothing(tm
     """A law outside its domain gives NaN; the trace says so and goes on."""
     import casadi as ca
 
-    from workbench.tracing import candidates, judge
+    from workbench.tracing import candidates, ranking
     from workbench.tracing.state import State
 
     rig.campaign(tmp_path, 5, missing=("stribeck_friction",), short=True)
@@ -238,7 +238,9 @@ def test_a_suspect_without_a_value_on_the_records_is_ranked_and_harms_nothing(tm
 
     broken = replace(real, name="broken_friction", step=step)
     monkeypatch.setattr(candidates, "catalogue", lambda: {"broken_friction": broken, "stribeck_friction": real})
-    judgements = judge.step(State(campaign.plant, passes_of(campaign.records[:1], campaign.bandwidth)), lambda _: None)
+    judgements = ranking.step(
+        State(campaign.plant, passes_of(campaign.records[:1], campaign.bandwidth)), lambda _: None
+    )
     found = {j.candidate.effect: j.candidate for j in judgements}
     assert found["broken_friction"].gain == 0.0 and "no value" in found["broken_friction"].sentence
     best = judgements[0]

@@ -14,11 +14,12 @@ from workbench.identification.fit import fitted_on, passes_of
 from workbench.identification.passes import Passes
 from workbench.identification.problem import Problem
 from workbench.plant import ONE_MASS, Plant
-from workbench.tracing import judge
+from workbench.tracing import ranking
 from workbench.tracing.candidates import Suspect, brought, suspects, without
 from workbench.tracing.counted import of_counts
 from workbench.tracing.greedy import Step, earned, promised
-from workbench.tracing.judge import STANDARD, Judgement, judged, simplest_first
+from workbench.tracing.judge import STANDARD, Judgement, judged
+from workbench.tracing.ranking import simplest_first
 from workbench.tracing.result import CAUSE, NOTHING, Candidate
 from workbench.tracing.score import HeldOut, followed
 from workbench.tracing.selection import Answer
@@ -218,7 +219,7 @@ def test_of_equals_the_usual_effect_is_named_before_a_rare_one(monkeypatch):
         candidate(*x)
         for x in (("fading_memory", 0.101, 2), ("presliding_hysteresis", 0.1, 2), ("lugre_friction", 0.11, 4))
     )
-    monkeypatch.setattr(judge, "absurd", lambda j, state: False)
+    monkeypatch.setattr(ranking, "absurd", lambda j, state: False)
     state = SimpleNamespace(power=1.0)
 
     def leads(*judgements: Judgement) -> Judgement:

@@ -9,7 +9,8 @@ from workbench.tracing.counted import by_counts, of_counts
 from workbench.tracing.criteria import Criteria
 from workbench.tracing.floor import levels, steadied
 from workbench.tracing.free_law import free_law
-from workbench.tracing.judge import Judgement, Progress, lighter, step
+from workbench.tracing.judge import Judgement, Progress, lighter
+from workbench.tracing.ranking import step
 from workbench.tracing.state import State
 from workbench.tracing.unexplained import PLAIN, noise_alone
 

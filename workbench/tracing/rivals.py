@@ -7,7 +7,8 @@ from workbench.identification.passes import Passes
 from workbench.plant import Plant
 from workbench.tracing.candidates import ADDITION, without
 from workbench.tracing.criteria import Criteria
-from workbench.tracing.judge import Judgement, alike
+from workbench.tracing.judge import Judgement
+from workbench.tracing.ranking import alike
 from workbench.tracing.thin import thin
 
 PLANNED = (

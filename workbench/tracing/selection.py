@@ -9,8 +9,9 @@ from workbench.plant import Plant
 from workbench.tracing.candidates import Offer, without
 from workbench.tracing.criteria import Criteria
 from workbench.tracing.greedy import Step, extended, leading
-from workbench.tracing.judge import Judgement, Progress, lighter, step
+from workbench.tracing.judge import Judgement, Progress, lighter
 from workbench.tracing.near_law import Law, as_declared, count_at, freed, laws, lengthened
+from workbench.tracing.ranking import step
 from workbench.tracing.state import State
 
 PROMISE = 0.05  # of the residual's power, from which a candidate is asked again when others are taken out

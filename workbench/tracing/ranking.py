@@ -1,0 +1,147 @@
+"""A round of the search: every candidate judged, and the order in which they come.
+
+By gain; of those that explain practically the same the simplest leads, and no effect leads that by its values is another one.
+"""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+from workbench.definition import TIME, catalogue, simpler
+from workbench.effects.free_bank import NAME as FREE_CURVE
+from workbench.plant import TWO_MASS
+from workbench.processes import shared
+from workbench.tracing.candidates import ADDITION, WHOLE, Offer
+from workbench.tracing.criteria import Criteria
+from workbench.tracing.judge import STANDARD, Judgement, Progress, free_of, judged, refitted, refitted_as
+from workbench.tracing.plausible import implausible
+from workbench.tracing.score import gain
+from workbench.tracing.state import Refitted, State
+
+LEADING = 6  # candidates that are fitted again with everything free
+BEHIND = 0.4  # of the best one's gain, below which a candidate is not
+NEUTRAL = 0.05  # relative distance within which a parameter stands at the value of a simpler law
+EQUAL = 0.1  # standard errors of a gain within which two effects as simple explain the same
+
+
+def step(state: State, progress: Progress, offer: Offer = WHOLE, criteria: Criteria = STANDARD) -> list[Judgement]:
+    """Judge every suspect that is offered; return them best first, those that lead fitted with everything free."""
+    suspects = offer.suspects(state.plant)
+    # made here, else by every process for itself
+    _ = state.power, state.residuals, state.absorbed, state.solution.columns, state.solution.gram
+    judgements = []
+    for suspect, found in zip(suspects, shared(lambda s: judged(state, s, criteria), suspects), strict=True):
+        progress(f"trying {suspect.key}")
+        judgements.append(Judgement(suspect, **found))
+    judgements = by_gain(judgements)
+    least = max(criteria.share / 2, BEHIND * judgements[0].candidate.gain) if judgements else 0.0
+    leaders = [j for j in judgements[:LEADING] if j.candidate.gain > least and j.theta is not None]
+    for i, more in enumerate(shared(lambda j: refitted(state, j, criteria), leaders)):
+        progress(f"fitting {leaders[i].suspect.key} with everything free")
+        if more:
+            fit = Refitted(free_of(state, leaders[i]), *more.pop("fit"))
+            judgements[judgements.index(leaders[i])] = replace(leaders[i], refitted=fit, **more)
+    judgements = plainest_first(simplest_first(judgements, criteria, state), criteria, state)
+    if judgements and (first := judgements[0]).refitted:
+        judgements[0] = replace(first, state=first.refitted.state)
+    return judgements
+
+
+def by_gain(judgements: Sequence[Judgement]) -> list[Judgement]:
+    """Order by gain, those that earn their place ahead of those that do not."""
+    return sorted(
+        judgements,
+        key=lambda j: (not j.candidate.earns, -j.candidate.gain, j.candidate.effect, j.candidate.at),
+    )
+
+
+def simplest_first(judgements: Sequence[Judgement], criteria: Criteria, state: State) -> list[Judgement]:
+    """Order by gain; of those that explain practically the same as the best, the one with the fewest free parameters leads.
+
+    Of several as simple the one with the largest gain, and a rare effect behind another one whose gain is as large. A value that
+    no machine has does not lead where a plausible effect explains nearly as much.
+    """
+    judgements = by_gain(judgements)
+    if not judgements:
+        return judgements
+    leader = judgements[0]
+    level = [j for j in judgements if j is leader or (j.refitted and alike(leader, j, criteria, state.power))]
+    sound = [j for j in level if not j.refitted or not absurd(j, state)]
+    level = sorted(sound or level, key=lambda j: (j.freedom, -j.candidate.gain, j.candidate.effect, j.candidate.at))
+    first = level[0]
+    least = first.candidate.gain - EQUAL * first.candidate.scatter
+    equal = [j for j in level if j.freedom == first.freedom and j.candidate.gain >= least]
+    simplest = next((j for j in equal if not j.suspect.plant[j.suspect.key].rare), first)
+    return [simplest, *(j for j in judgements if j is not simplest)]
+
+
+def plainest_first(judgements: Sequence[Judgement], criteria: Criteria, state: State) -> list[Judgement]:
+    """Let a simpler effect lead in the place of one that it then is: a parameter stands where the law is another one's.
+
+    LuGre without presliding is Stribeck's friction, a kinematic error of order 1 an eccentricity. The simpler one leads where it
+    takes `near` of what the other takes; where it does not, what the other takes more is a matter of counts. What is nothing of its own does not lead (LuGre without presliding and without Stribeck's
+    peak is Coulomb friction), nor what is nothing but a virgin curve where a free curve stands in the present model.
+    """
+    curved = {e.at for e in state.plant.effects if e.name == FREE_CURVE}
+    present = {e.key for e in state.plant.effects}
+    for _ in range(min(LEADING, len(judgements))):
+        first = judgements[0]
+        name = reduced(first, state)
+        if name is None:
+            break
+        said = name == "" or f"{name}@{first.suspect.at}" in {*present, *first.suspect.instead, *first.suspect.restored}
+        if said or (first.suspect.at in curved and "masing" in catalogue()[name].holds):
+            judgements = pushed_back(judgements, criteria, state)
+            continue
+        other = next((j for j in judgements if j.suspect.effect == name and j.theta is not None), None)
+        if other is None:
+            break
+        whole = state.errors.total
+        if other.candidate.earns and whole - other.errors.total >= criteria.near * (whole - first.errors.total):
+            other = other if other.refitted else refitted_as(state, other, criteria)
+            judgements = [other, *(j for j in judgements if j.suspect is not other.suspect)]
+            break
+        judgements = pushed_back(judgements, criteria, state)
+    return judgements
+
+
+def pushed_back(judgements: Sequence[Judgement], criteria: Criteria, state: State) -> list[Judgement]:
+    """Return judgements with the first behind all others, as one that does not earn its place."""
+    first, *rest = judgements
+    return [*simplest_first(rest, criteria, state), replace(first, candidate=replace(first.candidate, earns=False))]
+
+
+def reduced(j: Judgement, state: State) -> str | None:
+    """Return the name of the simpler effect that a fitted addition is, "" for none at all, None where it is itself."""
+    if not j.refitted or j.suspect.kind != ADDITION:
+        return None
+    effect = j.refitted.plant[j.suspect.key]
+    if effect.port == TIME and state.plant.kind == TWO_MASS:
+        return None  # a clock of one of two encoders is no delay of the drive
+    counts = max(p.motion.counts for p in state.passes)
+    near = {n: NEUTRAL * abs(p.value) for n, p in effect.parameters.items()}
+    # a clock that over all the records gains less than half a sample keeps pace
+    span = max(p.motion.t[-1] for p in state.passes) - min(p.motion.t[0] for p in state.passes)
+    step = min(p.motion.record.dt for p in state.passes)
+    near |= {n: 0.5 * step / span for n, p in effect.parameters.items() if p.scale == "drift"}
+    around = {n: (p.value - near[n], p.value + near[n]) for n, p in effect.parameters.items()}
+    # nor is a gap a gap that is short beside the presliding length
+    length = effect.parameters["x0"].value if "x0" in effect.parameters else 0.0
+    return simpler(effect, around, max(counts, 0.5 * NEUTRAL * length))
+
+
+def absurd(j: Judgement, state: State) -> bool:
+    """Whether a fitted candidate has values that no machine has."""
+    plant = j.refitted.plant
+    return bool(implausible(plant[j.suspect.key], plant, state.problem.plant, state.passes))
+
+
+def alike(best: Judgement, other: Judgement, criteria: Criteria, power: float) -> bool:
+    """Whether `best` takes away no more of what `other` leaves on held-out blocks than its scatter, or than what is of
+    practical size. power: of the drive.
+
+    A ratio over blocks, as every gain: a few blocks in which much is left would drown a plain difference in scatter.
+    """
+    further, scatter = gain(other.errors, best.errors)
+    small = other.errors.total - best.errors.total <= criteria.practical**2 * power
+    level = further <= max(criteria.alike * scatter, criteria.share) or small
+    return level and best.candidate.gain > criteria.share
