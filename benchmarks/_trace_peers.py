@@ -49,10 +49,10 @@ def columns(series: Sequence, band: float, orders: Sequence[float], declared: se
         v = s.velocity
         way = np.tanh(v / (1e-3 * fastest))
         found = library(s.position, v, rate(v), s.measured, s.time, way, rate, orders, fastest)
-        thin = slice(s.keep.start, s.keep.stop, max(1, int(1 / (2.4 * band * step))))
+        decimate = slice(s.keep.start, s.keep.stop, max(1, int(1 / (2.4 * band * step))))
         names = [name for name, _ in found]
-        blocks.append(np.column_stack([x[thin] for _, x in found]))
-        left.append(s.residual[thin])
+        blocks.append(np.column_stack([x[decimate] for _, x in found]))
+        left.append(s.residual[decimate])
     x, y = np.concatenate(blocks), np.concatenate(left)
     fitted = np.array([name in declared for name in names])
     basis = np.linalg.qr(x[:, fitted])[0]

@@ -146,12 +146,12 @@ def test_a_run_says_before_it_traces_that_it_will_tune_nothing(at, capsys, monke
 
 def test_a_command_map_that_leaves_nothing_has_no_value_and_warns_nobody(at, monkeypatch):
     from workbench.campaign import load
-    from workbench.identification.fit import passes_of
+    from workbench.identification.fit import inverse_dynamics
     from workbench.identification.problem import Problem
     from workbench.identification.solve import solved_at
 
     campaign = load(at / "campaign")
-    problem = Problem(campaign.plant, passes_of(campaign.records, campaign.bandwidth))
+    problem = Problem(campaign.plant, inverse_dynamics(campaign.records, campaign.bandwidth))
     monkeypatch.setattr(Problem, "command_scale", lambda *_: float("inf"))
     assert not solved_at(problem, problem.start()).cost < float("inf")  # warnings are errors here
 

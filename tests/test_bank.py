@@ -11,7 +11,7 @@ from workbench.definition import find
 from workbench.effects.hysteresis import maxwell_slip
 from workbench.errors import WorkbenchError
 from workbench.identification.bank import identify_bank
-from workbench.identification.fit import identify, passes_of
+from workbench.identification.fit import identify, inverse_dynamics
 from workbench.motion import motion
 from workbench.plant import Plant
 from workbench.record import Record, Source
@@ -73,7 +73,10 @@ def test_several_records_are_one_least_squares_on_the_samples_that_count():
 
 def test_it_agrees_with_identify_where_both_can():
     record = slow(3)
-    by_blocks, whole = identify_bank(plant(), [motion(record, BAND)]), identify(plant(), passes_of([record], BAND))
+    by_blocks, whole = (
+        identify_bank(plant(), [motion(record, BAND)]),
+        identify(plant(), inverse_dynamics([record], BAND)),
+    )
     curve = [np.minimum.outer(np.array([1e-4, 1e-3]), np.array(SLIPS)) @ weights(f.plant) for f in (by_blocks, whole)]
     np.testing.assert_allclose(curve[0], curve[1], rtol=0.02)
 

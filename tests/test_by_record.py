@@ -6,7 +6,7 @@ from test_identify import BAND, H0, B, J, believed, coloured, estimate, moved, r
 
 from workbench.definition import find
 from workbench.identification.by_record import own_estimates
-from workbench.identification.fit import identify, passes_of
+from workbench.identification.fit import identify, inverse_dynamics
 from workbench.identification.problem import Problem
 from workbench.identification.solve import solve
 from workbench.plant import Plant
@@ -31,8 +31,8 @@ def records(viscous: tuple[float, ...], noise: float = 0.02, seed: int = 3) -> l
 def test_the_spread_is_that_of_fits_to_each_record():
     """A plant without shape parameters: the own estimate is the fit of that record, to rounding."""
     made = records((B, 1.2 * B, 0.9 * B))
-    fit = identify(smooth(), passes_of(made, BAND))
-    alone = [identify(smooth(), passes_of([r], BAND)) for r in made]
+    fit = identify(smooth(), inverse_dynamics(made, BAND))
+    alone = [identify(smooth(), inverse_dynamics([r], BAND)) for r in made]
     assert set(fit.spread) == {"inertia@axis.inertia", VISCOUS, "constant_offset@axis.offset"}
     for name, (low, high) in fit.spread.items():
         values = [estimate(f, name.split(".")[1]).value for f in alone]
@@ -46,14 +46,14 @@ def test_the_spread_holds_the_truth_with_friction_of_memory():
     for k in (1, 2, 3):
         t, q, v, a = moved(k)
         made.append(recorded(t, q, torque(q, v, a) + coloured(np.random.default_rng(k), t.size, 0.02), f"r{k}"))
-    fit = identify(believed(), passes_of(made, BAND))
+    fit = identify(believed(), inverse_dynamics(made, BAND))
     low, high = fit.spread["presliding_hysteresis@axis.h0"]
     assert low < estimate(fit, "h0").value < high and low == pytest.approx(H0, rel=0.1) == high
     assert not kinds(fit, "records disagree") and not kinds(fit, "excitation missing")
 
 
 def test_records_that_differ_are_said_to():
-    found = kinds(identify(smooth(), passes_of(records((B, 1.5 * B, B)), BAND)), "records disagree")
+    found = kinds(identify(smooth(), inverse_dynamics(records((B, 1.5 * B, B)), BAND)), "records disagree")
     assert list(found) == [VISCOUS]
     finding = found[VISCOUS]
     assert "'r1'" in finding.sentence and finding.evidence["times_allowed"] > 1.0 and finding.remedy
@@ -63,14 +63,15 @@ def test_records_that_differ_are_said_to():
 def test_records_that_agree_are_seldom_said_to_differ():
     """At most one in twenty fits, by the bound on the pairs; 20 fits of three records."""
     said = [
-        kinds(identify(smooth(), passes_of(records((B,) * 3, seed=k), BAND)), "records disagree") for k in range(20)
+        kinds(identify(smooth(), inverse_dynamics(records((B,) * 3, seed=k), BAND)), "records disagree")
+        for k in range(20)
     ]
     assert sum(map(bool, said)) <= 2
 
 
 def test_differences_too_small_to_matter_are_not_said():
     """Of 2 %, and sure: almost no noise."""
-    fit = identify(smooth(), passes_of(records((B, 1.02 * B), noise=1e-5), BAND))
+    fit = identify(smooth(), inverse_dynamics(records((B, 1.02 * B), noise=1e-5), BAND))
     assert fit.spread[VISCOUS] == pytest.approx((B, 1.02 * B), rel=5e-3)
     assert not kinds(fit, "records disagree")
 
@@ -81,7 +82,7 @@ def test_a_record_that_knows_next_to_nothing_has_no_say():
     rng = np.random.default_rng(5)
     steady = recorded(t, 2.0 * t, 2.0 * B + 0.02 + coloured(rng, t.size, 0.02), "steady")
     moving = recorded(t, q, J * a + B * v + 0.02 + coloured(rng, t.size, 0.02), "moving")
-    passes = passes_of([steady, moving], BAND)
+    passes = inverse_dynamics([steady, moving], BAND)
     fit = identify(smooth(), passes)
     assert "inertia@axis.inertia" not in fit.spread
     problem = Problem(smooth(), passes)
@@ -93,7 +94,7 @@ def test_a_record_that_knows_next_to_nothing_has_no_say():
 def test_without_acceleration_inertia_is_said_to_lack_excitation():
     rng, t = np.random.default_rng(9), moved(1)[0]
     made = [recorded(t, s * t, B * s + 0.02 + 0.002 * rng.normal(size=t.size), f"r{s}") for s in (1.0, -2.0, 3.0)]
-    found = kinds(identify(smooth(), passes_of(made, BAND)), "excitation missing")
+    found = kinds(identify(smooth(), inverse_dynamics(made, BAND)), "excitation missing")
     assert list(found) == ["inertia@axis.inertia"]
     assert "acceleration" in found["inertia@axis.inertia"].remedy
 
@@ -109,7 +110,7 @@ def test_without_reversals_friction_with_memory_is_said_to_lack_excitation(speed
         a = s * 1.5 * np.cos(3 * t + k)
         u = J * a + B * v + H0 * np.sign(s) + 0.002 * rng.normal(size=t.size)
         made.append(recorded(t, q, u, f"r{k}"))
-    found = kinds(identify(believed(), passes_of(made, BAND)), "excitation missing")
+    found = kinds(identify(believed(), inverse_dynamics(made, BAND)), "excitation missing")
     assert {s.split(".")[1] for s in found} == lacking
     assert all("reverses" in f.remedy for f in found.values())
 
@@ -118,7 +119,7 @@ def test_a_small_effect_that_is_well_determined_lacks_nothing():
     """Below the noise, yet known: many samples."""
     t, q, v, a = moved(11, 8.0)
     u = J * a + B * v + 0.02 + 0.004 * np.sin(q) + 0.01 * np.random.default_rng(1).normal(size=t.size)
-    fit = identify(smooth() + find("gravity"), passes_of([recorded(t, q, u)], BAND))
+    fit = identify(smooth() + find("gravity"), inverse_dynamics([recorded(t, q, u)], BAND))
     assert "gravity@axis.sine" not in kinds(fit, "excitation missing")
 
 
@@ -136,7 +137,7 @@ def weighted() -> Plant:
 
 
 def test_the_spread_is_of_the_parameters_that_are_declared():
-    fit = identify(weighted(), passes_of(swinging((0.4, 0.4, 0.4)), BAND))
+    fit = identify(weighted(), inverse_dynamics(swinging((0.4, 0.4, 0.4)), BAND))
     assert {n for n in fit.spread if n.startswith("gravity")} == {"gravity@axis.mgl", "gravity@axis.phase"}
     for name, truth in (("mgl", 0.3), ("phase", 0.4)):
         low, high = fit.spread[f"gravity@axis.{name}"]
@@ -145,14 +146,14 @@ def test_the_spread_is_of_the_parameters_that_are_declared():
 
 
 def test_a_phase_near_a_half_turn_has_no_spread_of_a_whole_one():
-    low, high = identify(weighted(), passes_of(swinging((np.pi - 0.02, np.pi + 0.02)), BAND)).spread[
+    low, high = identify(weighted(), inverse_dynamics(swinging((np.pi - 0.02, np.pi + 0.02)), BAND)).spread[
         "gravity@axis.phase"
     ]
     assert high - low < 0.2
 
 
 def test_records_disagree_on_what_is_declared():
-    found = kinds(identify(weighted(), passes_of(swinging((0.2, 0.2, 1.4)), BAND)), "records disagree")
+    found = kinds(identify(weighted(), inverse_dynamics(swinging((0.2, 0.2, 1.4)), BAND)), "records disagree")
     assert "gravity@axis.phase" in found and not any("sine" in n for n in found)
     finding = found["gravity@axis.phase"]
     assert finding.evidence["lowest"] == pytest.approx(0.2, abs=0.05)

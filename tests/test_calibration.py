@@ -10,7 +10,7 @@ from test_report_example import trace as example
 
 from workbench.campaign import load
 from workbench.definition import find
-from workbench.identification.fit import identify, passes_of
+from workbench.identification.fit import identify, inverse_dynamics
 from workbench.record import IDENTIFICATION, VALIDATION
 from workbench.tracing.calibration import calibrate, calibrations, finding, periodic
 from workbench.tracing.result import Cause
@@ -37,7 +37,7 @@ def calibrated(ripple, offset: float):
     """The true structure fitted, its validation record counted from elsewhere, and the calibration of it."""
     campaign, wave = ripple
     records = [powered_up(r, offset) if r.role == VALIDATION else r for r in campaign.records]
-    passes = passes_of(records, campaign.bandwidth)
+    passes = inverse_dynamics(records, campaign.bandwidth)
     fit = identify(campaign.plant + find("cogging")(order=wave["order"]), passes)
     return fit, passes, calibrate(fit.plant, "cogging@axis", passes, fit.validation)
 
@@ -83,7 +83,7 @@ def test_only_waves_with_a_phase_are_calibrated():
 def test_a_ripple_of_another_power_up_is_named_and_not_used_where_its_phase_is_wrong(ripple):
     campaign, wave = ripple
     records = [powered_up(r, pi / wave["order"]) if r.role == VALIDATION else r for r in campaign.records]
-    passes = passes_of(records, campaign.bandwidth)
+    passes = inverse_dynamics(records, campaign.bandwidth)
     found = trace(campaign.plant, passes, only=("cogging",))
     assert found.added == ("cogging",) and found.causes[0].share_validation < 0.0
     assert "not carried over" in [f.kind for f in found.findings]

@@ -14,7 +14,7 @@ from rig.signals import low_pass
 from workbench.campaign import load
 from workbench.compensation import Compensator, agreement, predicted
 from workbench.definition import find
-from workbench.identification.fit import identify, passes_of
+from workbench.identification.fit import identify, inverse_dynamics
 from workbench.record import IDENTIFICATION
 from workbench.study.simulated import record_of
 
@@ -66,7 +66,7 @@ def test_the_cascade_is_left_with_no_more_than_the_fit_does_not_explain(name, tm
         e = find(name)
         outside = {n: v for n, v in start(truth["parameters"][name]).items() if n in e.parameters}
         plant = plant + e(at=at, **outside)
-    passes = passes_of(seen.records, seen.bandwidth)
+    passes = inverse_dynamics(seen.records, seen.bandwidth)
     fit = identify(plant, passes)
     count = seen.records[0].resolution["position"]
     reference = ramp()
@@ -101,7 +101,7 @@ def test_the_cascade_is_left_with_no_more_than_the_fit_does_not_explain(name, tm
 def test_what_is_added_along_a_record_is_what_identification_says_of_the_effect(tmp_path):
     rig.campaign(tmp_path, 7, (), base="gravity", short=True)
     seen = load(tmp_path)
-    passes = passes_of(seen.records, seen.bandwidth)
+    passes = inverse_dynamics(seen.records, seen.bandwidth)
     plant = identify(seen.plant, passes).plant
     slow = next(p for p in passes if "slow" in p.motion.record.name)
     for name in ("gravity", "presliding_hysteresis"):

@@ -10,7 +10,7 @@ from scipy.signal import lfilter
 
 from workbench.definition import find
 from workbench.identification.fit import identify
-from workbench.identification.passes import Passes
+from workbench.identification.passes import InverseDynamics
 from workbench.motion import Motion, motion
 from workbench.plant import ONE_MASS, Plant
 from workbench.record import Record, Source
@@ -48,7 +48,7 @@ def sets(seconds: tuple[float, ...], memory: float, size: float, count: int):
         u = J * a + B * v + H0 * rig.masing(q, 1 / X0)
         made.append(motion(Record(f"r{seed}", "identification", t, {"torque": u, "position": q}, {}, SOURCE), BAND))
     for _ in range(count):
-        yield [Passes(noisy(m, coloured(rng, m.u.size, size, memory))) for m in made]
+        yield [InverseDynamics(noisy(m, coloured(rng, m.u.size, size, memory))) for m in made]
 
 
 def noisy(m: Motion, noise: np.ndarray) -> Motion:

@@ -19,7 +19,7 @@ from workbench.errors import WorkbenchError
 from workbench.exporting.feed_forward import export_feed_forward
 from workbench.identification.curves import curve, curve_of
 from workbench.identification.fit import identify
-from workbench.identification.passes import Passes, predicted
+from workbench.identification.passes import InverseDynamics, predicted
 from workbench.identification.problem import Name
 from workbench.kernel.step import build
 from workbench.motion import motion
@@ -74,12 +74,12 @@ def swings(n: int = 12_000) -> np.ndarray:
     )
 
 
-def driven(plant: Plant, noise: float = 0.0, q: np.ndarray | None = None) -> Passes:
+def driven(plant: Plant, noise: float = 0.0, q: np.ndarray | None = None) -> InverseDynamics:
     """A record of `plant` on given motion, with white noise in the drive."""
     q = swings() if q is None else q
-    u = predicted(Passes(motion(record(q), BAND)), plant)
+    u = predicted(InverseDynamics(motion(record(q), BAND)), plant)
     u = u + noise * np.random.default_rng(3).normal(size=u.size)
-    return Passes(motion(record(q, u), BAND))
+    return InverseDynamics(motion(record(q, u), BAND))
 
 
 INERTIA = find("inertia")(inertia=0.02)
@@ -236,7 +236,7 @@ def test_a_curve_over_the_command_is_undone_by_its_derivation(seed):
     effect = free_maps.drive_over_command((0.2, 0.5, 0.9, 1.4, 2.0))(**{f"loss{i}": c for i, c in enumerate(losses, 1)})
     plant = PLAIN + effect
     u = 2.5 * np.sin(np.linspace(0.0, 20.0, 12_000))
-    passes = Passes(motion(record(swings(), u), BAND))
+    passes = InverseDynamics(motion(record(swings(), u), BAND))
     np.testing.assert_allclose(passes.command.undone(plant, passes.command.applied(plant)), u, atol=1e-12)
 
 
@@ -352,7 +352,7 @@ def test_on_two_masses_a_force_over_the_deflection_is_the_joints_stiffness():
     made = Record("two", "identification", t, channels, {}, Source(Path("x"), "", "none", {}))
     spring = find("linear_stiffness")(stiffness=900.0)
     plant = Plant("two mass", (INERTIA(at="motor"), INERTIA(at="load"), spring))
-    found = {(f.family, f.suspect.at): f.effect for f in free_forms(plant, [Passes(motion(made, BAND))])}
+    found = {(f.family, f.suspect.at): f.effect for f in free_forms(plant, [InverseDynamics(motion(made, BAND))])}
     joint = found["joint stiffness", "joint"]
     assert joint.parameters["knot13"].value == pytest.approx(2e-3, rel=0.02)
     assert joint.parameters["force13"].fixed  # the declared spring's slope is free

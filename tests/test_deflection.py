@@ -9,13 +9,13 @@ from workbench.campaign import load
 from workbench.identification.angle import Ends
 from workbench.identification.blocks import Blocks
 from workbench.identification.deflection import deflection_of, zeros
-from workbench.identification.passes import Passes
+from workbench.identification.passes import InverseDynamics
 from workbench.motion import motion
 
 
-def raw(records, band: float) -> list[Passes]:
-    """Passes over the records as they are: the zeros of their encoders are not taken off before."""
-    return [Passes(motion(r, band)) for r in records]
+def raw(records, band: float) -> list[InverseDynamics]:
+    """InverseDynamics over the records as they are: the zeros of their encoders are not taken off before."""
+    return [InverseDynamics(motion(r, band)) for r in records]
 
 
 def told(records, plant=None):

@@ -14,7 +14,7 @@ from workbench.cli import main
 from workbench.definition import find
 from workbench.difference import compare
 from workbench.difference.changes import holm
-from workbench.identification.fit import passes_of
+from workbench.identification.fit import inverse_dynamics
 from workbench.plant import ONE_MASS, Plant, freed
 from workbench.record import IDENTIFICATION, Record, Source
 
@@ -32,7 +32,7 @@ def plant() -> Plant:
 
 
 def measured(seed: int, memory: float = 0.05, seconds: float = 8.0, **changed: float):
-    """Passes over two records in closed form: sines slow and fast, the rig's friction, and noise with a memory in s."""
+    """InverseDynamics over two records in closed form: sines slow and fast, the rig's friction, and noise with a memory in s."""
     is_now, rng, records = TRUTH | changed, np.random.default_rng(seed), []
     t = np.arange(round(seconds * RATE)) / RATE
     for name in ("one", "two"):
@@ -47,7 +47,7 @@ def measured(seed: int, memory: float = 0.05, seconds: float = 8.0, **changed: f
         u = is_now["inertia"] * a + is_now["viscous"] * v + is_now["h0"] * rig.masing(q - q[0], is_now["a"]) + noise
         channels = {"torque": u, "position": q}
         records.append(Record(name, IDENTIFICATION, t, channels, {}, Source(Path("r"), "", "", {})))
-    return passes_of(records, BAND)
+    return inverse_dynamics(records, BAND)
 
 
 @pytest.mark.parametrize(

@@ -10,7 +10,7 @@ from conftest import measured
 from workbench.campaign import load
 from workbench.definition import find
 from workbench.errors import WorkbenchError
-from workbench.identification.fit import identify, passes_of
+from workbench.identification.fit import identify, inverse_dynamics
 from workbench.identification.passes import predicted
 from workbench.plant import ONE_MASS, TWO_MASS, Plant, places
 from workbench.record import Record, Source
@@ -41,7 +41,7 @@ def plant(rotary: bool = True) -> Plant:
 @pytest.mark.parametrize(("rotary", "channel"), [(True, "torque"), (False, "force")])
 def test_the_drift_of_a_reported_drive_is_found_in_its_unit(rotary, channel):
     at = f"sensor.{channel}"
-    passes = passes_of(records(RATE, channel), BAND)
+    passes = inverse_dynamics(records(RATE, channel), BAND)
     fit = identify(plant(rotary) + find("sensor_trend")(at=at), passes)
     (rate,) = [e for e in fit.estimates if e.effect == "sensor_trend"]
     assert (rate.value, rate.unit) == (pytest.approx(RATE, rel=1e-3), "N*m/s" if rotary else "N/s")
@@ -54,11 +54,11 @@ def test_the_drift_of_a_reported_drive_is_found_in_its_unit(rotary, channel):
 def test_behind_a_command_map_the_drift_is_of_the_reading_and_not_of_what_acts():
     """A lag changes what acts; a drift of the reading is taken off before it, and comes back after it is undone."""
     lagging = plant() + find("actuator_lag")(time_constant=2e-3) + find("sensor_trend")(at="sensor.torque", rate=RATE)
-    passes = passes_of(records(0.0), BAND)[0]
+    passes = inverse_dynamics(records(0.0), BAND)[0]
     bare = lagging.without("sensor_trend")
     t = passes.motion.t
     np.testing.assert_allclose(predicted(passes, lagging) - predicted(passes, bare), RATE * t, atol=1e-9)
-    drifting = passes_of(records(RATE), BAND)[0]
+    drifting = inverse_dynamics(records(RATE), BAND)[0]
     np.testing.assert_allclose(drifting.filtered_drive(lagging), passes.filtered_drive(bare), atol=1e-9)
 
 
@@ -87,7 +87,7 @@ def test_a_drift_may_be_declared_in_the_unit_of_its_channel(tmp_path):
 def test_the_drifting_force_of_a_table_is_named_first_with_its_rate():
     """Truth: 0.2 N/s beside an asymmetry of friction."""
     campaign = load(measured("campaigns_d/d10"))
-    passes = passes_of(campaign.records, campaign.bandwidth)
+    passes = inverse_dynamics(campaign.records, campaign.bandwidth)
     only = ("sensor_trend", "stribeck_friction", "friction_drift", "cable_spring")
     found = trace(campaign.plant, passes, most=1, only=only)
     first = found.causes[0]

@@ -17,7 +17,7 @@ from workbench.definition import COMMAND, FORCE, SENSOR, TIME, Border, Effect, c
 from workbench.effects.direction import stop_direction
 from workbench.effects.hysteresis import knots, maxwell_slip, presliding_hysteresis
 from workbench.errors import WorkbenchError
-from workbench.identification.passes import Passes, required
+from workbench.identification.passes import InverseDynamics, required
 from workbench.kernel.step import build, check_linear
 from workbench.motion import motion
 from workbench.parameter import Parameter
@@ -217,7 +217,7 @@ NEUTRAL = [n for n, e in catalogue().items() if e.linear and not e.provides and 
 @pytest.mark.parametrize("name", NEUTRAL)
 def test_an_effect_with_zero_amplitudes_changes_no_result(name):
     effect = find(name)(at="axis", **dict.fromkeys(find(name).linear, 0.0))
-    passes = Passes(motion(record(), 100.0))
+    passes = InverseDynamics(motion(record(), 100.0))
     plant = declared()
     plant = plant.without(name) if name in plant else plant
     np.testing.assert_array_equal(required(passes, plant + effect), required(passes, plant))
@@ -379,7 +379,7 @@ def test_the_loop_of_a_stop_is_a_parallelogram():
 def test_coulomb_friction_with_a_presliding_length_is_one_element_of_maxwell_slip():
     """To the last bit but rounding: a spring Fc/r that slips at Fc."""
     plant = Plant(ONE_MASS) + find("inertia")(inertia=0.0) + find("coulomb_friction")(coulomb=0.15)
-    passes = Passes(motion(record(3), 100.0))
+    passes = InverseDynamics(motion(record(3), 100.0))
     built = required(passes, plant + find("presliding_length")(length=1e-4))
     one = required(passes, Plant(ONE_MASS) + maxwell_slip((1e-4,))(k1=1500.0))
     np.testing.assert_allclose(built, one, rtol=1e-12, atol=1e-15)
@@ -493,7 +493,7 @@ def test_every_effect_can_act_somewhere():
 def test_names_are_drawn_at_random_from_the_catalogue_and_composed():
     """Any three forces of an axis compose, in any order, and ask for the same drive to the last bits of their sum."""
     forces = [n for n in NEUTRAL if not set(find(n).reads) & {"temperature", "normal"}]
-    passes = Passes(motion(record(1), 100.0))
+    passes = InverseDynamics(motion(record(1), 100.0))
     for seed in range(5):
         chosen = random.Random(seed).sample(forces, 3)
         effects = [find(n)(**{p: 0.01 for p in find(n).linear if find(n).parameters[p].lower <= 0.01}) for n in chosen]

@@ -7,7 +7,7 @@ import pytest
 
 from workbench.definition import find
 from workbench.errors import WorkbenchError
-from workbench.identification.fit import passes_of
+from workbench.identification.fit import inverse_dynamics
 from workbench.identification.free_run import START, beginning, free_run, refine_free_run
 from workbench.motion import motion
 from workbench.plant import ONE_MASS, TWO_MASS, Plant
@@ -83,7 +83,7 @@ def test_a_lacking_force_drifts_by_its_share_of_the_viscous_coefficient():
 
 def test_friction_is_found_from_the_free_run_of_a_record_of_any_role():
     made = moved(axis())
-    passes = passes_of([replace(made, role=VALIDATION)], BAND)
+    passes = inverse_dynamics([replace(made, role=VALIDATION)], BAND)
     found = refine_free_run(axis(coulomb=22.0, viscous=190.0), passes)
     assert found["coulomb_friction"].parameters["coulomb"].value == pytest.approx(COULOMB, rel=5e-3)
     assert found["viscous_friction"].parameters["viscous"].value == pytest.approx(VISCOUS, rel=5e-3)
@@ -93,7 +93,7 @@ def test_what_is_fixed_stays():
     stiff = axis(coulomb=22.0)
     inertia = stiff["inertia"]
     held = stiff.swap(replace(inertia, parameters={n: replace(p, fixed=True) for n, p in inertia.parameters.items()}))
-    found = refine_free_run(held, passes_of([moved(axis())], BAND))
+    found = refine_free_run(held, inverse_dynamics([moved(axis())], BAND))
     assert found["inertia"].parameters["inertia"].value == MASS
     assert found["coulomb_friction"].parameters["coulomb"].value == pytest.approx(COULOMB, rel=5e-3)
 

@@ -19,8 +19,8 @@ from threadpoolctl import threadpool_limits
 from workbench.definition import find
 from workbench.errors import WorkbenchError
 from workbench.identification.command import REACH
-from workbench.identification.fit import identify, passes_of
-from workbench.identification.passes import Passes
+from workbench.identification.fit import identify, inverse_dynamics
+from workbench.identification.passes import InverseDynamics
 from workbench.identification.shift import shifted
 from workbench.kernel.step import build
 from workbench.motion import motion
@@ -84,7 +84,7 @@ def clean() -> tuple[Record, ...]:
 
 def test_a_plain_axis_is_recovered(clean):
     """Up to the 24 elements of the bank, about h0/(2 N^2) of the friction."""
-    fit = identify(believed(), passes_of(clean, BAND))
+    fit = identify(believed(), inverse_dynamics(clean, BAND))
     for name, true, within in (("inertia", J, 1e-3), ("viscous", B, 5e-3), ("h0", H0, 1e-3), ("a", A, 5e-3)):
         assert estimate(fit, name).value == pytest.approx(true, rel=within)
     assert fit.identification < 1e-3 and fit.validation < 1e-3
@@ -96,7 +96,7 @@ def test_smooth_effects_are_recovered_to_many_digits():
     t, q, v, a = moved(4)
     u = J * a + B * v + 0.02 + 0.3 * np.sin(q + 0.4) + 1e-4 * v * np.abs(v)
     plant = smooth() + find("gravity") + find("nonlinear_viscous_friction")
-    fit = identify(plant, passes_of([recorded(t, q, u)], BAND))
+    fit = identify(plant, inverse_dynamics([recorded(t, q, u)], BAND))
     for name, true in (
         ("inertia", J),
         ("viscous", B),
@@ -114,7 +114,7 @@ def test_shapes_are_found_from_afar(clean):
     friction = rig.masing(q, A)
     u = torque(q, v, a) + 0.05 * np.exp(-((v / 0.6) ** 2)) * friction + 0.02 * np.sin(60 * q + 0.7)
     plant = believed() + find("stribeck_friction")(speed=0.3) + find("cogging")(order=59.6)
-    fit = identify(plant, passes_of([recorded(t, q, u)], BAND))
+    fit = identify(plant, inverse_dynamics([recorded(t, q, u)], BAND))
     for name, true, within in (
         ("drop", 0.05, 0.02),
         ("speed", 0.6, 0.02),
@@ -128,7 +128,7 @@ def test_shapes_are_found_from_afar(clean):
 def test_no_more_is_asked_of_a_drive_than_it_gives(clean):
     """u' = u/sqrt(1 + u^2) stays below one: exact where it has an inverse, and little more than the drive's limit beyond."""
     plant = replace(believed() + find("torque_constant_saturation")(fall=1.0), limits=Limits(drive=3.0))
-    passes = passes_of(clean, BAND)[0]
+    passes = inverse_dynamics(clean, BAND)[0]
     most = REACH * max(3.0, float(np.abs(passes.motion.u).max()))
     asked = np.linspace(-5.0, 5.0, passes.motion.u.size)
     found = passes.command.undone(plant, asked)
@@ -142,7 +142,7 @@ def test_a_delay_is_found(clean, delay):
     t, q, _, _ = moved(6)
     _, _, v, a = moved(6, ahead=delay)  # the command acts `delay` after it was given
     u = J * a + B * v
-    fit = identify(smooth() + find("transport_delay")(delay=1e-3), passes_of([recorded(t, q, u)], BAND))
+    fit = identify(smooth() + find("transport_delay")(delay=1e-3), inverse_dynamics([recorded(t, q, u)], BAND))
     assert estimate(fit, "delay").value == pytest.approx(delay, abs=2e-6)
     assert estimate(fit, "inertia").value == pytest.approx(J, rel=2e-3)
 
@@ -154,7 +154,7 @@ def test_a_lag_is_found_below_and_above_the_sample_time(lag):
     rate = np.gradient(J * a + B * v, t, edge_order=2)
     fit = identify(
         smooth() + find("actuator_lag")(time_constant=5e-4),
-        passes_of([recorded(t, q, J * a + B * v + lag * rate)], BAND),
+        inverse_dynamics([recorded(t, q, J * a + B * v + lag * rate)], BAND),
     )
     assert estimate(fit, "time_constant").value == pytest.approx(lag, rel=0.01, abs=2e-6)
 
@@ -166,13 +166,13 @@ def test_a_lag_answers_a_sine_as_its_closed_form(frequency, lag):
     plant = Plant(ONE_MASS) + find("actuator_lag")(time_constant=lag)
     wave = np.exp(2j * np.pi * frequency * t)
     expected = (wave / (1 + 2j * np.pi * frequency * lag)).imag
-    found = Passes(motion(recorded(t, np.zeros(t.size), wave.imag), BAND)).command.applied(plant)
+    found = InverseDynamics(motion(recorded(t, np.zeros(t.size), wave.imag), BAND)).command.applied(plant)
     assert np.abs(found - expected)[100:-100].max() < 2e-3
 
 
 def test_a_fixed_parameter_stays_and_the_rest_is_fitted(clean):
     plant = believed().swap(find("inertia")(inertia=0.002, fixed=True))
-    fit = identify(plant, passes_of(clean, BAND))
+    fit = identify(plant, inverse_dynamics(clean, BAND))
     held = estimate(fit, "inertia")
     assert held.value == held.low == held.high == 0.002 and held.fixed
     assert fit.plant["inertia"].parameters["inertia"].fixed
@@ -203,7 +203,9 @@ def test_intervals_cover_under_coloured_noise():
         passes = []
         for m, (t, q, v, a) in zip(motions, made, strict=True):
             u = J * a + B * v + 0.02 + coloured(rng, t.size, 0.02)
-            passes.append(Passes(type(m)(recorded(t, q, u, m.record.name), u, m.q, m.dq, m.v, m.a, m.filter, m.counts)))
+            passes.append(
+                InverseDynamics(type(m)(recorded(t, q, u, m.record.name), u, m.q, m.dq, m.v, m.a, m.filter, m.counts))
+            )
         fit = identify(smooth(), passes)
         hits += [estimate(fit, n).low <= value <= estimate(fit, n).high for n, value in true.items()]
     assert 0.8 <= np.mean(hits) <= 1.0
@@ -220,7 +222,7 @@ def test_without_acceleration_inertia_is_not_determined():
     rng = np.random.default_rng(9)
     t = np.arange(4000) / RATE
     records = [recorded(t, s * t, B * s + 0.02 + 0.002 * rng.normal(size=t.size), f"r{s}") for s in (1.0, -2.0, 3.0)]
-    fit = identify(smooth(), passes_of(records, BAND))
+    fit = identify(smooth(), inverse_dynamics(records, BAND))
     assert said(fit)["inertia@axis.inertia"] in ("not determined", "at bound")
     assert estimate(fit, "viscous").value == pytest.approx(B, rel=0.05)
     assert "viscous_friction@axis.viscous" not in said(fit)
@@ -229,7 +231,7 @@ def test_without_acceleration_inertia_is_not_determined():
 def test_a_collinear_pair_is_known_only_together():
     t, q, v, a = moved(10)
     u = J * a + B * v + 0.5 * q - 0.1 + 0.002 * np.random.default_rng(1).normal(size=t.size)
-    fit = identify(smooth() + find("cable_spring"), passes_of([recorded(t, q, u)], BAND))
+    fit = identify(smooth() + find("cable_spring"), inverse_dynamics([recorded(t, q, u)], BAND))
     (finding,) = [f for f in fit.findings if f.kind == "known only together"]
     assert finding.subject == "cable_spring@axis.preload, constant_offset@axis.offset"
     assert "hardly tell them apart" in finding.sentence and finding.remedy
@@ -241,7 +243,7 @@ def test_a_collinear_pair_is_known_only_together():
 
 def test_a_value_on_its_bound_is_said_to_be():
     t, q, v, a = moved(11)
-    fit = identify(smooth(), passes_of([recorded(t, q, J * a - 0.01 * v)], BAND))
+    fit = identify(smooth(), inverse_dynamics([recorded(t, q, J * a - 0.01 * v)], BAND))
     assert said(fit)["viscous_friction@axis.viscous"] == "at bound"
     bound = estimate(fit, "viscous")
     assert bound.value == bound.low == bound.high == 0.0
@@ -249,7 +251,7 @@ def test_a_value_on_its_bound_is_said_to_be():
 
 def test_findings_are_sentences(clean):
     t, q, v, a = moved(11)
-    fit = identify(smooth() + find("cable_spring"), passes_of([recorded(t, q, J * a - 0.01 * v)], BAND))
+    fit = identify(smooth() + find("cable_spring"), inverse_dynamics([recorded(t, q, J * a - 0.01 * v)], BAND))
     assert fit.findings
     for finding in fit.findings:
         assert finding.sentence.endswith(".") and finding.subject and finding.remedy
@@ -266,21 +268,23 @@ def numbers(fit) -> list[float]:
 
 
 def test_the_order_of_records_does_not_matter(clean):
-    passes = passes_of(clean, BAND)
+    passes = inverse_dynamics(clean, BAND)
     assert numbers(identify(believed(), passes)) == numbers(identify(believed(), passes[::-1]))
 
 
 def test_the_order_of_effects_does_not_matter(clean):
     plant = believed() + find("constant_offset") + find("stribeck_friction")
     backwards = Plant(ONE_MASS, plant.effects[::-1])
-    assert numbers(identify(plant, passes_of(clean, BAND))) == numbers(identify(backwards, passes_of(clean, BAND)))
+    assert numbers(identify(plant, inverse_dynamics(clean, BAND))) == numbers(
+        identify(backwards, inverse_dynamics(clean, BAND))
+    )
 
 
 def test_the_number_of_threads_does_not_matter(clean):
     found = []
     for threads in (1, 2, 4):
         with threadpool_limits(limits=threads, user_api="blas"):
-            found.append(numbers(identify(believed(), passes_of(clean, BAND))))
+            found.append(numbers(identify(believed(), inverse_dynamics(clean, BAND))))
     assert found[0] == found[1] == found[2]
 
 
@@ -296,14 +300,14 @@ def test_a_fresh_process_finds_the_same_numbers(clean):
         [sys.executable, "-c", f"import sys; sys.path[:0] = [{str(here)!r}, {str(here.parent)!r}]\n{code}"],
         capture_output=True, text=True, check=True,
     )  # fmt: skip
-    assert done.stdout.strip() == str(numbers(identify(believed(), passes_of(clean, BAND))))
+    assert done.stdout.strip() == str(numbers(identify(believed(), inverse_dynamics(clean, BAND))))
 
 
 def test_validation_never_influences_the_fit(clean):
     *fitted, validation = clean
     other = recorded(validation.time - validation.time[0], validation.channels["position"],
                      validation.drive * 3 + 1.0, "r3", "validation", 30.0)  # fmt: skip
-    one, two = (identify(believed(), passes_of([*fitted, v], BAND)) for v in (validation, other))
+    one, two = (identify(believed(), inverse_dynamics([*fitted, v], BAND)) for v in (validation, other))
     assert [(e.value, e.low, e.high) for e in one.estimates] == [(e.value, e.low, e.high) for e in two.estimates]
     assert one.identification == two.identification and one.validation != two.validation
 
@@ -317,7 +321,7 @@ def test_delay_and_lag_and_their_inverse_undo_each_other(delay, lag, frequency):
     t = np.arange(1500) / RATE
     u = np.sin(2 * np.pi * frequency * t) * np.exp(-(((t - 0.7) / 0.15) ** 2)) + 0.3  # at rest at both ends
     plant = Plant(ONE_MASS) + find("transport_delay")(delay=delay) + find("actuator_lag")(time_constant=lag)
-    passes = Passes(motion(recorded(t, np.zeros(t.size), u), BAND))
+    passes = InverseDynamics(motion(recorded(t, np.zeros(t.size), u), BAND))
     again = passes.command.undone(plant, passes.command.applied(plant))
     assert np.abs(again - u).max() < 1e-6
 
@@ -348,12 +352,12 @@ def test_a_signal_that_a_record_does_not_have_is_refused(clean):
     with pytest.raises(
         WorkbenchError, match="effect 'constant_offset' reads 'temperature', which record 'r1' does not"
     ):
-        identify(plant, passes_of(clean, BAND))
+        identify(plant, inverse_dynamics(clean, BAND))
 
 
 def test_no_array_of_a_record_is_changed(clean):
     before = [r.drive.copy() for r in clean]
-    identify(believed(), passes_of(clean, BAND))
+    identify(believed(), inverse_dynamics(clean, BAND))
     assert all(np.array_equal(b, r.drive) for b, r in zip(before, clean, strict=True))
 
 
@@ -361,7 +365,7 @@ def test_asking_for_the_direction_leaves_coulomb_friction_what_it_is():
     """Columns and steps are kept under the step of an effect: what only asks for the direction has a step of its own."""
     t, q, *_ = moved(3)
     plant = Plant(ONE_MASS) + find("inertia")(inertia=0.01) + find("coulomb_friction")(coulomb=0.1)
-    (passes,) = passes_of([recorded(t, q, np.zeros_like(q))], 50.0)
+    (passes,) = inverse_dynamics([recorded(t, q, np.zeros_like(q))], 50.0)
     told = passes.direction(plant, "axis")
     assert np.abs(told).max() == pytest.approx(1.0)
     assert build(find("coulomb_friction")).reads == ("dir",)

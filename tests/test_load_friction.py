@@ -9,7 +9,7 @@ import pytest
 from workbench.conformance.prediction import sees_no_drive
 from workbench.definition import FORCE, Effect, catalogue, find
 from workbench.errors import WorkbenchError
-from workbench.identification.fit import identify, passes_of
+from workbench.identification.fit import identify, inverse_dynamics
 from workbench.identification.passes import required
 from workbench.parameter import Parameter
 from workbench.plant import ONE_MASS, TWO_MASS, Plant
@@ -67,7 +67,7 @@ def recorded(plant: Plant, samples: int = 16000, lanes: int = 2) -> list[Record]
     ids=("share", "whole", "motor", "load"),
 )
 def test_a_simulated_motion_asks_for_the_drive_that_made_it(plant):
-    for passes in passes_of(recorded(plant), BAND):
+    for passes in inverse_dynamics(recorded(plant), BAND):
         m = passes.motion
         without = [e for e in plant.effects if e.name != "load_dependent_friction"]
         error, bare = (
@@ -82,7 +82,7 @@ def test_of_two_masses_the_load_balance_closes_with_friction_at_the_load():
     from workbench.identification.passes import balances
 
     plant = elastic("load")
-    for passes in passes_of(recorded(plant), BAND):
+    for passes in inverse_dynamics(recorded(plant), BAND):
         keep, smooth = passes.motion.keep, passes.motion.filter
         left, bare = (
             np.sqrt(np.mean(smooth(balances(passes, p)[1])[keep] ** 2))
@@ -108,7 +108,7 @@ def test_friction_and_share_are_found_again_though_the_load_starts_wrong():
     plant = pendulum()
     begun = plant.swap(plant["inertia"](inertia=3 * INERTIA)).swap(plant["gravity"](sine=0.2 * WEIGHT))
     begun = begun.swap(loaded(mu=0.0, share=0.5))
-    found = identify(begun, passes_of(recorded(plant), BAND)).plant
+    found = identify(begun, inverse_dynamics(recorded(plant), BAND)).plant
     values = found["load_dependent_friction"].parameters
     assert values["mu"].value == pytest.approx(MU, rel=0.03)
     assert values["share"].value == pytest.approx(SHARE, rel=0.1)
@@ -125,7 +125,7 @@ def test_a_drive_along_the_motion_is_no_friction_of_its_own():
         extra = 0.3 * np.sign(v) * np.repeat(rng.uniform(0.0, 1.0, r.time.size // 400 + 1), 400)[: r.time.size]
         channels = {**r.channels, "torque": r.channels["torque"] + extra}
         found.append(Record(r.name, r.role, r.time, channels, {}, r.source))
-    mu = identify(plant, passes_of(found, BAND)).plant["load_dependent_friction"].parameters["mu"].value
+    mu = identify(plant, inverse_dynamics(found, BAND)).plant["load_dependent_friction"].parameters["mu"].value
     assert mu < 0.1
 
 

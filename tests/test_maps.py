@@ -10,7 +10,7 @@ import rig
 from workbench.campaign import load
 from workbench.definition import find
 from workbench.identification.carrying import load_errors
-from workbench.identification.fit import identify, passes_of
+from workbench.identification.fit import identify, inverse_dynamics
 from workbench.plant import ONE_MASS, TWO_MASS, Geometry, Plant
 from workbench.record import IDENTIFICATION, Record, Source
 from workbench.tracing.maps import (
@@ -50,7 +50,7 @@ def record(name: str, seed: int, **more: np.ndarray) -> Record:
 
 @pytest.fixture(scope="module")
 def passes():
-    return passes_of([record("one", 1), record("two", 2)], BAND)
+    return inverse_dynamics([record("one", 1), record("two", 2)], BAND)
 
 
 @pytest.fixture(scope="module")
@@ -161,7 +161,7 @@ def test_noise_has_no_place_and_follows_nothing(pool):
 def test_friction_in_one_window_and_one_direction_of_the_rig_is_found_there(tmp_path):
     truth = rig.campaign(tmp_path, 7, ("window_friction",), 2.0, short=True)
     campaign = load(tmp_path)
-    passes = identifying(passes_of(campaign.records, campaign.bandwidth))
+    passes = identifying(inverse_dynamics(campaign.records, campaign.bandwidth))
     found = drives(passes, identify(campaign.plant, passes), None).before.places[0]
     (low, high), (coordinate, _) = truth["where"][1][0], truth["where"]
     reach = 0.1 * max(np.ptp(p.motion.q) for p in passes)
@@ -211,7 +211,7 @@ def test_of_two_masses_an_error_of_the_angle_shows_in_rad():
     r = record("x", 7, position=q_l + inertia * a_l / k + wave, load_position=q_l)
     joint = find("linear_stiffness")(at="joint", stiffness=k)
     plant = Plant(TWO_MASS, (MASS(at="motor"), MASS(at="load", inertia=inertia), joint))
-    (p,) = passes_of([r], BAND)
+    (p,) = inverse_dynamics([r], BAND)
     assert joint_stiffness([p], plant) == pytest.approx(k)
     found = angle_residual([p], plant)
     np.testing.assert_allclose(found, -wave[p.motion.keep], atol=0.05 * size)
@@ -219,7 +219,7 @@ def test_of_two_masses_an_error_of_the_angle_shows_in_rad():
     asked = rms(wave) / rms(inertia * a_l / k + wave)
     assert load_errors([p], plant) == {r.role: pytest.approx(asked, rel=0.02)}
     locked = replace(r, locked=True)
-    assert load_errors(passes_of([locked], BAND), plant) == {}
+    assert load_errors(inverse_dynamics([locked], BAND), plant) == {}
 
 
 def test_a_map_has_sixty_bins_at_most(pool):

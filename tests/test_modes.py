@@ -9,7 +9,7 @@ import pytest
 from workbench.definition import find
 from workbench.errors import WorkbenchError
 from workbench.frequency import Mode, Modes, fit_modes, flexible_modes, response_of
-from workbench.identification.fit import identify, passes_of
+from workbench.identification.fit import identify, inverse_dynamics
 from workbench.plant import Plant
 from workbench.record import Record, Source
 from workbench.simulation import open_loop
@@ -93,7 +93,7 @@ def test_both_resonances_are_found_in_the_frequency_response_of_a_record():
 
 @pytest.mark.parametrize("start", [0.92, 1.06])
 def test_two_resonances_are_identified(shaken, start):
-    fit = identify(axis(start), passes_of([shaken], 220.0))
+    fit = identify(axis(start), inverse_dynamics([shaken], 220.0))
     found = {(e.effect, e.parameter): e.value for e in fit.estimates}
     for label, truth in MODES.items():
         for name, value, within in zip(("mass", "frequency", "damping"), truth, (0.02, 0.001, 0.01), strict=True):
@@ -103,7 +103,7 @@ def test_two_resonances_are_identified(shaken, start):
 
 
 def test_a_resonance_too_far_from_its_start_is_said_not_to_be_found(shaken):
-    fit = identify(axis(1.15), passes_of([shaken], 220.0))
+    fit = identify(axis(1.15), inverse_dynamics([shaken], 220.0))
     assert fit.identification > 0.1
     assert any(f.kind == "at bound" and f.subject.startswith("flexible_mode second@axis") for f in fit.findings)
 
@@ -115,7 +115,7 @@ def test_the_frequency_response_gives_the_parts_that_identification_starts_from(
         assert part.parameters["frequency"].value == pytest.approx(frequency, rel=1e-3)
         assert part.parameters["damping"].value == pytest.approx(damping, rel=1e-2)
     start = Plant("one mass", (find("inertia"), find("viscous_friction"), *parts))
-    fit = identify(start, passes_of([shaken], 220.0))
+    fit = identify(start, inverse_dynamics([shaken], 220.0))
     masses = [fit.plant[e.key].parameters["mass"].value for e in parts]
     assert masses == pytest.approx([m for m, _, _ in MODES.values()], rel=0.02)
 

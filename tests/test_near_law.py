@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from workbench.definition import find
-from workbench.identification.fit import identify, passes_of
+from workbench.identification.fit import identify, inverse_dynamics
 from workbench.plant import ONE_MASS, Plant
 from workbench.record import IDENTIFICATION, Record, Source
 from workbench.tracing.candidates import CORRECTION, suspects, within_tolerance
@@ -23,7 +23,7 @@ PLANT = Plant(ONE_MASS) + find("inertia")(inertia=0.01) + find("viscous_friction
 
 
 def passes(force, start: float = 0.0, seconds: float = 6.0):
-    """Passes over slow and fast sines whose drive is inertia, viscous friction and force(t, q, dir)."""
+    """InverseDynamics over slow and fast sines whose drive is inertia, viscous friction and force(t, q, dir)."""
     t = start + np.arange(round(1000 * seconds)) / 1000.0
     w, slow = 2 * np.pi * 3.0, 2 * np.pi * 0.4
     q = 0.3 * np.sin(slow * t) + 0.05 * np.sin(w * t)
@@ -31,7 +31,7 @@ def passes(force, start: float = 0.0, seconds: float = 6.0):
     a = -0.3 * slow**2 * np.sin(slow * t) - 0.05 * w**2 * np.sin(w * t)
     drive = 0.01 * a + 0.05 * v + force(t, q, np.sign(v))
     made = Record("made", IDENTIFICATION, t, {"torque": drive, "position": q}, {}, SOURCE, {"position": COUNT})
-    return passes_of([made], 100.0)
+    return inverse_dynamics([made], 100.0)
 
 
 def stops(q: np.ndarray, length: float, level: float) -> np.ndarray:

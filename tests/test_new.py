@@ -190,7 +190,7 @@ def test_files_that_make_no_campaign_are_refused_and_nothing_is_left(axis, tmp_p
 
 def control(folder: Path, said: str = ""):
     """What a study's controller is tuned for, with these lines put into its study.toml."""
-    from workbench.identification.fit import passes_of
+    from workbench.identification.fit import inverse_dynamics
     from workbench.study import configuration
     from workbench.study.control import shown_by
     from workbench.study.controlling import control_of
@@ -200,7 +200,7 @@ def control(folder: Path, said: str = ""):
     table, _, line = said.partition(" ")
     file.write_text(text.replace(f"[{table}]", f"[{table}]\n{line} #", 1) if said else text, encoding="utf-8")
     campaign = load(folder / "campaign")
-    shown = shown_by(campaign.plant, passes_of(campaign.records, campaign.bandwidth))
+    shown = shown_by(campaign.plant, inverse_dynamics(campaign.records, campaign.bandwidth))
     return control_of(configuration.load(folder).table, campaign.plant, shown)
 
 

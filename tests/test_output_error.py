@@ -12,7 +12,7 @@ from scipy.linalg import expm
 from workbench.control import fixed_pd, pi_cascade
 from workbench.definition import find
 from workbench.errors import WorkbenchError
-from workbench.identification.fit import identify, passes_of
+from workbench.identification.fit import identify, inverse_dynamics
 from workbench.identification.output_error import rerun
 from workbench.identification.refine import refine
 from workbench.motion import motion
@@ -74,7 +74,7 @@ def test_a_wrong_inertia_is_seen_in_the_drive(waves):
 
 
 def test_output_error_finds_the_parameters_of_the_rig(waves):
-    passes = passes_of([waves], BAND)
+    passes = inverse_dynamics([waves], BAND)
     start = model(1.3 * AXIS.inertia, 0.6 * AXIS.viscous, 0.8 * AXIS.h0, 1.5 / AXIS.rate)
     fit = refine(start, passes, RIG, CASCADE)
     before, after = fit.details["output_error"]
@@ -94,7 +94,7 @@ def test_a_plant_whose_values_are_all_known_is_only_compared(waves):
     known = replace(
         known, effects=tuple(e(fixed=True, **{n: p.value for n, p in e.parameters.items()}) for e in known.effects)
     )
-    fit = refine(known, passes_of([waves], BAND), RIG, CASCADE)
+    fit = refine(known, inverse_dynamics([waves], BAND), RIG, CASCADE)
     assert fit.plant == known
     before, after = fit.details["output_error"]
     assert before == after < 0.003
@@ -158,7 +158,7 @@ def test_a_controller_of_the_wrong_sign_is_a_sentence(waves):
     unstable = replace(model(), limits=Limits())
     for call in (
         lambda: rerun(unstable, motion(waves, BAND), RIG, fixed_pd(-1e6, -1e4)),
-        lambda: refine(unstable, passes_of([waves], BAND), RIG, fixed_pd(-1e6, -1e4)),
+        lambda: refine(unstable, inverse_dynamics([waves], BAND), RIG, fixed_pd(-1e6, -1e4)),
     ):
         with pytest.raises(WorkbenchError, match="infinity"):
             call()

@@ -5,7 +5,7 @@ import pytest
 
 from workbench.campaign import load
 from workbench.errors import WorkbenchError
-from workbench.identification.fit import identify, passes_of
+from workbench.identification.fit import identify, inverse_dynamics
 from workbench.identification.output_error import payload_inertia
 
 INERTIA, VISCOUS, MGL, PHASE = 0.02, 0.05, 0.3, 0.4
@@ -67,7 +67,7 @@ def folder(tmp_path):
 
 def values(folder):
     campaign = load(folder)
-    fit = identify(campaign.plant, passes_of(campaign.records, campaign.bandwidth))
+    fit = identify(campaign.plant, inverse_dynamics(campaign.records, campaign.bandwidth))
     inner = {f"{e.key}.{n}": p.value for e in fit.plant.effects for n, p in e.parameters.items()}
     return inner["inertia@axis.inertia"], inner["gravity@axis.sine"], inner["gravity@axis.cosine"]
 

@@ -10,7 +10,7 @@ import rig
 
 from workbench.cli import main
 from workbench.definition import find
-from workbench.identification.fit import identify, passes_of
+from workbench.identification.fit import identify, inverse_dynamics
 from workbench.identification.problem import Problem
 from workbench.identification.solve import solve
 from workbench.planning import Envelope, Sensing, design, prospects, sensing_of, separate
@@ -53,7 +53,7 @@ def carried_out(machine: rig.Machine, reference, drive: np.ndarray, seed: int = 
         channels["load_position"] = rig.COUNT * np.floor(made.ql / rig.COUNT + 0.5)
         resolution["load_position"] = rig.COUNT
     record = Record("planned", IDENTIFICATION, made.t, channels, {}, Source(Path("rig"), "", "rig", {}), resolution)
-    return passes_of([record], rig.BAND)
+    return inverse_dynamics([record], rig.BAND)
 
 
 # --- motions ------------------------------------------------------------------------------------------------------------

@@ -268,8 +268,8 @@ def test_series_are_named_where_there_are_several(folder):
 def test_a_long_trace_is_thinned_and_keeps_its_extremes():
     rng = np.random.default_rng(0)
     x, y = np.arange(100_000.0), rng.normal(size=100_000)
-    thin, values = drawing.envelope(x, y)
-    assert thin.size <= 2 * drawing.BINS and np.all(np.diff(thin) > 0)
+    decimate, values = drawing.envelope(x, y)
+    assert decimate.size <= 2 * drawing.BINS and np.all(np.diff(decimate) > 0)
     assert values.min() == y.min() and values.max() == y.max()
     assert drawing.envelope(x[:100], y[:100])[0].size == 100
 

@@ -13,7 +13,7 @@ from workbench.plant import ONE_MASS, Plant
 from workbench.record import IDENTIFICATION, VALIDATION, Record, Source
 from workbench.report.contents import Chapter, Check, Equation, Figure, Paragraph, Recorded, StudyResult, Table
 from workbench.report.drawing import svg
-from workbench.tracing.result import CAUSE, NOTHING, UNKNOWN, Candidate, Cause, Trace
+from workbench.tracing.result import CAUSE, NOTHING, UNKNOWN, CandidateScore, Cause, Trace
 
 RATE = 500.0
 TRUE = {"inertia": 1.23e-3, "viscous": 0.0041, "coulomb": 0.182, "drop": 0.0553, "speed": 0.62}
@@ -97,7 +97,7 @@ def fit(stribeck: bool) -> Fit:
     return Fit(Plant(ONE_MASS, tuple(effects)), tuple(found), error[IDENTIFICATION], error[VALIDATION], nrmse, rms, series, {}, tuple(findings))  # fmt: skip
 
 
-def candidates() -> tuple[Candidate, ...]:
+def candidates() -> tuple[CandidateScore, ...]:
     names = {
         "stribeck_friction": (0.958, 0.021), "lugre_friction": (0.951, 0.024), "nonlinear_viscous_friction": (0.412, 0.038),
         "load_dependent_friction": (0.173, 0.045), "coulomb_asymmetry": (0.021, 0.012), "presliding_hysteresis": (0.014, 0.02),
@@ -105,7 +105,7 @@ def candidates() -> tuple[Candidate, ...]:
         "transport_delay": (-0.0002, 0.001), "constant_offset": (-0.004, 0.003),
     }  # fmt: skip
     return tuple(
-        Candidate(n, "command" if n == "transport_delay" else "axis", "correction" if n == "inertia" else "addition", g, s, 0.11 * (1 - g) ** 0.5, 0.105 * (1 - g) ** 0.5, g > 0.05 and g > 3 * s, f"Adding {n}.")
+        CandidateScore(n, "command" if n == "transport_delay" else "axis", "correction" if n == "inertia" else "addition", g, s, 0.11 * (1 - g) ** 0.5, 0.105 * (1 - g) ** 0.5, g > 0.05 and g > 3 * s, f"Adding {n}.")
         for n, (g, s) in names.items()
     )  # fmt: skip
 

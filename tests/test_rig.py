@@ -6,7 +6,7 @@ import rig
 from rig.machine import Machine, unexplained
 
 from workbench.campaign import load
-from workbench.identification.fit import identify, passes_of
+from workbench.identification.fit import identify, inverse_dynamics
 
 HELD = rig.Axis(
     inertia=0.002, viscous=0.05, h0=0.0, rate=0.0, load_inertia=0.003, load_viscous=0.0, k2=300.0, c2=0.3, count=1e-7
@@ -76,7 +76,7 @@ def test_an_effect_of_any_kind_is_as_large_as_asked(tmp_path, name, base):
     truth = rig.campaign(tmp_path, 11, (name,), 3.0 / rig.LEVEL, base=base, short=True)
     assert truth["missing"] == [name] and truth["sizes"][0] == pytest.approx(3.0, rel=0.05)
     campaign = load(tmp_path)
-    left = identify(campaign.plant, passes_of(campaign.records, campaign.bandwidth)).identification
+    left = identify(campaign.plant, inverse_dynamics(campaign.records, campaign.bandwidth)).identification
     assert left / truth["floor"]["identification"] == pytest.approx(np.hypot(1.0, 3.0), rel=0.25)
 
 

@@ -10,7 +10,7 @@ import pytest
 from workbench.control import fixed_pd, grid, pi_cascade, scheduled_pd
 from workbench.definition import FORCE, Effect, find
 from workbench.errors import WorkbenchError
-from workbench.identification.fit import identify, passes_of
+from workbench.identification.fit import identify, inverse_dynamics
 from workbench.parameter import Parameter
 from workbench.plant import Limits, Plant
 from workbench.record import Record, Source
@@ -142,7 +142,7 @@ def test_identification_recovers_what_was_simulated():
     plant = hysteretic()
     records = logged(plant, excitation(8000, 5e-4), 5e-4)
     guess = plant.swap(plant["presliding_hysteresis"](h0=0.3, x0=5e-3)).swap(plant["inertia"](inertia=0.02))
-    fit = identify(guess, passes_of(records, 40.0))
+    fit = identify(guess, inverse_dynamics(records, 40.0))
     for key, name in (
         ("inertia", "inertia"),
         ("viscous_friction", "viscous"),
@@ -158,7 +158,7 @@ def test_coulomb_friction_beside_hysteresis_is_another_contact():
     plant = hysteretic() + find("coulomb_friction")(coulomb=0.05)
     records = logged(plant, excitation(8000, 5e-4), 5e-4)
     guess = plant.swap(plant["presliding_hysteresis"](h0=0.3, x0=5e-3)).swap(plant["coulomb_friction"](coulomb=0.01))
-    fit = identify(guess, passes_of(records, 40.0))
+    fit = identify(guess, inverse_dynamics(records, 40.0))
     assert fit.plant["coulomb_friction"].parameters["coulomb"].value == pytest.approx(0.05, rel=0.05)
     assert fit.plant["presliding_hysteresis"].parameters["h0"].value == pytest.approx(0.15, rel=0.03)
     assert fit.identification < 0.02

@@ -13,7 +13,7 @@ from workbench.definition import Effect, find
 from workbench.effects.stiffness import linear_stiffness
 from workbench.errors import WorkbenchError
 from workbench.identification.bodies import Bodies
-from workbench.identification.fit import identify, passes_of
+from workbench.identification.fit import identify, inverse_dynamics
 from workbench.plant import Limits, Plant
 from workbench.record import Record, Source
 from workbench.simulation import Loop, Scenario, ScenarioArrays, open_loop, simulate
@@ -330,7 +330,7 @@ def test_identification_recovers_the_joint_that_was_simulated():
         for i in range(2)
     ]
     guess = plant.swap(plant["linear_stiffness"](stiffness=300.0)).swap(find("inertia")(inertia=0.004, at="load"))
-    fit = identify(guess, passes_of(records, 60.0))
+    fit = identify(guess, inverse_dynamics(records, 60.0))
     for key, name in (("linear_stiffness", "stiffness"), ("inertia@motor", "inertia"), ("inertia@load", "inertia")):
         assert fit.plant[key].parameters[name].value == pytest.approx(plant[key].parameters[name].value, rel=0.03), key
 

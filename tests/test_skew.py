@@ -11,16 +11,16 @@ from workbench.campaign import load
 from workbench.definition import find
 from workbench.identification.carrying import NOTHING, idle
 from workbench.identification.clocks import plain
-from workbench.identification.fit import identify, passes_of
+from workbench.identification.fit import identify, inverse_dynamics
 from workbench.tracing.candidates import ADDITION, CORRECTION, suspects
+from workbench.tracing.decimation import decimate
 from workbench.tracing.skew import skew_of
-from workbench.tracing.thin import thin
 
 KNOWN = {"inertia": True, "viscous": True}
 
 
 def test_a_late_load_encoder_is_the_first_suspect_with_its_value_held():
-    passes = passes_of([joint(1, late=2e-3, zero=1e-3), joint(2, late=2e-3)], BAND)
+    passes = inverse_dynamics([joint(1, late=2e-3, zero=1e-3), joint(2, late=2e-3)], BAND)
     found = skew_of(passes, jointed(**KNOWN))
     assert (found.suspect.key, found.suspect.kind) == ("clock_skew@sensor.load_position", ADDITION)
     clock = found.suspect.plant["clock_skew@sensor.load_position"]
@@ -31,7 +31,7 @@ def test_a_late_load_encoder_is_the_first_suspect_with_its_value_held():
 
 
 def test_a_late_motor_encoder_is_told_by_the_drive():
-    passes = passes_of([joint(1, late=3e-3, motor=True), joint(2, late=3e-3, motor=True)], BAND)
+    passes = inverse_dynamics([joint(1, late=3e-3, motor=True), joint(2, late=3e-3, motor=True)], BAND)
     found = skew_of(passes, jointed(**KNOWN))
     assert found.suspect.at == "sensor.position"
     assert found.late.values["offset"] == pytest.approx(3e-3, rel=0.05) and "position is read" in found.sentence
@@ -39,25 +39,25 @@ def test_a_late_motor_encoder_is_told_by_the_drive():
 
 @pytest.mark.parametrize("law", [{}, {"loop": 0.5}, {"viscous": 3000.0}, {"zero": 1e-3}])
 def test_what_is_no_clock_is_no_suspect(law):
-    assert skew_of(passes_of([joint(1, **law), joint(2, **law)], BAND), jointed()) is None
+    assert skew_of(inverse_dynamics([joint(1, **law), joint(2, **law)], BAND), jointed()) is None
 
 
 def test_lateness_that_is_worth_no_torque_is_no_cause():
-    passes = passes_of([joint(1, late=1e-4, count=1e-7), joint(2, late=1e-4, count=1e-7)], BAND)
+    passes = inverse_dynamics([joint(1, late=1e-4, count=1e-7), joint(2, late=1e-4, count=1e-7)], BAND)
     assert skew_of(passes, jointed(**KNOWN)) is not None
     assert skew_of(passes, jointed(**KNOWN), worth=1.0) is None
     assert skew_of(passes, jointed(**KNOWN), share=1.0) is None
 
 
 def test_records_that_disagree_make_nothing_plain():
-    late = skew_of(passes_of([joint(1, late=2e-3), joint(2, late=2e-3)], BAND), jointed(**KNOWN)).late.measured
+    late = skew_of(inverse_dynamics([joint(1, late=2e-3), joint(2, late=2e-3)], BAND), jointed(**KNOWN)).late.measured
     other = replace(late.records["r1"], value=5e-3, low=4.9e-3, high=5.1e-3)
     assert plain(late) and not plain(replace(late, records={**late.records, "r1": other}))
 
 
 def test_a_clock_that_is_declared_is_not_asked_for_again():
     plant = jointed() + find("clock_skew")(at="sensor.load_position")
-    assert skew_of(passes_of([joint(1, late=2e-3)], BAND), plant) is None
+    assert skew_of(inverse_dynamics([joint(1, late=2e-3)], BAND), plant) is None
 
 
 def test_a_value_that_the_angle_told_is_no_correction():
@@ -69,7 +69,7 @@ def test_a_value_that_the_angle_told_is_no_correction():
 
 
 def test_a_joint_without_stiffness_carries_nothing_and_a_sound_one_carries():
-    passes = passes_of([joint(1), joint(2)], BAND)
+    passes = inverse_dynamics([joint(1), joint(2)], BAND)
     sound = identify(jointed(**KNOWN), passes).plant
     assert idle(passes, sound) is None
     assert sound["linear_stiffness@joint"].parameters["stiffness"].value == pytest.approx(K, rel=0.02)
@@ -83,7 +83,7 @@ def test_a_joint_without_stiffness_carries_nothing_and_a_sound_one_carries():
 @pytest.mark.parametrize("name", ["kr300_axis1", "kr300_axis1_JmJl", "kr300_axis3", "kr300_axis3_JmJl"])
 def test_the_clock_of_a_robots_link_encoder_is_the_first_suspect(name):
     campaign = load(measured("measured", name))
-    passes = passes_of(campaign.records, campaign.bandwidth)
+    passes = inverse_dynamics(campaign.records, campaign.bandwidth)
     found = skew_of(passes, campaign.plant)
     assert found.suspect.key == "clock_skew@sensor.load_position"
     assert 2.6e-3 < found.late.values["offset"] < 3.3e-3
@@ -94,7 +94,7 @@ def test_the_clock_of_a_robots_link_encoder_is_the_first_suspect(name):
 @pytest.mark.parametrize("name", ["kr300_axis1", "kr300_axis1_JmJl"])
 def test_of_a_stiff_robot_axis_the_fit_says_that_its_joint_carries_nothing(name):
     campaign = load(measured("measured", name))
-    passes = passes_of(campaign.records, campaign.bandwidth)
+    passes = inverse_dynamics(campaign.records, campaign.bandwidth)
     assert idle(passes, identify(campaign.plant, passes).plant).kind == NOTHING
 
 
@@ -102,7 +102,7 @@ def test_of_two_masses_only_the_campaign_that_lacks_a_clock_gets_one(data):
     truth = json.loads((measured("campaigns_d") / "truth.json").read_text())
     for name in ("d01", "d08", "d14", "d17", "d21", "d27", "d30"):
         campaign = load(measured("campaigns_d", name))
-        found = skew_of(thin(passes_of(campaign.records, campaign.bandwidth)), campaign.plant)
+        found = skew_of(decimate(inverse_dynamics(campaign.records, campaign.bandwidth)), campaign.plant)
         assert (found is not None) == ("clock_skew" in truth[name]["missing"]), name
         if found:
             assert found.late.values["offset"] == pytest.approx(truth[name]["parameters"]["skew_s"], rel=0.02)

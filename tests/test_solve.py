@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from workbench.definition import find
-from workbench.identification.fit import passes_of
+from workbench.identification.fit import inverse_dynamics
 from workbench.identification.problem import Problem
 from workbench.identification.shift import LAGRANGE, between, weights
 from workbench.identification.solve import bounded, solve, solved_at
@@ -25,7 +25,9 @@ def passes():
     torque = 0.02 * np.cos(5.0 * t) + 0.3 * np.sin(2.0 * t) + 0.02 * np.random.default_rng(3).normal(size=t.size)
     channels = {"torque": torque, "position": q + torque / 200.0, "load_position": q}
     counts = {"position": 1e-5, "load_position": 1e-5}
-    return passes_of([Record("made", IDENTIFICATION, t, channels, {}, Source("made", "", "made", {}), counts)], BAND)
+    return inverse_dynamics(
+        [Record("made", IDENTIFICATION, t, channels, {}, Source("made", "", "made", {}), counts)], BAND
+    )
 
 
 def plant() -> Plant:

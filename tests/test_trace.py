@@ -10,7 +10,7 @@ import rig
 
 from workbench.campaign import Campaign, load
 from workbench.definition import find
-from workbench.identification.fit import identify, passes_of
+from workbench.identification.fit import identify, inverse_dynamics
 from workbench.plant import ONE_MASS, TWO_MASS, Plant
 from workbench.tracing.candidates import suspects
 from workbench.tracing.output import as_dict, write
@@ -36,7 +36,7 @@ ALONE = ("stribeck_friction", "cable_spring")
 
 
 def traced(campaign: Campaign, **options) -> Trace:
-    return trace(campaign.plant, passes_of(campaign.records, campaign.bandwidth), **options)
+    return trace(campaign.plant, inverse_dynamics(campaign.records, campaign.bandwidth), **options)
 
 
 @pytest.fixture
@@ -82,7 +82,7 @@ def test_an_effect_of_the_rig_is_as_large_as_asked(tmp_path, size):
     """What is left by the declared model is noise and effect, size * LEVEL times the noise, in squares."""
     campaign, truth = made(tmp_path, 7, "stribeck_friction", size=size)
     left = (
-        identify(campaign.plant, passes_of(campaign.records, campaign.bandwidth)).identification
+        identify(campaign.plant, inverse_dynamics(campaign.records, campaign.bandwidth)).identification
         / truth["floor"]["identification"]
     )
     assert left == pytest.approx(np.hypot(1.0, size * rig.LEVEL), rel=0.15)
@@ -239,7 +239,7 @@ def test_a_suspect_without_a_value_on_the_records_is_ranked_and_harms_nothing(tm
     broken = replace(real, name="broken_friction", step=step)
     monkeypatch.setattr(candidates, "catalogue", lambda: {"broken_friction": broken, "stribeck_friction": real})
     judgements = ranking.step(
-        State(campaign.plant, passes_of(campaign.records[:1], campaign.bandwidth)), lambda _: None
+        State(campaign.plant, inverse_dynamics(campaign.records[:1], campaign.bandwidth)), lambda _: None
     )
     found = {j.candidate.effect: j.candidate for j in judgements}
     assert found["broken_friction"].gain == 0.0 and "no value" in found["broken_friction"].sentence

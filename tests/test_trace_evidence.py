@@ -10,21 +10,21 @@ import rig
 
 from workbench.campaign import Campaign, load
 from workbench.definition import find
-from workbench.identification.fit import fitted_on, passes_of
-from workbench.identification.passes import Passes
+from workbench.identification.fit import fitted_on, inverse_dynamics
+from workbench.identification.passes import InverseDynamics
 from workbench.identification.problem import Problem
 from workbench.plant import ONE_MASS, Plant
 from workbench.tracing import ranking
-from workbench.tracing.candidates import Suspect, brought, suspects, without
-from workbench.tracing.counted import of_counts
+from workbench.tracing.candidates import Candidate, brought, suspects, without
+from workbench.tracing.counted import quantisation_bias
+from workbench.tracing.decimation import decimate
 from workbench.tracing.greedy import Step, earned, promised
-from workbench.tracing.judge import STANDARD, Judgement, judged
+from workbench.tracing.judge import STANDARD, ScoredCandidate, judged
 from workbench.tracing.ranking import simplest_first
-from workbench.tracing.result import CAUSE, NOTHING, Candidate
+from workbench.tracing.result import CAUSE, NOTHING, CandidateScore
 from workbench.tracing.score import HeldOut, followed
 from workbench.tracing.selection import Answer
 from workbench.tracing.state import State
-from workbench.tracing.thin import thin
 from workbench.tracing.tracing import trace
 
 FINE, COARSE = rig.COUNT, 15.0 * rig.COUNT
@@ -35,19 +35,19 @@ def made(folder: Path, seed: int, *missing: str, over: float = 4.0, **options) -
     return load(folder)
 
 
-def searched(campaign: Campaign) -> tuple[list[Passes], list[Passes]]:
-    """Passes of the identification records: whole, and as a search looks at them."""
-    whole = fitted_on(passes_of(campaign.records, campaign.bandwidth))
-    return whole, thin(whole)
+def searched(campaign: Campaign) -> tuple[list[InverseDynamics], list[InverseDynamics]]:
+    """InverseDynamics of the identification records: whole, and as a search looks at them."""
+    whole = fitted_on(inverse_dynamics(campaign.records, campaign.bandwidth))
+    return whole, decimate(whole)
 
 
-def suspect(campaign: Campaign, key: str) -> Suspect:
+def suspect(campaign: Campaign, key: str) -> Candidate:
     return next(s for s in suspects(campaign.plant) if s.key == key)
 
 
-def judgement(gain: float, scatter: float, *, earns: bool = False, state: object = True) -> Judgement:
-    c = Candidate("cogging", "axis", "addition", gain, scatter, 0.1, 0.1, earns, "")
-    return Judgement(SimpleNamespace(key="cogging@axis"), c, None, 3, state=state)
+def judgement(gain: float, scatter: float, *, earns: bool = False, state: object = True) -> ScoredCandidate:
+    c = CandidateScore("cogging", "axis", "addition", gain, scatter, 0.1, 0.1, earns, "")
+    return ScoredCandidate(SimpleNamespace(key="cogging@axis"), c, None, 3, state=state)
 
 
 # --- two effects at once --------------------------------------------------------------------------------------------------
@@ -59,7 +59,7 @@ def test_of_two_effects_that_show_in_different_blocks_both_are_found(tmp_path):
         tmp_path, 303069, "sensor_trend", "actuator_lag", over=11.7, noise=2.2e-3, memory=3.6e-3, rate=5000, band=100.0
     )
     offered = ("sensor_trend", "actuator_lag", "transport_delay", "clock_skew", "creep")
-    found = trace(campaign.plant, passes_of(campaign.records, campaign.bandwidth), only=offered)
+    found = trace(campaign.plant, inverse_dynamics(campaign.records, campaign.bandwidth), only=offered)
     assert found.verdict == CAUSE and set(found.added) == {"sensor_trend", "actuator_lag"}
     for cause in found.causes:
         assert cause.share_validation > 0.3
@@ -115,10 +115,10 @@ def test_an_inertia_set_free_explains_what_counts_leave_as_errors_in_variables_s
         campaign = made(
             tmp_path / str(count), 303076, base="undamped", count=count, noise=2.5e-3, rate=2000, band=200.0
         )
-        whole, thinned = searched(campaign)
-        state = State(campaign.plant, thinned)
+        whole, decimated = searched(campaign)
+        state = State(campaign.plant, decimated)
         s = suspect(campaign, "inertia@motor")
-        shares[count] = of_counts(s, state, whole)
+        shares[count] = quantisation_bias(s, state, whole)
         if count == COARSE:
             taken = judged(state, s, STANDARD)["candidate"].gain
             assert shares[count] == pytest.approx(taken, abs=0.05)
@@ -138,7 +138,7 @@ def test_what_counts_alone_explain_is_no_cause(tmp_path, first, others, seed, me
     """An inertia leans on its noisy column in the drive's balance, a damping of the joint on what both encoders' counts make
     of the deflection's rate in the load's."""
     campaign = made(tmp_path, seed, base="undamped", **measured)
-    found = trace(campaign.plant, passes_of(campaign.records, campaign.bandwidth), only=(first, *others))
+    found = trace(campaign.plant, inverse_dynamics(campaign.records, campaign.bandwidth), only=(first, *others))
     assert found.verdict == NOTHING and found.added == ()
     assert found.ranked[0].effect == first
 
@@ -153,7 +153,7 @@ def test_a_short_wave_at_speed_is_judged_on_whole_records(tmp_path):
         memory=0.009826372773993484, rate=2000, ratio=100.0,
     )  # fmt: skip
     offered = ("kinematic_error", "cogging", "inertia")
-    found = trace(campaign.plant, passes_of(campaign.records, campaign.bandwidth), only=offered)
+    found = trace(campaign.plant, inverse_dynamics(campaign.records, campaign.bandwidth), only=offered)
     assert found.verdict == CAUSE and found.added == ("kinematic_error",)
     assert {e.parameter: e.value for e in found.causes[0].parameters}["order"] == pytest.approx(200.0, rel=1e-3)
 
@@ -167,8 +167,8 @@ def test_shape_parameters_that_are_hard_to_tell_apart_are_judged_by_what_they_do
         tmp_path, 303002, "multi_body_compliance", over=2.7, base="elastic", noise=2.85e-3, memory=7.5e-3, rate=2000,
         band=200.0, ratio=50.0,
     )  # fmt: skip
-    _, thinned = searched(campaign)
-    found = judged(State(campaign.plant, thinned), suspect(campaign, "multi_body_compliance@joint"), STANDARD)[
+    _, decimated = searched(campaign)
+    found = judged(State(campaign.plant, decimated), suspect(campaign, "multi_body_compliance@joint"), STANDARD)[
         "candidate"
     ]
     assert found.gain > 0.9 and found.earns
@@ -177,9 +177,9 @@ def test_shape_parameters_that_are_hard_to_tell_apart_are_judged_by_what_they_do
 
 def test_a_fold_follows_a_step_only_as_far_as_its_own_data_bear_it_out(tmp_path):
     campaign = made(tmp_path, 101)
-    _, thinned = searched(campaign)
-    state = State(campaign.plant, thinned)
-    problem, solution = Problem(campaign.plant, thinned), state.solution
+    _, decimated = searched(campaign)
+    state = State(campaign.plant, decimated)
+    problem, solution = Problem(campaign.plant, decimated), state.solution
     rows = np.arange(solution.residual.size // 2)
     stay = followed(problem, solution, np.zeros(solution.theta.size), rows)
     rng = np.random.default_rng(3)
@@ -198,7 +198,7 @@ def test_a_wave_as_long_as_the_travel_is_taken_out_again_once_both_effects_are_i
         ratio=50.0,
     )  # fmt: skip
     offered = ("cogging", "gravity", "encoder_eccentricity")
-    found = trace(campaign.plant, passes_of(campaign.records, campaign.bandwidth), only=offered)
+    found = trace(campaign.plant, inverse_dynamics(campaign.records, campaign.bandwidth), only=offered)
     assert found.steps[0][0].effect == "cogging"
     assert set(found.added) == {"encoder_eccentricity", "gravity"}
 
@@ -210,10 +210,10 @@ def test_of_equals_the_usual_effect_is_named_before_a_rare_one(monkeypatch):
     """Dahl's friction and one that follows Masing's rule are the same along a motion that never turns within their length."""
     errors = HeldOut(np.full(8, 0.1))
 
-    def candidate(name: str, gain: float, freedom: int) -> Judgement:
-        c = Candidate(name, "axis", "addition", gain, 0.03, 0.1, 0.1, True, "")
+    def candidate(name: str, gain: float, freedom: int) -> ScoredCandidate:
+        c = CandidateScore(name, "axis", "addition", gain, 0.03, 0.1, 0.1, True, "")
         of = SimpleNamespace(key=name, plant={name: SimpleNamespace(rare=name == "fading_memory")})
-        return Judgement(of, c, errors, freedom, refitted=object())
+        return ScoredCandidate(of, c, errors, freedom, refitted=object())
 
     fading, presliding, lugre = (
         candidate(*x)
@@ -222,7 +222,7 @@ def test_of_equals_the_usual_effect_is_named_before_a_rare_one(monkeypatch):
     monkeypatch.setattr(ranking, "absurd", lambda j, state: False)
     state = SimpleNamespace(power=1.0)
 
-    def leads(*judgements: Judgement) -> Judgement:
+    def leads(*judgements: ScoredCandidate) -> ScoredCandidate:
         return simplest_first(judgements, STANDARD, state)[0]
 
     assert leads(fading, presliding, lugre) is presliding

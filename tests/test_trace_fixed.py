@@ -9,7 +9,7 @@ from conftest import measured
 from workbench.campaign import load
 from workbench.definition import find
 from workbench.errors import WorkbenchError
-from workbench.identification.fit import passes_of
+from workbench.identification.fit import inverse_dynamics
 from workbench.plant import ONE_MASS, TWO_MASS, Plant
 from workbench.tracing.candidates import ADDITION, CORRECTION
 from workbench.tracing.output import as_dict
@@ -72,7 +72,7 @@ def test_no_fixed_value_of_any_campaign_moves_where_values_are_taken_over():
 def test_a_trace_moves_no_fixed_value_that_it_does_not_name(name, added):
     """Inertias are declared fixed: of the first two campaigns wrongly so, of the third a load encoder is late."""
     campaign = load(measured(name))
-    passes = passes_of(campaign.records, campaign.bandwidth)
+    passes = inverse_dynamics(campaign.records, campaign.bandwidth)
     found = trace(campaign.plant, passes, most=2, only=("inertia", "clock_skew", "stribeck_friction"))
     assert moved(found, campaign.plant) == {}
     assert ("inertia" in found.added) == added

@@ -9,7 +9,7 @@ from test_report_example import records, study, trace
 
 from workbench.cli import main
 from workbench.errors import WorkbenchError
-from workbench.identification.fit import passes_of
+from workbench.identification.fit import inverse_dynamics
 from workbench.report import where_figures, write
 from workbench.report.chapters import standard
 from workbench.report.contents import Figure, Heading, Items, Table
@@ -23,7 +23,7 @@ from workbench.tracing.where import as_list, where
 
 @pytest.fixture(scope="module")
 def passes():
-    return passes_of(records(), 60.0)
+    return inverse_dynamics(records(), 60.0)
 
 
 @pytest.fixture(scope="module")

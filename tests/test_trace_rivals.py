@@ -10,7 +10,7 @@ from test_plan import carried_out
 
 import workbench.planning
 from workbench.campaign import load
-from workbench.identification.fit import passes_of
+from workbench.identification.fit import inverse_dynamics
 from workbench.identification.problem import Problem
 from workbench.identification.solve import solve
 from workbench.planning.following import followed, with_effect
@@ -32,7 +32,7 @@ def test_rivals_of_a_trace_part_along_the_experiment_that_it_names(tmp_path, mon
         return asked[-1][-1]
 
     monkeypatch.setattr(workbench.planning, "separate", watched)
-    found = trace(campaign.plant, passes_of(campaign.records, campaign.bandwidth), only=LATE, most=1)
+    found = trace(campaign.plant, inverse_dynamics(campaign.records, campaign.bandwidth), only=LATE, most=1)
     (cause,) = found.causes
     assert (cause.effect, cause.rivals[0]) == ("transport_delay", "clock_skew")
     ((plant, right, wrong, sensing, named),) = asked

@@ -10,8 +10,8 @@ from made_joints import joint, jointed
 
 from workbench.definition import find
 from workbench.identification.bodies import POSITION
-from workbench.identification.fit import passes_of
-from workbench.identification.passes import Passes
+from workbench.identification.fit import inverse_dynamics
+from workbench.identification.passes import InverseDynamics
 from workbench.plant import ONE_MASS, Plant
 from workbench.record import IDENTIFICATION, Record, Source
 from workbench.tracing import search
@@ -25,10 +25,10 @@ T = DT * np.arange(20000)
 SOURCE = Source(Path("made"), "", "made", {})
 
 
-def passes(position: np.ndarray, force: np.ndarray, count: float = COUNT) -> tuple[Passes, ...]:
+def passes(position: np.ndarray, force: np.ndarray, count: float = COUNT) -> tuple[InverseDynamics, ...]:
     channels = {"position": position.copy(), "force": force.copy()}
     record = Record("made", IDENTIFICATION, T.copy(), channels, {}, SOURCE, {"position": count} if count else {})
-    return passes_of([record], BAND)
+    return inverse_dynamics([record], BAND)
 
 
 def test_no_order_is_finer_than_half_of_what_the_counts_sample():
@@ -43,7 +43,7 @@ def test_two_encoders_tell_where_a_clock_starts(channel):
     late, gains = 1e-3, -1e-4
     records = [joint(k, late=late, gains=gains, motor=channel == "position") for k in (1, 2)]
     plant = jointed(inertia=True, viscous=True)
-    found = lateness(passes_of(records, 30.0), plant, channel)
+    found = lateness(inverse_dynamics(records, 30.0), plant, channel)
     assert found["time"] == pytest.approx(late, rel=0.05) and found["drift"] == pytest.approx(gains, rel=0.05)
 
 

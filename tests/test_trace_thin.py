@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 
 from workbench.definition import find
-from workbench.identification.fit import identify, passes_of
+from workbench.identification.fit import identify, inverse_dynamics
 from workbench.plant import ONE_MASS, Plant
 from workbench.record import IDENTIFICATION, Record, Source
-from workbench.tracing.thin import LEAST, ratio, thin, thinned
+from workbench.tracing.decimation import LEAST, decimate, decimated, ratio
 
 SOURCE = Source(Path("made"), "", "made", {})
 BAND = 150.0
@@ -35,13 +35,13 @@ def test_no_ratio_keeps_less_than_the_band_needs(rate):
 
 def test_a_slow_log_is_kept_as_it_is():
     slow = record(500.0)
-    assert thinned(slow, BAND) is slow
+    assert decimated(slow, BAND) is slow
 
 
 @pytest.mark.parametrize("rate", [1000.0, 2000.0, 4321.0])
 def test_a_thinned_record_is_the_motion_read_at_another_time(rate):
     fine = record(rate, start=7.0)
-    found = thinned(fine, BAND)
+    found = decimated(fine, BAND)
     t = found.time
     assert t[0] == 7.0 and t[-1] <= fine.time[-1] + 1e-12 and np.ptp(np.diff(t)) <= 1e-9
     exact = np.sin(2 * np.pi * 3.0 * t) + 0.01 * np.sin(2 * np.pi * 90.0 * t) + 0.3 * t
@@ -58,7 +58,7 @@ def test_a_model_that_is_right_on_the_record_is_right_on_the_thinned_one():
     a = 20.0 * speed * (1.0 - 2.0 * move) - 0.01 * w**2 * np.sin(w * t)
     made = Record("made", IDENTIFICATION, t, {"torque": 0.02 * a + 0.3 * v * np.abs(v), "position": q}, {}, SOURCE, {})
     plant = Plant(ONE_MASS) + find("inertia")(inertia=0.01) + find("nonlinear_viscous_friction")
-    fit = identify(plant, thin(passes_of([made], BAND)))
+    fit = identify(plant, decimate(inverse_dynamics([made], BAND)))
     assert fit.identification < 1e-4
     assert [e.value for e in fit.estimates] == pytest.approx([0.02, 0.3], rel=1e-4)
 
@@ -76,19 +76,19 @@ def dwelling() -> tuple[Plant, list]:
     position = np.round(q / 1e-5) * 1e-5
     made = Record("made", IDENTIFICATION, t, {"torque": drive, "position": position}, {}, SOURCE, {"position": 1e-5})
     plant = Plant(ONE_MASS) + find("viscous_friction") + find("coulomb_friction")
-    return plant, passes_of([made], BAND)
+    return plant, inverse_dynamics([made], BAND)
 
 
 def test_what_stiction_holds_at_rest_does_not_bend_the_friction_that_is_fitted():
     plant, passes = dwelling()
-    told = {e.parameter: e.value for e in identify(plant, thin(passes, plant)).estimates}
-    bent = {e.parameter: e.value for e in identify(plant, thin(passes)).estimates}
+    told = {e.parameter: e.value for e in identify(plant, decimate(passes, plant)).estimates}
+    bent = {e.parameter: e.value for e in identify(plant, decimate(passes)).estimates}
     for name, value in {"coulomb": 0.5, "viscous": 0.3}.items():  # the moments beside a rest still count
         assert abs(told[name] - value) < 0.4 * abs(bent[name] - value)
 
 
 def test_rest_counts_where_friction_has_a_memory_or_is_none():
     plant, passes = dwelling()
-    assert thin(passes, plant)[0].counts is not None
+    assert decimate(passes, plant)[0].counts is not None
     for other in (plant.without("coulomb_friction@axis"), plant + find("presliding_hysteresis")):
-        assert thin(passes, other)[0].counts is None
+        assert decimate(passes, other)[0].counts is None

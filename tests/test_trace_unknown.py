@@ -8,7 +8,7 @@ import rig
 
 from benchmarks._trace_run import place_right, ranges
 from workbench.campaign import load
-from workbench.identification.fit import passes_of
+from workbench.identification.fit import inverse_dynamics
 from workbench.tracing.result import NOTHING, UNKNOWN
 from workbench.tracing.tracing import trace
 
@@ -29,7 +29,7 @@ def test_a_cause_of_the_rigs_own_is_unknown_and_its_place_right_within_a_tenth(
 ):
     truth = rig.campaign(tmp_path, seed, (name,), 2.0, base=base, short=True)
     campaign = load(tmp_path)
-    found = trace(campaign.plant, passes_of(campaign.records, campaign.bandwidth))
+    found = trace(campaign.plant, inverse_dynamics(campaign.records, campaign.bandwidth))
     assert found.verdict == UNKNOWN and found.added == ()
     assert found.unknown["coordinate"] == coordinate == truth["where"][0]
     assert found.unknown["direction"] == way
@@ -41,7 +41,7 @@ def test_the_floor_is_a_little_less_than_what_a_right_model_leaves(tmp_path, bas
     """Nothing is missing, so what is left on the records is noise and counts: it is named as that, and nothing is added."""
     rig.campaign(tmp_path, seed, (), base=base, short=True)
     campaign = load(tmp_path)
-    found = trace(campaign.plant, passes_of(campaign.records, campaign.bandwidth))
+    found = trace(campaign.plant, inverse_dynamics(campaign.records, campaign.bandwidth))
     assert found.verdict == NOTHING and found.added == () and found.unknown == {}
     for role, left in (("identification", found.before.identification), ("validation", found.before.validation)):
         assert 0.75 * left < found.floor[role] < 1.1 * left
@@ -62,7 +62,7 @@ def test_the_smallest_effect_that_would_have_shown_is_where_one_begins_to_count(
         records = [
             replace(r, channels={**r.channels, "torque": r.channels["torque"] + offset}) for r in campaign.records
         ]
-        return trace(campaign.plant, passes_of(records, campaign.bandwidth), only=("constant_offset",))
+        return trace(campaign.plant, inverse_dynamics(records, campaign.bandwidth), only=("constant_offset",))
 
     (least,) = traced(0.0).smallest
     assert (least.effect, least.parameter, least.unit) == ("constant_offset", "offset", "N*m")

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from workbench.definition import find
-from workbench.identification.fit import identify, passes_of
+from workbench.identification.fit import identify, inverse_dynamics
 from workbench.identification.passes import balances
 from workbench.identification.problem import Problem
 from workbench.motion import LowPass
@@ -104,7 +104,7 @@ TRUTH = {"inertia@motor": JM, "inertia@load": JL, "viscous@motor": BM, "viscous@
 
 
 def test_both_bodies_and_the_joint_are_recovered():
-    passes = passes_of([driven(1), locked(2), driven(3, name="two", role="validation")], BAND)
+    passes = inverse_dynamics([driven(1), locked(2), driven(3, name="two", role="validation")], BAND)
     fit = identify(believed(), passes)
     found = estimates(fit)
     assert found == pytest.approx(TRUTH, rel=2e-3)
@@ -112,7 +112,7 @@ def test_both_bodies_and_the_joint_are_recovered():
 
 
 def test_a_locked_load_has_no_balance():
-    free, held = passes_of([driven(1), locked(2)], BAND)
+    free, held = inverse_dynamics([driven(1), locked(2)], BAND)
     assert balances(free, believed()).shape == (2, free.motion.u.size)
     assert balances(held, believed()).shape == (1, held.motion.u.size)
     found = estimates(identify(believed(), [held]))
@@ -125,7 +125,7 @@ def test_a_locked_load_has_no_balance():
 
 
 def test_the_loads_balance_is_the_joints_torque():
-    (free,) = passes_of([driven(1)], BAND)
+    (free,) = inverse_dynamics([driven(1)], BAND)
     plant = believed().with_values(
         {"inertia@motor": {"inertia": JM}, "inertia@load": {"inertia": JL}, "viscous_friction@motor": {"viscous": BM},
          "viscous_friction@load": {"viscous": BL}, "linear_stiffness@joint": {"stiffness": K}, "cubic_stiffness@joint": {"k3": K3}}
@@ -140,7 +140,7 @@ def test_a_kinematic_error_at_the_joint_is_recovered(start):
     """Its slope enters both balances, and a joint at rest where both encoders read zero is not wound up by it."""
     order = 2 * RATIO
     records = [driven(1, order=order), locked(2, order), driven(3, order=order, name="two", role="validation")]
-    passes = passes_of(records, BAND)
+    passes = inverse_dynamics(records, BAND)
     fit = identify(believed(wavy(start)), passes)
     found = estimates(fit)
     assert {n: found[n] for n in TRUTH} == pytest.approx(TRUTH, rel=5e-3)
@@ -155,7 +155,7 @@ def test_a_constant_between_the_encoders_does_not_wind_up_the_joint():
     t = np.arange(2000) / RATE
     still = recorded(t, 0 * t, position=0 * t, load_position=0 * t)
     plant = believed(wavy(60.0)(cosine=1e-4)).with_values({"linear_stiffness@joint": {"stiffness": K}})
-    assert not balances(*passes_of([still], BAND), plant).any()
+    assert not balances(*inverse_dynamics([still], BAND), plant).any()
 
 
 @pytest.mark.parametrize(
@@ -170,7 +170,7 @@ def test_a_map_of_the_only_encoder_is_undone(name, shape, wave_number):
         records.append(recorded(t, (JM + JL) * a + BM * v + 0.4 * np.sin(2 * q), role, role, position=reading))
     plant = Plant(ONE_MASS) + find("inertia") + find("viscous_friction")
     plant = plant + find("cogging")(order=2.0) + find(name)(at="sensor.position", **{shape: wave_number, "sine": 1e-5})
-    fit = identify(plant, passes_of(records, BAND))
+    fit = identify(plant, inverse_dynamics(records, BAND))
     found = {(e.effect, e.parameter): e.value for e in fit.estimates}
     assert found["inertia", "inertia"] == pytest.approx(JM + JL, rel=5e-3)
     assert found["viscous_friction", "viscous"] == pytest.approx(BM, rel=5e-3)
@@ -181,7 +181,7 @@ def test_a_map_of_the_only_encoder_is_undone(name, shape, wave_number):
 
 def test_a_fit_with_a_locked_record_is_the_same_again():
     """Where the load is locked, the columns of its parameters are zero and not whatever the memory held before."""
-    passes = passes_of([driven(1), locked(2)], BAND)
+    passes = inverse_dynamics([driven(1), locked(2)], BAND)
     problem = Problem(believed(), passes)
     for _ in range(3):
         filled = np.full(problem.lengths[0] * 6, 7.0)  # memory that the next array may get

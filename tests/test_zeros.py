@@ -10,7 +10,7 @@ from conftest import measured
 from workbench.campaign import load
 from workbench.definition import find
 from workbench.identification.bodies import Bodies
-from workbench.identification.fit import identify, passes_of
+from workbench.identification.fit import identify, inverse_dynamics
 from workbench.identification.passes import predicted
 from workbench.identification.zeros import relaxed
 from workbench.motion import motion
@@ -54,7 +54,7 @@ def recorded(plant: Plant, *zeros: float) -> list[Record]:
 @pytest.mark.parametrize("apart", [(0.0, 0.0, 0.0), (0.01, -0.02, 0.015)])
 def test_a_joint_is_identified_whatever_the_zeros_of_its_encoders(apart):
     records = recorded(elastic(), *apart)
-    fit = identify(elastic(), passes_of(records, BAND))
+    fit = identify(elastic(), inverse_dynamics(records, BAND))
     for key, name in (("linear_stiffness@joint", "stiffness"), ("inertia@load", "inertia"), ("gravity@load", "sine")):
         truth = elastic()[key].parameters[name].value
         assert fit.plant[key].parameters[name].value == pytest.approx(truth, rel=0.02), name
@@ -71,7 +71,7 @@ def test_a_joint_is_identified_whatever_the_zeros_of_its_encoders(apart):
 def test_a_zero_that_is_free_is_found_without_the_measured_drive():
     records = recorded(elastic(), 0.01, -0.02, 0.015)
     turned = [replace(r, channels={**r.channels, "torque": r.channels["torque"][::-1].copy()}) for r in records]
-    for a, b in zip(passes_of(records, BAND), passes_of(turned, BAND), strict=True):
+    for a, b in zip(inverse_dynamics(records, BAND), inverse_dynamics(turned, BAND), strict=True):
         assert a.motion.record.zero == b.motion.record.zero is not None
         np.testing.assert_array_equal(predicted(a, elastic()), predicted(b, elastic()))
 
@@ -115,13 +115,13 @@ def test_a_disc_off_its_axis_at_the_load_winds_up_no_joint():
     still = np.zeros(2000)
     channels = {"torque": still, "position": still.copy(), "load_position": still.copy()}
     record = Record("r", "identification", DT * np.arange(2000), channels, {}, Source(Path("made"), "", "", {}))
-    np.testing.assert_array_equal(predicted(*passes_of([record], BAND), plant), still)
+    np.testing.assert_array_equal(predicted(*inverse_dynamics([record], BAND), plant), still)
 
 
 def test_two_encoders_that_begin_apart_are_brought_together_and_a_disc_at_the_load_is_a_disc():
     """Truth: a disc of 1.6e-4 rad whose reading begins off zero, and a joint that hardens with 2.2e7 N*m/rad^3."""
     campaign = load(measured("campaigns_d/d21"))
-    passes = passes_of(campaign.records, campaign.bandwidth)
+    passes = inverse_dynamics(campaign.records, campaign.bandwidth)
     assert [p.motion.record.zero for p in passes] == pytest.approx([-1.378e-4] * 5, abs=1e-6)
     plant = campaign.plant + find("encoder_eccentricity")(at="sensor.load_position") + find("cubic_stiffness")
     fit = identify(plant, passes)

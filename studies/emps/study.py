@@ -9,10 +9,10 @@ from workbench import readers
 from workbench.control import Controller, Law
 from workbench.definition import Effect, find
 from workbench.finding import capital, title
-from workbench.identification.fit import identify, passes_of
+from workbench.identification.fit import identify, inverse_dynamics
 from workbench.identification.free_run import START, free_run, refine_free_run
 from workbench.identification.output_error import rerun
-from workbench.identification.passes import Passes
+from workbench.identification.passes import InverseDynamics
 from workbench.identification.refine import refine
 from workbench.identification.result import Fit
 from workbench.motion import Motion
@@ -253,7 +253,7 @@ def level_alone(plant: Plant) -> Plant:
     return plant
 
 
-def free_runs(models: dict[str, Plant], printed: dict[str, Plant], passes: dict[str, Passes]) -> list[Run]:
+def free_runs(models: dict[str, Plant], printed: dict[str, Plant], passes: dict[str, InverseDynamics]) -> list[Run]:
     """Return free runs: printed parameters, identified models, these fitted to DATA_EMPS's free run; last the chosen three.
 
     The chosen model is that of the lowest error on DATA_EMPS. It comes as fitted there; with the level of its friction from
@@ -282,7 +282,7 @@ def run(study: Study, say) -> Outcome:
     say("reproducing the printed figures")
     obtained = {model: published(records, model == "asymmetric") for model in ("symmetric", "asymmetric")}
     rows = compared(study, obtained)
-    passes = passes_of(list(records.values()), bandwidth)
+    passes = inverse_dynamics(list(records.values()), bandwidth)
     moving = Plant(ONE_MASS, tuple(map(find, ("inertia", "viscous_friction", "coulomb_friction"))), rotary=False)
     declared = moving + find("constant_offset")
     found = trace(declared, passes, say, own=tuple(map(find, OFFERED)))

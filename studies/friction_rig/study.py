@@ -13,7 +13,7 @@ from workbench import readers
 from workbench.definition import find
 from workbench.effects.hysteresis import maxwell_slip
 from workbench.finding import Finding, title
-from workbench.identification.fit import identify, passes_of
+from workbench.identification.fit import identify, inverse_dynamics
 from workbench.identification.result import Fit
 from workbench.motion import Motion
 from workbench.plant import ONE_MASS, Plant
@@ -117,7 +117,7 @@ def run(study: Study, say) -> Outcome:
     pair, resampled = records(study)
     given = rig(study)
     bandwidth, logged = (given.quantity(n, "Hz", above=0.0) for n in ("bandwidth", "logged"))
-    passes, slow = passes_of(pair, bandwidth), passes_of(pair, logged)
+    passes, slow = inverse_dynamics(pair, bandwidth), inverse_dynamics(pair, logged)
     offset = Plant(ONE_MASS, (find("constant_offset"),), rotary=False)
     declared = offset + find("coulomb_friction")
     found = trace(declared, slow, say, only=CONTACT, own=(find("presliding_length"),))

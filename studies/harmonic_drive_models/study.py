@@ -10,7 +10,7 @@ from workbench.campaign import load
 from workbench.definition import find
 from workbench.effects.fading import fading_memory
 from workbench.effects.hysteresis import maxwell_slip
-from workbench.identification.fit import fitted_on, identify, passes_of
+from workbench.identification.fit import fitted_on, identify, inverse_dynamics
 from workbench.identification.passes import balances
 from workbench.identification.problem import Problem
 from workbench.kernel.step import build
@@ -218,7 +218,7 @@ def amplitude_of(base, one) -> tuple[float, float]:
 def run(study, say) -> Outcome:
     """Trace what the declared model lacks, then fit every family beside the base."""
     campaign = load(study.campaign)
-    passes = passes_of(campaign.records, campaign.bandwidth)
+    passes = inverse_dynamics(campaign.records, campaign.bandwidth)
     found = trace(campaign.plant, passes, say, most=1, only=ONLY)
     say("fitting the base")
     wave = find("kinematic_error")(at="joint", sine=1e-5, cosine=1e-5)(

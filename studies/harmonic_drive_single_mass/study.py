@@ -8,7 +8,7 @@ from dataclasses import replace
 
 from workbench.exporting.feed_forward import export_feed_forward
 from workbench.finding import Finding
-from workbench.identification.fit import identify, passes_of
+from workbench.identification.fit import identify, inverse_dynamics
 from workbench.plant import Plant
 from workbench.report import control as control_chapters
 from workbench.report.checks import checks_chapter
@@ -54,7 +54,7 @@ def run(study: Study, say) -> Outcome:
     control = control_of(study.table, known)
     say("logging slow sines")
     seen = records.logged(study, control, known)
-    passes = passes_of(seen.records, seen.bandwidth)
+    passes = inverse_dynamics(seen.records, seen.bandwidth)
     found = trace(seen.declared, passes, say, most=1, only=SUSPECTS)
     alone = identify(seen.declared, passes[:1])
     curve, fitted = records.virgin_chapter(seen, found.before, alone, passes)

@@ -13,7 +13,7 @@ import numpy as np
 from workbench.compensation import REFERENCE, Compensator
 from workbench.errors import WorkbenchError
 from workbench.finding import Finding
-from workbench.identification.fit import identify, passes_of
+from workbench.identification.fit import identify, inverse_dynamics
 from workbench.identification.result import Fit
 from workbench.report import control as control_chapters
 from workbench.report.contents import Chapter, Items, Paragraph
@@ -57,12 +57,12 @@ def run(study: Study, say) -> Outcome:
     say("logging with the output locked")
     records, bandwidth = locked(study, loop, known.plant)
     lacking = declared(known.plant)
-    passes = passes_of(records, bandwidth)
+    passes = inverse_dynamics(records, bandwidth)
     found = trace(lacking, passes, say, most=1, only=SUSPECTS)
     fit = found.before  # the paper's one spring
     apart = identify(with_ground(fit.plant), passes)
     say("identifying with the output free")
-    full = identify(with_ground(fit.plant), passes_of((*records, free(study, loop, known.plant)), bandwidth))
+    full = identify(with_ground(fit.plant), inverse_dynamics((*records, free(study, loop, known.plant)), bandwidth))
     model = identified(full.plant, known)
     amplitudes = standard.amplitudes(study)
     outcome = Outcome(

@@ -30,7 +30,7 @@ def apart(seen: Seen) -> Iterator[Finding]:
     """Say where two encoders are shifted in time as no axis shifts them; less of it is said by their angle (`check.clocks`)."""
     for r in seen.campaign.records:
         if "load_position" in r.channels and not r.locked:
-            late = lag_of(r.channels["load_position"], r.channels["position"], r.dt, seen.campaign.bandwidth)
+            late = _lag_of(r.channels["load_position"], r.channels["position"], r.dt, seen.campaign.bandwidth)
             if abs(late) > max(LATE, 1.5 * r.dt):
                 yield shifted_apart(r.name, "load_position", "position", late, "the joint carries motion at once")
 
@@ -39,12 +39,12 @@ def ahead(seen: Seen) -> Iterator[Finding]:
     """Say where a position comes before its reference."""
     for r in seen.campaign.records:
         if "reference" in r.channels:
-            late = lag_of(r.channels["position"], r.channels["reference"], r.dt, seen.campaign.bandwidth)
+            late = _lag_of(r.channels["position"], r.channels["reference"], r.dt, seen.campaign.bandwidth)
             if late < -max(LATE, 1.5 * r.dt):
                 yield shifted_apart(r.name, "position", "reference", late, "no axis moves before it is told to")
 
 
-def lag_of(x: np.ndarray, of: np.ndarray, dt: float, bandwidth: float) -> float:
+def _lag_of(x: np.ndarray, of: np.ndarray, dt: float, bandwidth: float) -> float:
     """Return the time in s by which x is later than `of`, 0 where they do not follow each other.
 
     Both as velocities below a fifth of the bandwidth, where a joint is stiff.

@@ -6,7 +6,7 @@ from functools import cached_property
 import numpy as np
 
 from workbench.definition import FORCE
-from workbench.identification.passes import Passes
+from workbench.identification.passes import InverseDynamics
 from workbench.identification.problem import Problem
 from workbench.plant import Plant
 from workbench.record import Record
@@ -60,7 +60,7 @@ def freed(plant: Plant) -> Plant:
     return replace(plant, effects=tuple(e.free(*e.linear) if e.port == FORCE else e for e in plant.effects))
 
 
-def balance(plant: Plant, p: Passes) -> Balance:
+def balance(plant: Plant, p: InverseDynamics) -> Balance:
     """Return the balance of the record of a pass."""
     problem = Problem(plant, [p])
     y, phi = problem.assemble(problem.start())

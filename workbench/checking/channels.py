@@ -39,7 +39,7 @@ def runs(x: np.ndarray, shortest: int) -> list[Run]:
     return [Run(int(a), int(b)) for a, b in zip(starts[long], ends[long], strict=True)]
 
 
-def reach(seen: Seen, r: Record) -> np.ndarray | None:
+def _reach(seen: Seen, r: Record) -> np.ndarray | None:
     """Return the largest change of speed a sample (n,) that the drive can have given, or None where that is not known.
 
     What it reports within five samples and what it reports anywhere, as friction and joints may hold that much, over the
@@ -57,12 +57,12 @@ def reach(seen: Seen, r: Record) -> np.ndarray | None:
 
 def unsound(seen: Seen) -> Iterator[Finding]:
     """Say which channels miss samples, are clipped or frozen."""
-    yield from dropped(seen)
-    yield from standing(seen)
+    yield from _dropped(seen)
+    yield from _standing(seen)
     yield from drives(seen)
 
 
-def standing(seen: Seen) -> Iterator[Finding]:
+def _standing(seen: Seen) -> Iterator[Finding]:
     """Say which encoders are clipped or frozen: they stand, and stop or start more abruptly than the drive can make them."""
     for r in seen.campaign.records:
         for name in ENCODERS:
@@ -72,7 +72,7 @@ def standing(seen: Seen) -> Iterator[Finding]:
             if np.ptp(x) == 0.0:
                 yield _frozen(r, name, x.size * r.dt)
                 continue
-            within = reach(seen, r)
+            within = _reach(seen, r)
             if within is not None:
                 yield from _abrupt(r, name, seen.steps[name], within * (1 if name == "position" else 2))
 
@@ -163,7 +163,7 @@ def resampled(seen: Seen) -> Iterator[Finding]:
             yield replace(f, kind="dropped samples")
 
 
-def dropped(seen: Seen) -> Iterator[Finding]:
+def _dropped(seen: Seen) -> Iterator[Finding]:
     """Say where samples are missing by the motion: the time channel was made afterwards."""
     for r in seen.campaign.records:
         for name in ENCODERS:

@@ -41,16 +41,16 @@ def check(campaign: Campaign | Path) -> tuple[Finding, ...]:
     names = {r.name for r in seen.campaign.records}
     found = [f for f in seen.campaign.findings if f.kind in CARRIED]
     if short := list(sampling.lengths(seen)):
-        return gathered((*found, *short), names)  # nothing can be computed of such records
+        return _gathered((*found, *short), names)  # nothing can be computed of such records
     found += [*channels.resampled(seen), *sampling.rates(seen), *sampling.strokes(seen)]
     glitches, seen = impossible(seen)
-    found += [*glitches, *faults(seen)]
+    found += [*glitches, *_faults(seen)]
     if all(f.kind in HARMLESS for f in found):
         found += [*excitation.missing(seen), *modes.undeclared(seen)]
-    return gathered(found, names)
+    return _gathered(found, names)
 
 
-def faults(seen: Seen) -> list[Finding]:
+def _faults(seen: Seen) -> list[Finding]:
     """Return what is wrong with channels, time axes, signs and scales."""
     found: list[Finding] = []
     for look, leaves_out in STAGES:
@@ -58,16 +58,16 @@ def faults(seen: Seen) -> list[Finding]:
             break
         said = list(look(seen))
         found += said
-        seen = without(seen, said) if leaves_out else seen
+        seen = _without(seen, said) if leaves_out else seen
     return found
 
 
-def without(seen: Seen, found: Iterable[Finding]) -> Seen:
+def _without(seen: Seen, found: Iterable[Finding]) -> Seen:
     """Return this without the records that findings are about."""
     return seen.only({r.name for r in seen.campaign.records} - {f.subject.split(".")[0] for f in found})
 
 
-def gathered(found: Iterable[Finding], records: Collection[str]) -> tuple[Finding, ...]:
+def _gathered(found: Iterable[Finding], records: Collection[str]) -> tuple[Finding, ...]:
     """Return one finding where several records have the same: subjects are "record.channel", or parameters."""
     same: dict[tuple[str, str], list[Finding]] = {}
     for f in found:

@@ -31,10 +31,10 @@ def missing(seen: Seen) -> Iterator[Finding]:
     solution = Solution(theta, at.c, at.y, at.phi, at.cost, np.zeros((at.y.size, theta.size)))
     names, covariance, t, _ = intervals.covariance(problem, solution)
     half = dict(zip(names, t * np.sqrt(np.maximum(np.diag(covariance), 0.0)), strict=True))
-    yield from findings.excitation(problem, solution, half, noise(problem, solution), "noise")
+    yield from findings.excitation(problem, solution, half, _noise(problem, solution), "noise")
 
 
-def noise(problem: Problem, solution: Solution) -> float:
+def _noise(problem: Problem, solution: Solution) -> float:
     """Return rms of the residual about a parabola of each BLOCK, where that is quietest.
 
     What a model lacks is smooth over so short a time (a weight, a spring, a wave of the travel), or is where the motion turns.

@@ -34,7 +34,7 @@ class Spike:
     size: float
 
 
-def apart(x: np.ndarray) -> np.ndarray:
+def _apart(x: np.ndarray) -> np.ndarray:
     """Return how far each sample (n,) lies from the straight line through its neighbours, at the ends from that of the next two."""
     d = np.empty_like(x)
     d[1:-1] = x[1:-1] - 0.5 * x[:-2] - 0.5 * x[2:]
@@ -42,7 +42,7 @@ def apart(x: np.ndarray) -> np.ndarray:
     return d
 
 
-def mended(x: np.ndarray, samples, step: float = 0.0) -> np.ndarray:
+def _mended(x: np.ndarray, samples, step: float = 0.0) -> np.ndarray:
     """Return x with these samples on the straight line between those that are left, whole steps from the one beside them."""
     kept = np.setdiff1d(np.arange(x.size), samples)
     line = np.interp(np.arange(x.size), kept, x[kept])
@@ -57,7 +57,7 @@ def lone(x: np.ndarray, floor: float) -> np.ndarray:
 
     floor: size from which on a sample may stand out.
     """
-    d = np.abs(apart(x))
+    d = np.abs(_apart(x))
     found = []
     for k in np.argsort(d)[::-1][: 3 * MOST]:
         near = np.arange(max(k - BESIDE, 0), min(k + BESIDE + 1, x.size))
@@ -74,7 +74,7 @@ def lone(x: np.ndarray, floor: float) -> np.ndarray:
     return np.array(found, dtype=int)
 
 
-def suspects(seen: Seen) -> Mapping[tuple[str, str], np.ndarray]:
+def _suspects(seen: Seen) -> Mapping[tuple[str, str], np.ndarray]:
     """Return (record, channel) -> samples that stand alone, of encoders and drives."""
     found = {}
     for r in seen.campaign.records:
@@ -86,16 +86,18 @@ def suspects(seen: Seen) -> Mapping[tuple[str, str], np.ndarray]:
     return found
 
 
-def without(seen: Seen, found: Mapping[tuple[str, str], np.ndarray]) -> Seen:
+def _without(seen: Seen, found: Mapping[tuple[str, str], np.ndarray]) -> Seen:
     """Return this with such samples on the line between their neighbours."""
     made = []
     for r in seen.campaign.records:
-        mine = {c: mended(r.channels[c], k, seen.steps.get(c, 0.0)) for (name, c), k in found.items() if name == r.name}
+        mine = {
+            c: _mended(r.channels[c], k, seen.steps.get(c, 0.0)) for (name, c), k in found.items() if name == r.name
+        }
         made.append(replace(r, channels={**r.channels, **mine}) if mine else r)
     return Seen(replace(seen.campaign, records=tuple(made))) if found else seen
 
 
-def inertia_of(seen: Seen, suspected: Collection[str]) -> float:
+def _inertia_of(seen: Seen, suspected: Collection[str]) -> float:
     """Return the inertia that the records have, 0 where none is declared; of those that nothing is suspected of where there are."""
     others = {r.name for r in seen.campaign.records} - set(suspected)
     seen = seen.only(others) if others else seen
@@ -108,11 +110,11 @@ def impossible(seen: Seen) -> tuple[tuple[Finding, ...], Seen]:
     A position is none where the drive, at its largest, could not have moved the axis there and back; a drive, where it would
     have changed the speed, and did not.
     """
-    found = suspects(seen)
+    found = _suspects(seen)
     if not found:
         return (), seen
-    sound = without(seen, found)
-    inertia = inertia_of(sound, {name for name, _ in found})
+    sound = _without(seen, found)
+    inertia = _inertia_of(sound, {name for name, _ in found})
     proven = {}
     for (name, channel), samples in found.items():
         r = next(r for r in seen.campaign.records if r.name == name)
@@ -125,7 +127,7 @@ def impossible(seen: Seen) -> tuple[tuple[Finding, ...], Seen]:
         ]  # fmt: skip
         if bad:
             proven[name, channel] = np.array(sorted(bad))
-    return tuple(said(seen, proven)), without(seen, proven)
+    return tuple(_said(seen, proven)), _without(seen, proven)
 
 
 def _no_place(r: Record, clean: Record, channel: str, k: int, inertia: float) -> bool:
@@ -145,24 +147,24 @@ def _no_drive(r: Record, clean: Record, k: int, inertia: float, limit: float, st
         return True
     if inertia == 0.0 or k < LONG or k > r.drive.size - LONG:
         return abs(r.drive[k]) > 100 * NEVER * largest
-    made, speeds = size * r.dt / inertia, speeds_about(clean, k)
+    made, speeds = size * r.dt / inertia, _speeds_about(clean, k)
     resolved = step / (LONG * r.dt)
     if np.min(np.abs(speeds)) < SHOWS * resolved or np.ptp(
         np.sign(speeds)
     ):  # at rest friction takes a spike and gives it back
         return abs(r.drive[k]) > 100 * NEVER * largest
-    usual = float(np.max(np.abs(np.diff(sliding_speeds(clean, k)))))
+    usual = float(np.max(np.abs(np.diff(_sliding_speeds(clean, k)))))
     return bool(abs(made) * FOLLOWS > SHOWS * (resolved + usual) and (speeds[1] - speeds[0]) / made < FOLLOWS)
 
 
-def speeds_about(r: Record, k: int) -> np.ndarray:
+def _speeds_about(r: Record, k: int) -> np.ndarray:
     """Return the mean speeds (2,) before and after a sample; what lies within two samples of it is between them."""
     q = r.channels["position"]
     ends = [(k - LONG, k - 2), (k + 2, min(k + LONG, q.size - 1))]
     return np.array([(q[b] - q[a]) / ((b - a) * r.dt) for a, b in ends])
 
 
-def sliding_speeds(r: Record, k: int) -> np.ndarray:
+def _sliding_speeds(r: Record, k: int) -> np.ndarray:
     """Return the mean speeds of consecutive stretches about a sample, that one apart: how speed changes there anyway."""
     q, half = r.channels["position"], LONG // 2
     at = np.r_[np.arange(max(k - 2 * LONG, 0), k - 1, half), np.arange(k + 2, min(k + 2 * LONG, q.size), half)]
@@ -170,13 +172,13 @@ def sliding_speeds(r: Record, k: int) -> np.ndarray:
     return speeds[np.diff(at) == half] if np.count_nonzero(np.diff(at) == half) > 1 else speeds
 
 
-def said(seen: Seen, found: Mapping[tuple[str, str], np.ndarray]) -> Iterator[Finding]:
+def _said(seen: Seen, found: Mapping[tuple[str, str], np.ndarray]) -> Iterator[Finding]:
     """Say which samples are glitches."""
     for (name, channel), samples in found.items():
         r = next(r for r in seen.campaign.records if r.name == name)
         x, unit = r.channels[channel], r.units[channel]
         k = int(samples[0])
-        beside = mended(x, samples)[k]
+        beside = _mended(x, samples)[k]
         others = f" So are samples {', '.join(str(s + 1) for s in samples[1:])}." if samples.size > 1 else ""
         why = "no drive moves an axis there and back" if channel != seen.drive else "the axis did not feel it"
         yield Finding(

@@ -84,14 +84,14 @@ def pooled(balances: Sequence[Balance]) -> Pooled:
     return Pooled(values, own, whole, left)
 
 
-def predicted(b: Balance, fit: Pooled) -> np.ndarray:
+def _predicted(b: Balance, fit: Pooled) -> np.ndarray:
     """Return what these parameters ask of the drive on a record, about its mean; the record's own constant apart."""
     c = np.array([fit.values.get(n, 0.0) for n in b.names])
     made = b.columns @ c
     return made - np.mean(made)
 
 
-def jackknife(balances: Sequence[Balance]) -> Iterator[Pooled]:
+def _jackknife(balances: Sequence[Balance]) -> Iterator[Pooled]:
     """Yield what all records say, and what they say without each half of one: what depends on one half is not known."""
     halves = [h for b in balances for h in b.halves()]
     yield pooled(balances)
@@ -99,12 +99,12 @@ def jackknife(balances: Sequence[Balance]) -> Iterator[Pooled]:
         yield pooled([h for h in halves if h is not out])
 
 
-def beyond(logs: Sequence[float], factor: float) -> bool:
+def _beyond(logs: Sequence[float], factor: float) -> bool:
     """Whether all logarithms of factors lie beyond `factor`, on one side."""
     return bool(np.all(np.array(logs) > np.log(factor)) or np.all(np.array(logs) < -np.log(factor)))
 
 
-def own_scales(balances: Sequence[Balance], inertia: str) -> dict[str, float]:
+def _own_scales(balances: Sequence[Balance], inertia: str) -> dict[str, float]:
     """Return record -> factor of its drive over what all others ask for, where it is too large and the rest agree."""
     left, odd = list(balances), {}
     while len(left) > 2:
@@ -114,7 +114,7 @@ def own_scales(balances: Sequence[Balance], inertia: str) -> dict[str, float]:
         worst = max(left, key=lambda b: abs(logs[b.record.name]) / np.log(limits[b.record.name]))
         name = worst.record.name
         left.remove(worst)
-        if not beyond([logs[name], *(_own(worst, fit, inertia) for fit in jackknife(left))], limits[name]):
+        if not _beyond([logs[name], *(_own(worst, fit, inertia) for fit in _jackknife(left))], limits[name]):
             return odd
         odd[name] = float(np.exp(logs[name]))
     return {}
@@ -129,7 +129,7 @@ def _own(b: Balance, fit: Pooled, inertia: str) -> float:
     if alone.clear(inertia):
         mine, theirs = alone.values[inertia], fit.values.get(inertia, 0.0)
         return float(np.log(mine / theirs)) if mine > 0 and theirs > 0 and fit.clear(inertia) else 0.0
-    made, drive = predicted(b, fit), b.drive - np.mean(b.drive)
+    made, drive = _predicted(b, fit), b.drive - np.mean(b.drive)
     size = float(np.sqrt((made @ made) * (drive @ drive)))
     return float(np.log((drive @ made) / (made @ made))) if made @ drive > LIKE * size > 0 else 0.0
 
@@ -146,12 +146,12 @@ def encoders(seen: Seen) -> Iterator[Finding]:
         )  # fmt: skip
 
 
-def steps(seen: Seen) -> Iterator[Finding]:
+def _steps(seen: Seen) -> Iterator[Finding]:
     """Say which encoder moves in other steps than its declared resolution: one of the two has another scale."""
     for r in seen.measured:
         for name, declared in r.resolution.items():
             shown = quantum(r.channels[name]) if name in ENCODERS else 0.0
-            if shown > 0 and beyond([float(np.log(shown / declared))], FACTOR):
+            if shown > 0 and _beyond([float(np.log(shown / declared))], FACTOR):
                 yield Finding(
                     "encoder scale", f"{r.name}.{name}",
                     f"In record '{r.name}' {name} moves in steps of {shown:.3g} {r.units[name]}, {shown / declared:.3g} times "
@@ -166,12 +166,12 @@ def drives(seen: Seen) -> Iterator[Finding]:
 
     Where an encoder shows by its steps that the scale is its own, that is said in their place.
     """
-    if coarse := list(steps(seen)):  # inertia would only say the same once more
+    if coarse := list(_steps(seen)):  # inertia would only say the same once more
         yield from coarse
         return
     balances = [b for b in seen.aligned if b.names]
     free = [b for b in balances if not b.record.locked]  # of the joint alone the others say little
-    odd = own_scales(free, seen.inertia)
+    odd = _own_scales(free, seen.inertia)
     for record, factor in odd.items():
         yield Finding(
             "drive scale", f"{record}.{seen.drive}",
@@ -191,8 +191,8 @@ def _against_declared(seen: Seen, balances: Sequence[Balance]) -> Iterator[Findi
     fitted = fit.values.get(seen.inertia, 0.0)
     if declared <= 0 or fitted <= 0 or not fit.clear(seen.inertia):
         return
-    others = (max(other.values.get(seen.inertia, 0.0), 1e-300) for other in jackknife(balances))
-    if not beyond([float(np.log(other / declared)) for other in others], FACTOR):
+    others = (max(other.values.get(seen.inertia, 0.0), 1e-300) for other in _jackknife(balances))
+    if not _beyond([float(np.log(other / declared)) for other in others], FACTOR):
         return
     ratios = [Ratio("inertia", fitted, declared), *_friction(seen, fit.values)]
     kind, factor = _cause(ratios, _encoder_step(seen))

@@ -7,8 +7,8 @@ from functools import cached_property
 from workbench.campaign import Campaign
 from workbench.checking.balance import Balance, balance, freed
 from workbench.checking.shift import delay, realigned
-from workbench.identification.fit import passes_of
-from workbench.identification.passes import Passes
+from workbench.identification.fit import inverse_dynamics
+from workbench.identification.passes import InverseDynamics
 from workbench.intake.signals import quantum
 from workbench.record import Record
 
@@ -22,8 +22,8 @@ class Seen:
     campaign: Campaign
 
     @cached_property
-    def passes(self) -> tuple[Passes, ...]:
-        return passes_of(self.campaign.records, self.campaign.bandwidth)
+    def passes(self) -> tuple[InverseDynamics, ...]:
+        return inverse_dynamics(self.campaign.records, self.campaign.bandwidth)
 
     @cached_property
     def balances(self) -> tuple[Balance, ...]:

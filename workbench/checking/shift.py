@@ -14,7 +14,7 @@ LEAST = 0.05  # share of the drive's power that may be left at the best shift: e
 INERTIAL = 0.3  # share of the drive that inertia must have: only there is a moment sharp
 
 
-def lags(b: Balance) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def _lags(b: Balance) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Return (shifts (k,) in samples, residual powers (k,), parameters (p, k)): the drive taken that much later."""
     far = min(round(FARTHEST / b.dt), b.drive.size // 4)
     size = 1 << (2 * b.drive.size - 1).bit_length()
@@ -32,7 +32,7 @@ def delay(b: Balance, inertia: str) -> float:
 
     inertia: name of the column whose share says whether a moment is sharp.
     """
-    shifts, left, parameters = lags(b)
+    shifts, left, parameters = _lags(b)
     zero, best = int(np.flatnonzero(shifts == 0)[0]), int(np.argmin(left))
     if inertia not in b.names or best in (0, shifts.size - 1):
         return 0.0

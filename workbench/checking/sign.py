@@ -40,13 +40,13 @@ def slopes(records: Sequence[Record]) -> list[Slope]:
     return found
 
 
-def share(b: Balance, parameters: np.ndarray, moment: np.ndarray) -> float:
+def _share(b: Balance, parameters: np.ndarray, moment: np.ndarray) -> float:
     """Return the share of the drive's power that these parameters explain."""
     left = b.power - 2 * parameters @ moment + parameters @ b.gram @ parameters
     return 1.0 - float(left) / max(b.power, 1e-300)
 
 
-def quickly(b: Balance) -> float:
+def _quickly(b: Balance) -> float:
     """Return what the plant explains of the drive at least: parameters that come out below their bounds are left out."""
     moment = b.columns.T @ (b.drive - np.mean(b.drive))
     used = np.ones(moment.size, dtype=bool)
@@ -55,10 +55,10 @@ def quickly(b: Balance) -> float:
         used &= c >= b.lower
         c = np.zeros(moment.size)
         c[used] = replace(b, columns=b.columns[:, used]).solved(moment[used])
-    return share(b, c, moment)
+    return _share(b, c, moment)
 
 
-def explained(b: Balance, turned: float) -> float:
+def _explained(b: Balance, turned: float) -> float:
     """Return the share of the drive's power that the plant explains with parameters within their bounds.
 
     Inertia and friction are not negative: a drive that counts against the position leaves them nothing to explain.
@@ -66,21 +66,21 @@ def explained(b: Balance, turned: float) -> float:
     """
     drive = turned * (b.drive - np.mean(b.drive))
     c = bounded(b.columns, drive, b.lower, np.full(b.lower.size, np.inf))
-    return share(b, c, b.columns.T @ drive)
+    return _share(b, c, b.columns.T @ drive)
 
 
-def reversed_drives(seen: Seen) -> list[tuple[Balance, float, float]]:
+def _reversed_drives(seen: Seen) -> list[tuple[Balance, float, float]]:
     """Return (balance, share explained as it stands, share explained when turned) of records whose drive is reversed."""
     found = []
     for b in seen.aligned:
-        if quickly(b) < EXPLAINED:
-            as_it_is, turned = explained(b, 1.0), explained(b, -1.0)
+        if _quickly(b) < EXPLAINED:
+            as_it_is, turned = _explained(b, 1.0), _explained(b, -1.0)
             if turned > EXPLAINED and as_it_is < 0.5 * turned:
                 found.append((b, as_it_is, turned))
     return found
 
 
-def minus(channel: str) -> str:
+def _minus(channel: str) -> str:
     """Say where a channel's sign is turned."""
     where = f"channels.{channel}.scale"
     return f'put a minus before the value of {where}, or, where there is none, write {where} = {{ value = -1, unit = "1" }}'
@@ -90,7 +90,7 @@ def signs(seen: Seen) -> Iterator[Finding]:
     """Say which channel counts the wrong way: an encoder where the reference tells, else the drive."""
     negative = [s for s in slopes(seen.campaign.records) if s.slope < 0]
     blamed = {(s.record, s.channel) for s in negative if s.other == "reference"}
-    reversed_ = reversed_drives(seen)
+    reversed_ = _reversed_drives(seen)
     turned = {b.record.name for b, *_ in reversed_}
     for s in negative:  # two encoders against each other: the motor's is wrong where the drive says so as well
         if s.other == "position" and not {(s.record, "position"), (s.record, "load_position")} & blamed:
@@ -104,7 +104,7 @@ def signs(seen: Seen) -> Iterator[Finding]:
                 f"In record '{s.record}' {channel} moves against {other}: slope {s.slope:.3g}, correlation "
                 f"{s.correlation:.4f}.",
                 {"slope": s.slope, "correlation": s.correlation},
-                f"Turn the sign of {channel}: {minus(channel)}.",
+                f"Turn the sign of {channel}: {_minus(channel)}.",
             )  # fmt: skip
     wrong = {s.record for s in negative if s.channel == "position" or s.other == "position"}
     for b, as_it_is, when_turned in reversed_:
@@ -114,5 +114,5 @@ def signs(seen: Seen) -> Iterator[Finding]:
                 f"In record '{b.record.name}' inertia and friction explain {100 * max(as_it_is, 0):.0f} % of the drive as it "
                 f"stands and {100 * when_turned:.0f} % when its sign is turned: it counts against the position.",
                 {"as_it_stands": as_it_is, "turned": when_turned},
-                f"Turn the sign of the drive, or of the encoder: {minus(seen.drive)}.",
+                f"Turn the sign of the drive, or of the encoder: {_minus(seen.drive)}.",
             )  # fmt: skip

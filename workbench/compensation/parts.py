@@ -59,13 +59,13 @@ def forces(s: Structure, signals, z, p, u) -> tuple[dict, ca.SX]:
     """Return (next states, force that cancels) of one sample. u: the law's own command."""
     after, total = {}, ca.SX(0)
     for side in s.sides:
-        moved, given = moving(s, side, signals, z, p, u)
+        moved, given = _moving(s, side, signals, z, p, u)
         following, force = acted(s, side, given, z, p, signals.count)
         after |= moved | following
         total = total + force
     shaped, total = late(s, signals, z, p, total)
     limited = clip(u + total, -signals.limit, signals.limit)
-    clock = {f"{PREFIX}_clock": z_of(z, "clock") + signals.dt, f"{PREFIX}_whole": limited}
+    clock = {f"{PREFIX}_clock": _z_of(z, "clock") + signals.dt, f"{PREFIX}_whole": limited}
     return after | shaped | clock, total
 
 
@@ -91,13 +91,13 @@ def acted(s: Structure, side: str, given: dict, z, p, count, known: Mapping | No
     return after, total
 
 
-def z_of(z, name: str):
+def _z_of(z, name: str):
     return getattr(z, f"{PREFIX}_{name}")
 
 
-def moving(s: Structure, side: str, signals, z, p, u) -> tuple[dict, dict]:
+def _moving(s: Structure, side: str, signals, z, p, u) -> tuple[dict, dict]:
     """Return (next states, signals) of one side's position: as read, as asked for, or as observed."""
-    before, speed = z_of(z, f"at_{side}"), z_of(z, f"speed_{side}")
+    before, speed = _z_of(z, f"at_{side}"), _z_of(z, f"speed_{side}")
     more: dict = {}
     if s.source == REFERENCE:
         at, held = signals.r, signals.r
@@ -108,21 +108,21 @@ def moving(s: Structure, side: str, signals, z, p, u) -> tuple[dict, dict]:
         # increments behind a dead band one count wide, as in identification: an encoder that flickers does not rub
         held = clip(before, at - 0.5 * signals.count, at + 0.5 * signals.count)
     else:
-        at, v = observed(signals, z, p, u, before)
+        at, v = _observed(signals, z, p, u, before)
         held, more = at, {f"{PREFIX}_speed_seen": v}
     fixed = {n: getattr(p, f"{PREFIX}_{n}") for n in ("ratio", "pole_pairs")}
     given = fixed | {
-        "q": at, "dq": held - before, "v": v, "a": (v - speed) / signals.dt, "dt": signals.dt, "t": z_of(z, "clock"),
+        "q": at, "dq": held - before, "v": v, "a": (v - speed) / signals.dt, "dt": signals.dt, "t": _z_of(z, "clock"),
         # of the sample before: what acts includes what is asked for here
-        "u": z_of(z, "whole"), "motor_q": at, "load_q": at, "locked": ca.SX(0),
+        "u": _z_of(z, "whole"), "motor_q": at, "load_q": at, "locked": ca.SX(0),
     }  # fmt: skip
     first = len(s.order) + len(s.maps)
-    given["tau"] = carrying(s.still, first, given, p)
-    given["tau_inertia"] = ca.SX(0) if s.source == READ else carrying(s.inertial, first + len(s.still), given, p)
+    given["tau"] = _carrying(s.still, first, given, p)
+    given["tau_inertia"] = ca.SX(0) if s.source == READ else _carrying(s.inertial, first + len(s.still), given, p)
     return {f"{PREFIX}_at_{side}": held, f"{PREFIX}_speed_{side}": v} | more, given
 
 
-def carrying(effects: tuple[Effect, ...], first: int, given: dict, p) -> ca.SX:
+def _carrying(effects: tuple[Effect, ...], first: int, given: dict, p) -> ca.SX:
     """Return the sum of forces without memory, whose parameters are named from `first` on."""
     total = ca.SX(0)
     for i, e in enumerate(effects, first):
@@ -130,14 +130,14 @@ def carrying(effects: tuple[Effect, ...], first: int, given: dict, p) -> ca.SX:
     return total
 
 
-def observed(signals, z, p, u, before):
+def _observed(signals, z, p, u, before):
     """Return (position, speed) of the observer of this sample: semi-implicit Euler, both poles at its bandwidth.
 
     The law's own command drives it: what the compensation adds is what friction takes.
     """
     w = 2.0 * np.pi * getattr(p, f"{PREFIX}_bandwidth")
     e = signals.y - before
-    v = z_of(z, "speed_seen") + signals.dt * (u / getattr(p, f"{PREFIX}_mass") + w * w * e)
+    v = _z_of(z, "speed_seen") + signals.dt * (u / getattr(p, f"{PREFIX}_mass") + w * w * e)
     return before + signals.dt * (v + 2.0 * w * e), v
 
 
@@ -147,10 +147,10 @@ def late(s: Structure, signals, z, p, total) -> tuple[dict, ca.SX]:
     total = getattr(p, f"{PREFIX}_gain") * total
     if s.smooth:
         rate = -expm1(-2.0 * np.pi * getattr(p, f"{PREFIX}_cut") * signals.dt)
-        total = z_of(z, "smooth") + rate * (total - z_of(z, "smooth"))
+        total = _z_of(z, "smooth") + rate * (total - _z_of(z, "smooth"))
         after[f"{PREFIX}_smooth"] = total
     if s.delay:
-        line = [z_of(z, f"late_{k}") for k in range(s.delay)]
+        line = [_z_of(z, f"late_{k}") for k in range(s.delay)]
         after |= {f"{PREFIX}_late_{k}": v for k, v in enumerate((total, *line[:-1]))}
         total = line[-1]
     return after, total

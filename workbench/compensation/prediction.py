@@ -8,7 +8,7 @@ from workbench.compensation.compensator import OBSERVED, READ, REFERENCE, Compen
 from workbench.definition import namespace
 from workbench.errors import WorkbenchError
 from workbench.identification.fit import series_of
-from workbench.identification.passes import Passes
+from workbench.identification.passes import InverseDynamics
 from workbench.kernel.program import read
 from workbench.kernel.scan import scan
 from workbench.plant import Plant
@@ -29,8 +29,8 @@ def predicted(compensator: Compensator, record: Record, velocity_filter: float =
     if compensator.source == REFERENCE and "reference" not in record.channels:
         raise WorkbenchError(f"record '{record.name}' has no channel 'reference', from which it would be compensated.")
     r = record.channels.get("reference", position)
-    rows = [position, speed(position, record.dt, velocity_filter), r, record.drive]
-    rows += [position, rows[1], load, speed(load, record.dt, velocity_filter)]
+    rows = [position, _speed(position, record.dt, velocity_filter), r, record.drive]
+    rows += [position, rows[1], load, _speed(load, record.dt, velocity_filter)]
     numbers = structure.values_of(compensator, made)
     start = np.array(
         [position[0] if n.startswith(f"{structure.PREFIX}_at") else 0.0 for n in structure.states_of(made)]
@@ -39,11 +39,11 @@ def predicted(compensator: Compensator, record: Record, velocity_filter: float =
         raise WorkbenchError("what an observer sees hangs on the loop that it runs in; it is simulated, not predicted.")
     count = record.resolution.get("position", 0.0)
     return scan(
-        program(made, record.dt, count, tuple(numbers)), np.stack(rows), start, np.array(list(numbers.values()))
+        _program(made, record.dt, count, tuple(numbers)), np.stack(rows), start, np.array(list(numbers.values()))
     )[0]
 
 
-def program(made: structure.Structure, dt: float, count: float, names: tuple[str, ...]):
+def _program(made: structure.Structure, dt: float, count: float, names: tuple[str, ...]):
     """Return the compensation alone as a program: signals, states, parameters in; next states, force out."""
     s, p = ca.SX.sym("s", len(SIGNALS)), ca.SX.sym("p", len(names))
     states = structure.states_of(made)
@@ -58,7 +58,7 @@ def program(made: structure.Structure, dt: float, count: float, names: tuple[str
     return read(ca.Function("compensation", [s, z, p], [following, ca.densify(force)]))
 
 
-def speed(position: np.ndarray, dt: float, velocity_filter: float) -> np.ndarray:
+def _speed(position: np.ndarray, dt: float, velocity_filter: float) -> np.ndarray:
     """Return the filtered backward difference of a loop, (n,)."""
     from scipy.signal import lfilter
 
@@ -66,7 +66,7 @@ def speed(position: np.ndarray, dt: float, velocity_filter: float) -> np.ndarray
     return lfilter([smoothing], [1.0, smoothing - 1.0], np.diff(position, prepend=position[0]) / dt)
 
 
-def agreement(compensator: Compensator, plant: Plant, passes: Passes, velocity_filter: float = 0.0) -> float:
+def agreement(compensator: Compensator, plant: Plant, passes: InverseDynamics, velocity_filter: float = 0.0) -> float:
     """Return how far what the compensation adds is from what identification says that its forces take of the drive.
 
     Both below the evaluation bandwidth; rms of the difference over the rms of the force. plant: holds the forces, and

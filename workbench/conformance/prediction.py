@@ -7,7 +7,7 @@ import numpy as np
 from workbench.conformance.recovery import BAND, SAMPLES, record
 from workbench.conformance.scene import drawn, scene
 from workbench.definition import ANGLE, FORCE, Effect, find
-from workbench.identification.passes import Passes, balances, predicted
+from workbench.identification.passes import InverseDynamics, balances, predicted
 from workbench.motion import motion
 from workbench.plant import ONE_MASS, TWO_MASS, Plant, places
 
@@ -38,7 +38,7 @@ def _asked(effect: Effect, plant: Plant, drive: np.ndarray) -> np.ndarray:
     channels |= {n: there[n].copy() for n in ("temperature", "normal")}
     if plant.kind == TWO_MASS:
         channels |= {"position": there["motor_q"].copy(), "load_position": there["load_q"].copy()}
-    passes = Passes(motion(replace(made, channels=channels), BAND / scene(effect).dt))
+    passes = InverseDynamics(motion(replace(made, channels=channels), BAND / scene(effect).dt))
     return np.vstack([predicted(passes, plant), balances(passes, plant)])
 
 

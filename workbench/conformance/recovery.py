@@ -10,7 +10,7 @@ from workbench.conformance.result import within
 from workbench.conformance.scene import drawn, output, scene
 from workbench.definition import FORCE, Effect, find
 from workbench.identification.fit import identify
-from workbench.identification.passes import Passes, predicted
+from workbench.identification.passes import InverseDynamics, predicted
 from workbench.motion import motion
 from workbench.parameter import Parameter
 from workbench.plant import ONE_MASS, Plant, reads_load
@@ -56,8 +56,8 @@ def record(effect: Effect, drive: np.ndarray | None = None) -> Record:
     return Record("synthetic", IDENTIFICATION, there.signals["t"].copy(), channels, {}, source)
 
 
-def _passes(effect: Effect, drive: np.ndarray | None = None) -> Passes:
-    return Passes(motion(record(effect, drive), BAND / scene(effect).dt))
+def _passes(effect: Effect, drive: np.ndarray | None = None) -> InverseDynamics:
+    return InverseDynamics(motion(record(effect, drive), BAND / scene(effect).dt))
 
 
 def _on_axis(effect: Effect) -> Effect:

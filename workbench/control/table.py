@@ -31,7 +31,7 @@ def grid(first: float, last: float, per_octave: int = 4) -> np.ndarray:
     return knots[low : np.searchsorted(knots, last) + 1]
 
 
-def step_bits(knots: np.ndarray) -> int:
+def _step_bits(knots: np.ndarray) -> int:
     """Return b of a grid of knots; WorkbenchError where the knots are not such a grid."""
     bits = np.ascontiguousarray(knots, dtype=np.float64).view(np.int64)
     for b in range(FINEST + 1):
@@ -62,7 +62,7 @@ class Table:
     @cached_property
     def shift(self) -> int:
         """Right shift that leaves the segment's number."""
-        return MANTISSA - step_bits(self.knots)
+        return MANTISSA - _step_bits(self.knots)
 
     @cached_property
     def offset(self) -> int:

@@ -14,7 +14,7 @@ import numpy as np
 from workbench.finding import Finding, capital, located
 from workbench.identification import intervals
 from workbench.identification.fit import fitted_on
-from workbench.identification.passes import Passes
+from workbench.identification.passes import InverseDynamics
 from workbench.identification.problem import Name, Problem
 from workbench.identification.result import Estimate
 from workbench.identification.solve import Solution, solve
@@ -93,7 +93,7 @@ class Side:
     freedom: float
 
 
-def _side(plant: Plant, passes: Sequence[Passes], theta: np.ndarray | None = None) -> tuple[Side, Solution]:
+def _side(plant: Plant, passes: Sequence[InverseDynamics], theta: np.ndarray | None = None) -> tuple[Side, Solution]:
     """Return one side. theta: where the search of the shape parameters starts."""
     problem = Problem(plant, fitted_on(passes))
     solution = solve(problem, theta)
@@ -106,7 +106,7 @@ def _side(plant: Plant, passes: Sequence[Passes], theta: np.ndarray | None = Non
 
 
 @one_thread
-def compare(plant: Plant, before: Sequence[Passes], after: Sequence[Passes]) -> Difference:
+def compare(plant: Plant, before: Sequence[InverseDynamics], after: Sequence[InverseDynamics]) -> Difference:
     """Return what moved of a plant's free parameters between the identification records of two campaigns."""
     first, solution = _side(plant, before)
     second, _ = _side(plant, after, solution.theta)

@@ -8,7 +8,7 @@ from workbench.campaign import Campaign
 from workbench.errors import WorkbenchError
 from workbench.finding import Finding
 from workbench.identification.fit import fitted_on
-from workbench.identification.passes import Passes
+from workbench.identification.passes import InverseDynamics
 from workbench.plant import MASSES
 
 APART = 2.0  # factor between what two campaigns cover from which on it is said
@@ -39,7 +39,9 @@ def _kind(plant) -> str:
     return f"a {'rotary' if plant.rotary else 'linear'} axis of {MASSES[plant.kind]}"
 
 
-def doubts(before: Campaign, after: Campaign, first: Sequence[Passes], second: Sequence[Passes]) -> tuple[Finding, ...]:
+def doubts(
+    before: Campaign, after: Campaign, first: Sequence[InverseDynamics], second: Sequence[InverseDynamics]
+) -> tuple[Finding, ...]:
     """Say what the records of the two do not share: encoder, and ranges of speed, acceleration and position."""
     said = []
     for name in sorted(set().union(*(r.resolution for r in (*before.records, *after.records)))):
@@ -57,7 +59,7 @@ def doubts(before: Campaign, after: Campaign, first: Sequence[Passes], second: S
     return tuple(said)
 
 
-def _reach(passes: Sequence[Passes], signal: str) -> float:
+def _reach(passes: Sequence[InverseDynamics], signal: str) -> float:
     """Return what records cover of a signal: the span of positions, else the largest."""
     kept = [getattr(p.motion, signal)[p.motion.keep] for p in passes]
     if signal == "q":

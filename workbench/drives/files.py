@@ -47,7 +47,7 @@ def writer(name: str, sets: Sequence[Cascade], told: Told) -> tuple[Callable[[],
     return known[name]
 
 
-def maps(plant: Plant) -> dict[str, tuple[Callable[[], str], Callable[[str], object]]]:
+def _maps(plant: Plant) -> dict[str, tuple[Callable[[], str], Callable[[str], object]]]:
     """Return file name -> (write, read) of the compensation tables that a plant has effects for."""
     found = {}
     if any(e.name == cogging.WHAT for e in plant.effects):
@@ -64,7 +64,7 @@ def files(
 ) -> tuple[Mapping[str, str], Mapping[str, str]]:
     """Return (file name -> text, format or file -> the sentence by which it was refused)."""
     wanted = {NAMES.get(n, n): (n, *writer(n, sets, told)) for n in formats}
-    wanted |= {n: (n, *both) for n, both in maps(plant).items()}
+    wanted |= {n: (n, *both) for n, both in _maps(plant).items()}
     kept, refused = {}, {}
     for name, (asked, write, read) in wanted.items():
         try:

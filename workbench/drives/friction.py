@@ -11,7 +11,7 @@ WHAT = "friction"
 SAMPLES = 200  # of a slide over one rad or m, far beyond presliding: friction with memory has forgotten its start then
 
 
-def sliding(plant: Plant, speed: float) -> float:
+def _sliding(plant: Plant, speed: float) -> float:
     """Friction of one mass in N*m or N at a steady speed, rad/s or m/s, not zero."""
     way = np.sign(speed)
     one = np.ones(SAMPLES)
@@ -34,7 +34,7 @@ def write(plant: Plant, top: float, count: int = 64) -> str:
         )
     half = (np.arange(count // 2) + 0.5) * (2.0 * top / count)
     v = np.concatenate([-half[::-1], half])
-    y = np.array([sliding(plant, x) for x in v])
+    y = np.array([_sliding(plant, x) for x in v])
     return Map(WHAT, f"speed [{plant.displacement}/s]", f"force [{plant.effort}]", v, y, 0.0, False).text()
 
 

@@ -46,7 +46,7 @@ class Object:
         return f"object 0x{self.index:04X}:{self.subindex:02X} ({self.quantity})"
 
 
-def quantity_of(gains: Cascade, name: str) -> float:
+def _quantity_of(gains: Cascade, name: str) -> float:
     """The number of a cascade that an object takes, SI and Hz."""
     if name not in NOTCHES:
         return getattr(gains, name)
@@ -72,7 +72,7 @@ def entries(gains: Cascade, objects: Sequence[Object]) -> list[tuple[Object, byt
         raise WorkbenchError(
             f"the drive has no object for {sorted(missing)[0]}, and the gains were tuned with that notch."
         )
-    return [(o, packed(quantity_of(gains, o.quantity) * o.per_si, o.type, o.where)) for o in objects]
+    return [(o, packed(_quantity_of(gains, o.quantity) * o.per_si, o.type, o.where)) for o in objects]
 
 
 def value_of(one: Object, data: bytes) -> float:

@@ -45,10 +45,10 @@ def in_parallel(forces: Sequence[Effect], width: float) -> list[Effect]:
     is another contact, a seal beside the bearings: its direction is a stop operator that saturates after `width`.
     """
     memory = any(e.linear and "dir" in e.provides for e in forces)
-    return [of_its_own(e, width) if memory and e.reads == ("dir",) else e for e in forces]
+    return [_of_its_own(e, width) if memory and e.reads == ("dir",) else e for e in forces]
 
 
-def of_its_own(effect: Effect, width: float) -> Effect:
+def _of_its_own(effect: Effect, width: float) -> Effect:
     """Return a force that reads `dir` alone as one that reads the motion, by a stop operator of this width."""
     return replace(
         effect,

@@ -38,7 +38,7 @@ def _virgin(count: int):
     return virgin
 
 
-def springs(slips: Sequence[float], heights: Sequence[float]) -> list[float]:
+def _springs(slips: Sequence[float], heights: Sequence[float]) -> list[float]:
     """Return k_i >= 0 of the bank whose virgin curve passes through (slip, height) and is level after the last."""
     x, y = [0.0, *slips], [0.0, *heights]
     slopes = [(y[i + 1] - y[i]) / (x[i + 1] - x[i]) for i in range(len(slips))] + [0.0]
@@ -53,7 +53,7 @@ def hysteresis_bank(slips: Sequence[float], heights: Sequence[float], height: fl
     """
     slips = increasing(slips, "slips", True)
     n = len(slips)
-    ways = springs(slips, heights)
+    ways = _springs(slips, heights)
     stiff, held, way = names("k", n), names("slip", n), names("way", n)
     parameters = {
         k: Parameter(height * w, "F/x", f"stiffness of element {i}", lower=0.0)
@@ -85,7 +85,7 @@ def hysteresis_bank(slips: Sequence[float], heights: Sequence[float], height: fl
     )
 
 
-def direction_of(effect: Effect | None, slips: Sequence[float]) -> list[float]:
+def _direction_of(effect: Effect | None, slips: Sequence[float]) -> list[float]:
     """Return the normalised virgin curve of a friction at slips (n,): of its presliding length, else of a stop of slips[1]."""
     values = {n: p.value for n, p in effect.parameters.items()} if effect is not None else {}
     if "x0" in values:
@@ -94,7 +94,7 @@ def direction_of(effect: Effect | None, slips: Sequence[float]) -> list[float]:
     return [min(s / slips[1], 1.0) for s in slips]
 
 
-def height_of(effect: Effect | None) -> float:
+def _height_of(effect: Effect | None) -> float:
     """Return a friction's force when sliding, F."""
     values = {n: p.value for n, p in effect.parameters.items()} if effect is not None else {}
     heights = [values[n] for n in ("coulomb", "h0", "h") if n in values]
@@ -105,7 +105,7 @@ def bank_beside(slips: Sequence[float], declared: Sequence[Effect] = (), at: str
     """Return the bank of these slips that takes the place of the friction declared at a place, with its height and direction."""
     there = [e for e in declared if e.at == at and (e.name == "coulomb_friction" or ("dir" in e.provides and e.linear))]
     giver = next((e for e in there if e.provides), there[0] if there else None)
-    return hysteresis_bank(slips, direction_of(giver, slips), height_of(giver), at)
+    return hysteresis_bank(slips, _direction_of(giver, slips), _height_of(giver), at)
 
 
 def slips_of(effect: Effect, counts: float = 0.0) -> tuple[float, ...]:

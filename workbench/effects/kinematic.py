@@ -12,7 +12,7 @@ from workbench.parameter import Parameter
 PHASE = Parameter(0.0, "rad", "phase")
 
 
-def border(*rest: str) -> Border:
+def _border(*rest: str) -> Border:
     """Amplitude and phase outside, A sin(angle + phase); sine and cosine amplitudes inside; `rest` unchanged."""
     others = {"order": ORDER, "turns": TURNS, "zero": ZERO}
     outside = {"amplitude": Parameter(0.0, "x", "amplitude of the error", lower=0.0), "phase": PHASE}
@@ -64,7 +64,7 @@ def kinematic_error() -> Effect:
         step=step,
         places=("joint", "sensor"),
         at="joint",
-        border=border("order", "zero"),
+        border=_border("order", "zero"),
     )
 
 
@@ -90,5 +90,5 @@ def encoder_eccentricity() -> Effect:
         places=("sensor",),
         motions=("rotary",),
         at="sensor.position",
-        border=border("turns", "zero"),
+        border=_border("turns", "zero"),
     )

@@ -10,7 +10,7 @@ from workbench.parameter import Parameter
 EVERYWHERE = ("axis", "motor", "load", "joint")
 
 
-def radius(value: float = 1e-3, meaning: str = "half width of the play") -> Parameter:
+def _radius(value: float = 1e-3, meaning: str = "half width of the play") -> Parameter:
     return Parameter(value, "x", meaning, lower=1e-12, scale="stroke")
 
 
@@ -32,7 +32,7 @@ def stop() -> Effect:
         reduces={"radius": (TWO_COUNTS, "coulomb_friction")},
         parameters={
             "stiffness": Parameter(0.0, "F/x", "stiffness before it slips", lower=0.0),
-            "radius": radius(meaning="deflection at which it slips"),
+            "radius": _radius(meaning="deflection at which it slips"),
         },
         linear=("stiffness",),
         states={"w": 1},
@@ -65,7 +65,7 @@ def play() -> Effect:
         source="Krasnosel'skii and Pokrovskii 1989",
         port=FORCE,
         family="friction with memory",
-        parameters={"stiffness": Parameter(0.0, "F/x", "stiffness behind the play"), "radius": radius()},
+        parameters={"stiffness": Parameter(0.0, "F/x", "stiffness behind the play"), "radius": _radius()},
         linear=("stiffness",),
         states={"w": 1, "y": 1},
         reads=("dq",),

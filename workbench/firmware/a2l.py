@@ -57,7 +57,7 @@ def a2l(made: Firmware, address: int = 0) -> str:
     text.append(METHOD.format(name="of_knots", said="as it is", unit=x, factor=1))
     for i, (c, bits) in enumerate(zip(made.numbers.stages.constants, bits_of, strict=True)):
         ends = [v * 2.0 ** -(bits or 0) for v in (low, high)]
-        text.append(method(f"of_{c.identifier}", unit(c.power, made.source.effort), bits))
+        text.append(_method(f"of_{c.identifier}", unit(c.power, made.source.effort), bits))
         text.append(
             VALUE.format(
                 name=c.identifier, said=c.formula, address=address + HEAD.size + 4 * i, layout="number",
@@ -66,17 +66,17 @@ def a2l(made: Firmware, address: int = 0) -> str:
         )  # fmt: skip
     knots_at = address + HEAD.size + 4 * image.constants.size
     if image.knots.size:
-        text += curves(made, knots_at, columns, (low, high))
+        text += _curves(made, knots_at, columns, (low, high))
     return "".join([*text, FOOTER])
 
 
-def method(name: str, said: str, bits: int | None) -> str:
+def _method(name: str, said: str, bits: int | None) -> str:
     """A conversion: the integer is the value times 2^bits."""
     scale = "as it is" if bits is None else f"integer times 2^{-bits}"
     return METHOD.format(name=name, said=scale, unit=said, factor=repr(2.0 ** (bits or 0)))
 
 
-def curves(made: Firmware, knots_at: int, columns: list, ends: tuple) -> list[str]:
+def _curves(made: Firmware, knots_at: int, columns: list, ends: tuple) -> list[str]:
     """The knots, and each row over them."""
     image = made.image
     m = image.knots.size
@@ -89,7 +89,7 @@ def curves(made: Firmware, knots_at: int, columns: list, ends: tuple) -> list[st
     ]
     for j, (name, bits, slope) in enumerate(rows):
         own = unit(power_of(f"gain.{name}"), made.source.effort)
-        text.append(method(f"of_{name}{slope}", f"({own})/{'m' if image.motion else 'rad'}" if slope else own, bits))
+        text.append(_method(f"of_{name}{slope}", f"({own})/{'m' if image.motion else 'rad'}" if slope else own, bits))
         low, high = (v * 2.0 ** -(bits or 0) for v in ends)
         text.append(
             CURVE.format(

@@ -43,7 +43,7 @@ class Compensation:
 
     compensator: Compensator
     observe: Part
-    act: Part
+    _act: Part
     constants: tuple[Constant, ...]
     values: np.ndarray
     tables: Mapping[str, Curve]
@@ -70,7 +70,7 @@ def compensation(
     travel: rad or m from the zero of the identification, where a force over the place is compensated. WorkbenchError for an
     effect that reads what only a simulation knows, an observer, an encoder without counts, a drive without limits.
     """
-    refuse(compensator, loop, plant)
+    _refuse(compensator, loop, plant)
     s = structure(compensator)
     tables, known = tabulated(s, compensator, loop, plant, travel)
     numbers = values_of(compensator, s) | {
@@ -78,13 +78,13 @@ def compensation(
     }  # fmt: skip
     p = {n: ca.SX.sym(n) for n in numbers}
     z = {n: ca.SX.sym(n) for n in states_of(s)}
-    seen, kept = observed(s, p)
+    seen, kept = _observed(s, p)
     rows = {n: ca.SX.sym(n) for n in (*SEEN, "place", *tables)}
-    after, force = act(s, rows, z, p, known)
+    after, force = _act(s, rows, z, p, known)
     constants: list[Constant] = []
     values: list[float] = []
-    observe = part("observe", seen, kept, p, numbers, constants, values)
-    acting = part("act", rows | z, after | {FORCE: force}, p, numbers, constants, values)
+    observe = _part("observe", seen, kept, p, numbers, constants, values)
+    acting = _part("act", rows | z, after | {FORCE: force}, p, numbers, constants, values)
     states = tuple(dict.fromkeys((*observe.outputs, *(n for n in acting.outputs if n != FORCE))))
     return Compensation(
         compensator, observe, acting, tuple(constants), np.array(values), tables, states, loop, plant.limits.drive,
@@ -92,7 +92,7 @@ def compensation(
     )  # fmt: skip
 
 
-def refuse(c: Compensator, loop: Loop, plant: Plant) -> None:
+def _refuse(c: Compensator, loop: Loop, plant: Plant) -> None:
     """Raise WorkbenchError, saying what would mend it, for what is no firmware of its own."""
     if c.source == OBSERVED:
         raise WorkbenchError(
@@ -116,7 +116,7 @@ def refuse(c: Compensator, loop: Loop, plant: Plant) -> None:
         )
 
 
-def observed(s: Structure, p: Mapping[str, ca.SX]) -> tuple[dict, dict]:
+def _observed(s: Structure, p: Mapping[str, ca.SX]) -> tuple[dict, dict]:
     """Return (rows, outputs): the way since the last sample to increments, speed and acceleration, as `compensation.parts` has them."""
     rows = {n: ca.SX.sym(n) for n in ("moved", "gap", "vh", "before")}
     moved, speed = rows["moved"], rows["moved"] * p["count"] * p["sample_rate"]
@@ -130,7 +130,7 @@ def observed(s: Structure, p: Mapping[str, ca.SX]) -> tuple[dict, dict]:
     return rows, out
 
 
-def act(s: Structure, rows: Mapping, z: Mapping, p: Mapping, known: Mapping) -> tuple[dict, ca.SX]:
+def _act(s: Structure, rows: Mapping, z: Mapping, p: Mapping, known: Mapping) -> tuple[dict, ca.SX]:
     """Return (next states, force) from what was observed and looked up."""
     q = rows["place"] * p["count"]
     signals = {n: rows[n] for n in SEEN} | dict.fromkeys(PLACES, q) | {"dt": p["dt"], "locked": ca.SX(0)}
@@ -138,19 +138,19 @@ def act(s: Structure, rows: Mapping, z: Mapping, p: Mapping, known: Mapping) -> 
     states, numbers = namespace(**z), namespace(**p)
     after, total = {}, ca.SX(0)
     for side in s.sides:
-        stand = {k: (lambda given, names=names: looked(names, rows, given)) for k, names in known.items()}
+        stand = {k: (lambda given, names=names: _looked(names, rows, given)) for k, names in known.items()}
         following, force = acted(s, side, dict(signals), states, numbers, p["count"], stand)
         after, total = after | following, total + force
     shaped, total = late(s, namespace(dt=p["dt"]), states, numbers, total)
     return after | shaped, total
 
 
-def looked(names: tuple[str, ...], rows: Mapping, given: Mapping) -> ca.SX:
+def _looked(names: tuple[str, ...], rows: Mapping, given: Mapping) -> ca.SX:
     """What tables stand for: a value, and one times the direction. A sum is read at the first of its effects."""
     return sum((rows[n] * (given["dir"] if n.endswith("dir") else 1.0) for n in names), ca.SX(0))
 
 
-def part(name, rows, outputs, p, numbers, constants: list[Constant], values: list[float]) -> Part:
+def _part(name, rows, outputs, p, numbers, constants: list[Constant], values: list[float]) -> Part:
     """Return one stage with its constants cut out, evaluated, and counted among those that there are."""
     result = ca.vertcat(*(ca.densify(ca.SX(v)) for v in outputs.values()))
     symbols = rows | dict(p)

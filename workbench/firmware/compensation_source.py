@@ -19,7 +19,7 @@ HERE = Path(__file__).parent
 UNITLESS = re.compile(r" /\* \[1( 2\^-?\d+)?\] \*/")  # of SI numbers the header says the unit once
 
 
-def text_of(made: Compensation, scales: str) -> str:
+def _text_of(made: Compensation, scales: str) -> str:
     """Return what identifies a compensation: every instruction, the shape of its tables, and the scales."""
     said = ["compensation", made.compensator.source, scales]
     said += [f"{n} {c.knots.size} {made.over(n)}" for n, c in made.tables.items()]
@@ -42,7 +42,7 @@ class Written:
         return f"k[{place}]"
 
     def code(self) -> int:
-        return zlib.crc32(text_of(self.made, self.scale_text).encode())
+        return zlib.crc32(_text_of(self.made, self.scale_text).encode())
 
     def stage(self, part: Part, result: str | None) -> str:
         """Return one stage as a static function."""

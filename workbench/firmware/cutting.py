@@ -43,7 +43,7 @@ def pruned(made, wanted: set[str]):
     return replace(made, inputs=tuple(made.inputs[j] for j in used), outputs=tuple(n for n, _ in kept), program=program)
 
 
-def unfloored(program: Program) -> Program:
+def _unfloored(program: Program) -> Program:
     """Return a program in which max(|x|, 0) is |x|."""
     sizes, again, lines = {x.out for x in program.lines if x.op == ca.OP_FABS}, {}, []
     for line in program.lines:
@@ -80,7 +80,7 @@ def cut(law: Law, feedback: str, symbols: Symbols, made) -> Stages:
     lines, outputs, constants, parts = [], [], [], []
     for s in made:
         constant = [n in symbols.constants for n in s.inputs]
-        before, after = split(_reciprocals(unfloored(s.program), constant), constant)
+        before, after = split(_reciprocals(_unfloored(s.program), constant), constant)
         own = [n for n in s.inputs if n in symbols.constants]
         before = _joined(before, own, given, s.name)
         lines += before.lines

@@ -25,7 +25,7 @@ def formats(made: Firmware) -> tuple[list, list]:
     return [f.bits for f in scales.constants], [scales.column(n).bits for n in made.numbers.columns]
 
 
-def numbers_of(values: np.ndarray) -> list:
+def _numbers_of(values: np.ndarray) -> list:
     """Words as JSON holds them: floats that read back to the same float32, or integers."""
     return [float(v) if values.dtype.kind == "f" else int(v) for v in values]
 
@@ -51,7 +51,7 @@ def document(made: Firmware) -> dict:
         "constants": [
             {"name": c.identifier, "formula": c.formula, "unit": unit(c.power, made.source.effort), "value": value}
             | ({} if bits is None else {"fractional_bits": bits})
-            for c, bits, value in zip(stages.constants, constants, numbers_of(image.constants), strict=True)
+            for c, bits, value in zip(stages.constants, constants, _numbers_of(image.constants), strict=True)
         ],
         "knots": [float(k) for k in image.knots],
         "columns": [],
@@ -61,10 +61,10 @@ def document(made: Firmware) -> dict:
         entry = {
             "name": name,
             "unit": unit(power_of(f"gain.{name}"), made.source.effort),
-            "gains": numbers_of(next(rows)),
+            "gains": _numbers_of(next(rows)),
         }
         if bits is None:
-            entry["slopes"] = numbers_of(next(rows))
+            entry["slopes"] = _numbers_of(next(rows))
         else:
             entry["fractional_bits"] = bits
         out["columns"].append(entry)

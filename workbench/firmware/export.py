@@ -33,18 +33,18 @@ static const uint8_t wb_{name}_plant[32] = {{
 """
 
 
-def array(data: bytes) -> str:
+def _array(data: bytes) -> str:
     """Bytes as a C initialiser, twelve a line."""
     lines = [data[i : i + 12] for i in range(0, len(data), 12)]
     return ",\n".join("    " + ", ".join(f"0x{b:02X}" for b in line) for line in lines)
 
 
-def table_header(made: Firmware) -> str:
+def _table_header(made: Firmware) -> str:
     """Return the table as a C array, and the digest of the plant that it was made for."""
     data, name = made.image.bytes(), made.source.name
     return TABLE.format(
         name=name, NAME=name.upper(), plant=made.image.plant, law=made.image.law, crc=int.from_bytes(data[-4:], "little"),
-        size=len(data), rows=array(data), digest=array(bytes.fromhex(made.image.plant)),
+        size=len(data), rows=_array(data), digest=_array(bytes.fromhex(made.image.plant)),
     )  # fmt: skip
 
 
@@ -56,7 +56,7 @@ def files_of(made: Firmware, address: int = 0) -> dict[str, bytes]:
     if not 0 <= address <= 2**32 - len(made.image.bytes()):
         raise WorkbenchError(f"the table's address is {address}; one of 32 bits is needed.")
     texts = made.files | {
-        f"{name}_table.h": table_header(made),
+        f"{name}_table.h": _table_header(made),
         f"{name}.hex": intel_hex(made.image.bytes(), address),
         f"{name}.json": text(document(made)),
         f"{name}.schema.json": SCHEMA.read_text(encoding="utf-8"),

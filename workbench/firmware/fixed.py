@@ -48,14 +48,14 @@ class Value:
     condition: bool = False
 
 
-def room(a: Interval) -> int:
+def _room(a: Interval) -> int:
     """The most fractional bits with which an interval fits into 30 bits."""
     largest = max(abs(a[0]), abs(a[1]))
     return WHOLE if largest == 0.0 else WHOLE - ceil(log2(largest))
 
 
 def fitting(low: float, high: float, most: int = 60) -> Format:
-    return Format(min(room((low, high)), most), low, high)
+    return Format(min(_room((low, high)), most), low, high)
 
 
 def envelope(value: float, spare: int = WHOLE) -> Format:
@@ -67,7 +67,7 @@ def envelope(value: float, spare: int = WHOLE) -> Format:
     return Format(spare - ceil(log2(abs(value))), low, high)
 
 
-def shifted(name: str, by: int) -> str:
+def _shifted(name: str, by: int) -> str:
     """Text of an operand with `by` fractional bits fewer, rounded down; more where `by` is negative."""
     if by == 0:
         return name
@@ -106,7 +106,7 @@ class Typed:
         if name not in self.values:
             return self._literal(name, bits)
         text = f"wb_truth({{{name}}})" if self.values[name].condition else f"{{{name}}}"
-        return shifted(text, self.values[name].format.bits - bits)
+        return _shifted(text, self.values[name].format.bits - bits)
 
     def _truth(self, name: str) -> str:
         if name in self.values and self.values[name].condition:
@@ -117,7 +117,7 @@ class Typed:
         """Fractional bits that operands are brought to: as fine as the finest, as far as each has room."""
         known = [self.format(n) for n in names if n in self.values]
         finest = max((f.bits for f in known), default=WHOLE)
-        return min(finest, *(room(self.interval(n)) for n in names))
+        return min(finest, *(_room(self.interval(n)) for n in names))
 
     def _value(self, line: Line) -> Value:
         if isinstance(line, Choice):
@@ -136,7 +136,7 @@ class Typed:
     def _number(self, line: Line, found: Interval) -> Value:
         op, a, b = line.op, line.a, line.b
         if op in (ca.OP_ADD, ca.OP_SUB, ca.OP_FMIN, ca.OP_FMAX):
-            bits = min(self._common(a, b), room(found))
+            bits = min(self._common(a, b), _room(found))
             text = {ca.OP_ADD: "({0} + {1})", ca.OP_SUB: "({0} - {1})",
                     ca.OP_FMIN: "wb_min({0}, {1})", ca.OP_FMAX: "wb_max({0}, {1})"}[op]  # fmt: skip
             text = text.replace("{0}", self._at(a, bits)).replace("{1}", self._at(b, bits))
@@ -145,14 +145,14 @@ class Typed:
             return self._product(line, a, b if op == ca.OP_MUL else a, found)
         if op in (ca.OP_DIV, ca.OP_INV):
             return self._quotient(line, *((a, b) if op == ca.OP_DIV else ("1.0", a)), found)
-        bits = self.format(a).bits if a in self.values else room(found)
+        bits = self.format(a).bits if a in self.values else _room(found)
         if op == ca.OP_TWICE:
             return self._made(line, self._at(a, bits), Format(bits - 1, *found))
         if op == ca.OP_SQRT:
             up = 30 if bits % 2 == 0 else 29
             return self._made(line, f"wb_root({self._at(a, bits)}, {up})", Format((bits + up) // 2, *found))
         if op == ca.OP_IF_ELSE_ZERO:
-            bits = self.format(b).bits if b in self.values else room(found)
+            bits = self.format(b).bits if b in self.values else _room(found)
             return self._made(line, f"wb_choose({self._truth(a)}, {self._at(b, bits)}, 0)", Format(bits, *found))
         text = {ca.OP_NEG: "(-{0})", ca.OP_FABS: "wb_size({0})", ca.OP_ASSIGN: "{0}"}[op]
         return self._made(line, text.replace("{0}", self._at(a, bits)), Format(bits, *found))
@@ -168,18 +168,20 @@ class Typed:
         if name in self.values:
             return self.format(name).bits
         value = abs(float(name.strip("()")))
-        return next(b for b in range(WHOLE + 1) if value * 2.0**b == round(value * 2.0**b) or b == room((value, value)))
+        return next(
+            b for b in range(WHOLE + 1) if value * 2.0**b == round(value * 2.0**b) or b == _room((value, value))
+        )
 
     def _product(self, line: Line, a: str, b: str, found: Interval) -> Value:
         fa, fb = self._own(a), self._own(b)
-        bits = min(room(found), fa + fb)
+        bits = min(_room(found), fa + fb)
         x, y = self._at(a, fa), self._at(b, fb)
         text = f"({x} * {y})" if bits == fa + fb else f"wb_times({x}, {y}, {fa + fb - bits})"
         return self._made(line, text, Format(bits, *found))
 
     def _quotient(self, line: Line, a: str, b: str, found: Interval) -> Value:
         fa, fb = self._own(a), self._own(b)
-        up = min(room(found) + fb - fa, 32)
+        up = min(_room(found) + fb - fa, 32)
         if up < 0:
             raise WorkbenchError("a quotient of this law is too large for fixed point.")
         return self._made(line, f"wb_over({self._at(a, fa)}, {self._at(b, fb)}, {up})", Format(up + fa - fb, *found))
@@ -213,5 +215,5 @@ class Typed:
             return text
         own = self.values[name].format.bits if name in self.values else form.bits
         if own < form.bits:  # it is finer there: cut off first, for what is beyond would not fit
-            return shifted(f"wb_within({{{name}}}, {int(most * 2.0**own)})", own - form.bits)
+            return _shifted(f"wb_within({{{name}}}, {int(most * 2.0**own)})", own - form.bits)
         return f"wb_within({text}, {round(most * 2.0**form.bits)})"

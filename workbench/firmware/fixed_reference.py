@@ -13,14 +13,14 @@ from workbench.simulation.given import REFERENCE
 MOST = 2**30
 
 
-def over(a, b, up):
+def _over(a, b, up):
     """a 2^up / b towards zero, within +-2^30."""
     above, below = np.asarray(a, WIDE) << up, np.where(np.asarray(b) == 0, 1, b)
     sign = np.where((above < 0) != (below < 0), -1, 1)
     return np.minimum(np.abs(above) // np.abs(below), MOST) * sign
 
 
-def root(a, up):
+def _root(a, up):
     """The square root of a 2^up, downwards."""
     whole = np.where(np.asarray(a) > 0, a, 0) << up
     found = np.floor(np.sqrt(whole.astype(float))).astype(WIDE)
@@ -32,8 +32,8 @@ HELPERS = {
     "wb_right": lambda a, by: a >> by,
     "wb_left": lambda a, by: a * (1 << by),
     "wb_times": lambda a, b, by: (a * b) >> by,
-    "wb_over": over,
-    "wb_root": root,
+    "wb_over": _over,
+    "wb_root": _root,
     "wb_min": np.minimum,
     "wb_max": np.maximum,
     "wb_size": np.abs,

@@ -3,7 +3,7 @@
 ROW = 16
 
 
-def record(kind: int, address: int, data: bytes) -> str:
+def _record(kind: int, address: int, data: bytes) -> str:
     """One record: count, address, kind, data, and the two's complement of their sum."""
     body = bytes((len(data),)) + address.to_bytes(2, "big") + bytes((kind,)) + data
     return f":{(body + bytes((-sum(body) & 0xFF,))).hex().upper()}\n"
@@ -16,8 +16,8 @@ def intel_hex(data: bytes, address: int = 0) -> str:
         place = address + at
         if place >> 16 != upper:
             upper = place >> 16
-            lines.append(record(4, 0, upper.to_bytes(2, "big")))
+            lines.append(_record(4, 0, upper.to_bytes(2, "big")))
         size = min(ROW - place % ROW, len(data) - at)
-        lines.append(record(0, place & 0xFFFF, data[at : at + size]))
+        lines.append(_record(0, place & 0xFFFF, data[at : at + size]))
         at += size
-    return "".join([*lines, record(1, 0, b"")])
+    return "".join([*lines, _record(1, 0, b"")])

@@ -12,7 +12,7 @@ Interval = tuple[float, float]
 TRUTH = {ca.OP_LT, ca.OP_LE, ca.OP_EQ, ca.OP_NE, ca.OP_NOT, ca.OP_AND, ca.OP_OR}
 
 
-def product(a: Interval, b: Interval) -> Interval:
+def _product(a: Interval, b: Interval) -> Interval:
     corners = [x * y for x in a for y in b]
     return min(corners), max(corners)
 
@@ -21,10 +21,10 @@ def union(a: Interval, b: Interval) -> Interval:
     return min(a[0], b[0]), max(a[1], b[1])
 
 
-def quotient(a: Interval, b: Interval) -> Interval:
+def _quotient(a: Interval, b: Interval) -> Interval:
     if b[0] <= 0.0 <= b[1]:
         raise WorkbenchError("a value is divided by one that may be zero: fixed point cannot hold that.")
-    return product(a, (1.0 / b[1], 1.0 / b[0]))
+    return _product(a, (1.0 / b[1], 1.0 / b[0]))
 
 
 def size(a: Interval) -> Interval:
@@ -42,11 +42,11 @@ def of(line: Line, a: Interval, b: Interval) -> Interval:
         ca.OP_ASSIGN: lambda: a,
         ca.OP_ADD: lambda: (a[0] + b[0], a[1] + b[1]),
         ca.OP_SUB: lambda: (a[0] - b[1], a[1] - b[0]),
-        ca.OP_MUL: lambda: product(a, b),
-        ca.OP_DIV: lambda: quotient(a, b),
-        ca.OP_INV: lambda: quotient((1.0, 1.0), a),
+        ca.OP_MUL: lambda: _product(a, b),
+        ca.OP_DIV: lambda: _quotient(a, b),
+        ca.OP_INV: lambda: _quotient((1.0, 1.0), a),
         ca.OP_NEG: lambda: (-a[1], -a[0]),
-        ca.OP_SQ: lambda: product(size(a), size(a)),
+        ca.OP_SQ: lambda: _product(size(a), size(a)),
         ca.OP_TWICE: lambda: (2.0 * a[0], 2.0 * a[1]),
         ca.OP_FABS: lambda: size(a),
         ca.OP_SQRT: lambda: (sqrt(max(a[0], 0.0)), sqrt(max(a[1], 0.0))),

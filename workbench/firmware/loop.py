@@ -36,7 +36,7 @@ class Run(ctypes.Structure):
     ]  # fmt: skip
 
 
-def function(piece: Piece, at: dict[str, int], first: int) -> str:
+def _function(piece: Piece, at: dict[str, int], first: int) -> str:
     """Return one piece as a C function over the rows r and the constants c, its own from `first` on."""
     used = {n for line in piece.after.lines for n in (line.a, line.b, getattr(line, "condition", ""))}
     used |= set(piece.after.outputs[0])
@@ -58,12 +58,12 @@ def function(piece: Piece, at: dict[str, int], first: int) -> str:
     )
 
 
-def source(made: Firmware, design: Design, substeps: int) -> str:
+def _source(made: Firmware, design: Design, substeps: int) -> str:
     """Return the C of a loop around a firmware."""
     at = {n: i for i, n in enumerate(design.rows)}
     first, pieces = 0, []
     for piece in design.pieces:
-        pieces.append(function(piece, at, first))
+        pieces.append(_function(piece, at, first))
         first += piece.after.inputs[1]
     other, counted = "", "0.0"
     if made.numbers.stages.both:
@@ -82,7 +82,7 @@ class Compiled:
 
     def __init__(self, made: Firmware, bound: Bound):
         self.made, self.design = made, bound.design
-        files = made.files | {"loop.c": source(made, bound.design, bound.loop.substeps)}
+        files = made.files | {"loop.c": _source(made, bound.design, bound.loop.substeps)}
         self.library = host.load(host.build(files, ("-O2", "-Wno-unused-function")))
         data = made.image.bytes()
         refused = self.library.wb_loop_load(data, len(data))

@@ -73,7 +73,7 @@ def numbers(
         raise WorkbenchError(f"controller '{controller.name}' has several sets of gains; firmware takes one.")
     counted = any(t.knots[0] < count for t in controller.tables)
     made = stages(controller.law, loop.feedback, counted)
-    given = given_of(controller, loop, plant, made)
+    given = _given_of(controller, loop, plant, made)
     values = np.array([float(v) for v in arrays.evaluate(made.before, [given[n] for n in made.given])[0]])
     if not np.isfinite(values).all():
         worst = made.constants[int(np.argmin(np.isfinite(values)))]
@@ -82,7 +82,7 @@ def numbers(
     factor = float(
         np.ravel(controller.parameters.get("scale", 1.0))[0]
     )  # every schedule's command is proportional to its gains
-    columns = {n: factor * in_counts(f"gain.{n}", table.columns[n], count) for n in made.columns}
+    columns = {n: factor * _in_counts(f"gain.{n}", table.columns[n], count) for n in made.columns}
     speed = plant.limits.speed / count if isfinite(plant.limits.speed) else FAR / loop.sample_time / 64.0
     jump = int(min(max(MARGIN * speed * loop.sample_time, 64.0), FAR))
     jump = min(jump, 2 ** (bits - 1) - 1)
@@ -101,18 +101,18 @@ def numbers(
     )
 
 
-def in_counts(name: str, value, count: float):
+def _in_counts(name: str, value, count: float):
     """Return a value in SI with its positions counted: times count^-p, p the power of position in its unit."""
     return value * count ** -power_of(name)[1]
 
 
-def smoothing_of(controller: Controller, loop: Loop) -> float:
+def _smoothing_of(controller: Controller, loop: Loop) -> float:
     """Return the share of a new difference in the filtered velocity: the law's own filter's, else the loop's."""
     own = controller.velocity_filter
     return loop.smoothing if own is None else replace(loop, velocity_filter=float(np.ravel(own)[0])).smoothing
 
 
-def given_of(controller: Controller, loop: Loop, plant: Plant, made: Stages) -> dict[str, float]:
+def _given_of(controller: Controller, loop: Loop, plant: Plant, made: Stages) -> dict[str, float]:
     """Return name -> value of what the stages' constants are made of, in counts."""
     coarser = max(loop.resolution, loop.load_resolution) if controller.law.follows == JOINT else loop.count
     back = controller.reversal if controller.reversal is not None else BACK * coarser
@@ -120,7 +120,7 @@ def given_of(controller: Controller, loop: Loop, plant: Plant, made: Stages) -> 
     si = {
         "sample_time": loop.sample_time,
         "sample_rate": 1.0 / loop.sample_time,
-        "smoothing": smoothing_of(controller, loop),
+        "smoothing": _smoothing_of(controller, loop),
         "count": loop.count,
         "back": back,
         "limit": plant.limits.drive,
@@ -130,4 +130,4 @@ def given_of(controller: Controller, loop: Loop, plant: Plant, made: Stages) -> 
     missing = set(made.given) - set(si)
     if missing:
         raise WorkbenchError(f"controller '{controller.name}': {sorted(missing)[0].removeprefix('law.')} is not given.")
-    return {n: in_counts(n, si[n], loop.count) for n in made.given}
+    return {n: _in_counts(n, si[n], loop.count) for n in made.given}

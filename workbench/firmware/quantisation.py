@@ -35,7 +35,7 @@ def numbers(made: Firmware) -> tuple[Quantised, ...]:
     scales, effort, found = getattr(made.reference, "scales", None), made.source.effort, []
     for i, c in enumerate(made.numbers.stages.constants):
         held = float(made.reference.constants[i]) * (1.0 if scales is None else 2.0 ** -scales.constants[i].bits)
-        found.append(quantised(c.identifier, unit(c.power, effort), float(made.numbers.values[i]), held))
+        found.append(_quantised(c.identifier, unit(c.power, effort), float(made.numbers.values[i]), held))
     stride = 2 if scales is None else 1  # in float32 a slope follows each gain
     for j, (name, column) in enumerate(made.numbers.columns.items()):
         factor = 1.0 if scales is None else 2.0 ** -scales.column(name).bits
@@ -43,11 +43,11 @@ def numbers(made: Firmware) -> tuple[Quantised, ...]:
         with np.errstate(divide="ignore", invalid="ignore"):
             worst = int(np.nanargmax(np.abs(held / column - 1.0)))
         said = f"{name} at knot {worst} ({made.numbers.knots[worst]:.3g})"
-        found.append(quantised(said, unit(power_of(f"gain.{name}"), effort), float(column[worst]), float(held[worst])))
+        found.append(_quantised(said, unit(power_of(f"gain.{name}"), effort), float(column[worst]), float(held[worst])))
     return tuple(found)
 
 
-def quantised(name: str, said: str, wanted: float, held: float) -> Quantised:
+def _quantised(name: str, said: str, wanted: float, held: float) -> Quantised:
     return Quantised(name, said, wanted, held, abs(held / wanted - 1.0) if wanted else abs(held))
 
 

@@ -43,7 +43,7 @@ class Reference:
         self.numbers, self.stages = numbers, numbers.stages
         self.constants = numbers.values.astype(F)
         self.knots = numbers.knots.astype(F)
-        self.rows = rows(numbers)
+        self.rows = _rows(numbers)
         self._limited(lambda v, place: _downwards(abs(v)))
 
     def _limited(self, rounded) -> None:
@@ -146,7 +146,7 @@ def _downwards(x: float) -> np.float32:
     return near if float(near) <= x else np.nextafter(near, F(0.0))
 
 
-def rows(numbers: Numbers) -> list[np.ndarray]:
+def _rows(numbers: Numbers) -> list[np.ndarray]:
     """Return gain and slope of each column, float32 (m,): slopes of the rounded gains, the last zero."""
     from workbench.exporting.tables import slopes
 

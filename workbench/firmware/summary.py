@@ -54,7 +54,7 @@ class Summary:
     gain: float
     sensitivity: float
     measured: Measured | None
-    moved: Moved | None
+    _moved: Moved | None
 
 
 @cache
@@ -82,7 +82,7 @@ def rounding(made: Firmware) -> float:
     return max((q.error for q in quantisation.numbers(made) if q.wanted), default=0.0)
 
 
-def moved(made: Firmware, controller: Callable[[int], Controller], task: Task) -> Moved | None:
+def _moved(made: Firmware, controller: Callable[[int], Controller], task: Task) -> Moved | None:
     """Run the task under both; None where this machine has no C compiler."""
     try:
         host.compiler()
@@ -104,5 +104,5 @@ def summary(controller: Callable[[int], Controller], task: Task, arithmetic: str
     gain, most = rounding(made), task.weights.sensitivity
     return Summary(
         made, arithmetic, ram_of(made), gain, gain * most * (most + 1.0),  # |dS| = |S T| |dL/L|, and |T| <= 1 + |S|
-        measured_of(one.law.name, arithmetic), moved(made, controller, task),
+        measured_of(one.law.name, arithmetic), _moved(made, controller, task),
     )  # fmt: skip

@@ -46,7 +46,7 @@ class Curve:
         return np.interp(x, self.knots, self.values)
 
 
-def curve(law: Callable[[np.ndarray], np.ndarray], low: float, high: float, said: str) -> Curve:
+def _curve(law: Callable[[np.ndarray], np.ndarray], low: float, high: float, said: str) -> Curve:
     """Return the table of a law over [low, high] within TOLERANCE of its largest value; WorkbenchError where that takes too many."""
     knots = np.linspace(low, high, FIRST + 1)
     while True:
@@ -55,7 +55,7 @@ def curve(law: Callable[[np.ndarray], np.ndarray], low: float, high: float, said
         off = np.abs(law(inner.ravel()).reshape(inner.shape) - np.interp(inner, knots, values)).max(axis=1)
         bent = off > TOLERANCE * max(float(np.abs(values).max()), 1e-300)
         if not bent.any():
-            return thinned(Curve(knots, values))
+            return _thinned(Curve(knots, values))
         if knots.size + int(bent.sum()) > MOST:
             raise WorkbenchError(
                 f"a table of {said} from {low:.3g} to {high:.3g} needs more than {MOST} knots; state a smaller range."
@@ -63,20 +63,20 @@ def curve(law: Callable[[np.ndarray], np.ndarray], low: float, high: float, said
         knots = np.sort(np.append(knots, 0.5 * (knots[:-1] + knots[1:])[bent]))
 
 
-def thinned(found: Curve) -> Curve:
+def _thinned(found: Curve) -> Curve:
     """Return a table without knots that lie on the line between those beside them."""
     kept = [0]
     size = TOLERANCE * max(float(np.abs(found.values).max()), 1e-300)
     last = found.knots.size - 1
     while kept[-1] < last:
         start, end = kept[-1], kept[-1] + 1
-        while end < last and straight(found, start, end + 1, 0.1 * size):
+        while end < last and _straight(found, start, end + 1, 0.1 * size):
             end += 1
         kept.append(end)
     return Curve(found.knots[kept], found.values[kept])
 
 
-def straight(found: Curve, start: int, end: int, size: float) -> bool:
+def _straight(found: Curve, start: int, end: int, size: float) -> bool:
     """Whether the knots between two run along the line that joins them, within a size."""
     x, y = found.knots[start : end + 1], found.values[start : end + 1]
     return bool(np.all(np.abs(y - np.interp(x, x[[0, -1]], y[[0, -1]])) <= size))
@@ -90,11 +90,11 @@ def tabulated(s: Structure, c: Compensator, loop: Loop, plant: Plant, travel) ->
     sums: dict[str, list[Callable]] = {}
     known: dict[str, tuple[str, ...]] = {}
     for i, e in enumerate(s.order):
-        if e.key in s.silent or not wild(i, e, s):
+        if e.key in s.silent or not _wild(i, e, s):
             continue
-        over = source_of(e)
+        over = _source_of(e)
         scale = loop.count if over == "place" else 1.0
-        law = evaluated(i, e, c, s)
+        law = _evaluated(i, e, c, s)
         plain, turned = f"table_{over}_{e.at}", f"table_{over}_{e.at}_dir"
         new = []
         for name, one in ((plain, lambda x, law=law, k=scale: law(k * x, 0.0)),
@@ -112,12 +112,12 @@ def tabulated(s: Structure, c: Compensator, loop: Loop, plant: Plant, travel) ->
         over = name.split("_")[1]
         if over not in ends:
             raise WorkbenchError("a force over the place is compensated over a travel; state travel=(lowest, highest).")
-        made = curve(lambda x, laws=laws: sum(law(x) for law in laws), *ends[over], "a force")
+        made = _curve(lambda x, laws=laws: sum(law(x) for law in laws), *ends[over], "a force")
         found |= {name: made} if np.any(made.values) else {}
     return found, {k: tuple(n for n in names if n in found) for k, names in known.items()}
 
 
-def source_of(e: Effect) -> str:
+def _source_of(e: Effect) -> str:
     """Return what a table of an effect is over, "v" or "place"; WorkbenchError where no table can stand for it."""
     reads = set(e.reads) - STEADY - {"dir"}
     if e.states or not (reads <= PLACES or reads == {"v"}):
@@ -128,12 +128,12 @@ def source_of(e: Effect) -> str:
     return "v" if reads == {"v"} else "place"
 
 
-def wild(i: int, e: Effect, s: Structure) -> bool:
+def _wild(i: int, e: Effect, s: Structure) -> bool:
     """Whether what moves in an effect's step needs elementary functions: they alone hold a floor."""
-    return any(line.op == ca.OP_FLOOR for line in split_of(step_of(i, e, s)).lines)
+    return any(line.op == ca.OP_FLOOR for line in _split_of(_step_of(i, e, s)).lines)
 
 
-def step_of(i: int, e: Effect, s: Structure) -> tuple[ca.Function, list[bool]]:
+def _step_of(i: int, e: Effect, s: Structure) -> tuple[ca.Function, list[bool]]:
     """Return the step of effect i as a function of (signals, states, parameters), and which of its inputs stay the same."""
     names = tuple(f"{PREFIX}_{i}_{n}" for n in e.parameters)
     reads = {n: ca.SX.sym(n) for n in e.reads}
@@ -144,14 +144,14 @@ def step_of(i: int, e: Effect, s: Structure) -> tuple[ca.Function, list[bool]]:
     return ca.Function("step", [inputs], [ca.vertcat(following, output)]), constant
 
 
-def split_of(step: tuple[ca.Function, list[bool]]) -> Program:
+def _split_of(step: tuple[ca.Function, list[bool]]) -> Program:
     """Return what is left of a step once its constants are cut out."""
     return split(read(step[0]), step[1])[1]
 
 
-def evaluated(i: int, e: Effect, c: Compensator, s: Structure) -> Callable:
+def _evaluated(i: int, e: Effect, c: Compensator, s: Structure) -> Callable:
     """Return (x, direction) -> force (n,) of an effect without memory over its one signal, in float64."""
-    step, _ = step_of(i, e, s)
+    step, _ = _step_of(i, e, s)
     values = values_of(c, s)
     given = [values[f"{PREFIX}_{i}_{n}"] for n in e.parameters]
     steady = {"ratio": c.ratio, "pole_pairs": c.pole_pairs, "locked": 0.0, "dt": 0.0}

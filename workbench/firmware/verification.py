@@ -42,7 +42,7 @@ class Compared:
     controller: str
     arithmetic: str
     axes: int
-    chaotic: int
+    _chaotic: int
     final_error: float
     time_1pct: float
     overshoot: float
@@ -77,7 +77,7 @@ def same_bits(made: Firmware, run: Metrics, targets: np.ndarray) -> tuple[int, i
     return raw.size, same
 
 
-def chaotic(task: Task, controller: Controller, scenarios: ScenarioArrays, law: Metrics) -> np.ndarray:
+def _chaotic(task: Task, controller: Controller, scenarios: ScenarioArrays, law: Metrics) -> np.ndarray:
     """Return (n,) whether an axis lands elsewhere by more than COUNTS where its friction is a last place larger or less."""
     found = np.zeros(scenarios.lanes, dtype=bool)
     for factor in (1.0 - NUDGE, 1.0 + NUDGE):
@@ -87,7 +87,9 @@ def chaotic(task: Task, controller: Controller, scenarios: ScenarioArrays, law: 
     return found
 
 
-def compared(work: Work, name: str, arithmetic: str, values: np.ndarray, verdict: int = 0) -> tuple[Firmware, Compared]:
+def _compared(
+    work: Work, name: str, arithmetic: str, values: np.ndarray, verdict: int = 0
+) -> tuple[Firmware, Compared]:
     """Run one controller of a study on axes (n, k), as law and as firmware. verdict: of its table."""
     block, task = Block(0, values), work.task
     plants, fields = applied(task.plant, work.varied, values)
@@ -95,7 +97,7 @@ def compared(work: Work, name: str, arithmetic: str, values: np.ndarray, verdict
     count = task.loop.count
     scenarios = replace(scenarios, target=count * np.floor(scenarios.target / count + 0.5))  # both go to a whole count
     law = task.on(plants).run(work.controllers[name], scenarios)
-    steady = ~chaotic(task.on(plants), work.controllers[name], scenarios, law)
+    steady = ~_chaotic(task.on(plants), work.controllers[name], scenarios, law)
     travel = TRAVEL * abs(task.step - task.start)
     made = firmware(work.controllers[name], task.loop, task.plant, arithmetic, travel=travel, verdict=verdict)
     run = run_firmware(made, plants, task.loop, scenarios, task.duration, task.criteria)
@@ -108,7 +110,7 @@ def compared(work: Work, name: str, arithmetic: str, values: np.ndarray, verdict
     )  # fmt: skip
 
 
-def asked(work: Work, controller: str | None, say: Callable[[str], None]) -> list[str]:
+def _asked(work: Work, controller: str | None, say: Callable[[str], None]) -> list[str]:
     """Return the controllers to be verified: one, or all that are one firmware; a compensation is another beside its law's."""
     names = list(work.controllers)
     if controller is not None and controller not in names:
@@ -139,7 +141,7 @@ def verify(
             "the firmware is to drive."
         )
     work, cases = worst.read(kept)
-    names = asked(work, controller, say)
+    names = _asked(work, controller, say)
     verdict = judged(place)
     drawn = independent(work.varied, draws, SEED).values
     found, files = [], {}
@@ -148,10 +150,10 @@ def verify(
         values = np.vstack([drawn, *(v[None, :] for v in own)])
         for arithmetic in ARITHMETICS:
             say(f"{name}, {arithmetic}")
-            made, one = compared(work, name, arithmetic, values, verdict)
+            made, one = _compared(work, name, arithmetic, values, verdict)
             found.append(one)
-            files[f"{slug(name)}/{arithmetic}"] = made
-    write(place / "firmware", tuple(found), files)
+            files[f"{_slug(name)}/{arithmetic}"] = made
+    _write(place / "firmware", tuple(found), files)
     return tuple(found)
 
 
@@ -165,12 +167,12 @@ def judged(place: Path) -> int:
     return verdict_of(passed, found["verdict"])
 
 
-def slug(name: str) -> str:
+def _slug(name: str) -> str:
     """A controller's name as a folder."""
     return "".join(c if c.isalnum() else "_" for c in name.lower()).strip("_").replace("__", "_")
 
 
-def write(place: Path, found: tuple[Compared, ...], files: dict[str, Firmware]) -> None:
+def _write(place: Path, found: tuple[Compared, ...], files: dict[str, Firmware]) -> None:
     """Write the sources, tables and figures of every firmware, all or none."""
     with whole(place, FILE) as beside:
         figures = [asdict(c) | {"good": c.good} for c in found]

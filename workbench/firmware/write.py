@@ -19,7 +19,7 @@ PARAMETERS = {"now.y": "y", "now.motor.y": "motor_counts", "now.load.y": "load_c
 MOST_KNOTS = 64  # memory that a header sets aside where no table says how many
 
 
-def law_text(stages: Stages, scales: str = "float32") -> str:
+def _law_text(stages: Stages, scales: str = "float32") -> str:
     """Return what identifies a law: every instruction of its stages, every constant's formula, and the scales."""
     said = [stages.law.name, stages.feedback, scales, *(c.formula for c in stages.constants)]
     for part in (stages.start, stages.observe, stages.command):
@@ -32,10 +32,10 @@ def law_text(stages: Stages, scales: str = "float32") -> str:
 
 def law_code(stages: Stages, scales: str = "float32") -> int:
     """Return the CRC-32 by which a firmware and a table know that they belong together."""
-    return zlib.crc32(law_text(stages, scales).encode())
+    return zlib.crc32(_law_text(stages, scales).encode())
 
 
-def formula_of(stages: Stages) -> str:
+def _formula_of(stages: Stages) -> str:
     """Return the law's formula: the first sentence of the function that makes such controllers."""
     maker = getattr(control, stages.law.name.split(",")[0])
     return maker.__doc__.split("\n")[0].strip()
@@ -46,7 +46,7 @@ def parameter(row: str) -> str:
     return PARAMETERS.get(row, identifier(row.removeprefix("gain.")))
 
 
-def commented(text: str, said: str, indent: str = "    ") -> str:
+def _commented(text: str, said: str, indent: str = "    ") -> str:
     return f"{indent}{text} /* [{said}] */"
 
 
@@ -91,7 +91,7 @@ class Source:
         lines = []
         for line in writer.lines():
             declared = line.split(" = ")[0].split()[-1]
-            lines.append(commented(line, unit(part.powers[back.get(declared, declared)], self.effort)))
+            lines.append(_commented(line, unit(part.powers[back.get(declared, declared)], self.effort)))
         return lines, {n: bare(writer.value(v)) for n, v in zip(part.outputs, part.program.outputs[0], strict=True)}
 
     def function(self, part: Part, name: str, result: str | None) -> str:
@@ -167,7 +167,7 @@ class Source:
         return {
             "title": f"{stages.law.name}, {self.said}",
             "said": self.said,
-            "formula": formula_of(stages),
+            "formula": _formula_of(stages),
             "p": p,
             "P": p.upper(),
             "header": f"{self.name}.h",
@@ -200,7 +200,7 @@ class Source:
         return law_code(self.stages)
 
     def state_lines(self) -> list[str]:
-        return [commented(f"{self.number_type} {identifier(n)};", self.unit_of(n)) for n in self.stages.states]
+        return [_commented(f"{self.number_type} {identifier(n)};", self.unit_of(n)) for n in self.stages.states]
 
     def enumeration(self) -> str:
         constants = self.stages.constants

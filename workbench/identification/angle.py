@@ -7,7 +7,7 @@ import numpy as np
 
 from workbench.definition import FORCE
 from workbench.identification.bodies import ACCELERATION, RAW, VELOCITY
-from workbench.identification.passes import Passes
+from workbench.identification.passes import InverseDynamics
 from workbench.plant import TWO_MASS, Plant
 
 # An inertia that is only a start value: a data sheet's is right within a factor of 1.5, an engineer's guess within this one.
@@ -89,7 +89,7 @@ class Ends:
         return Rates(low, float(np.clip(viscous / inertia, low, high)), high, load)
 
 
-def angle_of(p: Passes, plant: Plant) -> Angle:
+def _angle_of(p: InverseDynamics, plant: Plant) -> Angle:
     """Return the angle of one record: its joint's effective deflection, declared maps undone."""
     m = p.motion
     own = [
@@ -109,12 +109,12 @@ def angle_of(p: Passes, plant: Plant) -> Angle:
     )  # fmt: skip
 
 
-def angles(passes: Sequence[Passes], plant: Plant) -> list[Angle]:
+def angles(passes: Sequence[InverseDynamics], plant: Plant) -> list[Angle]:
     """Return the angle of every record of two encoders whose load is free to move, by name; none of one mass."""
     if plant.kind != TWO_MASS:
         return []
     both = [p for p in passes if "load_position" in p.motion.record.channels and not p.motion.record.locked]
-    return [angle_of(p, plant) for p in sorted(both, key=lambda p: p.motion.record.name)]
+    return [_angle_of(p, plant) for p in sorted(both, key=lambda p: p.motion.record.name)]
 
 
 def ends(plant: Plant) -> Ends:

@@ -38,7 +38,7 @@ class LongFit:
     findings: tuple[Finding, ...] = ()
 
 
-def checked(plant: Plant) -> Effect:
+def _checked(plant: Plant) -> Effect:
     """Return the bank of a plant; WorkbenchError where something of the plant cannot be taken block by block."""
     for e in plant.effects:
         shape = [n for n in e.shape if not e.parameters[n].fixed]
@@ -54,7 +54,7 @@ def checked(plant: Plant) -> Effect:
     return plant[BANK]
 
 
-def columns_of(plant: Plant, motion: Motion) -> tuple[list[tuple[Effect, str]], list[Column], np.ndarray]:
+def _columns_of(plant: Plant, motion: Motion) -> tuple[list[tuple[Effect, str]], list[Column], np.ndarray]:
     """Return (names, columns) of the free linear parameters beside the bank, and the drive (n,) less what is fixed."""
     constant = {"dt": motion.dt, "ratio": plant.geometry.gear_ratio, "pole_pairs": plant.geometry.pole_pairs}
     over_time = {"q": motion.q, "v": motion.v, "a": motion.a, "t": motion.t}
@@ -85,13 +85,13 @@ def identify_bank(plant: Plant, motions: Sequence[Motion], block: int = BLOCK) -
     plant: one mass, with `maxwell_slip(slips)` and forces without memory whose free parameters are linear. motions: of the
     identification records. Errors: WorkbenchError for another plant, no motion, or a parameter that comes out beyond its bounds.
     """
-    bank = checked(plant)
+    bank = _checked(plant)
     if not motions:
         raise WorkbenchError("there is no record to fit the bank to; give at least one motion.")
     slips = np.array([bank.parameters[n].value for n in bank.shape])
     records, power, reach = [], 0.0, 0.0
     for m in motions:
-        names, columns, drive = columns_of(plant, m)
+        names, columns, drive = _columns_of(plant, m)
         position = np.cumsum(m.dq)  # behind the dead band of one count, as operators see it in `identify`
         records.append(Blocks(position, drive, slips, "stop", columns, block, m.keep))
         power += float(m.u[m.keep] @ m.u[m.keep])
@@ -108,10 +108,12 @@ def identify_bank(plant: Plant, motions: Sequence[Motion], block: int = BLOCK) -
         values.setdefault(e.key, {})[name] = value
     count = sum(r.rows for r in records)
     error = found.residual / np.sqrt(power / count) if power > 0.0 else float("nan")
-    return LongFit(plant.with_values(values), found.residual, float(error), found, unslipped(plant, bank, slips, reach))
+    return LongFit(
+        plant.with_values(values), found.residual, float(error), found, _unslipped(plant, bank, slips, reach)
+    )
 
 
-def unslipped(plant: Plant, bank: Effect, slips: np.ndarray, reach: float) -> tuple[Finding, ...]:
+def _unslipped(plant: Plant, bank: Effect, slips: np.ndarray, reach: float) -> tuple[Finding, ...]:
     """Say which elements never slip: to the records they are one spring, however many they are."""
     names = [n for n, slip in zip(bank.linear, slips, strict=True) if slip >= reach]
     if len(names) < 2:

@@ -43,7 +43,7 @@ def sensors(plant: Plant, channel: str) -> list[Effect]:
     return [e for e in plant.effects if e.at == f"sensor.{channel}"]
 
 
-def angles(plant: Plant) -> list[Effect]:
+def _angles(plant: Plant) -> list[Effect]:
     """Maps of the joint's deflection: first those that add to it, then gaps, in the order declared."""
     return [e for e in plant.effects if e.port == fx.ANGLE]
 
@@ -138,7 +138,7 @@ class Bodies:
     def joint(self, plant: Plant) -> tuple[tuple, np.ndarray]:
         """Return the effective deflection as a body."""
         motor, load = sensors(plant, "position"), sensors(plant, "load_position")
-        path = ("joint", path_of(motor), path_of(load), path_of(angles(plant)))
+        path = ("joint", path_of(motor), path_of(load), path_of(_angles(plant)))
 
         def make():
             q_motor, q_load = self.reading("position", motor), self.reading("load_position", load)
@@ -180,7 +180,7 @@ class Bodies:
         to zero elsewhere leave it in part: that is the map's own parameter of this name.
         """
         by_motor, by_load = 1.0, -1.0
-        for e in angles(plant):
+        for e in _angles(plant):
             program, values = partials(Definition(e)), values_of(e)
             signals = {"q": deflection, "motor_q": motor, "load_q": load, **self.clock()}
             output, more_motor, more_load = arrays.evaluate(program, [signals[r] for r in e.reads], (), values)[0]
@@ -193,7 +193,7 @@ class Bodies:
 
     def leverage(self, plant: Plant) -> tuple[tuple, np.ndarray]:
         """Return what the joint's torque is multiplied by in the motor's and in the load's balance, (2, n) or (2, 1)."""
-        maps = angles(plant)
+        maps = _angles(plant)
         if not maps:
             return (), np.array([[1.0], [-1.0]])
         path = path_of(maps)

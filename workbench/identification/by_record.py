@@ -38,7 +38,7 @@ def own_estimates(problem: Problem, solution: Solution, names: Sequence[Name]) -
     index = [problem.free_linear.index(n) for n in names]
     norms = scales(solution.phi[:, index])
     phi, residual, common = solution.phi[:, index] / norms, solution.residual, solution.c[index]
-    information = known(phi.T @ phi)[1]
+    information = _known(phi.T @ phi)[1]
     found, row = [], 0
     for p, length in zip(problem.passes, problem.lengths, strict=True):
         rows = p.rows(problem.plant)
@@ -47,7 +47,7 @@ def own_estimates(problem: Problem, solution: Solution, names: Sequence[Name]) -
         count = max(1, min(BLOCKS, round(seconds / SHORTEST)))
         edges = row + rows * np.linspace(0, length // rows, count + 1).astype(int)
         part = phi[row : row + length]
-        inverse, own = known(part.T @ part)
+        inverse, own = _known(part.T @ part)
         scores = np.array([phi[a:b].T @ residual[a:b] for a, b in zip(edges[:-1], edges[1:], strict=True)])
         scores = scores.reshape(count, len(index))
         step = inverse @ scores.sum(axis=0)
@@ -64,7 +64,7 @@ def own_estimates(problem: Problem, solution: Solution, names: Sequence[Name]) -
     return tuple(found)
 
 
-def known(gram: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _known(gram: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Return (inverse, information (p,)) of a Gram matrix: the inverse of the inverse's diagonal, zero if undetermined."""
     if not gram.size:
         return gram, np.zeros(0)

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from workbench.finding import Finding
-from workbench.identification.passes import Passes
+from workbench.identification.passes import InverseDynamics
 from workbench.plant import TWO_MASS, Plant
 from workbench.record import IDENTIFICATION
 
@@ -21,7 +21,7 @@ IDLE = 0.9
 NOTHING = "joint carries nothing"
 
 
-def load_errors(passes: Sequence[Passes], plant: Plant) -> dict[str, float]:
+def load_errors(passes: Sequence[InverseDynamics], plant: Plant) -> dict[str, float]:
     """Return role -> relative error of the load's balance, of two masses: a second error beside that of the drive.
 
     rms(F(what is left)) / rms(F(torque of the joint)), F the evaluation filter; the joint's torque is that of its law at the
@@ -41,7 +41,7 @@ def load_errors(passes: Sequence[Passes], plant: Plant) -> dict[str, float]:
     return {role: float(np.sqrt(x / whole)) for role, (x, whole) in power.items() if whole > 0.0}
 
 
-def idle(passes: Sequence[Passes], plant: Plant) -> Finding | None:
+def idle(passes: Sequence[InverseDynamics], plant: Plant) -> Finding | None:
     """Return the finding that a fitted plant's joint carries nothing on the identification records, None where it carries.
 
     Then no cause is to be named from its balances.

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from workbench.identification.deflection import Deflection, Interval, deflection_of
-from workbench.identification.passes import Passes
+from workbench.identification.passes import InverseDynamics
 from workbench.plant import Plant
 
 # Of the squared angle that friction and hysteresis leave on held-out blocks, what lateness must take to be plain: more than
@@ -58,7 +58,9 @@ def plain(d: Deflection, share: float = PLAIN, worth: float = WORTH) -> bool:
     return not d.late.sure or all(1.0 / AGREE < r.value / d.late.value < AGREE for r in able)
 
 
-def late_clock(passes: Sequence[Passes], plant: Plant, share: float = PLAIN, worth: float = WORTH) -> Late | None:
+def late_clock(
+    passes: Sequence[InverseDynamics], plant: Plant, share: float = PLAIN, worth: float = WORTH
+) -> Late | None:
     """Return which encoder is late, None where neither plainly is, or a clock is declared.
 
     It is the load's, unless the drive's balance says plainly that drive and load share a clock. share, worth: see PLAIN, WORTH.

@@ -54,7 +54,7 @@ class Command:
     def applied(self, plant: Plant) -> np.ndarray:
         """Return the applied drive u' (n,): time and command maps on the measured one, its channel's maps undone."""
         u, path = self.motion.u, ("u",)
-        for e in reversed(channel_maps(plant)):
+        for e in reversed(_channel_maps(plant)):
             path = (*path, *path_of([e]))
             u = self.keep(("true", path), lambda e=e, u=u: self._true(e, u))
         for e in command_maps(plant):
@@ -64,7 +64,7 @@ class Command:
 
     def _forward(self, effect: Effect, u: np.ndarray, path: tuple) -> np.ndarray:
         values = {n: p.value for n, p in effect.parameters.items()}
-        many = steps_a_sample(effect)
+        many = _steps_a_sample(effect)
         fine = self.keep(("finer", path), lambda: finer(u)) if many > 1 else u
         signals = {"u": fine, **self._clock(many)}
         output = build(effect).run(signals, values, states=self._rest(effect, u))[0][::many]
@@ -101,7 +101,7 @@ class Command:
                 delay = build(e).run({"t": m.t}, values)[0]
                 u = shifted(u, -delay, m.dt)
             else:
-                many = steps_a_sample(e)
+                many = _steps_a_sample(e)
                 fine = finer(u) if many > 1 else u
                 rest = self._clock(many)
                 signals = np.stack([fine, *(np.broadcast_to(rest[r], fine.shape) for r in e.reads if r != "u")])
@@ -109,23 +109,23 @@ class Command:
                     inverse_program(Definition(e)), signals, self._rest(e, u), np.array(list(values.values()))
                 )[0][::many]
                 u = np.clip(np.where(np.isfinite(found), found, np.copysign(most, u)), -most, most)
-        for e in channel_maps(plant):
+        for e in _channel_maps(plant):
             u = build(e).run({"q": u, **self._clock(1)}, {n: p.value for n, p in e.parameters.items()})[0]
         return u
 
 
-def steps_a_sample(effect: Effect) -> int:
+def _steps_a_sample(effect: Effect) -> int:
     return FINER if effect.states and "dt" in effect.reads else 1
 
 
-def channel_maps(plant: Plant) -> list[Effect]:
+def _channel_maps(plant: Plant) -> list[Effect]:
     """Maps of the drive's own channel, in the order in which they act on the true drive."""
     return sensors(plant, DRIVES[plant.rotary])
 
 
 def drive_maps(plant: Plant) -> list[Effect]:
     """All that lies between the measured drive and the applied one."""
-    return [*channel_maps(plant), *command_maps(plant)]
+    return [*_channel_maps(plant), *command_maps(plant)]
 
 
 def command_maps(plant: Plant) -> list[Effect]:

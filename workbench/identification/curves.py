@@ -38,7 +38,7 @@ class Curve:
     effects: tuple[str, ...]
 
 
-def signals_on(coordinate: str, x: np.ndarray) -> dict[str, np.ndarray | float]:
+def _signals_on(coordinate: str, x: np.ndarray) -> dict[str, np.ndarray | float]:
     """Return what effects read where one coordinate goes over x and all else rests, moving forward.
 
     Over "dq" x is the distance from rest, each point reached from the one before: the virgin curve.
@@ -52,9 +52,9 @@ def signals_on(coordinate: str, x: np.ndarray) -> dict[str, np.ndarray | float]:
     return rest
 
 
-def law(effect: Effect, coordinate: str, x: np.ndarray) -> tuple[np.ndarray, dict[str, np.ndarray]]:
+def _law(effect: Effect, coordinate: str, x: np.ndarray) -> tuple[np.ndarray, dict[str, np.ndarray]]:
     """Return an effect's output (n,) over a coordinate and its derivative by each inside parameter that is not held."""
-    signals = {n: np.broadcast_to(np.asarray(s, dtype=float), x.shape) for n, s in signals_on(coordinate, x).items()}
+    signals = {n: np.broadcast_to(np.asarray(s, dtype=float), x.shape) for n, s in _signals_on(coordinate, x).items()}
     inputs = {n: signals[n] for n in effect.reads} or {"t": signals["t"]}
     values = {n: p.value for n, p in effect.parameters.items()}
     step = build(effect)
@@ -98,7 +98,7 @@ def curve(
     value, slopes = np.zeros(x.size), np.zeros((len(names), x.size))
     index = {(n.key, n.parameter): i for i, n in enumerate(names)}
     for e in effects:
-        own, by = law(e, coordinate, x)
+        own, by = _law(e, coordinate, x)
         value = value + own
         for n, slope in by.items():
             if (e.key, n) in index:
@@ -110,7 +110,7 @@ def curve(
     return Curve(family, effects[0].at, coordinate, x, value, value - half, value + half, *units, keys)
 
 
-def reach(fit: Fit, family: str) -> np.ndarray:
+def _reach(fit: Fit, family: str) -> np.ndarray:
     """Return POINTS values of a family's coordinate over what the identification records of a fit cover, (n,)."""
     seen = [s for s in fit.series.values() if s.role == "identification"] or list(fit.series.values())
     what = {"v": "velocity", "t": "time", "tau": "measured", "u": "measured", "dq": "position"}
@@ -129,5 +129,5 @@ def curve_of(fit: Fit, family: str, at: str, x: np.ndarray | None = None) -> Cur
     x: coordinates (n,), SI; over what the records cover where absent (at a joint give the deflections).
     """
     effects = tuple(e for e in fit.plant.effects if e.at == at and family_of(e) == family)
-    x = reach(fit, family) if x is None and family in FREE_FORMS else x
+    x = _reach(fit, family) if x is None and family in FREE_FORMS else x
     return curve(effects, x if x is not None else np.zeros(1), fit.details["covariance"], family, fit.plant.rotary)

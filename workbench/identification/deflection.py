@@ -16,7 +16,7 @@ import numpy as np
 from workbench.definition import catalogue
 from workbench.identification.angle import Angle, Ends, Rates, angles, ends
 from workbench.identification.blocks import Blocks
-from workbench.identification.passes import Passes
+from workbench.identification.passes import InverseDynamics
 from workbench.identification.shift import shifted
 from workbench.motion import increments
 from workbench.plant import Plant
@@ -100,7 +100,7 @@ class Drive:
         return float(sum(r @ r for r in self.left))
 
 
-def parted(records: Sequence[Angle]) -> tuple[list[slice], np.ndarray]:
+def _parted(records: Sequence[Angle]) -> tuple[list[slice], np.ndarray]:
     """Return (blocks of the stacked rows, the record of each)."""
     long = max(SHORTEST, sum(a.apart.size * a.dt for a in records) / BLOCKS)
     found, of, first = [], [], 0
@@ -113,7 +113,7 @@ def parted(records: Sequence[Angle]) -> tuple[list[slice], np.ndarray]:
     return found, np.array(of)
 
 
-def stacked(records: Sequence[Angle], rows: Sequence[Sequence[np.ndarray]]) -> np.ndarray:
+def _stacked(records: Sequence[Angle], rows: Sequence[Sequence[np.ndarray]]) -> np.ndarray:
     """Return the columns of all records, one under the other, and a constant of each record last."""
     tables = []
     for k, (a, columns) in enumerate(zip(records, rows, strict=True)):
@@ -123,9 +123,9 @@ def stacked(records: Sequence[Angle], rows: Sequence[Sequence[np.ndarray]]) -> n
     return np.concatenate(tables)
 
 
-def drive_of(records: Sequence[Angle], late: float = 0.0) -> Drive:
+def _drive_of(records: Sequence[Angle], late: float = 0.0) -> Drive:
     """Return the drive's balance. late: s by which the drive is later than the encoders."""
-    columns = stacked(records, [(*a.momentum, *a.forces.T) for a in records])
+    columns = _stacked(records, [(*a.momentum, *a.forces.T) for a in records])
     drives = [shifted(a.drive, -late, a.dt) if late else a.drive for a in records]
     y = np.concatenate(drives)
     w = Blocks(columns, y, [slice(0, y.size)]).solved()
@@ -135,22 +135,22 @@ def drive_of(records: Sequence[Angle], late: float = 0.0) -> Drive:
     return Drive(float(w[0]), float(w[1]), [u - f for u, f in zip(drives, lost, strict=True)], left)
 
 
-def loops(records: Sequence[Angle], torque: Sequence[np.ndarray]) -> list[list[np.ndarray]]:
+def _loops(records: Sequence[Angle], torque: Sequence[np.ndarray]) -> list[list[np.ndarray]]:
     """Return play operators on the torque, per record."""
     largest = max(float(np.abs(t).max()) for t in torque)
     return [[t[0] + np.cumsum(increments(t, 2.0 * share * largest)) for share in LOOPS] for t in torque]
 
 
-def deflection(records: Sequence[Angle], bodies: Ends, undone: float = 0.0) -> Deflection | None:
+def _deflection(records: Sequence[Angle], bodies: Ends, undone: float = 0.0) -> Deflection | None:
     """Return what the angles of records tell; None where there are none, or the drive feels no inertia.
 
     undone: s of the load's lateness that the angles are without. Intervals are by the jackknife over blocks of the records.
     """
-    drive = drive_of(records) if records else None
+    drive = _drive_of(records) if records else None
     if drive is None or drive.inertia <= 0.0 or bodies.inertia[1] <= 0.0:
         return None
     rates = bodies.rates(drive.inertia, drive.viscous)
-    parts, of = parted(records)
+    parts, of = _parted(records)
     y = np.concatenate([a.apart for a in records])
     middle = float(np.mean([0.5 * (a.time[0] + a.time[-1]) for a in records]))
     common = [(a.speed, a.speed * (a.time - middle), a.acceleration) for a in records]
@@ -159,11 +159,11 @@ def deflection(records: Sequence[Angle], bodies: Ends, undone: float = 0.0) -> D
         t - (drive.inertia - rates.load) * a.motor[:, 1] + rates.likely * rates.load * a.speed
         for a, t in zip(records, drive.torque, strict=True)
     ]
-    looped, passed = loops(records, through), [(t,) for t in through]
+    looped, passed = _loops(records, through), [(t,) for t in through]
 
     def of_columns(*columns):
         return Blocks(
-            stacked(records, [[x for part in parts for x in part] for parts in zip(*columns, strict=True)]), y, parts
+            _stacked(records, [[x for part in parts for x in part] for parts in zip(*columns, strict=True)]), y, parts
         )
 
     plain, full, static = of_columns(common, more), of_columns(common, more, looped), of_columns(common, passed)
@@ -172,45 +172,45 @@ def deflection(records: Sequence[Angle], bodies: Ends, undone: float = 0.0) -> D
 
 def _told(records, drive: Drive, rates: Rates, of: np.ndarray, fits, middle: float, undone: float) -> Deflection:
     plain, full, static = fits
-    (inertial,) = measured(plain, slice(2, 3))
-    (compliance,) = measured(static, slice(3, 4), {2: 0.0})
+    (inertial,) = _measured(plain, slice(2, 3))
+    (compliance,) = _measured(static, slice(3, 4), {2: 0.0})
     friction = max(inertial.low, 0.0) * rates.least, max(inertial.high, 0.0) * rates.most
     likely = max(inertial.value, 0.0) * rates.likely
-    gaining = measured(full, slice(GAINING, GAINING + 1))[0]
+    gaining = _measured(full, slice(GAINING, GAINING + 1))[0]
     steady = {GAINING: 0.0}
-    drifting = gaining.sure and held_out(full, {}) < (1.0 - PLAIN) * held_out(full, steady)
+    drifting = gaining.sure and _held_out(full, {}) < (1.0 - PLAIN) * _held_out(full, steady)
     held = {} if drifting else steady
-    (both,) = measured(full, slice(LATE, LATE + 1), held)
+    (both,) = _measured(full, slice(LATE, LATE + 1), held)
     late = Interval(both.value - likely, both.low - friction[1], both.high - friction[0]) + undone
-    squares = held_out(full, held)
-    without = held_out(full, steady, (friction[0] - undone, friction[1] - undone))
+    squares = _held_out(full, held)
+    without = _held_out(full, steady, (friction[0] - undone, friction[1] - undone))
     left = float(np.sqrt(squares / sum(a.apart.size for a in records)))
     count, names = max(a.count for a in records), [a.record for a in records]
     gains = gaining.value if drifting else 0.0
-    wound = rms([a.speed * (late.value + gains * (a.time - middle)) for a in records]) / max(
+    wound = _rms([a.speed * (late.value + gains * (a.time - middle)) for a in records]) / max(
         abs(compliance.low), abs(compliance.high), 1e-300
     )
-    own = [i + undone for i in alone(full, of, held, likely)]
+    own = [i + undone for i in _alone(full, of, held, likely)]
     return Deflection(
         late, gaining, gains, middle, dict(zip(names, own, strict=True)),
-        dict(zip(names, measured(plain, slice(-len(names), None)), strict=True)),
+        dict(zip(names, _measured(plain, slice(-len(names), None)), strict=True)),
         inertial, compliance, friction, 1.0 - squares / max(without, 1e-300), left, left / count if count else float("nan"),
-        wound / max(rms([a.drive for a in records]), 1e-300),
-        drive_of(records, late.value).error / max(drive.error, 1e-300),
+        wound / max(_rms([a.drive for a in records]), 1e-300),
+        _drive_of(records, late.value).error / max(drive.error, 1e-300),
     )  # fmt: skip
 
 
-def rms(parts: Sequence[np.ndarray]) -> float:
+def _rms(parts: Sequence[np.ndarray]) -> float:
     return float(np.sqrt(np.mean(np.concatenate(parts) ** 2)))
 
 
-def measured(blocks: Blocks, which: slice, held: Mapping[int, float] | None = None) -> list[Interval]:
+def _measured(blocks: Blocks, which: slice, held: Mapping[int, float] | None = None) -> list[Interval]:
     """Return the values of some columns with their intervals."""
     w, half = blocks.solved(held=held)[which], blocks.half_widths(held=held)[which]
     return [Interval(float(v), float(v - h), float(v + h)) for v, h in zip(w, half, strict=True)]
 
 
-def alone(full: Blocks, of: np.ndarray, held: Mapping[int, float], likely: float) -> list[Interval]:
+def _alone(full: Blocks, of: np.ndarray, held: Mapping[int, float], likely: float) -> list[Interval]:
     """Return how late each record says that the load is, its zero free and all else held at what all records say."""
     w, found = full.solved(held=held), []
     many = int(of.max()) + 1
@@ -222,7 +222,7 @@ def alone(full: Blocks, of: np.ndarray, held: Mapping[int, float], likely: float
     return found
 
 
-def held_out(full: Blocks, held: Mapping[int, float], friction: tuple[float, float] | None = None) -> float:
+def _held_out(full: Blocks, held: Mapping[int, float], friction: tuple[float, float] | None = None) -> float:
     """Return the squared error of the angle on held-out blocks. friction: the bounds of what stands in for lateness, s."""
     total, folds = 0.0, np.arange(len(full)) % FOLDS
     for k in range(min(FOLDS, len(full))):
@@ -234,20 +234,20 @@ def held_out(full: Blocks, held: Mapping[int, float], friction: tuple[float, flo
     return total
 
 
-def deflection_of(passes: Sequence[Passes], plant: Plant) -> Deflection | None:
+def deflection_of(passes: Sequence[InverseDynamics], plant: Plant) -> Deflection | None:
     """Return what the records of two encoders tell of a plant's joint; None where there is no such record.
 
     A first answer is right to first order in lateness over a period of the motion; where zero lies outside of its interval it
     is undone, and what is left of it is measured again.
     """
-    found = deflection(angles(passes, plant), ends(plant))
+    found = _deflection(angles(passes, plant), ends(plant))
     if found is None or not found.late.sure or abs(found.late.value) > FARTHEST:
         return found
     late = plant + catalogue()["clock_skew"](at="sensor.load_position", label="told", offset=found.late.value)
-    return deflection(angles(passes, late), ends(plant), found.late.value) or found
+    return _deflection(angles(passes, late), ends(plant), found.late.value) or found
 
 
-def zeros(passes: Sequence[Passes], plant: Plant) -> dict[str, float]:
+def zeros(passes: Sequence[InverseDynamics], plant: Plant) -> dict[str, float]:
     """Return record -> q_motor - q_load in rad where the joint is relaxed; empty where there are no two encoders."""
     found = deflection_of(passes, plant)
     return {} if found is None else {name: z.value for name, z in found.zeros.items()}

@@ -51,12 +51,12 @@ def disagreements(problem: Problem, plant: Plant, names: Sequence[Name], owns: S
     said: dict[str, Finding] = {}
     for j, (ratio, a, b) in sorted(worst.items(), key=lambda found: -found[1][0]):
         if abs(b.value[j] - a.value[j]) > MATTERS * max(abs(a.value[j]), abs(b.value[j])):
-            finding = disagreement(plant, names, j, ratio, a, b)
+            finding = _disagreement(plant, names, j, ratio, a, b)
             said.setdefault(finding.subject, finding)
     return list(said.values())
 
 
-def disagreement(plant: Plant, names: Sequence[Name], j: int, ratio: float, a: Own, b: Own) -> Finding:
+def _disagreement(plant: Plant, names: Sequence[Name], j: int, ratio: float, a: Own, b: Own) -> Finding:
     """Say that two records disagree on linear parameter j, by the declared parameter in which it shows most."""
     e = plant[names[j].key]
     one, other = outside_of(plant, names, a), outside_of(plant, names, b)
@@ -96,7 +96,7 @@ def excitation(
 
     half: half widths of the 95 % intervals, of the parameters that have one. called: what `noise` is, in sentences.
     """
-    turns, ways = motion_of(problem)
+    turns, ways = _motion_of(problem)
     said = []
     for n in [*problem.free_linear, *problem.free_shape]:
         e, p = problem.plant[n.key], problem.parameter(n)
@@ -113,13 +113,13 @@ def excitation(
             elif 0.0 < share < noise and wide:
                 why = f"moves the drive by {share:.2g} rms at its value, less than the {called} of {noise:.2g}"
             evidence = {"contribution": share, "noise": noise}
-        if not why and remembers(e):
+        if not why and _remembers(e):
             if linear and ways < 2:
                 why, evidence = "shows in the direction of motion, and these records move one way only", {"ways": ways}
             elif not linear and turns == 0:
                 why, evidence = "shows where the motion reverses, and no record reverses", {"reversals": turns}
         if why:
-            remedy = remedy_of(e, turns, ways, called)
+            remedy = _remedy_of(e, turns, ways, called)
             said.append(
                 Finding(
                     "excitation missing", f"{n.key}.{n.parameter}", f"{e.named}: {p.meaning} {why}.", evidence, remedy
@@ -128,7 +128,7 @@ def excitation(
     return said
 
 
-def remedy_of(effect: Effect, turns: int, ways: int, called: str) -> str:
+def _remedy_of(effect: Effect, turns: int, ways: int, called: str) -> str:
     """Say what would show an effect: no motion of a kind that the records have already."""
     signal = next((s for s in REMEDY if s in effect.reads), "")
     if signal in ("dir", "dq") and turns > 0 and ways == 2:
@@ -140,12 +140,12 @@ def remedy_of(effect: Effect, turns: int, ways: int, called: str) -> str:
     return REMEDY.get(signal, "record a motion that shows it")
 
 
-def remembers(effect: Effect) -> bool:
+def _remembers(effect: Effect) -> bool:
     """Whether an effect acts through reversals of the motion: it sums increments up, or reads the direction."""
     return bool({"dq", "dir"} & set(effect.reads))
 
 
-def motion_of(problem: Problem) -> tuple[int, int]:
+def _motion_of(problem: Problem) -> tuple[int, int]:
     """Return (reversals within the records, ways moved: 0, 1 or 2), of the position behind its dead band of a count."""
     turns, ways = 0, set()
     for p in problem.passes:

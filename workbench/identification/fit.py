@@ -7,7 +7,7 @@ import numpy as np
 from workbench.errors import WorkbenchError
 from workbench.identification import findings, intervals, zeros
 from workbench.identification.by_record import own_estimates, spread
-from workbench.identification.passes import Passes, predicted
+from workbench.identification.passes import InverseDynamics, predicted
 from workbench.identification.problem import Problem
 from workbench.identification.result import Fit, Series
 from workbench.identification.solve import ITERATIONS, NoValue, Solution, solve
@@ -17,19 +17,21 @@ from workbench.record import IDENTIFICATION, ROLES, VALIDATION, Record
 from workbench.threads import one_thread
 
 
-def passes_of(records: Sequence[Record], bandwidth: float) -> tuple[Passes, ...]:
+def inverse_dynamics(records: Sequence[Record], bandwidth: float) -> tuple[InverseDynamics, ...]:
     """Return passes over the motions of the records; they may be shared by fits of many plants."""
-    return tuple(Passes(motion(r, bandwidth)) for r in zeros.relaxed(records, bandwidth))
+    return tuple(InverseDynamics(motion(r, bandwidth)) for r in zeros.relaxed(records, bandwidth))
 
 
-def fitted_on(passes: Sequence[Passes]) -> list[Passes]:
+def fitted_on(passes: Sequence[InverseDynamics]) -> list[InverseDynamics]:
     """Return the identification records among `passes`, by name: in whatever order given, sums have the same last bits."""
     chosen = [p for p in passes if p.motion.record.role == IDENTIFICATION]
     return sorted(chosen, key=lambda p: p.motion.record.name)
 
 
 @one_thread
-def identify(plant: Plant, passes: Sequence[Passes], theta: np.ndarray | None = None, *, solved: bool = False) -> Fit:
+def identify(
+    plant: Plant, passes: Sequence[InverseDynamics], theta: np.ndarray | None = None, *, solved: bool = False
+) -> Fit:
     """Fit `plant` on the identification records among `passes` and evaluate it on all of them.
 
     theta: start of the free shape parameters on their search scale; the plant's values where absent. solved: that is where
@@ -46,7 +48,7 @@ def identify(plant: Plant, passes: Sequence[Passes], theta: np.ndarray | None = 
     return seen(problem, solution, passes)
 
 
-def series_of(plant: Plant, passes: Passes) -> tuple[Series, np.ndarray]:
+def series_of(plant: Plant, passes: InverseDynamics) -> tuple[Series, np.ndarray]:
     """Return one record seen through the evaluation filter, and the unfiltered prediction (n,)."""
     m = passes.motion
     prediction = predicted(passes, plant)
@@ -55,7 +57,7 @@ def series_of(plant: Plant, passes: Passes) -> tuple[Series, np.ndarray]:
     return series, prediction
 
 
-def seen(problem: Problem, solution: Solution, passes: Sequence[Passes]) -> Fit:
+def seen(problem: Problem, solution: Solution, passes: Sequence[InverseDynamics]) -> Fit:
     """Return the Fit of a solved problem."""
     plant = problem.with_linear(problem.with_shape(solution.theta), solution.c)
     names, cov, t, condition = intervals.covariance(problem, solution)
@@ -77,15 +79,15 @@ def seen(problem: Problem, solution: Solution, passes: Sequence[Passes]) -> Fit:
     nrmse = {}
     for name, s in sorted(series.items()):
         measured, residual = s.measured[s.keep], s.residual[s.keep]
-        nrmse[name] = ratio(residual @ residual, measured @ measured)
+        nrmse[name] = _ratio(residual @ residual, measured @ measured)
         power[s.role] += measured @ measured
         left[s.role] += residual @ residual
         count[s.role] += measured.size
     return Fit(
         plant=plant,
         estimates=estimates,
-        identification=ratio(left[IDENTIFICATION], power[IDENTIFICATION]),
-        validation=ratio(left[VALIDATION], power[VALIDATION]),
+        identification=_ratio(left[IDENTIFICATION], power[IDENTIFICATION]),
+        validation=_ratio(left[VALIDATION], power[VALIDATION]),
         nrmse=nrmse,
         rms={r: float(np.sqrt(left[r] / max(count[r], 1))) for r in ROLES},
         series=series,
@@ -97,6 +99,6 @@ def seen(problem: Problem, solution: Solution, passes: Sequence[Passes]) -> Fit:
     )
 
 
-def ratio(left: float, whole: float) -> float:
+def _ratio(left: float, whole: float) -> float:
     """Root of a ratio of powers; NaN where there is nothing to compare with."""
     return float(np.sqrt(left / whole)) if whole > 0 else float("nan")

@@ -14,7 +14,7 @@ import numpy as np
 
 from workbench.errors import WorkbenchError
 from workbench.identification.output_error import payload_inertia
-from workbench.identification.passes import Passes
+from workbench.identification.passes import InverseDynamics
 from workbench.identification.problem import Problem
 from workbench.identification.refine import Loops, nearest_to_measured
 from workbench.motion import Motion
@@ -42,7 +42,7 @@ def beginning(record: Record) -> tuple[float, float]:
     return float(position), float(speed)
 
 
-def positions(plants: Sequence[Plant], motion: Motion) -> np.ndarray:
+def _positions(plants: Sequence[Plant], motion: Motion) -> np.ndarray:
     """Return the positions (n, plants) that the recorded drive gives, each plant from the record's first position and speed."""
     if plants[0].kind != ONE_MASS:
         raise WorkbenchError(
@@ -58,7 +58,7 @@ def positions(plants: Sequence[Plant], motion: Motion) -> np.ndarray:
 
 def free_run(plant: Plant, motion: Motion) -> FreeRun:
     """Return the record as its own drive moves this plant of one mass. Raises WorkbenchError where that goes to infinity."""
-    simulated = positions([plant], motion)[:, 0]
+    simulated = _positions([plant], motion)[:, 0]
     if not np.isfinite(simulated).all():
         raise WorkbenchError(f"the free run of record '{motion.record.name}' goes to infinity with this plant.")
     away = (simulated - motion.record.channels["position"])[START:]
@@ -75,11 +75,11 @@ class FreeRuns(Loops):
 
     def drives(self, points: Sequence[np.ndarray]) -> np.ndarray:
         plants = [self.plant(x) for x in points]
-        found = np.concatenate([positions(plants, m)[START:] for m in self.motions])
+        found = np.concatenate([_positions(plants, m)[START:] for m in self.motions])
         return np.where(np.isfinite(found).all(axis=0), found, np.inf)
 
 
-def refine_free_run(plant: Plant, passes: Sequence[Passes]) -> Plant:
+def refine_free_run(plant: Plant, passes: Sequence[InverseDynamics]) -> Plant:
     """Return `plant` with its free parameters moved until the free runs of all the records are nearest to their positions.
 
     passes: of the records to fit, whatever their role. Start from `identify(...).plant`: the search is local, and rough,

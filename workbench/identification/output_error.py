@@ -40,12 +40,12 @@ class Rerun:
     raw: Mapping[str, float]
 
 
-def measured(record: Record, name: str) -> np.ndarray:
+def _measured(record: Record, name: str) -> np.ndarray:
     """Return the measured channel (n,) that a simulated one is compared with."""
     return record.drive if name == DRIVE else record.channels[name]
 
 
-def checked(motion: Motion, loop: Loop) -> None:
+def _checked(motion: Motion, loop: Loop) -> None:
     """WorkbenchError where a record has no reference, or another rate than the loop."""
     record = motion.record
     if "reference" not in record.channels:
@@ -64,7 +64,7 @@ def outputs(
     plants: Sequence[Plant], motion: Motion, loop: Loop, controller: Controller
 ) -> tuple[dict[str, np.ndarray], np.ndarray]:
     """Return (name -> (n, plants): encoders' readings and drive, finite (plants,)) of each plant in the loop of one record."""
-    checked(motion, loop)
+    _checked(motion, loop)
     record, kind = motion.record, plants[0].kind
     held = kind == TWO_MASS and record.locked
     rows = dict(zip(SENSORS[: 1 if held else None], READINGS[kind], strict=False)) | {DRIVE: "u"}
@@ -86,7 +86,7 @@ def payload_inertia(record: Record) -> float:
     return record.payload.inertia if record.payload is not None else 0.0
 
 
-def relative(x: np.ndarray, simulated: np.ndarray, keep: slice) -> float:
+def _relative(x: np.ndarray, simulated: np.ndarray, keep: slice) -> float:
     """rms(x - simulated) / rms(x) over the samples kept; NaN where x is zero."""
     whole = np.linalg.norm(x[keep])
     return float(np.linalg.norm((x - simulated)[keep]) / whole) if whole > 0.0 else float("nan")
@@ -110,8 +110,8 @@ def rerun(plant: Plant, motion: Motion, loop: Loop, controller: Controller) -> R
     simulated = {n: x[:, 0] for n, x in rows.items()}
     errors, raw = {}, {}
     for name, x in simulated.items():
-        of = measured(record, name)
+        of = _measured(record, name)
         about = 0.0 if name == DRIVE else np.mean(of[keep])
-        raw[name] = relative(of - about, x - about, keep)
-        errors[name] = relative(motion.filter(of - about), motion.filter(x - about), keep)
+        raw[name] = _relative(of - about, x - about, keep)
+        errors[name] = _relative(motion.filter(of - about), motion.filter(x - about), keep)
     return Rerun(record, MappingProxyType(simulated), MappingProxyType(errors), MappingProxyType(raw))

@@ -26,13 +26,13 @@ KEEP = 160  # columns kept a record: the declared model, and a few dozen trial s
 LEVERS = {"axis": np.ones((1, 1)), "motor": np.array([[1.0], [0.0]]), "load": np.array([[0.0], [1.0]])}
 
 
-def shape_values(effect: Effect) -> tuple[float, ...]:
+def _shape_values(effect: Effect) -> tuple[float, ...]:
     """Values of the parameters that a column depends on."""
     return tuple(effect.parameters[n].value for n in effect.shape)
 
 
-class Passes:
-    """Passes over one motion. Methods return arrays that must not be changed.
+class InverseDynamics:
+    """InverseDynamics over one motion. Methods return arrays that must not be changed.
 
     fine: passes over the same motion at a higher rate, by which operators of its increments are run: where friction turns,
     the moment counts, and a coarse sample has it wrong by half a step. coarse: takes their outputs (k, fine n) to (k, n).
@@ -42,7 +42,7 @@ class Passes:
     def __init__(
         self,
         motion: Motion,
-        fine: "Passes | None" = None,
+        fine: "InverseDynamics | None" = None,
         coarse: Callable | None = None,
         counts: np.ndarray | None = None,
     ):
@@ -89,7 +89,7 @@ class Passes:
         The first row is what the drive feels (one body, or the motor's balance), the second the load's balance.
         """
         for e, outputs, (_, lever), _ in self._forces(plant):
-            columns = entering(outputs, lever)
+            columns = _entering(outputs, lever)
             for name, column in zip(e.linear or ("",), self._closed(plant, columns, columns), strict=False):
                 yield e, name, column
 
@@ -105,11 +105,11 @@ class Passes:
         for e, outputs, (path, lever), key in self._forces(plant):
             if lever.shape[1] == 1:  # what does not change in time passes the filter: one balance stands for both
                 once = self._keep(("filtered", *key), lambda o=outputs: self.motion.filter(o))
-                smooth = entering(once, lever)
+                smooth = _entering(once, lever)
             else:
                 kept = ("filtered", *key, path, len(lever))
-                smooth = self._keep(kept, lambda o=outputs, by=lever: self.motion.filter(entering(o, by)))
-            smooth = self._closed(plant, smooth, lambda o=outputs, by=lever: entering(o, by))
+                smooth = self._keep(kept, lambda o=outputs, by=lever: self.motion.filter(_entering(o, by)))
+            smooth = self._closed(plant, smooth, lambda o=outputs, by=lever: _entering(o, by))
             for name, column in zip(e.linear or ("",), smooth, strict=False):
                 yield e, name, column
 
@@ -191,7 +191,7 @@ class Passes:
                 raise WorkbenchError(
                     f"effect '{e.name}' reads '{missing[0]}', which record '{m.record.name}' does not have at the {place}."
                 )
-            key = (_name(e), place, shape_values(e), *dict.fromkeys(paths[r] for r in e.reads if r in paths))
+            key = (_name(e), place, _shape_values(e), *dict.fromkeys(paths[r] for r in e.reads if r in paths))
             outputs = self._keep(("raw", *key), lambda e=e: self._run(e, signals, plant, place))
             for i, given in enumerate(e.provides):
                 signals[given] = outputs[len(e.linear or ("",)) + i]
@@ -227,7 +227,7 @@ class Passes:
         return (), LEVERS[place][:whole]
 
 
-def entering(outputs: np.ndarray, lever: np.ndarray) -> np.ndarray:
+def _entering(outputs: np.ndarray, lever: np.ndarray) -> np.ndarray:
     """Return outputs (columns, n) as they enter the balances, (columns, rows, n). lever: (rows, n or 1)."""
     return outputs[:, None, :] * lever
 
@@ -242,7 +242,7 @@ def _name(effect: Effect):
     return effect.name if effect.name == "direction" else effect.step
 
 
-def balances(passes: Passes, plant: Plant) -> np.ndarray:
+def balances(passes: InverseDynamics, plant: Plant) -> np.ndarray:
     """Return the sum of all forces at their values, on the motion, (rows, n): the required drive, and the load's residual."""
     total = np.zeros((passes.rows(plant), passes.motion.u.size))
     for e, name, column in passes.columns(plant):
@@ -251,7 +251,7 @@ def balances(passes: Passes, plant: Plant) -> np.ndarray:
     return total if added is None else total + passes._closed(plant, added, added)
 
 
-def required(passes: Passes, plant: Plant) -> np.ndarray:
+def required(passes: InverseDynamics, plant: Plant) -> np.ndarray:
     """Return the required drive u' (n,): every force of the plant at its values, on the motion.
 
     With two masses it is the motor's balance, the joint's torque by its law at the measured deflection.
@@ -259,6 +259,6 @@ def required(passes: Passes, plant: Plant) -> np.ndarray:
     return balances(passes, plant)[0]
 
 
-def predicted(passes: Passes, plant: Plant) -> np.ndarray:
+def predicted(passes: InverseDynamics, plant: Plant) -> np.ndarray:
     """Return the drive u (n,) that the plant asks for, given the motion: command maps undone from the required drive."""
     return passes.command.undone(plant, required(passes, plant))

@@ -13,7 +13,7 @@ import numpy as np
 
 from workbench import definition as fx
 from workbench.identification.command import command_maps
-from workbench.identification.passes import Passes
+from workbench.identification.passes import InverseDynamics
 from workbench.parameter import Parameter
 from workbench.plant import Plant, reads_load
 
@@ -29,7 +29,7 @@ class Name:
     parameter: str
 
 
-def scale_of(p: Parameter) -> float:
+def _scale_of(p: Parameter) -> float:
     """The size of one unit of the search scale where it is not logarithmic."""
     return max(abs(p.value), 1e-3 * (p.upper - p.lower) if np.isfinite(p.upper - p.lower) else 0.0, 1e-12)
 
@@ -75,7 +75,7 @@ def needed_by(plant: Plant, key: str) -> Plant:
 class Problem:
     """`free_linear`, `free_shape`: what is searched, as Name; `fixed` linear parameters move to the measured side."""
 
-    def __init__(self, plant: Plant, passes: Sequence[Passes]):
+    def __init__(self, plant: Plant, passes: Sequence[InverseDynamics]):
         self.plant = plant
         self.present = plant  # whose linear values make the load that forces follow
         self.passes = tuple(passes)

@@ -16,7 +16,7 @@ from workbench.control.law import Controller
 from workbench.errors import WorkbenchError
 from workbench.identification.fit import fitted_on, seen
 from workbench.identification.output_error import DRIVE, outputs
-from workbench.identification.passes import Passes
+from workbench.identification.passes import InverseDynamics
 from workbench.identification.problem import LOGARITHMIC, Problem, stacked, to_search
 from workbench.identification.result import Fit
 from workbench.identification.solve import Solution, scales
@@ -39,7 +39,7 @@ class Loops:
         measured = [self.stack(p, p.motion.u) for p in problem.passes]
         self.measured = np.concatenate(measured)
 
-    def stack(self, passes: Passes, drive: np.ndarray) -> np.ndarray:
+    def stack(self, passes: InverseDynamics, drive: np.ndarray) -> np.ndarray:
         """Return a record's drive (n,) or drives (n, m), filtered, at its equations: a load's balance holds none."""
         smooth = passes.motion.filter(np.atleast_2d(drive.T))
         rows = passes.rows(self.problem.plant)
@@ -99,7 +99,7 @@ class Loops:
         return (drives[:, 0::2] - drives[:, 1::2]) / (ahead - behind)
 
 
-def refine(plant: Plant, passes: Sequence[Passes], loop: Loop, controller: Controller) -> Fit:
+def refine(plant: Plant, passes: Sequence[InverseDynamics], loop: Loop, controller: Controller) -> Fit:
     """Return the Fit of `plant` to the identification records by output error, from the plant's own values.
 
     Start from `identify(...).plant`: the search is local. Of the Fit, values, intervals and findings are those of the

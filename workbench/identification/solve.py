@@ -146,17 +146,17 @@ def solve(
     first step must promise, else the start is all. most: steps. Raises NoValue where the start has no value. Where a force
     follows the load, which is the sum of other forces, it is solved again at the load that was found until that stays.
     """
-    found = searched(problem, theta, tolerance, least, most)
+    found = _searched(problem, theta, tolerance, least, most)
     for _ in range(LOADS if problem.follows_load else 0):
         before = found
         problem.carry(found.c)
-        found = searched(problem, found.theta, tolerance, 0.0, min(most, FOLLOWING))
+        found = _searched(problem, found.theta, tolerance, 0.0, min(most, FOLLOWING))
         if np.linalg.norm(found.phi @ (found.c - before.c)) <= CARRIED * np.linalg.norm(found.y):
             break
     return found
 
 
-def searched(problem: Problem, theta: np.ndarray | None, tolerance: float, least: float, most: int) -> Solution:
+def _searched(problem: Problem, theta: np.ndarray | None, tolerance: float, least: float, most: int) -> Solution:
     """Return what `solve` does, at the load that the problem's values make."""
     theta = problem.start() if theta is None else np.array(theta, dtype=float)
     at = solved_at(problem, theta)
@@ -167,7 +167,7 @@ def searched(problem: Problem, theta: np.ndarray | None, tolerance: float, least
     enough = max(tolerance, least)
     for _ in range(most if theta.size else 0):
         linear = at.c.size
-        g, h, sizes = normal_equations(at, tangents)
+        g, h, sizes = _normal_equations(at, tangents)
         new = None
         for _ in range(8):
             damped = h.copy()
@@ -177,7 +177,7 @@ def searched(problem: Problem, theta: np.ndarray | None, tolerance: float, least
             promised = whole @ (2.0 * g - h @ whole)
             if promised <= enough * at.cost:
                 break  # not even the linear model of the residual promises more
-            step = limited(problem, theta, whole[linear:] / sizes)
+            step = _limited(problem, theta, whole[linear:] / sizes)
             trial = clipped(problem, theta + step)
             tried = solved_at(problem, trial)
             if tried.cost < at.cost:
@@ -197,7 +197,7 @@ def searched(problem: Problem, theta: np.ndarray | None, tolerance: float, least
     return Solution(theta, at.c, at.y, at.phi, at.cost, tangents)
 
 
-def normal_equations(at: At, tangents: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def _normal_equations(at: At, tangents: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Return (g, h, sizes) of a joint Gauss-Newton step in (c, theta), the linear part may move along: h step = g.
 
     Columns are of unit length; sizes (k,) are the tangents' own.
@@ -209,7 +209,7 @@ def normal_equations(at: At, tangents: np.ndarray) -> tuple[np.ndarray, np.ndarr
     return np.concatenate([at.phi.T @ e, tangents.T @ e]) / norms, h / np.outer(norms, norms), sizes
 
 
-def limited(problem: Problem, theta: np.ndarray, step: np.ndarray) -> np.ndarray:
+def _limited(problem: Problem, theta: np.ndarray, step: np.ndarray) -> np.ndarray:
     """Shorten a step so that no logarithmic parameter moves by more than a factor e."""
     logs = [problem.parameter(n).scale in LOGARITHMIC for n in problem.free_shape]
     largest = max((abs(s) for s, is_log in zip(step, logs, strict=True) if is_log), default=0.0)

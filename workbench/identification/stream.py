@@ -90,7 +90,7 @@ class Blocks:
             yield block
 
 
-def gram_of(records: Sequence[Blocks]) -> np.ndarray:
+def _gram_of(records: Sequence[Blocks]) -> np.ndarray:
     """Return the Gram matrix (width, width) of all columns and y, over all records."""
     total = np.zeros((records[0].width,) * 2)
     for block in chain.from_iterable(records):
@@ -98,7 +98,7 @@ def gram_of(records: Sequence[Blocks]) -> np.ndarray:
     return total
 
 
-def triangle_of(records: Sequence[Blocks], norms: np.ndarray) -> np.ndarray:
+def _triangle_of(records: Sequence[Blocks], norms: np.ndarray) -> np.ndarray:
     """Return the triangular factor R (width, width) of all columns and y, each divided by its norm, R'R their Gram matrix."""
     r = np.zeros((records[0].width,) * 2)
     for block in chain.from_iterable(records):
@@ -106,7 +106,7 @@ def triangle_of(records: Sequence[Blocks], norms: np.ndarray) -> np.ndarray:
     return r
 
 
-def solved(r: np.ndarray, b: np.ndarray, free: int, cone: np.ndarray | None) -> np.ndarray:
+def _solved(r: np.ndarray, b: np.ndarray, free: int, cone: np.ndarray | None) -> np.ndarray:
     """Return c of min |R c - b|, R upper triangular, with c = cone s, s >= 0, behind the first `free` entries.
 
     cone: (m, m); without it c is free. R's upper left part has no say in the entries behind it: they are solved first, on
@@ -122,7 +122,7 @@ def solved(r: np.ndarray, b: np.ndarray, free: int, cone: np.ndarray | None) -> 
     return c
 
 
-def monotone_cone(radii: np.ndarray, kind: str) -> np.ndarray:
+def _monotone_cone(radii: np.ndarray, kind: str) -> np.ndarray:
     """Return (m, m) of weights = cone slopes: slopes s >= 0 of the virgin curve between neighbouring thresholds.
 
     Beyond x a virgin curve rises by the sum of the weights of plays with r <= x, or of stops with r > x; each weight is
@@ -136,7 +136,7 @@ def monotone_cone(radii: np.ndarray, kind: str) -> np.ndarray:
     return cone
 
 
-def checked(x, y, thresholds, kind: str) -> np.ndarray:
+def _checked(x, y, thresholds, kind: str) -> np.ndarray:
     """Return the thresholds as an array (m,); WorkbenchError where the arguments do not fit together."""
     radii = np.array(thresholds, dtype=float)
     if kind not in KINDS:
@@ -161,7 +161,7 @@ def fit_operators(
     a block; it changes no more than rounding. x and y may be memory-mapped. Memory besides them: one block.
     WorkbenchError where a number is not finite.
     """
-    blocks = Blocks(x, y, checked(x, y, thresholds, kind), kind, columns, block, slice(None))
+    blocks = Blocks(x, y, _checked(x, y, thresholds, kind), kind, columns, block, slice(None))
     return weights_of([blocks], kind, non_negative=non_negative, monotone=monotone)
 
 
@@ -169,7 +169,7 @@ def fit_operators(
 def weights_of(records: Sequence[Blocks], kind: str, *, non_negative: bool = True, monotone: bool = False) -> Weights:
     """Return the weights that serve all records, of the same operators and columns; see `fit_operators`."""
     radii, k = records[0].radii, len(records[0].columns)
-    gram = gram_of(records)
+    gram = _gram_of(records)
     if not np.all(np.isfinite(gram)):
         raise WorkbenchError("positions, targets and columns must all be finite numbers; some are not.")
     norms = np.sqrt(np.diag(gram))
@@ -185,15 +185,15 @@ def weights_of(records: Sequence[Blocks], kind: str, *, non_negative: bool = Tru
     else:
         method = "qr"
         # what is left of the zero columns are zeros: without them the factor has to be made triangular once more
-        whole = np.linalg.qr(triangle_of(records, norms)[:, keep], mode="r")
+        whole = np.linalg.qr(_triangle_of(records, norms)[:, keep], mode="r")
         r, b, beyond = whole[:-1, :-1], whole[:-1, -1], whole[-1, -1] ** 2
     free = int(np.count_nonzero(moved[:k]))
     of = moved[k:]
     cone = np.eye(int(of.sum())) if non_negative else None
     if monotone:
         # in units of the scaled columns; whatever never moved is left out, and its weight stays zero
-        cone = monotone_cone(radii[of], kind) * (norms[k:-1][of] / norms[-1])[:, None]
-    c = solved(r, b, free, cone)
+        cone = _monotone_cone(radii[of], kind) * (norms[k:-1][of] / norms[-1])[:, None]
+    c = _solved(r, b, free, cone)
     left = np.sqrt((beyond + np.sum((r @ c - b) ** 2)) / max(sum(r.rows for r in records), 1)) * norms[-1]
     natural = np.zeros(moved.size)
     natural[moved] = c * norms[-1] / norms[:-1][moved]

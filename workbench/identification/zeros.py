@@ -26,7 +26,7 @@ APART = 0.5
 STARTS = 8.0  # coarser counts between the first readings, from which they are not one: at most 2 where encoders have one zero
 
 
-def angles(records: Sequence[Record], bandwidth: float) -> tuple[np.ndarray, np.ndarray] | None:
+def _angles(records: Sequence[Record], bandwidth: float) -> tuple[np.ndarray, np.ndarray] | None:
     """Return (x0 (records,), rms of the angle about x0) of records with two encoders; None where these do not tell."""
     columns, apart, which = [], [], []
     for k, r in enumerate(records):
@@ -54,30 +54,30 @@ def relaxed(records: Sequence[Record], bandwidth: float) -> tuple[Record, ...]:
     """
     both = [r for r in records if "load_position" in r.channels]
     free = [r for r in both if not r.locked]
-    found = angles(free, bandwidth) if free else None
+    found = _angles(free, bandwidth) if free else None
     if found is None:
         return tuple(records)
     if np.max(np.abs(found[0])) > APART * found[1]:
         zero = dict(zip((r.name for r in free), found[0].tolist(), strict=True))
-    elif any(abs(first(r)) > STARTS * coarser(r) > 0.0 for r in both):
-        zero = {r.name: first(r) for r in both}
+    elif any(abs(_first(r)) > STARTS * _coarser(r) > 0.0 for r in both):
+        zero = {r.name: _first(r) for r in both}
     else:
         return tuple(records)
-    return tuple(shifted(r, zero[r.name]) if r.name in zero else r for r in records)
+    return tuple(_shifted(r, zero[r.name]) if r.name in zero else r for r in records)
 
 
-def first(record: Record) -> float:
+def _first(record: Record) -> float:
     """Return the angle between the encoders' first readings."""
     return float(record.channels["position"][0] - record.channels["load_position"][0])
 
 
-def coarser(record: Record) -> float:
+def _coarser(record: Record) -> float:
     """Return the larger count of the two encoders, 0 where one is unknown."""
     counts = [record.resolution.get(n, 0.0) for n in ("position", "load_position")]
     return max(counts) if min(counts) > 0.0 else 0.0
 
 
-def shifted(record: Record, zero: float) -> Record:
+def _shifted(record: Record, zero: float) -> Record:
     """Return a record whose load encoder reads `zero` (rad or m) more, and says so."""
     moved = record.channels["load_position"] + zero
     return replace(record, channels={**record.channels, "load_position": moved}, zero=zero)

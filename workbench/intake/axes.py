@@ -18,7 +18,7 @@ def of_axis(columns: Columns, axis: str, told: Mapping[str, str]) -> tuple[Colum
     axis: as its user says, "" for none. An axis is a name that a drive and a position have in common ("q7" in "position.q7"
     and "effort.q7"). Raises WorkbenchError where there are several and neither `axis` nor `told` says which.
     """
-    found = axes(columns)
+    found = _axes(columns)
     mine = [a for a, names in found.items() if names & {told.get("drive"), told.get("position")}]
     wanted = _plain(axis)
     if axis:
@@ -38,7 +38,7 @@ def of_axis(columns: Columns, axis: str, told: Mapping[str, str]) -> tuple[Colum
     return columns.only([n for n in columns.names if n not in others or n in told.values()]), tuple(found)
 
 
-def axes(columns: Columns) -> dict[str, set[str]]:
+def _axes(columns: Columns) -> dict[str, set[str]]:
     """Return axis -> its columns: names that a drive and a position share, where there are two at least; else nothing."""
     for pattern in PATTERNS:
         keys = {n: _key(columns, n, pattern) for n in columns.names}

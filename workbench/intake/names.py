@@ -97,13 +97,13 @@ def meaning(name: str, stated: str = "") -> Meaning:
         unit = words[0]
     if unit and not kind:
         kind = kind_of(unit)
-    told = next((u for u in (stated.strip(), text) if states_unit(u)), "")
-    if unit and kind and not fits(unit, kind):  # of "current_in" the tail is no inch
+    told = next((u for u in (stated.strip(), text) if _states_unit(u)), "")
+    if unit and kind and not _fits(unit, kind):  # of "current_in" the tail is no inch
         unit = ""
     return Meaning(kind, unit, quality, "" if unit else told, tuple(words))
 
 
-def states_unit(text: str) -> bool:
+def _states_unit(text: str) -> bool:
     """Whether a text in brackets, or in a row of units, is meant as a unit: no number, no word, no remark."""
     words = re.findall(r"[^\W\d_]+", text.lower())
     known = {w for group in (QUANTITIES, QUALITIES) for line in group.values() for w in line.split()} - set(
@@ -141,7 +141,7 @@ def is_length(unit: str) -> bool:
     return same(root(unit)[1], root("m")[1])
 
 
-def fits(unit: str, kind: str) -> bool:
+def _fits(unit: str, kind: str) -> bool:
     """Whether a quantity of this kind may be logged in this unit: drives log all they have in percent, too."""
     drive = ("torque", "force", "current", "voltage")
     found = kind_of(unit)

@@ -33,7 +33,7 @@ def alike(columns: Columns, a: str, b: str) -> bool:
     return all(np.ptp(x) > 0 and np.ptp(y) > 0 and abs(np.corrcoef(x, y)[0, 1]) > SMOOTH for x, y in pairs)
 
 
-def slope(columns: Columns, name: str, position: str) -> float:
+def _slope(columns: Columns, name: str, position: str) -> float:
     """Return how far a column goes for one unit of the position, by least squares over all files."""
     x = np.concatenate([v - np.mean(v) for v in columns.of(position)])
     y = np.concatenate([v - np.mean(v) for v in columns.of(name)])
@@ -90,7 +90,7 @@ def _as_far(columns: Columns, n: str, unit: str, position: Guess, within: float)
         return False
     apart = [abs(scale * np.mean(r) - np.mean(p)) / max(np.ptp(p), 1e-300) for r, p in
              zip(columns.of(n), columns.of(position.column), strict=True)]  # fmt: skip
-    return abs(scale * slope(columns, n, position.column) - 1.0) < within and max(apart) < 0.5
+    return abs(scale * _slope(columns, n, position.column) - 1.0) < within and max(apart) < 0.5
 
 
 def _same(columns: Columns, a: str, b: str) -> bool:
@@ -117,7 +117,7 @@ def _maybe(columns: Columns, n: str, position: str) -> str:
     if _same(columns, n, position):
         return "the position once more"
     if alike(columns, n, position):
-        far = slope(columns, n, position)
+        far = _slope(columns, n, position)
         if "reference" in m.quality:
             return f"called a set value, but it goes {far:.5g} times as far as the position; state its unit by --unit"
         return (

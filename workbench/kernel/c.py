@@ -49,7 +49,7 @@ class Text:
     condition: bool = False
 
 
-def operands(line: Line) -> tuple[str, ...]:
+def _operands(line: Line) -> tuple[str, ...]:
     """Names that a line reads."""
     if isinstance(line, Choice):
         return (line.condition, line.a, line.b)
@@ -59,7 +59,7 @@ def operands(line: Line) -> tuple[str, ...]:
 UNARY = {ca.OP_ASSIGN, ca.OP_NEG, ca.OP_SQRT, ca.OP_FABS, ca.OP_FLOOR, ca.OP_NOT, ca.OP_INV, *TWICE}
 
 
-def number(value: float, kind: str) -> str:
+def _number(value: float, kind: str) -> str:
     """A literal that reads back to the same bits of this type."""
     if not np.isfinite(value):
         raise WorkbenchError("a program that becomes C holds an infinite constant; C99 has no literal for it.")
@@ -88,7 +88,7 @@ class Writer:
         self.names, self.program, self.numbers, self.finite = names, program, numbers, finite
         self.known: dict[str, Text] = {name: Text(text) for name, text in inputs.items()}
         self.lines_by_name = {line.out: line for line in program.lines}
-        self.uses = Counter(o for line in program.lines for o in operands(line))
+        self.uses = Counter(o for line in program.lines for o in _operands(line))
         self.uses.update(n for output in program.outputs for n in output)
         self.uses.update(line.a for line in program.lines if line.op in TWICE)
 
@@ -96,18 +96,18 @@ class Writer:
         """The text of an operand."""
         if name in self.known:
             return self.known[name]
-        return Text(number(float(name.strip("()")), self.kind))
+        return Text(_number(float(name.strip("()")), self.kind))
 
     def value(self, name: str) -> str:
         """The text of an operand as a number."""
         found = self.of(name)
-        one, zero = (number(x, self.kind) for x in (1.0, 0.0))
+        one, zero = (_number(x, self.kind) for x in (1.0, 0.0))
         return f"({found.text} ? {one} : {zero})" if found.condition else found.text
 
     def condition(self, name: str) -> str:
         """The text of an operand as a condition."""
         found = self.of(name)
-        return found.text if found.condition else f"({found.text} != {number(0.0, self.kind)})"
+        return found.text if found.condition else f"({found.text} != {_number(0.0, self.kind)})"
 
     def _sign(self, line: Line) -> str:
         """The operand x of (0 < x) - (x < 0), else nothing."""
@@ -121,12 +121,12 @@ class Writer:
             c, a, b = self.condition(line.condition), self.value(line.a), self.value(line.b)
             return Text(f"({c} ? {a} : {b})")
         if line.op == ca.OP_IF_ELSE_ZERO:
-            return Text(f"({self.condition(line.a)} ? {self.value(line.b)} : {number(0.0, self.kind)})")
+            return Text(f"({self.condition(line.a)} ? {self.value(line.b)} : {_number(0.0, self.kind)})")
         if line.op in LOGIC:
             b = self.condition(line.b) if line.op != ca.OP_NOT else ""
             return Text(LOGIC[line.op].format(a=self.condition(line.a), b=b), True)
         if line.op == ca.OP_LE and line.b == "0.0" and self.finite:
-            return Text(f"(!({number(0.0, self.kind)} < {self.value(line.a)}))", True)
+            return Text(f"(!({_number(0.0, self.kind)} < {self.value(line.a)}))", True)
         if line.op in CONDITIONS:
             return Text(CONDITIONS[line.op].format(a=self.value(line.a), b=self.value(line.b)), True)
         if signed := self._sign(line):
@@ -134,7 +134,7 @@ class Writer:
         if line.op in SURE and (self.finite or line.b in self.numbers or line.b not in self.known):
             return Text(f"{SURE[line.op]}{self.suffix}({self.value(line.a)}, {self.value(line.b)})")
         if line.op == ca.OP_INV:
-            return Text(f"({number(1.0, self.kind)} / {self.value(line.a)})")
+            return Text(f"({_number(1.0, self.kind)} / {self.value(line.a)})")
         if line.op in TWICE:
             return Text(TWICE[line.op].format(a=self.value(line.a)))
         b = self.value(line.b) if line.op not in UNARY else ""

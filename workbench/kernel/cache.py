@@ -27,7 +27,7 @@ def write_whole(path: Path, text: str) -> None:
     os.replace(beside, path)
 
 
-def is_text(path: Path, text: str) -> bool:
+def _is_text(path: Path, text: str) -> bool:
     """Whether a file is there and holds exactly this; a machine that went down may have left half of it."""
     try:
         return path.read_bytes() == text.encode()
@@ -35,7 +35,7 @@ def is_text(path: Path, text: str) -> bool:
         return False
 
 
-def drop_broken(path: Path) -> None:
+def _drop_broken(path: Path) -> None:
     """Take away what numba kept of a kernel and cannot read back: it would raise, where it should compile again.
 
     Its files are pickles, which begin with 0x80 and end with a full stop.
@@ -56,13 +56,13 @@ def load(text: str, name: str) -> ModuleType:
     digest = hashlib.sha256(text.encode()).hexdigest()[:20]
     module_name = f"{name}_{digest}"
     path = folder() / "kernels" / f"{module_name}.py"
-    if not is_text(path, text):
+    if not _is_text(path, text):
         try:
             write_whole(path, text)
         except OSError:
             path = Path(tempfile.mkdtemp(prefix="workbench-kernels-")) / path.name
             write_whole(path, text)
-    drop_broken(path)
+    _drop_broken(path)
     spec = importlib.util.spec_from_file_location(module_name, path)
     module = importlib.util.module_from_spec(spec)
     sys.modules[module_name] = module  # numba finds a cached function's globals by this name

@@ -76,7 +76,7 @@ class Program:
         return hash((self.name, self.inputs, self.lines, self.outputs))
 
 
-def literal(value: float) -> str:
+def _literal(value: float) -> str:
     """A float as source text that reads back to the same bits."""
     text = repr(abs(float(value)))
     text = {"inf": "INF", "nan": "NAN"}.get(text, text)
@@ -91,7 +91,7 @@ def read(function: ca.Function) -> Program:
     for k in range(function.n_instructions()):
         op, into, out_of = function.instruction_id(k), function.instruction_output(k), function.instruction_input(k)
         if op == ca.OP_CONST:
-            names[into[0]] = literal(function.instruction_constant(k))
+            names[into[0]] = _literal(function.instruction_constant(k))
         elif op == ca.OP_INPUT:
             names[into[0]] = f"i{out_of[0]}_{out_of[1]}"
         elif op == ca.OP_OUTPUT:

@@ -72,7 +72,7 @@ def view(names, vector) -> dict:
     return {n: vector[i] for i, n in enumerate(names)}
 
 
-def split_states(effect: Effect, z) -> dict:
+def _split_states(effect: Effect, z) -> dict:
     """State name -> its part of the state vector."""
     parts, at = {}, 0
     for name, size in effect.states.items():
@@ -83,7 +83,7 @@ def split_states(effect: Effect, z) -> dict:
 
 def apply(effect: Effect, s, z, p):
     """Call the step with namespaces; return (next state vector, output, {provided signal: SX}). Checks what it returns."""
-    returned = effect.step(namespace(**s), namespace(**split_states(effect, z)), p)
+    returned = effect.step(namespace(**s), namespace(**_split_states(effect, z)), p)
     following, output, *more = returned
     provided = more[0] if more else {}
     if set(following) != set(effect.states):

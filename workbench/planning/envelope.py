@@ -7,7 +7,7 @@ from math import inf, isfinite
 import numpy as np
 
 from workbench.errors import WorkbenchError
-from workbench.identification.passes import Passes, balances
+from workbench.identification.passes import InverseDynamics, balances
 from workbench.motion import LowPass
 from workbench.plant import ONE_MASS, Plant
 
@@ -75,7 +75,7 @@ def _mass_of(plant: Plant) -> float:
     return sum(e.parameters["inertia"].value for e in plant.effects if e.name == "inertia")
 
 
-def envelope_of(plant: Plant, passes: Sequence[Passes]) -> Envelope:
+def envelope_of(plant: Plant, passes: Sequence[InverseDynamics]) -> Envelope:
     """Return the limits that the plant states and, where it states none, what the records have shown the axis to do.
 
     Travel is that of the records; acceleration is what the drive leaves beyond the largest other force that they show.
@@ -93,7 +93,7 @@ def envelope_of(plant: Plant, passes: Sequence[Passes]) -> Envelope:
     )
 
 
-def _resistance(plant: Plant, passes: Sequence[Passes]) -> float:
+def _resistance(plant: Plant, passes: Sequence[InverseDynamics]) -> float:
     """Return the largest part of the drive that does not accelerate a body, on records whose load is free."""
     bodies = replace(plant, effects=tuple(e for e in plant.effects if e.name == "inertia"))
     largest = 0.0
@@ -105,14 +105,16 @@ def _resistance(plant: Plant, passes: Sequence[Passes]) -> float:
     return largest
 
 
-def load_rest(plant: Plant, passes: Sequence[Passes]) -> float:
+def load_rest(plant: Plant, passes: Sequence[InverseDynamics]) -> float:
     """Return the rms of what a plant leaves of the load's balance behind the evaluation filter; 0 of one mass."""
     free = [p for p in passes if p.rows(plant) == 2]
     left = [p.motion.filter(balances(p, plant)[1])[p.motion.keep] for p in free]
     return float(np.sqrt(np.mean(np.concatenate(left) ** 2))) if left else 0.0
 
 
-def sensing_of(passes: Sequence[Passes], rms: float, load: float = 0.0, logged: Sequence[Passes] = ()) -> Sensing:
+def sensing_of(
+    passes: Sequence[InverseDynamics], rms: float, load: float = 0.0, logged: Sequence[InverseDynamics] = ()
+) -> Sensing:
     """Return how well these records are seen. rms: of the drive's noise behind the evaluation filter, N*m or N. load: as
     rms, of the load's balance (load_rest); as large as that where it is 0.
 

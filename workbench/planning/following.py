@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 
 from workbench.definition import Effect
-from workbench.identification.passes import Passes, predicted
+from workbench.identification.passes import InverseDynamics, predicted
 from workbench.motion import motion
 from workbench.planning.envelope import Sensing
 from workbench.planning.joint import deflection
@@ -17,7 +17,7 @@ from workbench.record import IDENTIFICATION, Record, Source
 SOURCE = Source(Path("planned"), "", "planned", {})
 
 
-def followed(reference: Reference, plant: Plant, sensing: Sensing) -> Passes:
+def followed(reference: Reference, plant: Plant, sensing: Sensing) -> InverseDynamics:
     """Return passes over the record of a plant whose encoder reads the reference: the drive that this takes.
 
     Of two masses the load follows the reference, and the motor is where the joint needs it. Raises WorkbenchError where an
@@ -28,7 +28,7 @@ def followed(reference: Reference, plant: Plant, sensing: Sensing) -> Passes:
         passes = _recorded(reference, plant, sensing, {"position": given})
     else:
 
-        def make(deflection: np.ndarray) -> Passes:
+        def make(deflection: np.ndarray) -> InverseDynamics:
             positions = {"position": given + deflection, "load_position": given.copy()}
             return _recorded(reference, plant, sensing, positions)
 
@@ -36,21 +36,23 @@ def followed(reference: Reference, plant: Plant, sensing: Sensing) -> Passes:
     return _driven(passes, predicted(passes, plant))
 
 
-def _recorded(reference: Reference, plant: Plant, sensing: Sensing, positions: dict[str, np.ndarray]) -> Passes:
+def _recorded(
+    reference: Reference, plant: Plant, sensing: Sensing, positions: dict[str, np.ndarray]
+) -> InverseDynamics:
     """Return passes over a record of these positions, its drive zero."""
     channel = "torque" if plant.rotary else "force"
     channels = {channel: np.zeros(reference.position.size), **positions}
     counts = dict.fromkeys(positions, sensing.counts)
     record = Record("planned", IDENTIFICATION, reference.time, channels, {}, SOURCE, counts)
-    return Passes(motion(record, sensing.bandwidth))
+    return InverseDynamics(motion(record, sensing.bandwidth))
 
 
-def _driven(passes: Passes, drive: np.ndarray) -> Passes:
+def _driven(passes: InverseDynamics, drive: np.ndarray) -> InverseDynamics:
     """Return passes over the same motion under another drive (n,)."""
     m = passes.motion
     channel = "torque" if "torque" in m.record.channels else "force"
     record = replace(m.record, channels={**m.record.channels, channel: drive})
-    return Passes(replace(m, record=record, u=drive))
+    return InverseDynamics(replace(m, record=record, u=drive))
 
 
 def with_effect(plant: Plant, effect: Effect) -> Plant:

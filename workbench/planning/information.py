@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from workbench.identification.passes import Passes
+from workbench.identification.passes import InverseDynamics
 from workbench.identification.problem import LOGARITHMIC, Name, Problem
 from workbench.identification.solve import slopes
 from workbench.planning.envelope import Sensing
@@ -44,7 +44,7 @@ def names_of(plant: Plant) -> list[Name]:
     return [*problem.free_linear, *problem.free_shape]
 
 
-def information(passes: Passes, plant: Plant, sensing: Sensing) -> Information | None:
+def information(passes: InverseDynamics, plant: Plant, sensing: Sensing) -> Information | None:
     """Return what a record of this motion tells of the free parameters at their values; None where an effect has no value."""
     problem = Problem(plant, (passes,))
     theta = problem.start()

@@ -9,7 +9,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from workbench.identification.passes import Passes, balances
+from workbench.identification.passes import InverseDynamics, balances
 from workbench.plant import Plant
 
 STEPS = 12
@@ -23,7 +23,7 @@ def _without_motor(plant: Plant) -> Plant:
     return replace(plant, effects=tuple(e for e in plant.effects if e.at not in ("motor", "command")))
 
 
-def deflection(plant: Plant, make: Callable[[np.ndarray], Passes], count: float, samples: int) -> np.ndarray:
+def deflection(plant: Plant, make: Callable[[np.ndarray], InverseDynamics], count: float, samples: int) -> np.ndarray:
     """Return the deflection (n,) with which the load's forces balance. make(deflection) -> passes over that motion.
 
     count: of the encoders, rad or m. The deflection is as smooth as the evaluation filter makes it; it is NaN where the joint

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from workbench.identification.passes import Passes
+from workbench.identification.passes import InverseDynamics
 from workbench.planning.prospect import Prospect
 from workbench.planning.selection import Plan
 from workbench.planning.separation import Separation
@@ -62,7 +62,7 @@ def write_plan(folder: Path, plan: Plan, found: tuple[Prospect, ...], accuracy: 
     _dump(folder, content)
 
 
-def write_separation(folder: Path, found: Separation, passes: Passes | None, rotary: bool, dt: float) -> None:
+def write_separation(folder: Path, found: Separation, passes: InverseDynamics | None, rotary: bool, dt: float) -> None:
     """Write the motion that parts two effects, as `passes` follow it, and plan.json, into an existing folder."""
     content = {
         "format": 1,

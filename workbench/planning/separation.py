@@ -14,7 +14,7 @@ import numpy as np
 
 from workbench.definition import Effect
 from workbench.finding import capital, located
-from workbench.identification.passes import Passes
+from workbench.identification.passes import InverseDynamics
 from workbench.identification.problem import Problem
 from workbench.identification.solve import NoValue, bounded, scales, slopes, solve
 from workbench.planning.envelope import Envelope, Sensing
@@ -139,7 +139,7 @@ def _parting(left: np.ndarray, without: np.ndarray, sensing: Sensing, plant: Pla
     return Parting(asin(min((power / whole) ** 0.5, 1.0)), power / scatter**0.5)
 
 
-def _rest(passes: Passes, plant: Plant) -> np.ndarray:
+def _rest(passes: InverseDynamics, plant: Plant) -> np.ndarray:
     """Return what `plant` cannot absorb of the drive, to first order in its shape parameters, (n,)."""
     problem = Problem(plant, (passes,))
     theta = problem.start()

@@ -49,7 +49,7 @@ def _found(value: object, at: str):
     if isinstance(value, Mapping):
         yield from _of_mapping(value, at)
     elif _many(value) and isinstance(value[0], Mapping) and _key(value[0], VALUES) is None:
-        yield from records(value, at)
+        yield from _records(value, at)
     elif _many(value) and isinstance(value[0], Mapping):
         for one in value:
             yield from _found(one, at)
@@ -63,7 +63,7 @@ def _found(value: object, at: str):
 def _of_mapping(value: Mapping, at: str):
     rows, columns = value.get("data"), value.get("columns")
     if _many(rows) and _many(columns) and _many(rows[0]) and len(rows[0]) == len(columns):
-        yield from records([dict(zip(columns, row, strict=False)) for row in rows], at)
+        yield from _records([dict(zip(columns, row, strict=False)) for row in rows], at)
         return
     key = _key(value, VALUES)
     title = next((str(value[k]) for k in TITLES if isinstance(value.get(k), str)), "")
@@ -79,7 +79,7 @@ def _of_mapping(value: Mapping, at: str):
         yield from _found(inner, deeper)
 
 
-def records(rows: Sequence[object], at: str = ""):
+def _records(rows: Sequence[object], at: str = ""):
     """Yield (name, Held) of the columns of records, one a sample."""
     flat = [flattened(row) for row in rows]
     for name in dict.fromkeys(n for row in flat for n in row):

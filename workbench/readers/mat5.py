@@ -39,7 +39,7 @@ def variables(content: bytes, path: Path) -> dict[str, object]:
     if order is None:
         raise Broken("it does not say its order of bytes")
     found = {}
-    for kind, data, at in elements(content[START:], order):
+    for kind, data, at in _elements(content[START:], order):
         if kind == PACKED:
             try:
                 packed = zlib.decompressobj()
@@ -49,15 +49,15 @@ def variables(content: bytes, path: Path) -> dict[str, object]:
                     raise zlib.error("it ends too early")
             except zlib.error as e:
                 raise Broken(f"element {at}: {e}") from e
-            kind, data, at = next(elements(data, order), (0, b"", at))
+            kind, data, at = next(_elements(data, order), (0, b"", at))
         if kind != MATRIX:
             raise Broken(f"element {at} is of type {kind} and no variable")
-        name, value = matrix(data, order)
+        name, value = _matrix(data, order)
         found[name] = value
     return found
 
 
-def elements(data: bytes, order: str) -> Iterator[tuple[int, bytes, int]]:
+def _elements(data: bytes, order: str) -> Iterator[tuple[int, bytes, int]]:
     """Yield (type, data, where it begins) of a run of elements."""
     at = 0
     while at + 8 <= len(data):
@@ -71,24 +71,24 @@ def elements(data: bytes, order: str) -> Iterator[tuple[int, bytes, int]]:
         at = start + step
 
 
-def matrix(data: bytes, order: str) -> tuple[str, object]:
+def _matrix(data: bytes, order: str) -> tuple[str, object]:
     """Return (name, value) of the data of one matrix element."""
-    parts = elements(data, order)
-    flags, shape = integers(parts, UINT32, order), None
+    parts = _elements(data, order)
+    flags, shape = _integers(parts, UINT32, order), None
     if len(flags) != 2:
         raise Broken("a variable has no flags")
     kind = flags[0] & 0xFF
     if kind not in (1, STRUCT, 3, CHAR, 5, *NUMERIC):  # functions and new objects are laid out in another way
         return "", NO_NUMBERS
-    shape = tuple(integers(parts, INT32, order))
-    name = text(parts)
+    shape = tuple(_integers(parts, INT32, order))
+    name = _text(parts)
     if kind == STRUCT:
         return name, structure(parts, prod(shape), order)
     if kind == CHAR:
         return name, np.array("text")
     if kind not in NUMERIC:
         return name, NO_NUMBERS
-    values = numbers(parts, order)
+    values = _numbers(parts, order)
     if min(shape, default=-1) < 0 or prod(shape) != values.size:
         raise Broken(f"'{name}' has {values.size} numbers for its dimensions {shape}")
     values = values.reshape(shape, order="F")
@@ -97,38 +97,38 @@ def matrix(data: bytes, order: str) -> tuple[str, object]:
 
 def structure(parts: Iterator, count: int, order: str) -> object:
     """Return dict of fields, or a list of them where there are more or fewer than one."""
-    length = integers(parts, INT32, order)
-    joined = part(parts, 1)
+    length = _integers(parts, INT32, order)
+    joined = _part(parts, 1)
     if len(length) != 1 or length[0] <= 0 or count < 0 or len(joined) % length[0]:
         raise Broken("a structure's field names cannot be parted")
     names = [joined[k : k + length[0]].split(b"\0")[0].decode("latin-1") for k in range(0, len(joined), length[0])]
     if count > MOST:
         return [{}] * 2
     made = [
-        {n: matrix(d, order)[1] if (d := part(parts, MATRIX)) else np.zeros(0) for n in names} for _ in range(count)
+        {n: _matrix(d, order)[1] if (d := _part(parts, MATRIX)) else np.zeros(0) for n in names} for _ in range(count)
     ]
     return made[0] if count == 1 else made
 
 
-def part(parts: Iterator, wanted: int) -> bytes:
+def _part(parts: Iterator, wanted: int) -> bytes:
     kind, data, at = next(parts, (0, b"", 0))
     if kind != wanted:
         raise Broken(f"element {at} is of type {kind}, where {wanted} belongs")
     return data
 
 
-def integers(parts: Iterator, wanted: int, order: str) -> list[int]:
-    data = part(parts, wanted)
+def _integers(parts: Iterator, wanted: int, order: str) -> list[int]:
+    data = _part(parts, wanted)
     if len(data) % 4:
         raise Broken("an integer is not whole")
     return np.frombuffer(data, np.dtype(NUMBERS[wanted]).newbyteorder(order)).tolist()
 
 
-def text(parts: Iterator) -> str:
-    return part(parts, 1).decode("latin-1")
+def _text(parts: Iterator) -> str:
+    return _part(parts, 1).decode("latin-1")
 
 
-def numbers(parts: Iterator, order: str) -> np.ndarray:
+def _numbers(parts: Iterator, order: str) -> np.ndarray:
     kind, data, at = next(parts, (0, b"", 0))
     dtype = np.dtype(NUMBERS.get(kind, "V1")).newbyteorder(order)
     if kind not in NUMBERS or len(data) % dtype.itemsize:

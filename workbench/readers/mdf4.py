@@ -23,7 +23,7 @@ def fault(content: bytes) -> str:
         if at in seen:
             return f"its links lead to byte {at} twice"
         seen.add(at)
-        if wrong := not_whole(content, at):
+        if wrong := _not_whole(content, at):
             return wrong
         kind, count = content[at + 2 : at + 4], struct.unpack_from("<Q", content, at + 16)[0]
         links = struct.unpack_from(f"<{count}Q", content, at + 24) if kind in LEADING else ()
@@ -35,13 +35,13 @@ def fault(content: bytes) -> str:
             if 8 * byte + bit + bits > 8 * record:
                 return f"the channel at byte {at} lies beyond its record"
         for link in filter(None, links):
-            if wrong := not_whole(content, link):
+            if wrong := _not_whole(content, link):
                 return wrong
         ahead += [(link, record) for link in links[: LEADING.get(kind, 0)] if link]
     return ""
 
 
-def not_whole(content: bytes, at: int) -> str:
+def _not_whole(content: bytes, at: int) -> str:
     """Return what is wrong with one block, or ""."""
     head = content[at : at + 24]
     if len(head) < 24 or not head.startswith(b"##"):

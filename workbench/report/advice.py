@@ -25,10 +25,10 @@ class Advice:
     @property
     def allowed(self) -> bool:
         """Whether the controller keeps what was asked of it."""
-        return allowed(self.rows[0])
+        return _allowed(self.rows[0])
 
 
-def allowed(row: Mapping) -> bool:
+def _allowed(row: Mapping) -> bool:
     """Whether a controller comes to rest and overshoots no more than a point-to-point motion may."""
     return isfinite(float(row["time_grid"])) and float(row["overshoot_grid"]) <= GRID_OVERSHOOT
 
@@ -46,14 +46,14 @@ def headline(a: Advice) -> str:
         f"Take {a.controller}{where}: {SPREAD}, it is within 1 % of the target after {_time(best['time_grid'])} at most and ends "
         f"{_error(best, a)} off at most."
     )
-    following = next(filter(allowed, others), None)
-    return text + (f" {margin(best, following, a)}" if following else "")
+    following = next(filter(_allowed, others), None)
+    return text + (f" {_margin(best, following, a)}" if following else "")
 
 
-def margin(best: Mapping, other: Mapping, a: Advice) -> str:
+def _margin(best: Mapping, other: Mapping, a: Advice) -> str:
     """Return how much worse the next one is, in time and in error."""
     name = f"{capital(str(other['name']))}, the next best,"
-    time, error = (ratio(other[k], best[k]) for k in ("time_grid", "error_grid"))
+    time, error = (_ratio(other[k], best[k]) for k in ("time_grid", "error_grid"))
     if time == error == "":
         return f"{name} is as good."
     slower = f"takes {time} times as long" if time else "takes as long"
@@ -61,7 +61,7 @@ def margin(best: Mapping, other: Mapping, a: Advice) -> str:
     return f"{name} {slower} and {off} ({_time(other['time_grid'])}, {_error(other, a)})."
 
 
-def ratio(value: float, than: float) -> str:
+def _ratio(value: float, than: float) -> str:
     """Return by what factor a figure differs; "" where two are as good, or no factor says it."""
     value, than = float(value), float(than)
     if not (0.0 < value < inf and 0.0 < than < inf) or 1.0 / EQUAL < value / than < EQUAL:

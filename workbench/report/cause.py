@@ -18,7 +18,7 @@ from workbench.report.contents import (
     Table,
 )
 from workbench.report.wording import ALARMS, listed, parameters, said
-from workbench.tracing.result import CAUSE, Candidate, Cause
+from workbench.tracing.result import CAUSE, CandidateScore, Cause
 from workbench.tracing.smallest import Smallest
 
 BEST = 10
@@ -27,11 +27,11 @@ BEST = 10
 def cause(result: StudyResult) -> Chapter:
     """Candidates, the cause with its law and parameters, and what speaks against it."""
     trace = result.trace
-    blocks = [Paragraph(how(result)), ranked(result), table(result), *later(result)]
+    blocks = [Paragraph(_how(result)), _ranked(result), _table(result), *_later(result)]
     for c in trace.causes:
-        blocks += described(c, trace.after.plant)
+        blocks += _described(c, trace.after.plant)
     if trace.verdict != CAUSE and trace.smallest:
-        blocks += [Heading("What these records could have shown"), smallest(trace.smallest)]
+        blocks += [Heading("What these records could have shown"), _smallest(trace.smallest)]
     heading = "The cause and its evidence" if trace.verdict == CAUSE else "The candidates that were tried"
     if trace.refinements:
         blocks.append(Paragraph("Refinements, too small for a cause, leave the verdict as it is:"))
@@ -39,7 +39,7 @@ def cause(result: StudyResult) -> Chapter:
     return Chapter(heading, (*blocks, *said(f for f in trace.findings if f.kind not in ALARMS)))
 
 
-def how(result: StudyResult) -> str:
+def _how(result: StudyResult) -> str:
     """Say what a candidate must do."""
     criteria = result.trace.criteria
     names = listed([title(c.effect) for c in result.trace.causes])
@@ -54,11 +54,11 @@ def how(result: StudyResult) -> str:
     )
 
 
-def ranked(result: StudyResult) -> Figure:
+def _ranked(result: StudyResult) -> Figure:
     """The bar chart of the first step."""
     best = result.trace.ranked[:BEST]
     added = [(c.effect, c.at) for c in result.trace.causes]
-    heading = leading(best, added)
+    heading = _leading(best, added)
     caption = (
         f"Reduction of the held-out squared residual by the best {len(best)} of {len(result.trace.ranked)} candidates, each "
         "alone beside the declared model. Error bars: one standard error over blocks."
@@ -69,7 +69,7 @@ def ranked(result: StudyResult) -> Figure:
     )
 
 
-def leading(best: Sequence[Candidate], added: Sequence[tuple[str, str]]) -> str:
+def _leading(best: Sequence[CandidateScore], added: Sequence[tuple[str, str]]) -> str:
     """Return what the chart shows in one sentence."""
     if not best:
         return "There was no candidate to try"
@@ -81,17 +81,17 @@ def leading(best: Sequence[Candidate], added: Sequence[tuple[str, str]]) -> str:
     return f"{capital(title(first.effect))} takes away {numbers.percent(first.gain, 3)} of the held-out residual power{tail}"
 
 
-def _gain(c: Candidate) -> str:
+def _gain(c: CandidateScore) -> str:
     return f"{_share(c)}\u00a0%"
 
 
-def _share(c: Candidate) -> str:
+def _share(c: CandidateScore) -> str:
     """Return gain and scatter in per cent, to hundredths at most: what is less does not matter."""
     places = 2 if 100 * c.scatter < 1 else 1
     return f"{numbers.placed(100 * c.gain, places)} \u00b1 {numbers.placed(100 * c.scatter, places)}"
 
 
-def table(result: StudyResult) -> Table:
+def _table(result: StudyResult) -> Table:
     """The best ten in numbers."""
     added = [(c.effect, c.at) for c in result.trace.causes]
     rows = tuple(
@@ -112,13 +112,13 @@ def table(result: StudyResult) -> Table:
     return Table(columns, rows, caption, "rplprrrl")
 
 
-def _fate(c: Candidate, added: Sequence[tuple[str, str]]) -> Marked | str:
+def _fate(c: CandidateScore, added: Sequence[tuple[str, str]]) -> Marked | str:
     if (c.effect, c.at) in added:
         return Marked("added", GOOD)
     return "earns its place" if c.earns else Marked("does not count", QUIET)
 
 
-def later(result: StudyResult) -> tuple[Items, ...]:
+def _later(result: StudyResult) -> tuple[Items, ...]:
     """What the following steps tried, each beside the model as the step before had left it."""
     texts, steps = [], result.trace.steps
     causes = {(c.effect, c.at) for c in result.trace.causes}
@@ -137,7 +137,7 @@ def later(result: StudyResult) -> tuple[Items, ...]:
     return (Items(tuple(texts)),) if texts else ()
 
 
-def described(c: Cause, plant: Plant) -> list:
+def _described(c: Cause, plant: Plant) -> list:
     """One cause: its sentence, law, source, shares and parameters, and how it would be told from its rivals."""
     effect = plant[c.key]
     facts = [
@@ -161,7 +161,7 @@ def described(c: Cause, plant: Plant) -> list:
     ]
 
 
-def smallest(found: Sequence[Smallest]) -> Table:
+def _smallest(found: Sequence[Smallest]) -> Table:
     """The smallest effect of each kind that would have counted."""
     rows = tuple(
         (

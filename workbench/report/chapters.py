@@ -50,7 +50,7 @@ def standard(result: StudyResult) -> tuple[Chapter, ...]:
     chapters += result.chapters
     if result.checks:
         chapters.append(required(result))
-    return once(with_findings([*chapters, method(result), provenance(result)], result))
+    return _once(_with_findings([*chapters, method(result), provenance(result)], result))
 
 
 def texts(chapters: Iterable[Chapter]) -> list[str]:
@@ -62,7 +62,7 @@ def texts(chapters: Iterable[Chapter]) -> list[str]:
     return found
 
 
-def with_findings(chapters: list[Chapter], result: StudyResult) -> list[Chapter]:
+def _with_findings(chapters: list[Chapter], result: StudyResult) -> list[Chapter]:
     """Add the findings that no chapter says: those of gains to the study's first chapter, the others to the records."""
     known = " ".join(texts(chapters))
     elsewhere = (*result.trace.findings, *result.trace.before.findings, *result.trace.after.findings)
@@ -74,15 +74,15 @@ def with_findings(chapters: list[Chapter], result: StudyResult) -> list[Chapter]
     of_gains = [f for f in left if f.subject in OF_GAINS] if result.chapters else []
     first = next((i for i, c in enumerate(chapters) if result.chapters and c is result.chapters[0]), 1)
     for at, chosen in ((1, [f for f in left if f not in of_gains]), (first, of_gains)):
-        chapters[at] = added(chapters[at], chosen)
+        chapters[at] = _added(chapters[at], chosen)
     return chapters
 
 
-def added(chapter: Chapter, findings: list[Finding]) -> Chapter:
+def _added(chapter: Chapter, findings: list[Finding]) -> Chapter:
     return replace(chapter, blocks=(*chapter.blocks, *said(findings)))
 
 
-def once(chapters: Iterable[Chapter]) -> tuple[Chapter, ...]:
+def _once(chapters: Iterable[Chapter]) -> tuple[Chapter, ...]:
     """Return the chapters with every text where it stands first, and nowhere else; its units as they are printed."""
     seen: set[str] = set()
 

@@ -8,7 +8,7 @@ from workbench.report.drawing import AFTER, BEFORE, MUTED, decades, svg
 from workbench.verification.checks import Checks
 
 
-def margins_figure(checks: Checks, limit: float, unit: str, name: str) -> Figure:
+def _margins_figure(checks: Checks, limit: float, unit: str, name: str) -> Figure:
     """Margins by python-control at every knot, and the sensitivity between knots."""
     least = 20 * np.log10(np.min(checks.gain_margin))
     phase = np.degrees(np.min(checks.phase_margin))
@@ -36,7 +36,7 @@ def margins_figure(checks: Checks, limit: float, unit: str, name: str) -> Figure
     )
 
 
-def passivity_figure(checks: Checks, unit: str, per: str, name: str) -> Figure:
+def _passivity_figure(checks: Checks, unit: str, per: str, name: str) -> Figure:
     """What moving gains feed in beside what takes energy out."""
     p = checks.moving
     share = p.pumping / p.damping
@@ -88,7 +88,7 @@ def checks_chapter(checks: Checks, limit: float, plant, rule: str) -> Chapter:
     )
     said = tuple(f.sentence for f in (*checks.between.findings, *checks.moving.findings))
     figures = (
-        margins_figure(checks, limit, numbers.unit(x), rule),
-        passivity_figure(checks, numbers.unit(x), per, rule),
+        _margins_figure(checks, limit, numbers.unit(x), rule),
+        _passivity_figure(checks, numbers.unit(x), per, rule),
     )
     return Chapter(f"Checks of the schedule, rule “{rule}”", (Paragraph(text), *figures, Items(said), table))

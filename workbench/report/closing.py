@@ -23,28 +23,28 @@ def closing(found: Trace, closed: Closed) -> Chapter:
     """What the found effect is worth to a controller, in figures and as motion."""
     plant = found.after.plant
     blocks = [
-        Callout(worth(found, closed)),
-        Paragraph(assumed(found, closed)),
-        responses(closed, plant.displacement),
-        step(found, closed),
-        gains(closed, plant.effort, plant.displacement),
+        Callout(_worth(found, closed)),
+        Paragraph(_assumed(found, closed)),
+        _responses(closed, plant.displacement),
+        _step(found, closed),
+        _gains(closed, plant.effort, plant.displacement),
     ]
     if closed.cancelled:
-        blocks += compensation(closed, plant.displacement)
+        blocks += _compensation(closed, plant.displacement)
     if closed.followed:
-        blocks.append(Items((followed(closed, plant.displacement),)))
+        blocks.append(Items((_followed(closed, plant.displacement),)))
     return Chapter("The loop, closed with what was found", tuple(blocks))
 
 
-def causes(found: Trace) -> str:
+def _causes(found: Trace) -> str:
     return listed([title(c.effect) for c in found.causes])
 
 
-def seconds(value: float) -> str:
+def _seconds(value: float) -> str:
     return numbers.scaled(value, "s") if np.isfinite(value) else "never"
 
 
-def hundredths(ratio: float) -> str:
+def _hundredths(ratio: float) -> str:
     """Return a ratio in hundredths of a per cent: what is less does not matter."""
     return f"{numbers.placed(100 * ratio, 2)}\u00a0%" if np.isfinite(ratio) else numbers.named(ratio)
 
@@ -54,22 +54,22 @@ def figures(found: Trace, closed: Closed) -> list[tuple]:
     x = found.after.plant.displacement
     a, b = closed.blind, closed.knowing
     return [
-        ("rise time", a.rise, b.rise, seconds),
-        ("1 % time", a.time_1pct, b.time_1pct, seconds),
-        ("overshoot", a.overshoot, b.overshoot, hundredths),
+        ("rise time", a.rise, b.rise, _seconds),
+        ("1 % time", a.time_1pct, b.time_1pct, _seconds),
+        ("overshoot", a.overshoot, b.overshoot, _hundredths),
         ("final error", a.final_error, b.final_error, lambda v: numbers.scaled(v, x)),
     ]
 
 
-def worth(found: Trace, closed: Closed) -> str:
+def _worth(found: Trace, closed: Closed) -> str:
     """Return what tuning with the found effect changes, on the plant that has it."""
     texts = [
         f"{article} {name} of {shown(now)} instead of {shown(was)}"
-        if changed(was, now)
+        if _changed(was, now)
         else f"{article} {name} of {shown(now)} as before"
         for article, (name, was, now, shown) in zip(("a", "a", "an", "a"), figures(found, closed), strict=True)
     ]
-    return f"On the plant with {causes(found)}, gains tuned with it in the model give {listed(texts)}."
+    return f"On the plant with {_causes(found)}, gains tuned with it in the model give {listed(texts)}."
 
 
 def heading(found: Trace, closed: Closed) -> str:
@@ -88,18 +88,18 @@ def heading(found: Trace, closed: Closed) -> str:
         )
 
     name, was, now, shown = max(figures(found, closed), key=size)
-    if not changed(was, now):
-        return f"Gains tuned with {causes(found)} in the model step as those tuned without"
-    return f"With {causes(found)} in the model the {name} is {shown(now)} instead of {shown(was)}"
+    if not _changed(was, now):
+        return f"Gains tuned with {_causes(found)} in the model step as those tuned without"
+    return f"With {_causes(found)} in the model the {name} is {shown(now)} instead of {shown(was)}"
 
 
-def changed(was: float, now: float) -> bool:
+def _changed(was: float, now: float) -> bool:
     if not (np.isfinite(was) and np.isfinite(now)):
         return was != now
     return abs(now - was) > LEVEL * max(abs(was), abs(now))
 
 
-def assumed(found: Trace, closed: Closed) -> str:
+def _assumed(found: Trace, closed: Closed) -> str:
     """Return what loop and what step this is."""
     plant = found.after.plant
     loop, x = closed.loop, plant.displacement
@@ -108,7 +108,7 @@ def assumed(found: Trace, closed: Closed) -> str:
         two = " Of the two masses the motor's encoder closes the loop, and the step and its figures are the load's."
     return (
         f"The bench's own controller is not known, so one is assumed: position P over velocity PI every "
-        f"{seconds(loop.sample_time)}, with one sample of delay, one of velocity filter and the record's encoder. Its three "
+        f"{_seconds(loop.sample_time)}, with one sample of delay, one of velocity filter and the record's encoder. Its three "
         "numbers are tuned by one search, on the declared and on the extended model, for the shortest 1 % time with an "
         "overshoot of 0.2 % at most and a sensitivity of the sampled loop of 2 at most, within the limit of the drive. The "
         f"step goes {numbers.scaled(closed.step, x)} from {numbers.scaled(closed.start, x)}, the middle half of the "
@@ -117,20 +117,20 @@ def assumed(found: Trace, closed: Closed) -> str:
     )
 
 
-def named(r: Response) -> str:
+def _named(r: Response) -> str:
     return f"{r.tuned_on} model"
 
 
-def responses(closed: Closed, x: str) -> Table:
+def _responses(closed: Closed, x: str) -> Table:
     """Every combination that matters, in figures."""
     factor, unit = numbers.prefixed(max(r.final_error for r in closed.responses if np.isfinite(r.final_error)), x)
     rows = tuple(
         (
-            named(r),
+            _named(r),
             f"{r.run_on} model",
-            seconds(r.rise),
-            seconds(r.time_1pct),
-            hundredths(r.overshoot),
+            _seconds(r.rise),
+            _seconds(r.time_1pct),
+            _hundredths(r.overshoot),
             numbers.number(r.final_error * factor),
         )
         for r in closed.responses
@@ -140,7 +140,7 @@ def responses(closed: Closed, x: str) -> Table:
     return Table(columns, rows, caption, "llrrrr")
 
 
-def step(found: Trace, closed: Closed) -> Figure:
+def _step(found: Trace, closed: Closed) -> Figure:
     """The error that is left, and the command."""
     plant = found.after.plant
     title = heading(found, closed)
@@ -167,7 +167,7 @@ def step(found: Trace, closed: Closed) -> Figure:
     return Figure("closed_step", draws, caption, f"Two graphs over time for three loops. {title}.")
 
 
-def gains(closed: Closed, f: str, x: str) -> Table:
+def _gains(closed: Closed, f: str, x: str) -> Table:
     """The tuned numbers."""
     names = list(closed.gains[DECLARED])
     units = [numbers.unit(GAINS[n].format(f=f, x=x)) for n in names]
@@ -176,7 +176,7 @@ def gains(closed: Closed, f: str, x: str) -> Table:
     return Table(columns, rows, "The gains of the cascade.", "l" + "r" * len(names))
 
 
-def followed(closed: Closed, x: str) -> str:
+def _followed(closed: Closed, x: str) -> str:
     """Return how far the two models part when they follow the record's reference."""
     f = closed.followed
     was, now = (numbers.scaled(f.largest[n], x) for n in (DECLARED, EXTENDED))
@@ -195,13 +195,13 @@ ADVICE = {
 }
 
 
-def compensation(closed: Closed, x: str) -> list:
+def _compensation(closed: Closed, x: str) -> list:
     """Return what cancelling the causes is worth beside new gains, and which of the two to take."""
     found = closed.cancelled
     factor, unit = numbers.prefixed(max(closed.blind.final_error, found.exact["final_error"], 1e-12), x)
 
     def row(name, one, following):
-        cells = (seconds(one["rise"]), seconds(one["time_1pct"]), hundredths(one["overshoot"]))
+        cells = (_seconds(one["rise"]), _seconds(one["time_1pct"]), _hundredths(one["overshoot"]))
         lag = numbers.number(following * factor) if np.isfinite(following) else ""
         return (name, *cells, numbers.number(one["final_error"] * factor), lag)
 

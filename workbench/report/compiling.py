@@ -31,22 +31,22 @@ def compiled(data: dict, beside: dict[str, bytes]) -> dict[str, bytes]:
         for name, content in beside.items():
             (root / name).write_bytes(content)
         (root / "report.json").write_text(json.dumps(data), encoding="utf-8")
-        return {"html": one(root, "html"), "pdf": paper(root)}
+        return {"html": _one(root, "html"), "pdf": _paper(root)}
 
 
-def paper(root: Path) -> bytes:
+def _paper(root: Path) -> bytes:
     """Return the PDF, with floating figures if that may be: where one comes to lie within a list that goes over a page's end, its
     structure is no list's any more, and the compiler refuses it."""
     import typst
 
-    made = partial(one, root, "pdf", pdf_standards=STANDARDS)
-    for tight in chain((t for t in TIGHTNESS if emptiest(ends(root, t)) >= LEAST), TIGHTNESS):
+    made = partial(_one, root, "pdf", pdf_standards=STANDARDS)
+    for tight in chain((t for t in TIGHTNESS if emptiest(_ends(root, t)) >= LEAST), TIGHTNESS):
         with suppress(typst.TypstError):
             return made(tight)
     return made(floating=False)
 
 
-def options(root: Path, kind: str, tight: float, floating: bool = True) -> dict:
+def _options(root: Path, kind: str, tight: float, floating: bool = True) -> dict:
     inputs = {"format": kind, "tightness": f"{tight:g}", "placement": "auto" if floating else "none"}
     return {
         "root": str(root), "sys_inputs": inputs, "font_paths": [str(drawing.fonts())],
@@ -54,20 +54,20 @@ def options(root: Path, kind: str, tight: float, floating: bool = True) -> dict:
     }  # fmt: skip
 
 
-def one(root: Path, kind: str, tight: float = 1.0, floating: bool = True, **more) -> bytes:
+def _one(root: Path, kind: str, tight: float = 1.0, floating: bool = True, **more) -> bytes:
     """Compile one kind. With warnings, so that "HTML export is under development" is not printed on every run."""
     import typst
 
-    known = options(root, kind, tight, floating)
+    known = _options(root, kind, tight, floating)
     made, _ = typst.compile_with_warnings(str(root / TEMPLATE[0]), format=kind, timestamp=EPOCH, **known, **more)
     return made
 
 
-def ends(root: Path, tight: float) -> list[tuple[int, float]]:
+def _ends(root: Path, tight: float) -> list[tuple[int, float]]:
     """Return (page, points from its top) of the end of each block on paper."""
     import typst
 
-    ask = partial(typst.query, str(root / TEMPLATE[0]), "<end>", field="value", **options(root, "pdf", tight))
+    ask = partial(typst.query, str(root / TEMPLATE[0]), "<end>", field="value", **_options(root, "pdf", tight))
     return [(int(e["page"]), float(e["y"])) for e in json.loads(ask())]
 
 

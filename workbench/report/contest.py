@@ -15,7 +15,7 @@ COUNTS = 2.0  # of the encoder: what counts as exact
 MARKS = ("o", "s", "^", "D", "v", "P", "X", "<", ">")
 
 
-def spanned(standing: Standing, figure: str, scale: float = 1.0) -> str:
+def _spanned(standing: Standing, figure: str, scale: float = 1.0) -> str:
     """Median over the seeds, with what they span where that shows."""
     middle = numbers.number(scale * standing.median(figure))
     low, high = (numbers.number(scale * v) for v in standing.span(figure))
@@ -30,12 +30,12 @@ def standings_table(contest: Contest) -> Table:
         rows.append(
             (
                 name,
-                spanned(s, "time", 1e3),
+                _spanned(s, "time", 1e3),
                 numbers.number(contest.over_bound(name)),
-                spanned(s, "time_loaded", 1e3),
-                spanned(s, "error", 1e6),
-                spanned(s, "error_loaded", 1e6),
-                spanned(s, "error_grid", 1e6),
+                _spanned(s, "time_loaded", 1e3),
+                _spanned(s, "error", 1e6),
+                _spanned(s, "error_loaded", 1e6),
+                _spanned(s, "error_grid", 1e6),
                 numbers.number(1e6 * s.median("error_spread")),
                 numbers.number(s.median("sensitivity")) if "sensitivity" in s.values else "–",
             )
@@ -47,17 +47,17 @@ def standings_table(contest: Contest) -> Table:
     t = contest.task
     caption = (
         f"Medians over the seeds, in brackets what they span. The bound is {ms(contest.bound)} without and "
-        f"{ms(contest.bound_loaded)} with the load. Grid: inertia times {listed(t.inertias)}, friction times "
-        f"{listed(t.frictions)}. One encoder count is {numbers.number(1e6 * t.loop.count)} µ{unit}."
+        f"{ms(contest.bound_loaded)} with the load. Grid: inertia times {_listed(t.inertias)}, friction times "
+        f"{_listed(t.frictions)}. One encoder count is {numbers.number(1e6 * t.loop.count)} µ{unit}."
     )
     return Table(columns, tuple(rows), caption, "lrrrrrrrr")
 
 
-def listed(values: Sequence[float]) -> str:
+def _listed(values: Sequence[float]) -> str:
     return ", ".join(f"{v:g}" for v in values)
 
 
-def fronts_figure(contest: Contest, names: Sequence[str]) -> Figure:
+def _fronts_figure(contest: Contest, names: Sequence[str]) -> Figure:
     """What the searches found possible: worst 1 % time against worst error, over the grid."""
     unit = contest.task.plant.displacement
     fronts = {n: contest[n].tuned.trail.front() for n in names}
@@ -135,7 +135,7 @@ def asked_table(rows: Sequence[Asked], limits: np.ndarray, own: float) -> Table:
             r.why,
         ))  # fmt: skip
     columns = ("figure", "asked", f"had with Ms ≤ {own:g}", "asked is had", "why")
-    caption = f"Where the margin wins. Limits on Ms that were tried: {listed(limits)}."
+    caption = f"Where the margin wins. Limits on Ms that were tried: {_listed(limits)}."
     return Table(columns, tuple(cells), caption, "wrrrp")
 
 
@@ -158,5 +158,5 @@ def contest_chapter(contest: Contest, ours: Sequence[str], baselines: Sequence[s
     )
     return Chapter(
         "Controllers, tuned alike",
-        (Paragraph(text), standings_table(contest), fronts_figure(contest, fronts), Items(said)),
+        (Paragraph(text), standings_table(contest), _fronts_figure(contest, fronts), Items(said)),
     )

@@ -113,7 +113,7 @@ def _time(seconds: float) -> str:
     return numbers.scaled(seconds, "s", 4) if np.isfinite(seconds) else "never"
 
 
-def comparison_table(comparison: Comparison, caption: str, unit: str, effort: str) -> Table:
+def _comparison_table(comparison: Comparison, caption: str, unit: str, effort: str) -> Table:
     """Every controller under every load. unit, effort: of position and of the drive, as printed."""
     rows = []
     for r in comparison.rows:
@@ -150,7 +150,7 @@ def comparison_chapter(comparison: Comparison, task: Task) -> Chapter:
     x, effort = task.plant.displacement, task.plant.effort
     return Chapter(
         "Against the baselines",
-        (Items(beaten), comparison_table(comparison, caption, numbers.unit(x), numbers.unit(effort))),
+        (Items(beaten), _comparison_table(comparison, caption, numbers.unit(x), numbers.unit(effort))),
     )
 
 
@@ -187,7 +187,7 @@ def worth_chapter(declared: Comparison, extended: Comparison, cause: str, task: 
     return Chapter(
         "What the found effect is worth",
         (
-            Callout(worth_sentence(declared, extended, cause)),
+            Callout(_worth_sentence(declared, extended, cause)),
             Table(
                 columns,
                 tuple(rows),
@@ -198,7 +198,7 @@ def worth_chapter(declared: Comparison, extended: Comparison, cause: str, task: 
     )
 
 
-def worth_sentence(declared: Comparison, extended: Comparison, cause: str) -> str:
+def _worth_sentence(declared: Comparison, extended: Comparison, cause: str) -> str:
     """Say what the scheduled PD gains by knowing the effect."""
     a, b = declared.rows[0], extended.rows[0]
     time = f"{_time(a.time_1pct)} to {_time(b.time_1pct)}"

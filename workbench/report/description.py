@@ -18,19 +18,19 @@ def description(result: StudyResult) -> Chapter:
         "harmonic like a spring k\u2091 with a damper c\u2091. A is zero to peak, half of the stroke between reversals. The loss "
         "c\u2091\u03c9 does not depend on frequency where the effect does not; the energy lost in a cycle is \u03c0A\u00b2c\u2091\u03c9."
     )
-    return Chapter("Equivalent stiffness and loss over amplitude", (Paragraph(text), drawn(result), table(result)))
+    return Chapter("Equivalent stiffness and loss over amplitude", (Paragraph(text), _drawn(result), _table(result)))
 
 
-def drawn(result: StudyResult) -> Figure:
+def _drawn(result: StudyResult) -> Figure:
     """Stiffness and loss over amplitude."""
     curves = [(title(e.name), q) for e, q in result.equivalent]
-    heading = falling(result)
+    heading = _falling(result)
     caption = f"Equivalent stiffness (top) and loss (bottom) over amplitude, of {listed([n for n, _ in curves])}."
     draw = lambda: figures.description(heading, curves, result.plant.rotary)  # noqa: E731
     return Figure("equivalent", draw, caption, f"Two graphs over amplitude. {heading}.")
 
 
-def falling(result: StudyResult) -> str:
+def _falling(result: StudyResult) -> str:
     """Say by how much the stiffness changes over the amplitudes, for the effect in which it changes most."""
     unit = result.plant.displacement
 
@@ -48,7 +48,7 @@ def falling(result: StudyResult) -> str:
     return f"Stiffness of {title(effect.name)} {verb} from {first} at {low} to {last} at {high}"
 
 
-def table(result: StudyResult) -> Table:
+def _table(result: StudyResult) -> Table:
     """A few amplitudes of each curve."""
     rotary = result.plant.rotary
     unit = "N\u00b7m/rad" if rotary else "N/m"

@@ -103,7 +103,7 @@ def svg(
         plotted = marked(figure)
         out = BytesIO()
         figure.savefig(out, format="svg", metadata={"Date": None, "Creator": None, "Format": None, "Type": None})
-    return finished(out.getvalue().decode("utf-8"), title, plotted)
+    return _finished(out.getvalue().decode("utf-8"), title, plotted)
 
 
 def dark() -> str:
@@ -115,7 +115,7 @@ def dark() -> str:
     )
 
 
-def finished(text: str, title: str, plotted: str) -> bytes:
+def _finished(text: str, title: str, plotted: str) -> bytes:
     """Return the SVG with a title of its own, fonts to fall back on, colours for dark mode and what a page's script needs of
     it, and without its header."""
     start = text.index("<svg")

@@ -19,12 +19,12 @@ def drive_chapter(
 ) -> Chapter:  # fmt: skip
     """Return the chapter. smooth: following errors without and with feed-forward. scheduled: name of the PD schedule. kept: files."""
     blocks = [
-        Paragraph(said(gains) + followed(gains, smooth, plant)),
-        gains_table(gains, plant),
-        beside_table(rows, plant, scheduled),
+        Paragraph(_said(gains) + _followed(gains, smooth, plant)),
+        _gains_table(gains, plant),
+        _beside_table(rows, plant, scheduled),
     ]
     if len(rows) > 1:
-        blocks.insert(2, figure(gains, rows, plant, scheduled))
+        blocks.insert(2, _figure(gains, rows, plant, scheduled))
     if kept:
         files = ", ".join(kept)
         blocks.append(Paragraph(f"Written into the folder drive, each read again before it was kept: {files}."))
@@ -33,7 +33,7 @@ def drive_chapter(
     return Chapter("A drive that takes no code", tuple(blocks))
 
 
-def said(gains: DriveGains) -> str:
+def _said(gains: DriveGains) -> str:
     """What the drive was stated to be, and how its gains were found."""
     lag, n = gains.closed.lag, len(gains.notches)
     notches = ", ".join(
@@ -57,7 +57,7 @@ def said(gains: DriveGains) -> str:
     )
 
 
-def followed(gains: DriveGains, smooth: tuple[float, float], plant: Plant) -> str:
+def _followed(gains: DriveGains, smooth: tuple[float, float], plant: Plant) -> str:
     """What feed-forward is worth along a smooth move."""
     if not (gains.forward or gains.mass):
         return ""
@@ -65,7 +65,7 @@ def followed(gains: DriveGains, smooth: tuple[float, float], plant: Plant) -> st
     return f" Along a smooth move of the task's step, in three times its bound, it follows within {fed}, and within {without} without feed-forward."
 
 
-def gains_table(gains: DriveGains, plant: Plant) -> Table:
+def _gains_table(gains: DriveGains, plant: Plant) -> Table:
     """Every set."""
     speed, spring = (numbers.unit(f"{plant.effort}{t}/{plant.displacement}") for t in ("*s", ""))
     rows = tuple(
@@ -81,14 +81,14 @@ def gains_table(gains: DriveGains, plant: Plant) -> Table:
     return Table(columns, rows, "Gains of the drive, in SI; its files hold them in its own units.", "rrrrrr")
 
 
-def beside_table(rows: Sequence[Beside], plant: Plant, scheduled: str) -> Table:
+def _beside_table(rows: Sequence[Beside], plant: Plant, scheduled: str) -> Table:
     """The worst arrival of each size under all three."""
     kinds = ("scheduled", "single", "sets") if len(rows) > 1 else ("scheduled", "sets")
     cells = tuple(
         (
             numbers.scaled(r.size, plant.displacement),
-            *(text(getattr(r, k).time, "s") for k in kinds),
-            *(text(getattr(r, k).error, plant.displacement) for k in kinds),
+            *(_text(getattr(r, k).time, "s") for k in kinds),
+            *(_text(getattr(r, k).error, plant.displacement) for k in kinds),
         )
         for r in rows
     )
@@ -99,11 +99,11 @@ def beside_table(rows: Sequence[Beside], plant: Plant, scheduled: str) -> Table:
     )
 
 
-def text(value: float, unit: str) -> str:
+def _text(value: float, unit: str) -> str:
     return numbers.scaled(value, unit) if np.isfinite(value) else "never"
 
 
-def figure(gains: DriveGains, rows: Sequence[Beside], plant: Plant, scheduled: str) -> Figure:
+def _figure(gains: DriveGains, rows: Sequence[Beside], plant: Plant, scheduled: str) -> Figure:
     """Time and error over the size of the move."""
     settled = {k: sum(np.isfinite(getattr(r, k).time) for r in rows) for k, _, _ in STYLES}
     heading = (

@@ -10,7 +10,7 @@ from workbench.report import drawing, numbers
 from workbench.report.drawing import AFTER, BEFORE, GRID, INK, MEASURED, MUTED, SERIES, STYLES, envelope
 from workbench.report.wording import title as title_of
 from workbench.tracing.maps import borders
-from workbench.tracing.result import Candidate
+from workbench.tracing.result import CandidateScore
 
 WITH, WITHOUT = {"color": AFTER, "linestyle": "-"}, {"color": BEFORE, "linestyle": (0, (4, 1.5))}
 DENSE = 1500  # samples of an excerpt from which dashes would only look like noise
@@ -82,7 +82,7 @@ def bands(values: np.ndarray, residual: np.ndarray, least: int = 8) -> tuple[np.
     return tuple(np.array(rows).reshape(-1, 4).T)
 
 
-def ranking(title: str, candidates: Sequence[Candidate], added: Sequence[tuple[str, str]], share: float) -> bytes:
+def ranking(title: str, candidates: Sequence[CandidateScore], added: Sequence[tuple[str, str]], share: float) -> bytes:
     """Held-out gain of the candidates, best on top, with one standard error. share: what a candidate must explain."""
     best = list(candidates)[::-1]
     y = np.arange(len(best))
@@ -112,7 +112,7 @@ def ranking(title: str, candidates: Sequence[Candidate], added: Sequence[tuple[s
     return drawing.svg(title, draw, height=1.1 + 0.2 * max(len(best), 2))
 
 
-def _short(c: Candidate, twice: bool) -> str:
+def _short(c: CandidateScore, twice: bool) -> str:
     """Return the name of a bar; twice: whether another one has it too, at another place."""
     name = title_of(c.effect) + (f" ({c.at})" if twice else "") + (" (freed)" if c.kind == "correction" else "")
     name = name if len(name) <= LONGEST else name[: LONGEST - 1] + "\u2026"

@@ -30,13 +30,13 @@ def firmware_chapter(name: str, made: Sequence[Summary], folder: str) -> Chapter
         + f", for a sample time of {numbers.scaled(first.numbers.sample_time, 's')} and an encoder of "
         f"{numbers.number(first.numbers.count)} a count. Sources and tables (C, binary, Intel HEX, JSON, A2L) lie in {folder}."
     )
-    blocks = [Paragraph(text), sizes(made), Heading("What rounding does"), rounded(made)]
-    blocks += [signals(s) for s in made if quantisation.grains(s.made)]
+    blocks = [Paragraph(text), _sizes(made), Heading("What rounding does"), _rounded(made)]
+    blocks += [_signals(s) for s in made if quantisation.grains(s.made)]
     blocks += [Heading("What the tests of the workbench hold of such firmware"), Items(CHECKS)]
     return Chapter("Firmware", tuple(blocks))
 
 
-def sizes(made: Sequence[Summary]) -> Table:
+def _sizes(made: Sequence[Summary]) -> Table:
     """One row an arithmetic."""
     rows = []
     for s in made:
@@ -50,7 +50,7 @@ def sizes(made: Sequence[Summary]) -> Table:
                 numbers.number(s.gain, 2),
                 numbers.number(s.sensitivity, 2),
                 *(
-                    (error(run.error), numbers.scaled(run.time, "s", 2), bits(run))
+                    (_error(run.error), numbers.scaled(run.time, "s", 2), _bits(run))
                     if run
                     else ("no C compiler here", "–", "–")
                 ),
@@ -68,32 +68,32 @@ def sizes(made: Sequence[Summary]) -> Table:
     return Table(columns, tuple(rows), caption, "lrrrrrrrrrr")
 
 
-def error(counts: float):
+def _error(counts: float):
     text = numbers.number(counts, 2) if np.isfinite(counts) else "one does not rest"
     return Marked(text, GOOD if counts <= COUNTS else BAD)
 
 
-def bits(run):
+def _bits(run):
     return Marked(f"{run.same} of {run.samples}", GOOD if run.same == run.samples else BAD)
 
 
-def rounded(made: Sequence[Summary]) -> Table:
+def _rounded(made: Sequence[Summary]) -> Table:
     """Every number: as wanted, and its relative error in each arithmetic."""
     each = [quantisation.numbers(s.made) for s in made]
     rows = tuple(
         (q[0].name.replace("_", " "), q[0].unit, numbers.number(q[0].wanted, 4), *(numbers.number(x.error, 2) for x in q))
-        for q in named(each)
+        for q in _named(each)
     )  # fmt: skip
     columns = ("number", "unit", "wanted", *(f"error, {s.arithmetic}" for s in made))
     return Table(columns, rows, "Relative errors; of a column of gains, at the knot where float32's is largest.", "llr" + "r" * len(made))  # fmt: skip
 
 
-def named(each):
+def _named(each):
     """Numbers of all arithmetics side by side; the knot of the worst gain may differ between them."""
     return zip(*each, strict=True)
 
 
-def signals(s: Summary) -> Table:
+def _signals(s: Summary) -> Table:
     """The least unit of every signal in fixed point."""
     rows = tuple(
         (g.name.replace("_", " "), g.unit, numbers.number(g.least, 2), numbers.number(g.largest, 3))

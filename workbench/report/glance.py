@@ -14,8 +14,8 @@ BESIDE = 0.62  # of the lower graph's width: for what stands beside a mark
 
 def glance(result: StudyResult) -> Figure:
     """Bars of the error on the validation record; with gains, the worst case of each controller beneath."""
-    bars, advice = errors(result), result.advice
-    title = heading(result)
+    bars, advice = _errors(result), result.advice
+    title = _heading(result)
     rows = 1 + (advice is not None)
     heights = [len(bars), *([len(advice.rows)] if advice else [])]
 
@@ -23,12 +23,12 @@ def glance(result: StudyResult) -> Figure:
         for axis in axes:
             axis.get_subplotspec().get_gridspec().set_height_ratios([h + 1.2 for h in heights])
             axis.grid(False, axis="y")
-        drawn(axes[0], bars, result.drive)
+        _drawn(axes[0], bars, result.drive)
         if advice:
-            judged(axes[1], advice)
+            _judged(axes[1], advice)
 
     caption = (
-        f"Error of the predicted {result.drive} on the {role(result)} records, in per cent of the measured {result.drive}. No model "
+        f"Error of the predicted {result.drive} on the {_role(result)} records, in per cent of the measured {result.drive}. No model "
         "can err by less than encoder steps and noise leave; how much more is unavoidable is not known."
     )
     if advice:
@@ -40,14 +40,14 @@ def glance(result: StudyResult) -> Figure:
     )
 
 
-def role(result: StudyResult) -> str:
+def _role(result: StudyResult) -> str:
     """Return the role whose records the figure is of: validation where there is any."""
     return VALIDATION if np.isfinite(result.trace.before.validation) else ROLES[0]
 
 
-def errors(result: StudyResult) -> list[tuple[str, float, str]]:
+def _errors(result: StudyResult) -> list[tuple[str, float, str]]:
     """Return (name, error, colour) of the declared and the extended model, and the lower bound."""
-    trace, of = result.trace, role(result)
+    trace, of = result.trace, _role(result)
     found = [("declared model", float(getattr(trace.before, of)), BEFORE)]
     if trace.causes:
         found.append(("with what was found", float(getattr(trace.after, of)), AFTER))
@@ -55,16 +55,16 @@ def errors(result: StudyResult) -> list[tuple[str, float, str]]:
     return [*found, ("noise leaves at least", least, MEASURED)] if np.isfinite(least) else found
 
 
-def heading(result: StudyResult) -> str:
+def _heading(result: StudyResult) -> str:
     """Return what the figure shows in one sentence."""
-    first, *rest = errors(result)
+    first, *rest = _errors(result)
     model = f"The model errs by {numbers.percent(first[1])}"
     if result.trace.causes:
         model += f", and by {numbers.percent(rest[0][1])} with what was found"
     return f"{model}; recommended is {result.advice.controller}" if result.advice else model
 
 
-def drawn(axis, bars, drive: str) -> None:
+def _drawn(axis, bars, drive: str) -> None:
     """Draw the errors as bars with their values."""
     y = np.arange(len(bars))[::-1]
     values = [100.0 * v for _, v, _ in bars]
@@ -76,7 +76,7 @@ def drawn(axis, bars, drive: str) -> None:
     axis.set_xlabel(f"error of the predicted {drive} (%)")
 
 
-def judged(axis, advice: Advice) -> None:
+def _judged(axis, advice: Advice) -> None:
     """Mark the worst error of each controller, the recommended one filled, with its worst time."""
     y = np.arange(len(advice.rows))[::-1]
     errors = np.array([float(r["error_grid"]) for r in advice.rows])

@@ -38,11 +38,11 @@ def chapter(found: Mapping[str, Region], task: Task) -> Chapter:
     balance = Equation("1 + C(A, omega) thin P(omega; k_e (A), c_e (A)) = 0", "one plus C times P is zero")
     blocks = [Paragraph(text), balance, Paragraph(more + axis)]
     for name, one in found.items():
-        blocks += [figure(name, one), table(name, one, task)]
+        blocks += [_figure(name, one), _table(name, one, task)]
     return Chapter("Which gains hunt", tuple(blocks))
 
 
-def figure(name: str, r: Region) -> Figure:
+def _figure(name: str, r: Region) -> Figure:
     """The region over both gains: shaded where a cycle is predicted, dots where it is simulated."""
     wrong = int(np.sum(r.judged & ~r.right))
     heading = (
@@ -92,7 +92,7 @@ def figure(name: str, r: Region) -> Figure:
     )
 
 
-def table(name: str, r: Region, task: Task) -> Table:
+def _table(name: str, r: Region, task: Task) -> Table:
     """Some of the cycles, predicted beside simulated."""
     x = task.plant.displacement
     rows = []

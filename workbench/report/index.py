@@ -23,7 +23,7 @@ STUDY = """<section><h2><a href="{name}/report.html">{title}</a></h2><p>{sentenc
 
 def write_index(folder: Path) -> Path:
     """Write index.html into the folder of reports, of all studies whose results lie there, by name; return its path."""
-    studies = "\n".join(entry(p.parent.name, read(p)) for p in sorted(folder.glob("*/results.json")))
+    studies = "\n".join(_entry(p.parent.name, _read(p)) for p in sorted(folder.glob("*/results.json")))
     style = files("workbench.report").joinpath("report.css").read_text(encoding="utf-8")
     content = PAGE.format(style=style, studies=studies or "<p>None yet.</p>")
     handle, beside = tempfile.mkstemp(prefix=f".{FILE}-", dir=folder)
@@ -34,7 +34,7 @@ def write_index(folder: Path) -> Path:
     return folder / FILE
 
 
-def read(path: Path) -> dict:
+def _read(path: Path) -> dict:
     """Return a study's results; nothing where another run is just replacing them, or they are no results."""
     try:
         found = json.loads(path.read_text(encoding="utf-8"))
@@ -43,17 +43,17 @@ def read(path: Path) -> dict:
     return found if isinstance(found, dict) else {}
 
 
-def entry(name: str, results: dict) -> str:
+def _entry(name: str, results: dict) -> str:
     """Return one study as HTML; nothing where it has no headline."""
     if "sentence" not in results:
         return ""
     checks = results.get("checks", [])
     failed = [c.get("words", c["name"]) for c in checks if not c["passed"]]
-    judged = f"<p>Not reached: {safe(', '.join(failed))}.</p>" if failed else ""
+    judged = f"<p>Not reached: {_safe(', '.join(failed))}.</p>" if failed else ""
     more = results.get("advice", "")
-    sentence = safe(results["sentence"]) + (f"</p><p>{safe(more)}" if more else "")
-    return STUDY.format(name=escape(name), title=safe(results.get("title", name)), sentence=sentence, judged=judged)
+    sentence = _safe(results["sentence"]) + (f"</p><p>{_safe(more)}" if more else "")
+    return STUDY.format(name=escape(name), title=_safe(results.get("title", name)), sentence=sentence, judged=judged)
 
 
-def safe(text: str) -> str:
+def _safe(text: str) -> str:
     return escape(printable(str(text)))

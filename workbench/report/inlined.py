@@ -9,17 +9,17 @@ TRIM = re.compile(r"(?<=\.\d{2})\d+")  # a hundredth of a pixel is enough on a p
 
 def inlined(page: str, figures: dict[str, bytes], alts: dict[str, str]) -> str:
     """Return the page with each drawing in its place. figures: file name -> SVG. alts: name -> what it shows."""
-    return DRAWING.sub(lambda m: element(figures[f"{m[1]}.svg"].decode(), m[1], alts[m[1]]), page)
+    return DRAWING.sub(lambda m: _element(figures[f"{m[1]}.svg"].decode(), m[1], alts[m[1]]), page)
 
 
-def element(svg: str, name: str, alt: str) -> str:
+def _element(svg: str, name: str, alt: str) -> str:
     """Return one drawing as an element: ids are its own, only those that are referred to stay, its style is the page's."""
     svg = re.sub(r"<style.*?</style>|<title>.*?</title>|<defs>\s*</defs>|<!--.*?-->", "", svg, flags=re.DOTALL)
     svg = re.sub(r' xmlns(:xlink)?="[^"]*"| version="1.1"| transform="rotate\(-?0 [^)]*\)"', "", svg)
     svg = svg.replace("xlink:href", "href").replace("font-family: 'DejaVu Sans', Verdana, sans-serif; ", "")
     svg = re.sub(r"<defs>\s*</defs>", "", svg)
     used = set(re.findall(r'(?:url\(#|href="#)([^")]+)', svg))
-    svg = re.sub(r' id="([^"]+)"', lambda m: own(m[1], name, used), svg)
+    svg = re.sub(r' id="([^"]+)"', lambda m: _own(m[1], name, used), svg)
     svg = re.sub(r"(url\(#|href=\"#)([^\")]+)", rf"\g<1>{name}-\g<2>", svg)
     svg = re.sub(r" d=\"[^\"]*\"", lambda m: TRIM.sub("", m[0]).replace("\n", ""), svg)
     svg = re.sub(r">\s+<", "><", svg).strip()
@@ -28,7 +28,7 @@ def element(svg: str, name: str, alt: str) -> str:
     return f'<div class="drawing" role="group" tabindex="0" aria-label="Drawing {name.replace("_", " ")}">{svg}</div>'
 
 
-def own(identity: str, name: str, used: set[str]) -> str:
+def _own(identity: str, name: str, used: set[str]) -> str:
     """Return the attribute that stands for an id: a class for what the script looks for, an id for what is referred to."""
     kept = f' id="{name}-{identity}"' if identity in used else ""
     for pattern, said in (

@@ -27,21 +27,21 @@ def ladder_chapter(
         f"the worst of {scenarios} cases of friction and inertia. Each move has a reference: a fixed PD that is tuned "
         "for it alone with the same limits, or this law with numbers for it alone where that is better. Regret is what the "
         f"table takes over it: at most {numbers.number(time)} in time and {numbers.number(error)} in error (or {COUNTS:g} counts); "
-        f"it overshoots by {numbers.percent(over)} at most. {runs_sentence(climbed)}"
+        f"it overshoots by {numbers.percent(over)} at most. {_runs_sentence(climbed)}"
     )
     return Chapter(
         "One table for every move",
         (
             Paragraph(text),
-            figure(climbed, held, plant),
-            references_table(climbed, held, plant),
+            _figure(climbed, held, plant),
+            _references_table(climbed, held, plant),
             Paragraph(worth_sentence(held, fewer)),
-            others_table({climbed.best.family.name: held, **fewer, **others}),
+            _others_table({climbed.best.family.name: held, **fewer, **others}),
         ),
     )
 
 
-def others_table(regrets: Mapping[str, Regret]) -> Table:
+def _others_table(regrets: Mapping[str, Regret]) -> Table:
     """The worst regret of every controller on the same ladder."""
 
     def cell(value: float) -> str:
@@ -58,14 +58,14 @@ def others_table(regrets: Mapping[str, Regret]) -> Table:
     return Table(("controller", "time", "error", "overshoot"), rows, caption, "lrrr")
 
 
-def runs_sentence(climbed: Climbed) -> str:
+def _runs_sentence(climbed: Climbed) -> str:
     return (
         f"Of {len(climbed.runs)} searches from soft and stiff arrivals none ends more than {numbers.percent(climbed.spread - 1.0)} above "
         "the best."
     )
 
 
-def figure(climbed: Climbed, held: Regret, plant: Plant) -> Figure:
+def _figure(climbed: Climbed, held: Regret, plant: Plant) -> Figure:
     """Regret over the size of a step."""
     time, error, _ = held.worst
     heading = f"Over all sizes the table takes at most {numbers.number(time)} times its reference's time, {numbers.number(error)} times its error"
@@ -94,7 +94,7 @@ def figure(climbed: Climbed, held: Regret, plant: Plant) -> Figure:
     )
 
 
-def references_table(climbed: Climbed, held: Regret, plant: Plant) -> Table:
+def _references_table(climbed: Climbed, held: Regret, plant: Plant) -> Table:
     """The reference of each size, the worst of its moves beside it."""
     on, known = climbed.on, climbed.references
     rows = []

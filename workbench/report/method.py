@@ -50,7 +50,7 @@ def method(result: StudyResult) -> Chapter:
     ]
     if result.equivalent:
         blocks += _integrals()
-    return Chapter("How it was computed", (*blocks, Paragraph("Sources:"), Items(sources(result))))
+    return Chapter("How it was computed", (*blocks, Paragraph("Sources:"), Items(_sources(result))))
 
 
 def _integrals() -> list:
@@ -72,7 +72,7 @@ def _integrals() -> list:
     ]
 
 
-def sources(result: StudyResult) -> tuple[str, ...]:
+def _sources(result: StudyResult) -> tuple[str, ...]:
     """Return the sources of the method and of every effect in the last model, each once, in a fixed order."""
     cited = {}
     for effect in result.trace.after.plant.effects:
@@ -91,23 +91,23 @@ def provenance(result: StudyResult) -> Chapter:
         "same bytes. A file is the one that was used if its checksum is the one in the table."
     )
     table = Table(("file", "SHA-256"), rows, "The measured files and their checksums.", "lp")
-    return Chapter("How to make this report again", (Paragraph(text), table, again(result)))
+    return Chapter("How to make this report again", (Paragraph(text), table, _again(result)))
 
 
-def again(result: StudyResult) -> Table:
+def _again(result: StudyResult) -> Table:
     """Command, versions and digests."""
     own = result.tuned or result.trace.after.plant.digest
     digests = [("digest of the plant that gains were tuned for" if result.tuned else "digest of the last model", own)]
     if result.inputs:
         digests.append(("digest of study, data and code", result.inputs))
-    rows = [("command", result.command or "workbench"), ("versions", versions()), *digests]
+    rows = [("command", result.command or "workbench"), ("versions", _versions()), *digests]
     caption = "What makes this report again. The digest of a plant holds every parameter to nine digits" + (
         "; every file of gains/ carries it." if result.tuned else "."
     )
     return Table(("what", "value"), tuple((Marked(a, "strong"), Marked(b, CODE)) for a, b in rows), caption, "lp")
 
 
-def versions() -> str:
+def _versions() -> str:
     """Return this package's version and those of the libraries that numbers and drawings come from."""
     found = [f"{name} {version(name)}" for name in LIBRARIES]
     return ", ".join([f"workbench {__version__}", *found])

@@ -25,9 +25,9 @@ def declared(result: StudyResult) -> Chapter:
     )
     blocks = [
         Paragraph(text),
-        effects(fit.plant, "The effects of the declared model."),
-        parameters(fit.estimates, f"Parameters of the declared model with 95 % intervals. {held(fit)}", fit=fit),
-        *on_parameters(fit.findings),
+        _effects(fit.plant, "The effects of the declared model."),
+        parameters(fit.estimates, f"Parameters of the declared model with 95 % intervals. {_held(fit)}", fit=fit),
+        *_on_parameters(fit.findings),
     ]
     return Chapter("The declared model", tuple(blocks))
 
@@ -40,19 +40,17 @@ def extended(result: StudyResult) -> Chapter:
         f"Once {names} {'is' if len(trace.causes) == 1 else 'are'} in the model, the other parameters move by what they had stood "
         "in for; all were fitted again together."
     )
-    caption = (
-        f"Parameters of the extended model with 95 % intervals, beside the declared model's values. {held(trace.after)}"
-    )
+    caption = f"Parameters of the extended model with 95 % intervals, beside the declared model's values. {_held(trace.after)}"
     blocks = (Paragraph(text), parameters(trace.after.estimates, caption, trace.before.estimates, fit=trace.after))
-    return Chapter("The extended model", (*blocks, *on_parameters(trace.after.findings)))
+    return Chapter("The extended model", (*blocks, *_on_parameters(trace.after.findings)))
 
 
-def held(fit: Fit) -> str:
+def _held(fit: Fit) -> str:
     """Return what the caption of a table of parameters says of its cells."""
     return f"{HELD} {BY_RECORD}" if fit.spread else HELD
 
 
-def on_parameters(findings: Sequence[Finding]) -> tuple:
+def _on_parameters(findings: Sequence[Finding]) -> tuple:
     """Return the findings on parameters under their headings; nothing where there are none."""
     differ = [f for f in findings if f.kind == DISAGREE]
     rest = [f for f in findings if f.kind != DISAGREE]
@@ -60,7 +58,7 @@ def on_parameters(findings: Sequence[Finding]) -> tuple:
     return blocks + ((Heading("What these records do not determine"), *said(rest)) if rest else ())
 
 
-def effects(plant: Plant, caption: str) -> Table:
+def _effects(plant: Plant, caption: str) -> Table:
     """Which effects a plant holds, where they act, and their laws."""
     rows = tuple((title(e.name), e.at, Marked(e.formula, CODE), e.cause) for e in plant.effects)
     return Table(("effect", "at", "law", "cause"), rows, caption, "llwp")

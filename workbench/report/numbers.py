@@ -12,12 +12,12 @@ PREFIXES = {-12: "p", -9: "n", -6: "\u00b5", -3: "m", 0: "", 3: "k", 6: "M", 9: 
 READABLE = {"N*m*s^2/rad": "kg*m^2", "N*s^2/m": "kg"}
 
 
-def exponent(value: float, figures: int = 3) -> int:
+def _exponent(value: float, figures: int = 3) -> int:
     """Return the decade of a number as it will be rounded: 0.0999 to two figures lies in the decade of 0.1."""
     return int(f"{abs(value):.{figures - 1}e}".split("e")[1]) if abs(value) > TINY else 0
 
 
-def power(e: int) -> str:
+def _power(e: int) -> str:
     """Return "× 10⁻⁶"."""
     return f"{TIMES} 10{str(e).translate(SUPERSCRIPT)}"
 
@@ -47,17 +47,17 @@ def number(value: float, figures: int = 3) -> str:
     value = float(value)
     if not isfinite(value):
         return named(value)
-    decade = exponent(value, figures)
+    decade = _exponent(value, figures)
     e = split(decade)
     text = placed(value / 10.0**e, figures - 1 - (decade - e))
-    return f"{text} {power(e)}" if e else text
+    return f"{text} {_power(e)}" if e else text
 
 
 def exact(value: float, figures: int = 6) -> str:
     """Return a number that was declared, without zeros at its end: "60", "0.11"."""
     value = float(f"{value:.{figures - 1}e}")
     least = next((k for k in range(1, figures) if float(f"{value:.{k - 1}e}") == value), figures)
-    return number(value, max(least, min(exponent(value, figures) + 1, LARGEST) if value else 1))
+    return number(value, max(least, min(_exponent(value, figures) + 1, LARGEST) if value else 1))
 
 
 def count(value: int) -> str:
@@ -68,8 +68,8 @@ def count(value: int) -> str:
 def _shared(value: float, half: float, figures: int) -> tuple[int, int]:
     """Return (power of ten split off, decimals) for a value known to `half`, whose last `figures` digits count."""
     half = max(half, EXACT * abs(value))
-    e = split(max(exponent(value), exponent(half, figures)))
-    return e, figures - 1 - (exponent(half, figures) - e)
+    e = split(max(_exponent(value), _exponent(half, figures)))
+    return e, figures - 1 - (_exponent(half, figures) - e)
 
 
 def plus_minus(value: float, half: float, figures: int = 2) -> str:
@@ -78,10 +78,10 @@ def plus_minus(value: float, half: float, figures: int = 2) -> str:
         return number(value, 8 if 0 < half < inf else 3)
     e, places = _shared(value, half, figures)
     text = f"{placed(value / 10.0**e, places)} \u00b1 {placed(half / 10.0**e, places)}"
-    return f"({text}) {power(e)}" if e else text
+    return f"({text}) {_power(e)}" if e else text
 
 
-def estimate(value: float, half: float, text: str) -> str:
+def _estimate(value: float, half: float, text: str) -> str:
     """Return "0.0551 ± 0.0008 N·m"."""
     shown = unit(text)
     return f"{plus_minus(value, half)}\u00a0{shown}" if shown else plus_minus(value, half)
@@ -99,7 +99,7 @@ def with_interval(value: float, low: float, high: float, figures: int = 2) -> tu
         return number(value, 4), ""
     e, places = _shared(value, min(halves), figures)
     low, value, high = (placed(v / 10.0**e, places) for v in (low, value, high))
-    end = f" {power(e)}" if e else ""
+    end = f" {_power(e)}" if e else ""
     return value + end, (f"({low} to {high}){end}" if e else f"{low} to {high}")
 
 
@@ -108,7 +108,7 @@ def percent(ratio: float, figures: int = 2) -> str:
     if not isfinite(ratio):
         return named(ratio)
     value = 100.0 * ratio
-    return f"{placed(value, max(0, figures - 1 - exponent(value, figures)))}\u00a0%"
+    return f"{placed(value, max(0, figures - 1 - _exponent(value, figures)))}\u00a0%"
 
 
 def unit(text: str) -> str:

@@ -34,7 +34,7 @@ def finding(result: StudyResult) -> Chapter:
     blocks = [Callout(trace.sentence, TONES.get(trace.verdict, PLAIN))]
     if trace.evidence:
         blocks += explained(trace.evidence, trace.criteria.explainable, bool(result.advice))
-    blocks += uncertain(result)
+    blocks += _uncertain(result)
     blocks += [Callout(f.sentence, BAD) for f in trace.findings if f.kind in ALARMS]
     if result.advice:
         blocks.append(Callout(headline(result.advice), GOOD if result.advice.allowed else BAD))
@@ -48,13 +48,13 @@ def finding(result: StudyResult) -> Chapter:
     return Chapter("The finding", tuple(blocks))
 
 
-def uncertain(result: StudyResult) -> list[Paragraph]:
+def _uncertain(result: StudyResult) -> list[Paragraph]:
     """Say which causes these records hardly tell from others; how to find out stands with the evidence."""
     rivals = [f"{title(c.effect)} from {listed([title(r) for r in c.rivals])}" for c in result.trace.causes if c.rivals]
     return [Paragraph(f"These records hardly tell {listed(rivals)}.")] if rivals else []
 
 
-def errors(result: StudyResult) -> Table:
+def _errors(result: StudyResult) -> Table:
     """Errors on identification and validation of the declared and the extended model, beside the lower bound that noise sets."""
     trace = result.trace
     fits = (trace.before, trace.after) if trace.causes else (trace.before,)
@@ -103,7 +103,11 @@ def records(result: StudyResult) -> Chapter:
     )
     return Chapter(
         "The records",
-        (Paragraph(text), errors(result), Table(tuple(heads), rows, caption + ".", "llprrrr" + "r" * (len(heads) - 7))),
+        (
+            Paragraph(text),
+            _errors(result),
+            Table(tuple(heads), rows, caption + ".", "llprrrr" + "r" * (len(heads) - 7)),
+        ),
     )
 
 

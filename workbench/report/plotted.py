@@ -14,38 +14,38 @@ FIGURES = 6  # of a limit or a place: more than a page's pixels tell apart
 def marked(figure) -> str:
     """Name the groups of a drawn figure's graphs and traces, and return what a script needs, as JSON."""
     axes = figure.axes
-    labels = named(axes)
+    labels = _named(axes)
     count = 0
     for k, axis in enumerate(axes):
         axis.set_gid(f"plot-{k}")
-        for artist, key in keyed(axis, labels):
+        for artist, key in _keyed(axis, labels):
             artist.set_gid(f"trace-{key}-{count}")
             count += 1
         for n, text in enumerate(axis.texts):
             text.set_gid(f"note-{k}-{n}")
-    return json.dumps({"plots": [graph(a, axes) for a in axes], "traces": labels}, ensure_ascii=False)
+    return json.dumps({"plots": [_graph(a, axes) for a in axes], "traces": labels}, ensure_ascii=False)
 
 
-def named(axes) -> list[str]:
+def _named(axes) -> list[str]:
     """Return the labels of all graphs, each once, in their order."""
     found = [text for axis in axes for text in axis.get_legend_handles_labels()[1]]
     return list(dict.fromkeys(found))
 
 
-def keyed(axis, labels: list[str]):
+def _keyed(axis, labels: list[str]):
     """Yield (artist, number of its trace): its label's, else that of the trace which looks alike in the whole figure."""
     looks = {}
     for other in axis.figure.axes:
         for artist in (*other.lines, *other.collections, *other.patches):
             if artist.get_label() in labels:
-                looks.setdefault(look(artist), labels.index(artist.get_label()))
+                looks.setdefault(_look(artist), labels.index(artist.get_label()))
     for artist in (*axis.lines, *axis.collections, *axis.patches):
-        key = labels.index(artist.get_label()) if artist.get_label() in labels else looks.get(look(artist))
+        key = labels.index(artist.get_label()) if artist.get_label() in labels else looks.get(_look(artist))
         if key is not None:
             yield artist, key
 
 
-def look(artist) -> tuple:
+def _look(artist) -> tuple:
     """Return what tells a trace from another one: colour, and dashes and marks where it has any."""
     from matplotlib.colors import to_hex
 
@@ -56,7 +56,7 @@ def look(artist) -> tuple:
     return (to_hex(colour), *map(str, marks))
 
 
-def graph(axis, axes) -> dict:
+def _graph(axis, axes) -> dict:
     """Return where a graph lies and how its scales run. shares: the first graph with the same scale, each way."""
     width, height = axis.figure.get_size_inches() * 72.0
     box = axis.get_position()
@@ -64,13 +64,13 @@ def graph(axis, axes) -> dict:
     groups = (axis.get_shared_x_axes(), axis.get_shared_y_axes())
     return {
         "box": [round(float(v), 3) for v in place],
-        "x": scale(axis.xaxis),
-        "y": scale(axis.yaxis),
+        "x": _scale(axis.xaxis),
+        "y": _scale(axis.yaxis),
         "shares": [next(k for k, a in enumerate(axes) if a is axis or g.joined(a, axis)) for g in groups],
     }
 
 
-def scale(axis) -> dict:
+def _scale(axis) -> dict:
     """Return limits, kind ("linear", "log", or "fixed" where names stand along it) and label of one axis."""
     from matplotlib.ticker import FixedLocator
 

@@ -24,11 +24,12 @@ def polish_chapter(polished: Polished, held: Promise, plant: Plant) -> Chapter:
         "one would be more than their band leaves."
     )
     return Chapter(
-        "Gains per amplitude, on the simulated step", (Paragraph(text), figure(polished, plant), table(polished, plant))
+        "Gains per amplitude, on the simulated step",
+        (Paragraph(text), _figure(polished, plant), _table(polished, plant)),
     )
 
 
-def price_sentence(polished: Polished) -> str:
+def _price_sentence(polished: Polished) -> str:
     """Say what robustness costs, as a number."""
     price = polished.price
     return (
@@ -37,9 +38,9 @@ def price_sentence(polished: Polished) -> str:
     )
 
 
-def figure(polished: Polished, plant: Plant) -> Figure:
+def _figure(polished: Polished, plant: Plant) -> Figure:
     """Kp, Kd and time over amplitude."""
-    heading = price_sentence(polished)
+    heading = _price_sentence(polished)
     linear, amplitude = polished.linear, polished.linear.amplitude
 
     def draw(axes):
@@ -70,7 +71,7 @@ def figure(polished: Polished, plant: Plant) -> Figure:
     )
 
 
-def table(polished: Polished, plant: Plant) -> Table:
+def _table(polished: Polished, plant: Plant) -> Table:
     """Some of the amplitudes in figures."""
     kp, kd = (numbers.unit(f"{plant.effort}{t}/{plant.displacement}") for t in ("", "*s"))
     n, r = polished.nominal, polished.robust

@@ -35,11 +35,11 @@ def recommended_chapter(found: Recommended, plant: Plant, counts: float) -> Chap
     )
     return Chapter(
         "Which controller to take",
-        (Paragraph(first(found)), Table(columns, rows, caption, "lrrrrrrr")),
+        (Paragraph(_first(found)), Table(columns, rows, caption, "lrrrrrrr")),
     )
 
 
-def first(found: Recommended) -> str:
+def _first(found: Recommended) -> str:
     """Say why the recommended controller is taken."""
     if not found.row.allowed:
         return (

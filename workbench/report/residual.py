@@ -21,18 +21,18 @@ def residual(result: StudyResult) -> Chapter:
     """The residual in time, and against the coordinate that it follows."""
     trace = result.trace
     after = trace.after if trace.causes else None
-    names = shown(trace.before)
+    names = _shown(trace.before)
     return Chapter("The residual before and after" if after else "The residual", (
         Paragraph(
             "The declared model is wrong where its residual is large: the measured drive less the drive that the model asks for on "
             "the measured motion, both behind the same filter."
         ),
-        in_time(result, trace.before, after, names),
+        _in_time(result, trace.before, after, names),
         over_motion(result, trace.before, after, names),
     ))  # fmt: skip
 
 
-def shown(fit: Fit) -> list[str]:
+def _shown(fit: Fit) -> list[str]:
     """Return the validation records, which no parameter has seen; all where there are none."""
     return [n for n, s in fit.series.items() if s.role == VALIDATION] or list(fit.series)
 
@@ -50,7 +50,7 @@ def window(before: Series) -> slice:
     return slice(int(inside[first]), int(inside[first]) + length)
 
 
-def in_time(result: StudyResult, before: Fit, after: Fit | None, names: Sequence[str]) -> Figure:
+def _in_time(result: StudyResult, before: Fit, after: Fit | None, names: Sequence[str]) -> Figure:
     """Measured and predicted drive, and the residual, over an excerpt of one validation record."""
     name = max(names, key=lambda n: before.nrmse[n])
     series, better = before.series[name], after.series[name] if after else None

@@ -31,20 +31,20 @@ def chapter(found: Series) -> Chapter:
                 "distributions below. A controller is robust in the first perspective when its largest error is small, in "
                 "the second when its errors differ little; the two can disagree, so both are applied."
             ),
-            varied_table(found),
+            _varied_table(found),
             Heading("Both perspectives"),
             perspectives_figure(found),
-            perspectives_table(found),
+            _perspectives_table(found),
             Items(tuple(f.sentence for f in _rankings(found))),
             Heading("Axes yet to be built"),
             beyond_figure(found),
-            Items(statements(found)),
+            Items(_statements(found)),
             Heading("Which parameter moves the error"),
             influence_figure(found, first),
-            influence_table(found),
+            _influence_table(found),
             Heading("The worst axes"),
             worst_figure(found),
-            worst_table(found),
+            _worst_table(found),
             Paragraph(
                 f"robustness/{FILE} holds the exact draws of these axes: `workbench replay` runs one again, to the same bits, "
                 "and draws its motion. robustness/draws.csv holds every draw."
@@ -58,7 +58,7 @@ def _rankings(found: Series):
     return ranking(found.of_grid, found.grid.title, unit) + ranking(found.of_draws, found.title, unit)
 
 
-def varied_table(found: Series) -> Table:
+def _varied_table(found: Series) -> Table:
     """What is drawn, and from what."""
     rows = []
     for v in found.cases.varied:
@@ -69,11 +69,11 @@ def varied_table(found: Series) -> Table:
             NORMAL: f"normal, {numbers.number(d.mean)} ± {numbers.number(d.deviation)}, within {span}",
             UNIFORM: f"uniform, {span}",
         }.get(d.kind, f"uniform in the logarithm, {span}")
-        rows.append((Marked(v.name, CODE), text, "of nominal" if of_nominal(v) else unit))
+        rows.append((Marked(v.name, CODE), text, "of nominal" if _of_nominal(v) else unit))
     return Table(("what differs", "distribution", "unit"), tuple(rows), f"Drawn with seed {found.seed}.", "lpl")
 
 
-def of_nominal(v) -> bool:
+def _of_nominal(v) -> bool:
     """Whether what varies is a factor on its nominal value."""
     return v.relative or v.name in ("inertia", "friction")
 
@@ -82,7 +82,7 @@ def _error(value: float) -> str:
     return numbers.number(value, 2) if np.isfinite(value) else "never at rest"
 
 
-def perspectives_table(found: Series) -> Table:
+def _perspectives_table(found: Series) -> Table:
     """Both perspectives of every controller, on the grid and over the draws."""
     unit = numbers.unit(displacement(found))
     rows = []
@@ -101,7 +101,7 @@ def perspectives_table(found: Series) -> Table:
     return Table(columns, tuple(rows), f"Final errors in {unit}: both perspectives.", "lrrrrrrr")
 
 
-def statements(found: Series) -> tuple[str, ...]:
+def _statements(found: Series) -> tuple[str, ...]:
     """Clopper-Pearson statements, each by itself, and what the worst draw bounds."""
     units = {"final_error": displacement(found), "time_1pct": "s", "overshoot": "1"}
     said = [
@@ -117,7 +117,7 @@ def statements(found: Series) -> tuple[str, ...]:
     return (*said, "Each of these statements holds with its confidence by itself, not all of them together.")
 
 
-def influence_table(found: Series) -> Table:
+def _influence_table(found: Series) -> Table:
     """Rank correlation with its standard error, every controller."""
     each = {n: {i.name: i for i in of} for n, of in found.influences.items()}
     names = list(dict.fromkeys(i.name for of in found.influences.values() for i in of))
@@ -129,11 +129,11 @@ def influence_table(found: Series) -> Table:
     return Table(("parameter", *each), tuple(rows), caption, "l" + "r" * len(each))
 
 
-def worst_table(found: Series) -> Table:
+def _worst_table(found: Series) -> Table:
     """The worst draw of each controller."""
     cases = [next(c for c in found.worst if c.controller == n) for n in found.columns]
     names = found.cases.names
-    units = {v.name: "of nominal" if of_nominal(v) else numbers.unit(v.unit) for v in found.cases.varied}
+    units = {v.name: "of nominal" if _of_nominal(v) else numbers.unit(v.unit) for v in found.cases.varied}
     rows = [
         (Marked(v, CODE), *(numbers.number(float(c.values[i])) for c in cases), units[v]) for i, v in enumerate(names)
     ]  # fmt: skip

@@ -20,7 +20,7 @@ def displacement(found: Series) -> str:
     return found.work.task.plant.displacement
 
 
-def listed(values) -> str:
+def _listed(values) -> str:
     """Factors as they are read."""
     return ", ".join(numbers.exact(v) for v in values)
 
@@ -66,7 +66,7 @@ def perspectives_figure(found: Series) -> Figure:
     return Figure(
         "robust_perspectives",
         lambda: svg(heading, draw, height=1.3 + 0.32 * len(names)),
-        f"Final errors over {found.grid.title}: factors {listed(found.grid.frictions)} and {listed(found.grid.inertias)}, each "
+        f"Final errors over {found.grid.title}: factors {_listed(found.grid.frictions)} and {_listed(found.grid.inertias)}, each "
         "the worst of eight encoder phases.",
         f"Errors of {len(names)} controllers on a logarithmic axis. {heading}.",
     )

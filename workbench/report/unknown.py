@@ -40,13 +40,15 @@ def shade(result: StudyResult) -> Shade | None:
     if not unknown.get("spans"):
         return None
     of = "what the extended model leaves" if result.trace.causes else "the residual's power"
-    title = f"{numbers.percent(unknown['share'])} of {of} above what noise leaves at least lives {whereabouts(unknown)}"
+    title = (
+        f"{numbers.percent(unknown['share'])} of {of} above what noise leaves at least lives {_whereabouts(unknown)}"
+    )
     spans = tuple((low, high) for low, high in unknown["spans"])
     way = unknown["direction"] if unknown["direction"] in WAYS else BOTH
     return Shade(unknown["coordinate"], spans, way, title)
 
 
-def whereabouts(unknown: Mapping[str, object]) -> str:
+def _whereabouts(unknown: Mapping[str, object]) -> str:
     """Return "between 1.20 and 1.50 rad, moving forward", or "at 12 moments"."""
     spans, unit = unknown["spans"], unknown["unit"]
     if unknown["coordinate"] == TIME and len(spans) > 1:
@@ -60,7 +62,7 @@ def lives(result: StudyResult) -> Items:
     unknown = located(result.trace)
     facts = []
     if spans := unknown.get("spans"):
-        facts.append(f"{capital(whereabouts(unknown))} ({unknown['coordinate']}){moments(unknown)}.")
+        facts.append(f"{capital(_whereabouts(unknown))} ({unknown['coordinate']}){_moments(unknown)}.")
         facts.append(f"It holds {numbers.percent(unknown['share'])} of the power above what is calm.")
     elif unknown.get("coordinate") == "frequency":
         facts.append(f"It is a line of the spectrum, at {numbers.exact(unknown['low'], 3)} Hz.")
@@ -75,7 +77,7 @@ def lives(result: StudyResult) -> Items:
     return Items((*facts, f"{told}."))
 
 
-def moments(unknown: Mapping[str, object]) -> str:
+def _moments(unknown: Mapping[str, object]) -> str:
     """Return ": 1.20 to 1.26, 3.70 to 3.76 s" of several moments."""
     spans = unknown["spans"]
     if unknown["coordinate"] != TIME or len(spans) == 1:

@@ -41,13 +41,13 @@ def where(found: Sequence[Where], unknown: Sequence[Block] = (), shade: Shade | 
     blocks = [*unknown]
     for k, w in enumerate(found):
         if w.of == "angle":
-            blocks += [Heading("In the angle of the joint"), Paragraph(ANGLE + balanced(w))]
-        blocks += [Items(tuple(told(w))), *([] if k else [Paragraph(text)])]
-        blocks += [*drawn(w, shade if w.of != "angle" else None), ways(w)]
+            blocks += [Heading("In the angle of the joint"), Paragraph(ANGLE + _balanced(w))]
+        blocks += [Items(tuple(_told(w))), *([] if k else [Paragraph(text)])]
+        blocks += [*_drawn(w, shade if w.of != "angle" else None), _ways(w)]
     return Chapter("Where the residual lives", tuple(blocks))
 
 
-def balanced(w: Where) -> str:
+def _balanced(w: Where) -> str:
     """Return the error of the load's balance: the second one, beside that of the drive."""
     texts = []
     for role, errors in w.load.items():
@@ -56,85 +56,85 @@ def balanced(w: Where) -> str:
     return f" The load's balance leaves {listed(texts)}, in per cent of the joint's torque." if texts else ""
 
 
-def name(w: Where) -> str:
+def _name(w: Where) -> str:
     return "residual" if w.of in ("torque", "force") else f"{w.of} residual"
 
 
-def standing(w: Where) -> list[Place]:
+def _standing(w: Where) -> list[Place]:
     return [p for p in w.before.places if p.stands_out]
 
 
-def told(w: Where) -> list[str]:
+def _told(w: Where) -> list[str]:
     """Return sentences: what the residual follows most, and the places that stand out."""
-    best = ranked(w)[0]
+    best = _ranked(w)[0]
     share = w.before.explained(best)
     if share >= FOLLOWS:
         texts = [
-            f"{capital(best)} and the way of motion explain {numbers.percent(share)} of the {name(w)}'s power{then(w, best)}."
+            f"{capital(best)} and the way of motion explain {numbers.percent(share)} of the {_name(w)}'s power{_then(w, best)}."
         ]
     else:
-        texts = [f"No coordinate explains more than {numbers.percent(max(share, 1e-3))} of the {name(w)}'s power."]
-    texts += [f"{capital(sentence(p, name(w), span))}{later(w, p)}." for p in standing(w)[:NAMED]]
+        texts = [f"No coordinate explains more than {numbers.percent(max(share, 1e-3))} of the {_name(w)}'s power."]
+    texts += [f"{capital(sentence(p, _name(w), span))}{_later(w, p)}." for p in _standing(w)[:NAMED]]
     return texts
 
 
-def ranked(w: Where) -> list[str]:
+def _ranked(w: Where) -> list[str]:
     """Return the coordinates, the one that explains most first."""
     names = dict.fromkeys(m.coordinate for m in w.before.maps if not m.record)
     return sorted(names, key=lambda n: -w.before.explained(n))
 
 
-def then(w: Where, coordinate: str) -> str:
+def _then(w: Where, coordinate: str) -> str:
     """Return what a coordinate explains of the extended model's residual."""
     if w.after is None:
         return ""
     return f", and {numbers.percent(w.after.explained(coordinate))} of what the extended model leaves"
 
 
-def later(w: Where, p: Place) -> str:
+def _later(w: Where, p: Place) -> str:
     """Return whether a place stands out in the extended model's residual too."""
     if w.after is None:
         return ""
     other = w.after.place(p.coordinate)
     if other is None or not other.stands_out:
         return "; in the extended model's residual nothing stands out there"
-    return f"; for the extended model {sentence(other, name(w), span)}"
+    return f"; for the extended model {sentence(other, _name(w), span)}"
 
 
-def drawn(w: Where, shade: Shade | None = None) -> list[Figure]:
+def _drawn(w: Where, shade: Shade | None = None) -> list[Figure]:
     """Return the figures of one residual."""
     coordinates = [c for c in dict.fromkeys(m.coordinate for m in w.before.maps) if c not in (WAY, TIME)]
     rows = {"place": [c for c in coordinates if c in PLACES], "motion": [c for c in coordinates if c not in PLACES]}
-    made = [multiples(w, kind, chosen, shade) for kind, chosen in rows.items()]
+    made = [_multiples(w, kind, chosen, shade) for kind, chosen in rows.items()]
     if w.before.over(TIME):
-        made.append(over_time(w, shade))
+        made.append(_over_time(w, shade))
     return [*made, spectra(w)]
 
 
-def heading(w: Where, coordinates: Sequence[str]) -> str:
+def _heading(w: Where, coordinates: Sequence[str]) -> str:
     """Return which coordinate the residual follows; where it follows none closely, the place that stands out most."""
     best = max(coordinates, key=w.before.explained)
     share = w.before.explained(best)
-    places = [p for p in standing(w) if p.coordinate in coordinates]
+    places = [p for p in _standing(w) if p.coordinate in coordinates]
     if places and share < CLOSELY:
-        return capital(sentence(places[0], name(w), span))
+        return capital(sentence(places[0], _name(w), span))
     if share < FOLLOWS:
-        return f"The {name(w)} follows none of these: {numbers.percent(share)} of its power at most"
-    return f"{capital(best)} and the way of motion explain {numbers.percent(share)} of the {name(w)}'s power{then(w, best)}"
+        return f"The {_name(w)} follows none of these: {numbers.percent(share)} of its power at most"
+    return f"{capital(best)} and the way of motion explain {numbers.percent(share)} of the {_name(w)}'s power{_then(w, best)}"
 
 
-def both(w: Where) -> str:
+def _both(w: Where) -> str:
     return "of the declared and the extended model" if w.after else "of the declared model"
 
 
-def multiples(w: Where, kind: str, coordinates: Sequence[str], shade: Shade | None = None) -> Figure:
+def _multiples(w: Where, kind: str, coordinates: Sequence[str], shade: Shade | None = None) -> Figure:
     """Return one figure: a row a coordinate, backward motion on the left and forward motion on the right."""
     shade = shade if shade and shade.coordinate in coordinates else None
-    title = shade.title if shade else heading(w, coordinates)
+    title = shade.title if shade else _heading(w, coordinates)
     others = "; ".join(f"{c} explains {numbers.percent(w.before.explained(c))}" for c in coordinates)
     caption = (
         f"Residual of the {w.of} over {listed(coordinates)}: mean with two standard errors (line and area) and rms (dotted), "
-        f"{both(w)}. {capital(others)} of the declared model's."
+        f"{_both(w)}. {capital(others)} of the declared model's."
     )
     return Figure(
         f"where_{w.of}_{kind}",
@@ -144,7 +144,7 @@ def multiples(w: Where, kind: str, coordinates: Sequence[str], shade: Shade | No
     )
 
 
-def ways(w: Where) -> Table:
+def _ways(w: Where) -> Table:
     """Return the residual of each way of motion in numbers."""
     found = [r.over(WAY)[0] for r in (w.before, w.after) if r]
     factor, unit = numbers.prefixed(float(np.nanmax(found[0].rms)), w.unit)
@@ -164,7 +164,7 @@ def ways(w: Where) -> Table:
     return Table(columns, tuple(rows), caption, "lr" + "rr" * len(found))
 
 
-def over_time(w: Where, shade: Shade | None = None) -> Figure:
+def _over_time(w: Where, shade: Shade | None = None) -> Figure:
     """Return the residual on each record over time."""
     records = [m.record for m in w.before.over(TIME)]
     place = w.before.place(TIME)
@@ -172,27 +172,27 @@ def over_time(w: Where, shade: Shade | None = None) -> Figure:
     if shade:
         title = shade.title
     else:
-        title = capital(sentence(place, name(w), span)) if place and place.stands_out else falling(w)
+        title = capital(sentence(place, _name(w), span)) if place and place.stands_out else _falling(w)
     return Figure(
         f"where_{w.of}_time",
         lambda: figures.over_time(title, w, shade),
-        f"Rms residual of the {w.of} in {BINS} stretches of each record, {both(w)}.",
+        f"Rms residual of the {w.of} in {BINS} stretches of each record, {_both(w)}.",
         f"{len(records)} graphs over time, one a record: {listed(records)}. {title}.",
     )
 
 
-def falling(w: Where) -> str:
+def _falling(w: Where) -> str:
     """Return by how much the residual falls on the records, or how large it is on them."""
     now = w.after or w.before
     rms = [[float(np.sqrt(np.sum(m.rms**2 * m.count) / m.count.sum())) for m in r.over(TIME)] for r in (w.before, now)]
     if w.after is None:
         factor, unit = numbers.prefixed(max(rms[0]), w.unit)
         low, high = (numbers.number(f(rms[0]) * factor) for f in (min, max))
-        return f"On no record a time stands out: the {name(w)} is {low} to {high} {unit} rms"
+        return f"On no record a time stands out: the {_name(w)} is {low} to {high} {unit} rms"
     ratios = [a / b for a, b in zip(*rms, strict=True) if b > 0.0]
     low, high = (numbers.number(f(ratios, default=1.0), 2) for f in (min, max))
     by = low if low == high else f"{low} to {high}"
-    return f"On no record a time stands out; the {name(w)} is {by} times smaller with the extended model"
+    return f"On no record a time stands out; the {_name(w)} is {by} times smaller with the extended model"
 
 
 def spectra(w: Where) -> Figure:
@@ -200,12 +200,12 @@ def spectra(w: Where) -> Figure:
     frequency, order = w.before.spectra
     low, high = frequency.band
     there = span(low, high, "Hz") if low else f"below {numbers.scaled(high, 'Hz')}"
-    title = f"Half of the {name(w)}'s power lies {there}"
+    title = f"Half of the {_name(w)}'s power lies {there}"
     line, times = order.lines[0] if order.lines else (0.0, 0.0)
     if times >= STANDS_OUT:
         title += f"; order {numbers.exact(line, 3)} is {numbers.number(times, 2)} times the orders about it"
     caption = (
-        f"Residual of the {w.of}, {both(w)}: density over frequency (top), and amplitude over order, the spectrum over "
+        f"Residual of the {w.of}, {_both(w)}: density over frequency (top), and amplitude over order, the spectrum over "
         f"position (bottom); an order of k has k waves in 2\u03c0 {'rad, a turn' if w.rotary else 'm'}."
     )
     return Figure(f"where_{w.of}_spectra", lambda: figures.spectra(title, w), caption, f"Two graphs. {title}.")

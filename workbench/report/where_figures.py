@@ -18,13 +18,13 @@ SPREAD = 2.0  # standard errors of a mean that are drawn
 Model = tuple[str, Residual, dict]
 
 
-def models(w: Where) -> list[Model]:
+def _models(w: Where) -> list[Model]:
     """Return (label, residual, style) of each model."""
     found = [("declared model", w.before, {"color": BEFORE})]
     return found + ([("extended model", w.after, {"color": AFTER})] if w.after else [])
 
 
-def prefix(w: Where, coordinate: str | None = None) -> tuple[float, str]:
+def _prefix(w: Where, coordinate: str | None = None) -> tuple[float, str]:
     """Return (factor, unit) that suits the largest rms of all maps, or of those over one coordinate."""
     chosen = [m.rms for m in w.before.maps if m.coordinate == (coordinate or m.coordinate)]
     return numbers.prefixed(max(float(np.nanmax(r)) for r in chosen), w.unit)
@@ -32,14 +32,14 @@ def prefix(w: Where, coordinate: str | None = None) -> tuple[float, str]:
 
 def multiples(title: str, w: Where, coordinates: Sequence[str], shade: Shade | None = None) -> bytes:
     """Mean and rms over each coordinate: a row a coordinate, backward motion on the left and forward on the right."""
-    small, fine = prefix(w)
+    small, fine = _prefix(w)
 
     def draw(axes):
         for k, coordinate in enumerate(coordinates):
             for axis, way in zip(axes[2 * k : 2 * k + 2], (BACKWARD, FORWARD), strict=True):
-                for label, residual, style in models(w):
+                for label, residual, style in _models(w):
                     m = next(m for m in residual.over(coordinate) if m.way == way)
-                    curve(axis, m, small, label, style)
+                    _curve(axis, m, small, label, style)
                 if shade:
                     shaded(
                         axis, shade.over(coordinate, way), numbers.prefixed(float(np.max(np.abs(m.edges))), m.unit)[0]
@@ -47,12 +47,12 @@ def multiples(title: str, w: Where, coordinates: Sequence[str], shade: Shade | N
                 axis.axhline(0, color=MUTED, linewidth=0.6)
                 axis.set_title(f"moving {way}" if k == 0 else "", loc="left", fontweight="normal")
             axes[2 * k].set_ylabel(numbers.label("residual", fine))
-        legend(axes)
+        _legend(axes)
 
     return svg(title, draw, rows=len(coordinates), columns=2, height=HEAD + ROW * len(coordinates))
 
 
-def curve(axis, m: Map, small: float, label: str, style: dict) -> None:
+def _curve(axis, m: Map, small: float, label: str, style: dict) -> None:
     """Draw mean, its standard error and rms of one model over one coordinate."""
     factor, shown = numbers.prefixed(float(np.max(np.abs(m.edges))), m.unit)
     seen = m.count > 0
@@ -78,7 +78,7 @@ def shaded(axis, spans: Sequence[tuple[float, float]], factor: float = 1.0) -> N
         axis.axvspan(factor * low, factor * high, color=MEASURED, alpha=0.4, linewidth=1.0, zorder=0.5, label=LIVES)
 
 
-def legend(axes) -> None:
+def _legend(axes) -> None:
     """Put one legend under the whole figure, with what is in any of its graphs."""
     known = {}
     for axis in axes:
@@ -89,12 +89,12 @@ def legend(axes) -> None:
 
 def over_time(title: str, w: Where, shade: Shade | None = None) -> bytes:
     """Rms of each record over its time, a row a record."""
-    small, fine = prefix(w, TIME)
+    small, fine = _prefix(w, TIME)
     rows = w.before.over(TIME)
 
     def draw(axes):
         for axis, m in zip(axes, rows, strict=True):
-            for label, residual, style in models(w):
+            for label, residual, style in _models(w):
                 one = next(o for o in residual.over(TIME) if o.record == m.record)
                 axis.stairs(one.rms * small, one.edges, **style, label=label)
             if shade:
@@ -104,18 +104,18 @@ def over_time(title: str, w: Where, shade: Shade | None = None) -> bytes:
             axis.set_ylim(bottom=0.0)
             axis.margins(x=0.01)
         axes[-1].set_xlabel("time (s)")
-        legend(axes)
+        _legend(axes)
 
     return svg(title, draw, rows=len(rows), height=HEAD + 1.15 * len(rows))
 
 
 def spectra(title: str, w: Where) -> bytes:
     """Density over frequency and amplitude over order, both logarithmic."""
-    small, fine = prefix(w)
+    small, fine = _prefix(w)
     x = "rad" if w.rotary else "m"
 
     def draw(axes):
-        for label, residual, style in models(w):
+        for label, residual, style in _models(w):
             frequency, order = residual.spectra
             axes[0].semilogy(frequency.at, frequency.amplitude * small, **style, label=label)
             axes[1].loglog(order.at, order.amplitude * small, **style, linewidth=0.9)
@@ -125,6 +125,6 @@ def spectra(title: str, w: Where) -> bytes:
         axes[1].set_ylabel(numbers.label("amplitude", fine))
         for axis in (axes[0].yaxis, axes[1].yaxis, axes[1].xaxis):
             decades(axis)
-        legend(axes)
+        _legend(axes)
 
     return svg(title, draw, rows=2, height=4.2)

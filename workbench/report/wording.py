@@ -57,12 +57,12 @@ def said(findings: Iterable[Finding]) -> tuple[Items, ...]:
     return (Items(tuple(texts)),) if texts else ()
 
 
-def of_effects(estimates: Sequence[Estimate]) -> str:
+def _of_effects(estimates: Sequence[Estimate]) -> str:
     """Return whether the place must be told: only where an effect or a place differs."""
     return "at" if len({e.at for e in estimates}) > 1 else ""
 
 
-def interval(e: Estimate) -> tuple[str, str | Marked]:
+def _interval(e: Estimate) -> tuple[str, str | Marked]:
     """Return (value, 95 % interval) of an estimate as cells."""
     value, wide = numbers.with_interval(e.value, e.low, e.high)
     if e.fixed:
@@ -73,7 +73,7 @@ def interval(e: Estimate) -> tuple[str, str | Marked]:
     return value, Marked(f"{wide}, not determined", BAD) if undetermined else wide
 
 
-def by_record(e: Estimate, spread: Spread, differ: Collection[str]) -> str | Marked:
+def _by_record(e: Estimate, spread: Spread, differ: Collection[str]) -> str | Marked:
     """Return what the records say of a parameter one at a time, as a cell; marked where they disagree."""
     name = f"{e.effect}@{e.at}.{e.parameter}"
     if name not in spread:
@@ -90,16 +90,16 @@ def parameters(
 
     before: what the declared model found, beside. fit: whose records say something of a parameter one at a time, beside.
     """
-    earlier = {(e.effect, e.at, e.parameter): interval(e)[0] for e in before}
+    earlier = {(e.effect, e.at, e.parameter): _interval(e)[0] for e in before}
     spread = fit.spread if fit is not None else {}
     differ = {f.subject for f in fit.findings if f.kind == DISAGREE} if fit is not None else set()
     rows, last = [], None
     for e in estimates:
         here = (e.effect, e.at)
-        name = f"{title(e.effect)} ({e.at})" if of_effects(estimates) else title(e.effect)
-        value, wide = interval(e)
+        name = f"{title(e.effect)} ({e.at})" if _of_effects(estimates) else title(e.effect)
+        value, wide = _interval(e)
         was = (earlier.get((*here, e.parameter), Marked("\u2013", QUIET)),) if before else ()
-        each = (by_record(e, spread, differ),) if spread else ()
+        each = (_by_record(e, spread, differ),) if spread else ()
         first = name if here != last else ""
         rows.append(
             (

@@ -24,7 +24,7 @@ def write(result: StudyResult, folder: Path, stem: str = "report") -> None:
     stem: of the two files' names.
     """
     chapters = standard(result)
-    figures = drawn(chapters)
+    figures = _drawn(chapters)
     data = {
         "title": result.title,
         "name": result.name,
@@ -34,20 +34,20 @@ def write(result: StudyResult, folder: Path, stem: str = "report") -> None:
         "question": result.question,
         "campaign": result.campaign,
         "attached": next((n for n in ATTACHED if (folder / n).is_file()), ""),
-        "chapters": [{"title": c.title, "blocks": [as_data(b) for b in c.blocks]} for c in chapters],
+        "chapters": [{"title": c.title, "blocks": [_as_data(b) for b in c.blocks]} for c in chapters],
     }
     (folder / "figures").mkdir(exist_ok=True)
     for name, svg in figures.items():
         (folder / "figures" / name).write_bytes(svg)
     beside = {data["attached"]: (folder / data["attached"]).read_bytes()} if data["attached"] else {}
-    made = compiled(plain(data), figures | beside)
+    made = compiled(_plain(data), figures | beside)
     alts = {b.name: printable(b.alt) for c in chapters for b in c.blocks if isinstance(b, Figure)}
     made["html"] = inlined(made["html"].decode("utf-8"), figures, alts).encode("utf-8")
     for ending, content in made.items():
         (folder / f"{stem}.{ending}").write_bytes(content)
 
 
-def drawn(chapters: Sequence[Chapter]) -> dict[str, bytes]:
+def _drawn(chapters: Sequence[Chapter]) -> dict[str, bytes]:
     """Return file name -> SVG of every figure."""
     figures = [b for c in chapters for b in c.blocks if isinstance(b, Figure)]
     names = [f"{f.name}.svg" for f in figures]
@@ -57,7 +57,7 @@ def drawn(chapters: Sequence[Chapter]) -> dict[str, bytes]:
     return dict(zip(names, shared(lambda f: f.svg() if callable(f.svg) else f.svg, figures), strict=True))
 
 
-def as_data(block: Block) -> dict:
+def _as_data(block: Block) -> dict:
     """Return a block as JSON data for the template; a figure names its file."""
     data = {f.name: getattr(block, f.name) for f in fields(block)}
     if isinstance(block, Figure):
@@ -65,7 +65,7 @@ def as_data(block: Block) -> dict:
     return {"kind": type(block).__name__.lower(), **data}
 
 
-def plain(value):
+def _plain(value):
     """Return data as JSON holds it: every string printable, marked text as an object."""
     if isinstance(value, bool):
         return value
@@ -74,5 +74,5 @@ def plain(value):
     if isinstance(value, Marked):
         return {"text": printable(value.text), "tone": value.tone}
     if isinstance(value, dict):
-        return {k: plain(v) for k, v in value.items()}
-    return [plain(v) for v in value]
+        return {k: _plain(v) for k, v in value.items()}
+    return [_plain(v) for v in value]

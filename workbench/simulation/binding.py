@@ -37,7 +37,7 @@ class Bound:
     loop: Loop
     scenarios: ScenarioArrays
     frontier: tuple[tuple, ...]
-    initial: dict[str, np.ndarray | float]
+    _initial: dict[str, np.ndarray | float]
     delays: np.ndarray
     strength: np.ndarray
     table: np.ndarray
@@ -52,7 +52,7 @@ class Bound:
         return self.scenarios.lanes
 
 
-def evaluated(piece: Piece, values: dict) -> tuple:
+def _evaluated(piece: Piece, values: dict) -> tuple:
     """Return what a piece takes from constants; WorkbenchError where it is not a number."""
     result = arrays.evaluate(piece.before, [values[n] for n in piece.constants])[0]
     for value in result:
@@ -71,7 +71,7 @@ def samples_of(duration: float, loop: Loop) -> int:
     return max(int(round(duration / loop.sample_time)), 1)
 
 
-def delays_of(plant: Plant, loop: Loop, scenarios: ScenarioArrays) -> np.ndarray:
+def _delays_of(plant: Plant, loop: Loop, scenarios: ScenarioArrays) -> np.ndarray:
     """Return the delay of the command in whole substeps, scalar or (lanes,): the loop's, the plant's, the scenario's."""
     total = loop.delay + scenarios.delay
     for e in plant.effects:
@@ -82,13 +82,13 @@ def delays_of(plant: Plant, loop: Loop, scenarios: ScenarioArrays) -> np.ndarray
     return np.floor(total / loop.substep + 0.5).astype(np.int64)
 
 
-def factors(scenarios: ScenarioArrays) -> dict:
+def _factors(scenarios: ScenarioArrays) -> dict:
     """Scenario fields as constants of the design."""
     names = ("target", "inertia", "friction", "load", "phase", "load_inertia", "locked")
     return {n: getattr(scenarios, n)[()] for n in names}
 
 
-def limits(plant: Plant, loop: Loop) -> dict[str, float]:
+def _limits(plant: Plant, loop: Loop) -> dict[str, float]:
     """Constants of the loop and the drive."""
     return {
         "limit": plant.limits.drive,
@@ -103,7 +103,7 @@ def limits(plant: Plant, loop: Loop) -> dict[str, float]:
     }
 
 
-def smoothing_of(controller: Controller, lanes: int, loop: Loop) -> np.ndarray:
+def _smoothing_of(controller: Controller, lanes: int, loop: Loop) -> np.ndarray:
     """Return the share of a new difference that a controller's own velocity filter takes, scalar or (lanes,)."""
     time = np.asarray(controller.velocity_filter, dtype=float)
     if time.ndim and time.shape != (lanes,):
@@ -114,7 +114,7 @@ def smoothing_of(controller: Controller, lanes: int, loop: Loop) -> np.ndarray:
     return np.where(time > 0.0, -np.expm1(-loop.sample_time / np.maximum(time, 1e-12)), 1.0)[()]
 
 
-def of_controller(controller: Controller, lanes: int, loop: Loop) -> dict:
+def _of_controller(controller: Controller, lanes: int, loop: Loop) -> dict:
     """Constants of the law, of its velocity filter and of its table's ends."""
     missing = set(controller.law.parameters) - set(controller.parameters)
     if missing:
@@ -133,14 +133,14 @@ def of_controller(controller: Controller, lanes: int, loop: Loop) -> dict:
             )
         values[f"law.{name}"] = value[()]
     if controller.velocity_filter is not None:
-        values["smoothing"] = smoothing_of(controller, lanes, loop)
+        values["smoothing"] = _smoothing_of(controller, lanes, loop)
     if controller.tables:
         knots = controller.tables[0].knots
         values |= {"knot.first": knots[0], "knot.last": knots[-1]}
     return values
 
 
-def tables_of(controller: Controller | None, lanes: int):
+def _tables_of(controller: Controller | None, lanes: int):
     """Return (rows, first row of each lane's table, (shift, offset))."""
     if controller is None or not controller.tables:
         return np.zeros((1, 2)), np.zeros(lanes, dtype=np.int64), (0, 0)
@@ -167,16 +167,16 @@ def bind(plant, loop: Loop, controller: Controller | None, scenarios: ScenarioAr
         raise WorkbenchError(
             f"the law '{controller.law.name}' asks for two encoders, but a plant of {ONE_MASS} has 'position' alone."
         )
-    sensing, noisy = sensing_of(plants[0], loop, scenarios), bool((scenarios.noise > 0.0).any())
+    sensing, noisy = _sensing_of(plants[0], loop, scenarios), bool((scenarios.noise > 0.0).any())
     made = design(plants[0], controller.law if controller else None, sensing, noisy=noisy, given=given.structure)
-    widths = widths_of(loop)
+    widths = _widths_of(loop)
     each = [constants_of(p, made.symbols, widths) for p in plants]
     alike = [p.kind == plants[0].kind and p.limits == plants[0].limits for p in plants]
     if not all(alike) or any(e.keys() != each[0].keys() for e in each):
         raise WorkbenchError("plants of one run must have the same effects and limits, and differ in values alone.")
     values = each[0] if len(each) == 1 else {n: _joined([e[n] for e in each]) for n in each[0]}
-    values = values | factors(scenarios) | limits(plants[0], loop) | criteria.constants(loop)
-    values |= of_controller(controller, lanes, loop) if controller else {}
+    values = values | _factors(scenarios) | _limits(plants[0], loop) | criteria.constants(loop)
+    values |= _of_controller(controller, lanes, loop) if controller else {}
     back = BACK * (max(loop.resolution, loop.load_resolution) if made.law and made.law.follows == JOINT else loop.count)
     back = controller.reversal if controller and controller.reversal is not None else back
     step = scenarios.target - scenarios.start
@@ -187,17 +187,17 @@ def bind(plant, loop: Loop, controller: Controller | None, scenarios: ScenarioAr
         "band": criteria.band * np.abs(aim - scenarios.start),
         "step_sign": np.sign(step) + 0.0,
     }
-    rest = at_rest(made, values, scenarios)
-    values |= per_mass(made, values, rest, scenarios)
-    table, base, grid = tables_of(controller, lanes)
-    delays = delays_of(plants[0], loop, scenarios)
+    rest = _at_rest(made, values, scenarios)
+    values |= _per_mass(made, values, rest, scenarios)
+    table, base, grid = _tables_of(controller, lanes)
+    delays = _delays_of(plants[0], loop, scenarios)
     window = max(int(round(criteria.window / loop.sample_time)), 1)
     return Bound(
         design=made,
         loop=loop,
         scenarios=scenarios,
-        frontier=tuple(evaluated(p, values) for p in made.pieces),
-        initial=initial(made, controller, values, scenarios, rest),
+        frontier=tuple(_evaluated(p, values) for p in made.pieces),
+        initial=_initial(made, controller, values, scenarios, rest),
         delays=delays,
         strength=np.broadcast_to(scenarios.noise / noise.SIGMA, (lanes,)),
         table=table,
@@ -209,7 +209,7 @@ def bind(plant, loop: Loop, controller: Controller | None, scenarios: ScenarioAr
     )
 
 
-def sensing_of(plant: Plant, loop: Loop, scenarios: ScenarioArrays) -> Sensing:
+def _sensing_of(plant: Plant, loop: Loop, scenarios: ScenarioArrays) -> Sensing:
     """Return what is read of a plant; WorkbenchError where the loop or a scenario asks for a load that is not there."""
     if plant.kind == ONE_MASS and loop.feedback != "position":
         raise WorkbenchError(
@@ -221,7 +221,7 @@ def sensing_of(plant: Plant, loop: Loop, scenarios: ScenarioArrays) -> Sensing:
     return Sensing(plant.kind, loop.feedback, tuple(n for n, count in counts.items() if count > 0.0))
 
 
-def widths_of(loop: Loop) -> dict[str, float]:
+def _widths_of(loop: Loop) -> dict[str, float]:
     """Widths of the stop operators that give `dir`, by place, as in identification."""
     width = max(2.0 * loop.resolution, 1e-12)
     load = max(2.0 * loop.load_resolution, loop.resolution, 1e-12)
@@ -232,13 +232,13 @@ def _joined(values: list[float]):
     return values[0] if all(v == values[0] for v in values) else np.array(values)
 
 
-def at(made: Piece, values: dict, rows: dict):
+def _at(made: Piece, values: dict, rows: dict):
     """Return name -> value of a piece at these rows; rows that are not named are zero."""
     given = [rows.get(n, 0.0) for n in made.rows]
-    return dict(zip(made.outputs, arrays.evaluate(made.after, given, evaluated(made, values))[0], strict=True))
+    return dict(zip(made.outputs, arrays.evaluate(made.after, given, _evaluated(made, values))[0], strict=True))
 
 
-def at_rest(made: Design, values: dict, scenarios: ScenarioArrays) -> dict:
+def _at_rest(made: Design, values: dict, scenarios: ScenarioArrays) -> dict:
     """Return row -> position and speed of each body, where the loop begins: at the start, with the joint not wound up.
 
     The motor stands where the gear's error leaves no deflection; its slope is well below one, so fixed-point steps do.
@@ -247,19 +247,19 @@ def at_rest(made: Design, values: dict, scenarios: ScenarioArrays) -> dict:
         return {"q": scenarios.start, "v": scenarios.speed}
     rows = {"q": scenarios.start, "load.q": scenarios.start}
     for _ in range(REST):
-        x = at(made.joint, values, rows)[LAST]
+        x = _at(made.joint, values, rows)[LAST]
         rows["q"] = rows["q"] - x
     if not np.max(np.abs(x)) < 1e-9:
         raise WorkbenchError(
             "the joint has no deflection of zero near a scenario's start: the slope of its angle maps is too large."
         )
-    return rows | {LAST: at(made.joint, values, rows)[LAST], "v": scenarios.speed, "load.v": scenarios.speed}
+    return rows | {LAST: _at(made.joint, values, rows)[LAST], "v": scenarios.speed, "load.v": scenarios.speed}
 
 
-def per_mass(made: Design, values: dict, rest: dict, scenarios: ScenarioArrays) -> dict:
+def _per_mass(made: Design, values: dict, rest: dict, scenarios: ScenarioArrays) -> dict:
     """Return one over each body's mass at the start, zero for a load that is held; WorkbenchError where it is not positive."""
     found = {}
-    for name, mass in at(made.mass, values, rest).items():
+    for name, mass in _at(made.mass, values, rest).items():
         load = name == "load.mass"
         if not (np.min(mass) > 0.0):
             body = "load" if load else "plant" if made.joint is None else "motor"
@@ -273,9 +273,9 @@ def per_mass(made: Design, values: dict, rest: dict, scenarios: ScenarioArrays) 
     return found
 
 
-def initial(made: Design, controller: Controller | None, values: dict, scenarios: ScenarioArrays, rest: dict) -> dict:
+def _initial(made: Design, controller: Controller | None, values: dict, scenarios: ScenarioArrays, rest: dict) -> dict:
     """Return row -> value at the start: every memory empty, the reading that of the start position."""
-    first = at(made.start, values, rest)
+    first = _at(made.start, values, rest)
     y, turned = first["y"], followed(made.law, first)
     rows = rest | {
         **first,

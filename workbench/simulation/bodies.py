@@ -41,7 +41,7 @@ def substep(kind: str, effects: tuple[Effect, ...], symbols: Symbols, *, speed_l
     Reads the rows q, v, u (the command), noise; constants h, limit, speed_slope, and the scenario's factors.
     """
     h = symbols.constant("h")
-    u, after = drive(effects, symbols, speed_limited=speed_limited)
+    u, after = _drive(effects, symbols, speed_limited=speed_limited)
     common = fixed_signals(symbols) | {"dt": h}
     lever, torque, inertial = {}, None, ca.SX(0)
     if kind == TWO_MASS:
@@ -51,22 +51,22 @@ def substep(kind: str, effects: tuple[Effect, ...], symbols: Symbols, *, speed_l
     for place, prefix in bodies.items():
         q, v, a = symbols.state(f"{prefix}q"), symbols.state(f"{prefix}v"), ca.SX.sym("a")
         signals = common | {"q": q, "v": v, "a": a, "dq": v * h}
-        moved, parts, signals = forces(effects, place, signals, symbols)
-        total = summed(effects, parts)
+        moved, parts, signals = _forces(effects, place, signals, symbols)
+        total = _summed(effects, parts)
         if lever:
             total += lever[place] * torque
-        mass, rest = affine(total, a, "plant" if kind == ONE_MASS else place)
+        mass, rest = _affine(total, a, "plant" if kind == ONE_MASS else place)
         mass = symbols.constant("inertia") * mass
         driven, outer = place != "load", place != "motor"
         push = (u + symbols.state("noise") if noisy else u) if driven else ca.SX(0)
         if outer:
             mass, rest = mass + symbols.constant("load_inertia"), rest + symbols.constant("load")
         if kind == ONE_MASS:
-            drawn, inertial = load_of(effects, place, parts, mass, a, symbols)
+            drawn, inertial = _load_of(effects, place, parts, mass, a, symbols)
         load = {"tau": drawn, "tau_inertia": inertial}
-        more, follows = following(effects, place, signals | load, symbols)
+        more, follows = _following(effects, place, signals | load, symbols)
         moved |= more
-        acceleration = accelerated(a, push, rest, mass, follows, prefix, symbols)
+        acceleration = _accelerated(a, push, rest, mass, follows, prefix, symbols)
         v_after = v + acceleration * h
         after |= {f"{prefix}q": q + v_after * h, f"{prefix}v": v_after}
         after |= {n: ca.substitute(x, a, acceleration) for n, x in moved.items()}
@@ -74,15 +74,15 @@ def substep(kind: str, effects: tuple[Effect, ...], symbols: Symbols, *, speed_l
     return after, masses
 
 
-def load_of(
+def _load_of(
     effects: tuple[Effect, ...], place: str, parts: Mapping[str, ca.SX], mass: ca.SX, a: ca.SX, symbols: Symbols
 ):
     """Return (tau, tau_inertia) of one mass, a scenario's load and inertias with them: see `plant.carried`."""
-    still, moving = (summed(effects, parts, part) for part in carried(ONE_MASS, place, effects))
+    still, moving = (_summed(effects, parts, part) for part in carried(ONE_MASS, place, effects))
     return still + symbols.constant("load"), moving + (mass - ca.jacobian(moving, a)) * a
 
 
-def accelerated(
+def _accelerated(
     a: ca.SX, push: ca.SX, rest: ca.SX, mass: ca.SX, follows: ca.SX, prefix: str, symbols: Symbols
 ) -> ca.SX:
     """Return the acceleration of a body: mass a + rest + follows(a) = push. follows: what friction by load adds."""
@@ -97,10 +97,10 @@ def accelerated(
         acceleration = left * symbols.constant(f"{prefix}per_mass")
     if not implicit:
         return acceleration
-    return balanced(mass * a + follows - left, a, acceleration) * free
+    return _balanced(mass * a + follows - left, a, acceleration) * free
 
 
-def drive(effects: tuple[Effect, ...], symbols: Symbols, *, speed_limited: bool) -> tuple[ca.SX, dict[str, ca.SX]]:
+def _drive(effects: tuple[Effect, ...], symbols: Symbols, *, speed_limited: bool) -> tuple[ca.SX, dict[str, ca.SX]]:
     """Return (what acts on the driven body, name -> next state of the command maps)."""
     q, v, u = (symbols.state(n) for n in ("q", "v", "u"))
     after: dict[str, ca.SX] = {}
@@ -111,10 +111,10 @@ def drive(effects: tuple[Effect, ...], symbols: Symbols, *, speed_limited: bool)
         signals = signals | {"u": u}
     limit = symbols.constant("limit")
     u = clip(u, -limit, limit) if command_maps(effects) else u  # the controller's command obeys the limit already
-    return limited_by_speed(u, v, symbols.constant("speed_slope")) if speed_limited else u, after
+    return _limited_by_speed(u, v, symbols.constant("speed_slope")) if speed_limited else u, after
 
 
-def forces(effects: tuple[Effect, ...], place: str, signals: Mapping[str, ca.SX], symbols: Symbols):
+def _forces(effects: tuple[Effect, ...], place: str, signals: Mapping[str, ca.SX], symbols: Symbols):
     """Return (name -> next state, key -> force, signals with what these provide) at a place, of what follows no load."""
     after: dict[str, ca.SX] = {}
     outputs, signals = {}, dict(signals)
@@ -127,13 +127,13 @@ def forces(effects: tuple[Effect, ...], place: str, signals: Mapping[str, ca.SX]
     return after, outputs, signals
 
 
-def summed(effects: Iterable[Effect], outputs: Mapping[str, ca.SX], only: Collection[Effect] | None = None) -> ca.SX:
+def _summed(effects: Iterable[Effect], outputs: Mapping[str, ca.SX], only: Collection[Effect] | None = None) -> ca.SX:
     """Return the sum of forces in the plant's order, whatever the order of evaluation. only: these."""
     keys = {e.key for e in (effects if only is None else only)}
     return sum((outputs[e.key] for e in effects if e.key in outputs and e.key in keys), ca.SX(0))
 
 
-def following(effects: tuple[Effect, ...], place: str, signals: Mapping[str, ca.SX], symbols: Symbols):
+def _following(effects: tuple[Effect, ...], place: str, signals: Mapping[str, ca.SX], symbols: Symbols):
     """Return (name -> next state, sum) of the forces at a place that follow the load."""
     after: dict[str, ca.SX] = {}
     total = ca.SX(0)
@@ -145,7 +145,7 @@ def following(effects: tuple[Effect, ...], place: str, signals: Mapping[str, ca.
     return after, total
 
 
-def balanced(residual: ca.SX, a: ca.SX, start: ca.SX) -> ca.SX:
+def _balanced(residual: ca.SX, a: ca.SX, start: ca.SX) -> ca.SX:
     """Return the acceleration at which a residual is zero: Newton's steps, exact where it is straight but for one kink."""
     slope = ca.jacobian(residual, a)
     for _ in range(KINKED):
@@ -183,13 +183,13 @@ def joint(effects: tuple[Effect, ...], common: Mapping[str, ca.SX], symbols: Sym
     v = slope["motor"] * symbols.state("v") + slope["load"] * symbols.state("load.v")
     # Increments from positions, which a gap's edge or a gear's error cannot let drift from the deflection itself.
     signals = {**common, "q": x, "v": v, "dq": x - symbols.state(LAST)}
-    moved, parts, signals = forces(effects, "joint", signals, symbols)
-    drawn = summed(effects, parts)
-    more, follows = following(effects, "joint", signals | {"tau": drawn, "tau_inertia": ca.SX(0)}, symbols)
+    moved, parts, signals = _forces(effects, "joint", signals, symbols)
+    drawn = _summed(effects, parts)
+    more, follows = _following(effects, "joint", signals | {"tau": drawn, "tau_inertia": ca.SX(0)}, symbols)
     return after | moved | more | {LAST: x}, drawn + follows, drawn, lever
 
 
-def affine(total: ca.SX, a: ca.SX, body: str) -> tuple[ca.SX, ca.SX]:
+def _affine(total: ca.SX, a: ca.SX, body: str) -> tuple[ca.SX, ca.SX]:
     """Return (mass, rest) of total = mass a + rest; WorkbenchError where it is not affine in a, or has no mass."""
     mass = ca.jacobian(total, a)
     if ca.depends_on(mass, a):
@@ -202,7 +202,7 @@ def affine(total: ca.SX, a: ca.SX, body: str) -> tuple[ca.SX, ca.SX]:
     return ca.densify(mass), ca.substitute(total, a, ca.SX(0))
 
 
-def limited_by_speed(u: ca.SX, v: ca.SX, slope: ca.SX) -> ca.SX:
+def _limited_by_speed(u: ca.SX, v: ca.SX, slope: ca.SX) -> ca.SX:
     """Return u with the part that accelerates reduced to zero over the last SOFT of the speed limit; slope = 1/(SOFT limit)."""
     forward = clip(1.0 / SOFT - v * slope, 0.0, 1.0)
     backward = clip(1.0 / SOFT + v * slope, 0.0, 1.0)

@@ -16,7 +16,7 @@ from workbench.simulation.run import LANES, run_lanes
 from workbench.simulation.scenario import Loop, Scenario, ScenarioArrays, arrays_of
 
 
-def named(bound: Bound, record: Sequence[str]) -> tuple[str, ...]:
+def _named(bound: Bound, record: Sequence[str]) -> tuple[str, ...]:
     """Return the rows to record; "u" is the command after its limit, "kp" and "kd" those in use where they are scheduled."""
     known = {n.removeprefix("gain."): n for n in bound.design.rows} | {"u": "u_c"}
     for name in record:
@@ -62,7 +62,7 @@ def simulate(
     given = given_of({REFERENCE: reference, INJECTED: injected}, samples, arrays.lanes)
     bound = bind(plant, loop, controller, arrays, samples, criteria, given=given)
     arrays = bound.scenarios
-    final, kept = run_lanes(bound, named(bound, record), every, lanes, threads)
+    final, kept = run_lanes(bound, _named(bound, record), every, lanes, threads)
     metrics = finished(bound, final, criteria.band, _trajectories(bound, record, every, kept))
     if not own:
         return metrics
@@ -116,5 +116,5 @@ def open_loop(
     )
     load = ("load.q", "load.v", "load.y") if one.kind == TWO_MASS else ()
     names = tuple(dict.fromkeys(("q", "v", "y", *load, *record)))
-    _, kept = run_lanes(bound, named(bound, names), 1, lanes, threads)
+    _, kept = run_lanes(bound, _named(bound, names), 1, lanes, threads)
     return _trajectories(bound, names, 1, kept)

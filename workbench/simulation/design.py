@@ -32,7 +32,7 @@ class Piece:
     after: Program
 
 
-def piece(made: Stage, symbols: Symbols) -> Piece:
+def _piece(made: Stage, symbols: Symbols) -> Piece:
     constant = [n in symbols.constants for n in made.inputs]
     before, after = split(made.program, constant)
     return Piece(
@@ -107,7 +107,7 @@ def _design(
     x = deflection(effects, symbols)[1] if sensing.kind == TWO_MASS else None
 
     def ready(name, outputs):
-        return piece(stage(name, symbols.all, outputs), symbols)
+        return _piece(stage(name, symbols.all, outputs), symbols)
 
     pieces = (ready("sense", seen), ready("control", decided), ready("substep", moved))
     gains = tuple(f"gain.{n}" for n in law.columns) if law is not None else ()

@@ -50,7 +50,7 @@ def is_friction(effect: Effect) -> bool:
     )
 
 
-def parameters_of(effect: Effect, symbols: Symbols):
+def _parameters_of(effect: Effect, symbols: Symbols):
     """Return the effect's (derived) parameters as a namespace of constants, registered under "key.name"."""
     given = ca.SX.sym("p", len(effect.parameters))
     inside = namespace(**view(effect.parameters, given))
@@ -83,7 +83,7 @@ def call(effect: Effect, signals: Mapping[str, ca.SX], symbols: Symbols):
         for i in range(size)
     ]
     z = ca.vertcat(*(symbols.state(n) for n in names), ca.SX(0, 1))
-    after, output, provided = apply(effect, {n: signals[n] for n in effect.reads}, z, parameters_of(effect, symbols))
+    after, output, provided = apply(effect, {n: signals[n] for n in effect.reads}, z, _parameters_of(effect, symbols))
     return {n: after[i] for i, n in enumerate(names)}, output, provided
 
 

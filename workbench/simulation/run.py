@@ -31,7 +31,7 @@ def kernel(design: Design, layout: Layout):
     return load(source(design, layout), "loop").run
 
 
-def layout_of(bound: Bound, lanes: int, record: tuple[str, ...]) -> Layout:
+def _layout_of(bound: Bound, lanes: int, record: tuple[str, ...]) -> Layout:
     """How the kernel for these numbers is laid out."""
     most = int(np.max(bound.delays))
     delay = "none" if most == 0 else "uniform" if np.min(bound.delays) == most else "varying"
@@ -40,7 +40,7 @@ def layout_of(bound: Bound, lanes: int, record: tuple[str, ...]) -> Layout:
     return Layout(varying, bound.loop.substeps, lanes, delay, slots, record, *bound.given.structure)
 
 
-def chunked(values: np.ndarray, lanes: int, dtype=None) -> np.ndarray:
+def _chunked(values: np.ndarray, lanes: int, dtype=None) -> np.ndarray:
     """Return (..., n) as (chunks, ..., lanes), the last chunk filled with the last value."""
     n = values.shape[-1]
     pad = [(0, 0)] * (values.ndim - 1) + [(0, -n % lanes)]
@@ -52,7 +52,7 @@ def run_lanes(
     bound: Bound, record: tuple[str, ...] = (), every: int = 1, lanes: int = LANES, threads: int | None = None
 ):
     """Return (row -> (lanes,) final values, recorded (n, signals, lanes) or None)."""
-    layout = layout_of(bound, lanes, record)
+    layout = _layout_of(bound, lanes, record)
     at = places(bound.design, layout)
     rows = len(set(at.values()))
     n, chunks = bound.lanes, -(-bound.lanes // lanes)
@@ -65,11 +65,11 @@ def run_lanes(
     if varying:
         whole[rows:] = varying
     scalars = np.array([v for v in flat if not np.ndim(v)], dtype=float)
-    x = chunked(whole, lanes)
-    seeds = chunked(np.broadcast_to(bound.scenarios.seed, (n,)), lanes, np.uint64)
-    base, delays = chunked(bound.base, lanes), chunked(np.broadcast_to(bound.delays, (n,)), lanes)
-    strength = chunked(bound.strength, lanes)
-    own, shared = chunked(bound.given.own, lanes), np.ascontiguousarray(bound.given.shared).ravel()
+    x = _chunked(whole, lanes)
+    seeds = _chunked(np.broadcast_to(bound.scenarios.seed, (n,)), lanes, np.uint64)
+    base, delays = _chunked(bound.base, lanes), _chunked(np.broadcast_to(bound.delays, (n,)), lanes)
+    strength = _chunked(bound.strength, lanes)
+    own, shared = _chunked(bound.given.own, lanes), np.ascontiguousarray(bound.given.shared).ravel()
     kept = -(-bound.samples // every) if record else 0
     out = np.empty((chunks, kept, len(record), lanes))
     run = kernel(bound.design, layout)

@@ -32,7 +32,7 @@ class Sensing:
     quantised: tuple[str, ...]
 
 
-def encoder(effects, symbols: Symbols, channel: str, *, quantised: bool) -> tuple[ca.SX, dict[str, ca.SX]]:
+def _encoder(effects, symbols: Symbols, channel: str, *, quantised: bool) -> tuple[ca.SX, dict[str, ca.SX]]:
     """Return (reading of one channel, next states of its sensor maps)."""
     body = PREFIX[channel]
     after: dict[str, ca.SX] = {}
@@ -55,7 +55,7 @@ def reading(effects, symbols: Symbols, sensing: Sensing) -> dict[str, ca.SX]:
     """Return name -> value: "y", which closes the loop, with two masses "motor.y" and "load.y", and sensor maps' states."""
     values, after = {}, {}
     for channel in SENSORS[: len(BODIES[sensing.kind])]:
-        values[channel], moved = encoder(effects, symbols, channel, quantised=channel in sensing.quantised)
+        values[channel], moved = _encoder(effects, symbols, channel, quantised=channel in sensing.quantised)
         after |= moved
     after["y"] = values[sensing.feedback]
     if sensing.kind == TWO_MASS:
@@ -63,7 +63,7 @@ def reading(effects, symbols: Symbols, sensing: Sensing) -> dict[str, ca.SX]:
     return after
 
 
-def velocity(symbols: Symbols, y: ca.SX, body: str = "", moved: ca.SX | None = None) -> dict[str, ca.SX]:
+def _velocity(symbols: Symbols, y: ca.SX, body: str = "", moved: ca.SX | None = None) -> dict[str, ca.SX]:
     """vh <- vh + (1 - exp(-Ts/tf)) ((y - y_before)/Ts - vh), of the reading of one body ("motor." or "load."), or of y.
 
     moved: y - y_before where that is known otherwise, as in a firmware that counts.
@@ -78,7 +78,7 @@ def followed(law: Law | None, values: dict[str, ca.SX]) -> ca.SX:
     return values["motor.y"] - values["load.y"] if law is not None and law.follows == JOINT else values["y"]
 
 
-def reversals(symbols: Symbols, y: ca.SX) -> tuple[dict[str, ca.SX], ca.SX]:
+def _reversals(symbols: Symbols, y: ca.SX) -> tuple[dict[str, ca.SX], ca.SX]:
     """Return name -> next state of the detector (furthest, way, turned, share, reversals), and 1 where one is found.
 
     way: -1, 0 (at rest), 1. turned: the reading at the last reversal, at first the first reading. share: 1 from rest and
@@ -112,7 +112,7 @@ def inputs(symbols: Symbols, shared: tuple[str, ...], own: tuple[str, ...]) -> d
     return {REFERENCE: symbols.constant("target")} | found
 
 
-def control_signals(law: Law, symbols: Symbols, values: Mapping[str, ca.SX], r: ca.SX) -> dict[str, ca.SX]:
+def _control_signals(law: Law, symbols: Symbols, values: Mapping[str, ca.SX], r: ca.SX) -> dict[str, ca.SX]:
     """What a law reads. values: name -> row of a reading or velocity; r: the reference."""
     y = values["y"]
     constants = {n: symbols.constant(n) for n in ("limit", "count")}
@@ -120,7 +120,7 @@ def control_signals(law: Law, symbols: Symbols, values: Mapping[str, ca.SX], r: 
     return {"r": r, "y": y, "vh": values["vh"], "e": r - y, "dt": symbols.constant("sample_time"), **constants, **more}
 
 
-def law_parts(law: Law, symbols: Symbols):
+def _law_parts(law: Law, symbols: Symbols):
     """Return the law's states and parameters as namespaces."""
     z = namespace(**{n: symbols.state(f"law.{n}") for n in law.states})
     return z, namespace(**{n: symbols.constant(f"law.{n}") for n in law.parameters})
@@ -141,15 +141,15 @@ def observed(
 ) -> dict[str, ca.SX]:
     """What follows from readings ("y", and "motor.y", "load.y"): `sense` without encoders and the ends of the table."""
     out = dict(out)
-    out |= velocity(symbols, out["y"], moved=moved)
+    out |= _velocity(symbols, out["y"], moved=moved)
     for body in dict.fromkeys(n.removesuffix("vh").replace("_", ".") for n in (law.reads if law else ()) if "vh" in n):
-        out |= velocity(symbols, out[f"{body}y"], body)
+        out |= _velocity(symbols, out[f"{body}y"], body)
     at = followed(law, out)
-    walked, found = reversals(symbols, at)
+    walked, found = _reversals(symbols, at)
     out |= walked
     if law is not None and law.amplitude is not None:
-        z, p = law_parts(law, symbols)
-        signals = control_signals(law, symbols, out, driven[REFERENCE])
+        z, p = _law_parts(law, symbols)
+        signals = _control_signals(law, symbols, out, driven[REFERENCE])
         signals |= {"stroke": absolute(at - walked["turned"]), "share": walked["share"], "reversal": found}
         states, amplitude = law.amplitude(namespace(**signals), z, p)
         out |= {f"law.{n}": v for n, v in states.items()}
@@ -159,9 +159,9 @@ def observed(
 
 def command(law: Law, symbols: Symbols, driven: Mapping[str, ca.SX]) -> dict[str, ca.SX]:
     """The law's command and what is added to it, limited to the drive's torque, and its next states."""
-    z, p = law_parts(law, symbols)
+    z, p = _law_parts(law, symbols)
     rows = ("y", "vh", *(n.replace("_", ".") for n in law.reads))
-    signals = control_signals(law, symbols, {n: symbols.state(n) for n in rows}, driven[REFERENCE])
+    signals = _control_signals(law, symbols, {n: symbols.state(n) for n in rows}, driven[REFERENCE])
     signals |= {n: symbols.state(f"gain.{n}") for n in law.columns}
     states, u = law.step(namespace(**signals), z, p)
     limit = symbols.constant("limit")

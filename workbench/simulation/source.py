@@ -72,7 +72,7 @@ def places(design: Design, layout: Layout) -> dict[str, int]:
     return at if "u" in at else at | {"u": at["u_c"]}
 
 
-def expression(line: Line, lanes: int) -> str:
+def _expression(line: Line, lanes: int) -> str:
     """The text of a line. Beside a constant, which is never NaN, fmin and fmax need one comparison, and in this form are
     one instruction of the processor; of two zeros of unlike sign they may return the other one."""
     if line.op in (ca.OP_FMIN, ca.OP_FMAX):
@@ -90,40 +90,40 @@ def _known(name: str) -> bool:
     return not name.startswith(("w", "i0_")) and name != "NAN"
 
 
-def cell(row: int, lanes: int) -> str:
+def _cell(row: int, lanes: int) -> str:
     """Where a row is in one lane. A single lane has its rows in variables: a store and a load would cost it latency."""
     return f"r_{row}" if lanes == 1 else f"x[{row * lanes} + lane]"
 
 
-def lanes_loop(piece: Piece, at: dict[str, int], constants, rows: int, lanes: int) -> list[str]:
+def _lanes_loop(piece: Piece, at: dict[str, int], constants, rows: int, lanes: int) -> list[str]:
     """Lines of one loop over lanes."""
     text = [f"for lane in range({lanes}):"]
     for j, name in enumerate(piece.rows):
-        text.append(f"    i0_{j} = " + (cell(at[name], lanes) if name in at else f"clock_{name}"))
+        text.append(f"    i0_{j} = " + (_cell(at[name], lanes) if name in at else f"clock_{name}"))
     for m, (kind, number) in enumerate(constants):
-        text.append(f"    i1_{m} = " + (cell(rows + number, lanes) if kind == "row" else f"c_{number}"))
-    text += [f"    {line.out} = {expression(line, lanes)}" for line in piece.after.lines]
+        text.append(f"    i1_{m} = " + (_cell(rows + number, lanes) if kind == "row" else f"c_{number}"))
+    text += [f"    {line.out} = {_expression(line, lanes)}" for line in piece.after.lines]
     outputs = zip(piece.outputs, piece.after.outputs[0], strict=True)
-    return text + [f"    {cell(at[name], lanes)} = {value}" for name, value in outputs]
+    return text + [f"    {_cell(at[name], lanes)} = {value}" for name, value in outputs]
 
 
-def look_up(design: Design, at: dict[str, int], lanes: int) -> list[str]:
+def _look_up(design: Design, at: dict[str, int], lanes: int) -> list[str]:
     """Lines that read the law's table: see workbench.control.table."""
     columns = design.law.columns if design.law is not None else ()
     if not columns:
         return []
     text = [
         f"for lane in range({lanes}):",
-        f"    amplitude = {cell(at[AMPLITUDE], lanes)}",
+        f"    amplitude = {_cell(at[AMPLITUDE], lanes)}",
         f"    row = {2 * len(columns)} * (base[lane] + ((bits(amplitude) >> shift) - offset))",
     ]
     for j, name in enumerate(columns):
-        place = cell(at[f"gain.{name}"], lanes)
+        place = _cell(at[f"gain.{name}"], lanes)
         text.append(f"    {place} = table[row + {2 * j}] + table[row + {2 * j + 1}] * amplitude")
     return text
 
 
-def delayed(at: dict[str, int], layout: Layout) -> tuple[list[str], list[str]]:
+def _delayed(at: dict[str, int], layout: Layout) -> tuple[list[str], list[str]]:
     """Lines that put a sample's command into the ring, and lines that take out what acts in substep j."""
     lanes, slots, steps = layout.lanes, layout.slots, layout.substeps
     if layout.delay == "none":
@@ -131,7 +131,7 @@ def delayed(at: dict[str, int], layout: Layout) -> tuple[list[str], list[str]]:
     put = [
         f"slot = (k % {slots}) * {lanes}",
         f"for lane in range({lanes}):",
-        f"    ring[slot + lane] = {cell(at['u_c'], lanes)}",
+        f"    ring[slot + lane] = {_cell(at['u_c'], lanes)}",
     ]
     if layout.delay == "uniform":
         take = [
@@ -139,35 +139,35 @@ def delayed(at: dict[str, int], layout: Layout) -> tuple[list[str], list[str]]:
             "if past >= 0:",
             f"    slot = ((past // {steps}) % {slots}) * {lanes}",
             f"    for lane in range({lanes}):",
-            f"        {cell(at['u'], lanes)} = ring[slot + lane]",
+            f"        {_cell(at['u'], lanes)} = ring[slot + lane]",
         ]
     else:
         take = [
             f"for lane in range({lanes}):",
             f"    past = k * {steps} + j - delays[lane]",
             "    if past >= 0:",
-            f"        {cell(at['u'], lanes)} = ring[((past // {steps}) % {slots}) * {lanes} + lane]",
+            f"        {_cell(at['u'], lanes)} = ring[((past // {steps}) % {slots}) * {lanes} + lane]",
         ]
     return put, take
 
 
-def given(at: dict[str, int], layout: Layout) -> list[str]:
+def _given(at: dict[str, int], layout: Layout) -> list[str]:
     """Lines that take a sample of the signals given over time."""
     lanes, n, m = layout.lanes, len(layout.shared), len(layout.own)
     text = [f"clock_{name} = shared[k * {n} + {i}]" for i, name in enumerate(layout.shared)]
     rows = [(i, name) for i, name in enumerate(layout.own) if name in at]
     text += [f"for lane in range({lanes}):"] if rows else []
-    return text + [f"    {cell(at[name], lanes)} = own[k * {m * lanes} + {i * lanes} + lane]" for i, name in rows]
+    return text + [f"    {_cell(at[name], lanes)} = own[k * {m * lanes} + {i * lanes} + lane]" for i, name in rows]
 
 
-def recorded(at: dict[str, int], layout: Layout) -> list[str]:
+def _recorded(at: dict[str, int], layout: Layout) -> list[str]:
     """Lines that write the rows asked for, every so many samples."""
     lanes, n = layout.lanes, len(layout.record)
     if not n:
         return []
     text = ["if k % every == 0:", f"    place = (k // every) * {n * lanes}", f"    for lane in range({lanes}):"]
     return text + [
-        f"        out[place + {i * lanes} + lane] = {cell(at[name], lanes)}" for i, name in enumerate(layout.record)
+        f"        out[place + {i * lanes} + lane] = {_cell(at[name], lanes)}" for i, name in enumerate(layout.record)
     ]
 
 
@@ -175,10 +175,10 @@ def source(design: Design, layout: Layout) -> str:
     """Return the text of a module with `run(...)`, which moves one chunk of lanes through all samples."""
     at, lanes = places(design, layout), layout.lanes
     rows = len(set(at.values()))
-    sense, control, step = (lanes_loop(p, at, layout.constants(i), rows, lanes) for i, p in enumerate(design.pieces))
+    sense, control, step = (_lanes_loop(p, at, layout.constants(i), rows, lanes) for i, p in enumerate(design.pieces))
     scalars = sum(len(v) for v in layout.varying) - layout.extra_rows
-    put, take = delayed(at, layout)
-    noisy = noise.source(cell(at["noise"], lanes), "strength[lane]", lanes) if design.noisy else []
+    put, take = _delayed(at, layout)
+    noisy = noise.source(_cell(at["noise"], lanes), "strength[lane]", lanes) if design.noisy else []
     clocks = [
         "clock_k = float(k)",
         "clock_t = clock_k * sample_time",
@@ -186,11 +186,11 @@ def source(design: Design, layout: Layout) -> str:
     ]
     sample = [
         *clocks,
-        *given(at, layout),
+        *_given(at, layout),
         *sense,
-        *look_up(design, at, lanes),
+        *_look_up(design, at, lanes),
         *control,
-        *recorded(at, layout),
+        *_recorded(at, layout),
         *noisy,
         *put,
     ]

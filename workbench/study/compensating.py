@@ -106,8 +106,8 @@ def compensation(
     x = task.plant.displacement
     units = dict.fromkeys(("following_error_alone", "following_error_compensated"), x)
     rows = [{"gain": g, "following_error": e, "sensitivity": ms.get(g)} for g, e in found.errors.items()]
-    said = fallen(given, task, makers[given.controller](1))
-    return Part(figures, units, (chapter(given, found, true, x, ms),), said, {"compensation": rows})
+    said = _fallen(given, task, makers[given.controller](1))
+    return Part(figures, units, (_chapter(given, found, true, x, ms),), said, {"compensation": rows})
 
 
 def chosen(given: Asked, controllers: Mapping[str, object]) -> None:
@@ -129,7 +129,7 @@ def with_compensated(
     return replace(made, tuned={**made.tuned, f"{given.controller}{SUFFIX}": one})
 
 
-def fallen(given: Asked, task: Task, controller: Controller) -> tuple[Finding, ...]:
+def _fallen(given: Asked, task: Task, controller: Controller) -> tuple[Finding, ...]:
     """Return a finding where the controller does not stand on the plant that its compensation leaves, which sees its motion."""
     compensator = given.on(task.plant)
     if compensator.source == REFERENCE or bears(task.plant, task.loop, controller, compensator, given.slow):
@@ -148,7 +148,7 @@ def fallen(given: Asked, task: Task, controller: Controller) -> tuple[Finding, .
 FOUR = range(4)  # lanes: without, with, and off either way
 
 
-def chapter(given: Asked, found: Worth, true: Worth, x: str, ms: Mapping[float, float]) -> Chapter:
+def _chapter(given: Asked, found: Worth, true: Worth, x: str, ms: Mapping[float, float]) -> Chapter:
     """What it is worth, in a table and over time. ms: gain -> Ms."""
     names = listed([title(e.partition("@")[0]) for e in given.effects])
     source = given.options["source"]
@@ -166,11 +166,11 @@ def chapter(given: Asked, found: Worth, true: Worth, x: str, ms: Mapping[float, 
     )
     labels = {0.0: "without", 1.0: "compensated"} | {1.0 + s: f"compensation {100 * s:+.0f} %" for s in (-share, share)}
     rows = [
-        (labels[g], numbers.scaled(found.errors[g], x), factor(found.errors[0.0] / found.errors[g]) if g else "", margin(ms, g))
+        (labels[g], numbers.scaled(found.errors[g], x), _factor(found.errors[0.0] / found.errors[g]) if g else "", _margin(ms, g))
         for g in labels
     ]  # fmt: skip
     if true is not found:
-        rows.append(("by the plant's true law", numbers.scaled(true.errors[1.0], x), factor(true.ratio), ""))
+        rows.append(("by the plant's true law", numbers.scaled(true.errors[1.0], x), _factor(true.ratio), ""))
     columns = ("", "largest following error", "smaller by", "Ms")
     caption = (
         "Following error over the last two periods. Ms: the largest |S| of the linearised loop with the compensation in it, "
@@ -197,11 +197,11 @@ def chapter(given: Asked, found: Worth, true: Worth, x: str, ms: Mapping[float, 
     return Chapter("Compensation of what was named", (Paragraph(text), table, figure))
 
 
-def margin(ms: Mapping[float, float], gain: float) -> str:
+def _margin(ms: Mapping[float, float], gain: float) -> str:
     """Ms at one gain of the compensation, as a table shows it."""
     value = ms.get(gain, np.nan)
     return numbers.number(value) if np.isfinite(value) else "unstable" if gain in ms else ""
 
 
-def factor(ratio: float) -> str:
+def _factor(ratio: float) -> str:
     return f"{numbers.number(ratio, 2)} times" if np.isfinite(ratio) else "it does not follow"

@@ -10,7 +10,7 @@ import numpy as np
 from workbench.errors import WorkbenchError
 from workbench.finding import Finding, title
 from workbench.frequency import Response
-from workbench.identification.passes import Passes
+from workbench.identification.passes import InverseDynamics
 from workbench.plant import TWO_MASS, Plant
 from workbench.readers.declaration import Table
 from workbench.record import VALIDATION, Record
@@ -62,7 +62,7 @@ def run(
     plant = control.limited(found.after.plant)
     declared = control.limited(found.before.plant)
     task = control.task.on(plant)
-    made = designed(plant, control, task, say, response=resonant(records, plant, bandwidth))
+    made = designed(plant, control, task, say, response=_resonant(records, plant, bandwidth))
     given = asked(study, plant) if "compensation" in study.table else None
     made = with_compensated(made, given, task, control.seeds, say)
     say("comparing the controllers")
@@ -71,7 +71,7 @@ def run(
     comparison = verdicts(compare(task, makers), ours, BASELINES, plant.displacement)
     choice = recommend(task, made.tuned, plant.displacement)
     kept, held = promise(plant, made.polished, task), made.climbed.regret
-    against, tuned_too = on_ladder(made)
+    against, tuned_too = _on_ladder(made)
     parts = [
         recommended_chapter(choice, plant, task.loop.count),
         polish_chapter(made.polished, kept, plant),
@@ -80,8 +80,8 @@ def run(
         chapters.step_chapter(task, makers),
         chapters.comparison_chapter(comparison, task),
     ]
-    figures, units = figures_of(made, comparison, ours, plant.displacement)
-    figures |= ladder_figures(made.climbed, held) | recommended_figures(choice, task, ours)
+    figures, units = _figures_of(made, comparison, ours, plant.displacement)
+    figures |= ladder_figures(made.climbed, held) | _recommended_figures(choice, task, ours)
     figures["promised_time_deviation"] = kept.deviation
     units |= {"promised_time_deviation": "s", "scheduled_error_grid": plant.displacement}
     tables = {
@@ -90,7 +90,7 @@ def run(
             "why": choice.sentence,
             "candidates": [vars(r) for r in choice.rows],
         },
-        "controllers": controllers(made),
+        "controllers": _controllers(made),
         "gains": gains_table(made.polished),
         "ladder": ladder_table(made.climbed, held, against | tuned_too),
         "comparison": [vars(r) for r in comparison.rows],
@@ -110,7 +110,7 @@ def run(
     )
     limits = tuple(f for f in made.findings if f.kind == "response limits")
     advice = Finding(RECOMMENDED, "gains", choice.sentence, {}, "")
-    said = (advice, *assumptions(study.table, control, shown), *raised(control, made), *limits, *comparison.findings)
+    said = (advice, *_assumptions(study.table, control, shown), *_raised(control, made), *limits, *comparison.findings)
     part = Part(figures, units, tuple(parts), said, tables, files)
     if "robustness" in study.table:
         part = with_part(part, robustness(study, task, makers, say))
@@ -127,7 +127,7 @@ def run(
     return part
 
 
-def on_ladder(made: Designed) -> tuple[dict[str, Regret], dict[str, Regret]]:
+def _on_ladder(made: Designed) -> tuple[dict[str, Regret], dict[str, Regret]]:
     """Return the regrets of what has fewer levels than the table, and of those tuned for one step, on its ladder."""
     on, known = made.climbed.on, made.climbed.references
     fewer = {r.family.name: regret_of(on, r, known) for r in made.rivals.found}
@@ -153,7 +153,7 @@ def designed(plant: Plant, control: Control, task: Task, say: Callable[[str], No
     raise reason
 
 
-def resonant(records: Sequence[Record], plant: Plant, bandwidth: float) -> Response | None:
+def _resonant(records: Sequence[Record], plant: Plant, bandwidth: float) -> Response | None:
     """Return the frequency response of the records where it shows a mode: gains per amplitude are those of a rigid axis."""
     if not records:
         return None
@@ -178,7 +178,7 @@ def write_table(schedule: Schedule, plant: Plant, place, scale: dict | None = No
     export(schedule, plant, place, scale=scale)
 
 
-def controllers(made: Designed) -> list[dict]:
+def _controllers(made: Designed) -> list[dict]:
     """Every tuned controller as results.json holds it."""
     return [
         {"controller": n, "numbers": t.numbers, "cost": t.value, "points_tried": t.evaluations, "seed": t.seed}
@@ -186,7 +186,7 @@ def controllers(made: Designed) -> list[dict]:
     ]
 
 
-def figures_of(made: Designed, comparison: Comparison, ours: str, x: str) -> tuple[dict, dict]:
+def _figures_of(made: Designed, comparison: Comparison, ours: str, x: str) -> tuple[dict, dict]:
     """Return (figures, units) by which a study may be judged."""
     first = comparison.rows[0].load_inertia
     mine = [r for r in comparison.rows if r.controller == ours]
@@ -205,7 +205,7 @@ def figures_of(made: Designed, comparison: Comparison, ours: str, x: str) -> tup
     return figures, {n: x for n in figures if n.startswith("scheduled_final_error")}
 
 
-def recommended_figures(choice: Recommended, task: Task, ours: str) -> dict[str, float]:
+def _recommended_figures(choice: Recommended, task: Task, ours: str) -> dict[str, float]:
     """Return what the recommended controller leaves nominally, in counts, and the schedule's worst over the grid."""
     mine = next(r for r in choice.rows if r.name == ours)
     return {
@@ -215,7 +215,7 @@ def recommended_figures(choice: Recommended, task: Task, ours: str) -> dict[str,
     }
 
 
-def assumptions(top: Table, control: Control, shown: Shown | None) -> tuple[Finding, ...]:
+def _assumptions(top: Table, control: Control, shown: Shown | None) -> tuple[Finding, ...]:
     """Return what the gains rest on that the study does not state and the records had to say, one finding or none."""
     keys = (("loop", "sample_time"), ("loop", "resolution"), ("task", "step"))
     left = [f"{table}.{key}" for table, key in keys if key not in top.values.get(table, {})]
@@ -230,7 +230,7 @@ def assumptions(top: Table, control: Control, shown: Shown | None) -> tuple[Find
     return (Finding(ASSUMED, "gains", sentence, {}, "State what is known of them in study.toml."),)
 
 
-def raised(control: Control, made: Designed) -> tuple[Finding, ...]:
+def _raised(control: Control, made: Designed) -> tuple[Finding, ...]:
     """Return a finding where no gains keep the goal at amplitudes that would have been tuned."""
     lowest, x = float(made.gains.amplitude[0]), made.plant.displacement
     if lowest <= control.amplitudes[0]:
@@ -242,7 +242,7 @@ def raised(control: Control, made: Designed) -> tuple[Finding, ...]:
     return (Finding("constraint dropped", "gains", sentence, {"lowest": lowest}, "Sample faster, or delay less."),)
 
 
-def shown_by(plant: Plant, passes: Sequence[Passes]) -> Shown:
+def shown_by(plant: Plant, passes: Sequence[InverseDynamics]) -> Shown:
     """Return what records show of a controller's half: loop, move and speed, by the first that validates."""
     record = next((p.motion.record for p in passes if p.motion.record.role == VALIDATION), passes[0].motion.record)
     speed = max(float(np.abs(p.motion.v).max()) for p in passes)

@@ -59,7 +59,7 @@ class Control:
 
     def limited(self, plant: Plant) -> Plant:
         """Return the plant with the axis' speed limit where the campaign states none."""
-        return limited(plant, self.speed_limit)
+        return _limited(plant, self.speed_limit)
 
 
 def control_of(top: Table, plant: Plant, shown: Shown | None = None) -> Control:
@@ -72,7 +72,7 @@ def control_of(top: Table, plant: Plant, shown: Shown | None = None) -> Control:
     speed = axis.quantity("speed_limit", f"{x}/s", above=0.0) if "speed_limit" in axis else plant.limits.speed
     speed = shown.speed if shown and not isfinite(speed) else speed
     loop = _loop(top, x, shown)
-    task = _task(top, limited(plant, speed), loop, shown)
+    task = _task(top, _limited(plant, speed), loop, shown)
     tuning = top.table("tuning", () if shown else RANGE, (*RANGE, "overshoot", "error", "sensitivity", "seeds"))
     goal = TuningGoal(
         overshoot=tuning.number("overshoot", 0.008, above=0.0),
@@ -99,7 +99,7 @@ def control_of(top: Table, plant: Plant, shown: Shown | None = None) -> Control:
     )
 
 
-def limited(plant: Plant, speed: float) -> Plant:
+def _limited(plant: Plant, speed: float) -> Plant:
     """Return the plant with a limit of speed, rad/s or m/s, where its own is no lower."""
     return replace(plant, limits=replace(plant.limits, speed=min(plant.limits.speed, speed)))
 

@@ -73,11 +73,11 @@ def stated(top: Table, plant: Plant, count: float) -> Stated:
     formats = one.values["formats"]
     if not (isinstance(formats, list) and formats and all(isinstance(f, str) for f in formats)):
         raise WorkbenchError(f'{one.path("formats")} must be a list of formats in quotes, such as ["elmo"].')
-    low, high = ranges(one)
+    low, high = _ranges(one)
     closed = ClosedDrive(
         lag=one.quantity("current_lag", "s", above=0.0) if "current_lag" in one else 0.0,
-        notches=whole(one, "notches", 0, MOST),
-        sets=whole(one, "sets", 1, SETS),
+        notches=_whole(one, "notches", 0, MOST),
+        sets=_whole(one, "sets", 1, SETS),
         speed=one.flag("speed_feed_forward"),
         acceleration=one.flag("acceleration_feed_forward"),
         low=low,
@@ -85,7 +85,7 @@ def stated(top: Table, plant: Plant, count: float) -> Stated:
     )
     turn = 2.0 * pi if plant.rotary else 1.0
     units = Units(one.number("counts", turn / count if count else 0.0), one.number("amps", 0.0, above=-1e-300))
-    told = Told(units, objects(one), one.text("integral", "1/s"), one.text("channel", "pid.x"), one.text("joint", "axis"))  # fmt: skip
+    told = Told(units, _objects(one), one.text("integral", "1/s"), one.text("channel", "pid.x"), one.text("joint", "axis"))  # fmt: skip
     for name in formats:
         try:
             writer(name, (None,), told)
@@ -94,7 +94,7 @@ def stated(top: Table, plant: Plant, count: float) -> Stated:
     return Stated(closed, tuple(dict.fromkeys(formats)), told, int(one.number("seed", 1, above=-1)))
 
 
-def whole(one: Table, key: str, default: int, most: int) -> int:
+def _whole(one: Table, key: str, default: int, most: int) -> int:
     """Return a whole number from `default` to `most`."""
     value = one.number(key, default)
     if not (default <= value <= most and value == int(value)):
@@ -102,7 +102,7 @@ def whole(one: Table, key: str, default: int, most: int) -> int:
     return int(value)
 
 
-def ranges(one: Table) -> tuple[tuple[float, ...], tuple[float, ...]]:
+def _ranges(one: Table) -> tuple[tuple[float, ...], tuple[float, ...]]:
     """Return (lowest, highest) of kv, kvp and ki that the drive takes, SI."""
     inner = one.table("ranges", optional=NUMBERS)
     pairs = [inner.table(n, optional=("at_least", "at_most")) for n in NUMBERS]
@@ -113,7 +113,7 @@ def ranges(one: Table) -> tuple[tuple[float, ...], tuple[float, ...]]:
     return low, high
 
 
-def objects(one: Table) -> tuple[Object, ...]:
+def _objects(one: Table) -> tuple[Object, ...]:
     """Return [[drive.objects]]."""
     found = []
     for inner in one.tables("objects", "quantity", ("quantity", "index", "subindex", "type"), ("per_si",)):
@@ -129,7 +129,7 @@ def objects(one: Table) -> tuple[Object, ...]:
     return tuple(found)
 
 
-def notches_for(
+def _notches_for(
     records: Sequence[Record], plant: Plant, bandwidth: float, most: int
 ) -> tuple[Response | None, tuple[Notch, ...]]:
     """Return (measured response where it shows a mode, a notch for each of the modes that rise most)."""
@@ -159,7 +159,7 @@ def driven(study: Study, task: Task, made: Designed, records: Sequence[Record], 
     plant = task.plant
     given = stated(study.table, plant, task.loop.count)
     say("tuning the closed drive's gains")
-    response, notches = notches_for(records, plant, bandwidth, given.closed.notches)
+    response, notches = _notches_for(records, plant, bandwidth, given.closed.notches)
     g = made.gains
     gains = tune_drive(
         given.closed, task, made.equivalent, (g.amplitude, g.kp, g.kd), notches=notches, measured=response, seed=given.seed,
@@ -169,16 +169,16 @@ def driven(study: Study, task: Task, made: Designed, records: Sequence[Record], 
     kept, refused = files(given.formats, cascades(gains, plant), plant, given.told)
     findings = tuple(Finding(REFUSED, format, sentence, {}, "") for format, sentence in refused.items())
     smooth = following(gains)
-    figures, units = figures_of(gains, rows, smooth, plant)
+    figures, units = _figures_of(gains, rows, smooth, plant)
     chapter = drive_chapter(gains, rows, smooth, plant, name, tuple(kept), refused)
 
     def write(folder: Path) -> None:
         write_together(folder / FOLDER, {n: t.encode() for n, t in kept.items()})
 
-    return Part(figures, units, (chapter,), findings, {"drive": table(gains, rows, kept, refused)}, (write,))
+    return Part(figures, units, (chapter,), findings, {"drive": _table(gains, rows, kept, refused)}, (write,))
 
 
-def figures_of(gains: DriveGains, rows, smooth: tuple[float, float], plant: Plant) -> tuple[dict, dict]:
+def _figures_of(gains: DriveGains, rows, smooth: tuple[float, float], plant: Plant) -> tuple[dict, dict]:
     """Return (figures, units) by which a study may be judged."""
     figures = {
         "drive_sensitivity_peak": float(gains.sensitivity.max()),
@@ -193,7 +193,7 @@ def figures_of(gains: DriveGains, rows, smooth: tuple[float, float], plant: Plan
     }
 
 
-def table(gains: DriveGains, rows, kept, refused) -> dict:
+def _table(gains: DriveGains, rows, kept, refused) -> dict:
     """What results.json holds of the drive."""
     return {
         "sets": [dict(zip(NUMBERS, map(float, p), strict=True)) | {"move": float(s), "sensitivity": float(m)} for s, p, m in zip(gains.sizes, gains.points, gains.sensitivity, strict=True)],

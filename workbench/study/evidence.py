@@ -9,7 +9,7 @@ import numpy as np
 from workbench.definition import Effect
 from workbench.finding import capital, title
 from workbench.identification.fit import fitted_on, identify
-from workbench.identification.passes import Passes
+from workbench.identification.passes import InverseDynamics
 from workbench.identification.result import Fit
 from workbench.plant import Plant
 from workbench.record import IDENTIFICATION, ROLES, VALIDATION
@@ -82,7 +82,7 @@ class Tried:
 
 
 def tried(
-    plant: Plant, passes: Sequence[Passes], hypotheses: Mapping[str, Effect], say: Say = lambda _: None
+    plant: Plant, passes: Sequence[InverseDynamics], hypotheses: Mapping[str, Effect], say: Say = lambda _: None
 ) -> tuple[Tried, ...]:
     """Return what each hypothesis (its words -> effect) comes to when it alone is added to `plant`.
 
@@ -124,7 +124,7 @@ class Attainable:
     across: float
 
 
-def attainable(fit: Fit, passes: Sequence[Passes]) -> Attainable:
+def attainable(fit: Fit, passes: Sequence[InverseDynamics]) -> Attainable:
     """Return how far one identification and one validation record repeat themselves and each other, seen beside `fit`.
 
     `across` is what is left on the validation record by whoever takes what `fit` lacks from the identification record, as
@@ -145,12 +145,12 @@ def attainable(fit: Fit, passes: Sequence[Passes]) -> Attainable:
     )
 
 
-def refitted(plant: Plant, passes: Sequence[Passes]) -> dict[str, Fit]:
+def refitted(plant: Plant, passes: Sequence[InverseDynamics]) -> dict[str, Fit]:
     """Return role -> fit of the same plant to the records of that role alone: what differs between them."""
     fits = {}
     for role in ROLES:
         turned = [
-            Passes(replace(p.motion, record=replace(p.motion.record, role=IDENTIFICATION)))
+            InverseDynamics(replace(p.motion, record=replace(p.motion.record, role=IDENTIFICATION)))
             for p in passes
             if p.motion.record.role == role
         ]

@@ -34,7 +34,7 @@ class Asked:
     friction: float
 
 
-def asked_of(top: Table, task: Task) -> Asked:
+def _asked_of(top: Table, task: Task) -> Asked:
     """Return what study.toml asks; WorkbenchError names file and key."""
     one = top.table("limit_cycle", ("controllers",), OPTIONAL)
     names = one.values["controllers"]
@@ -64,7 +64,7 @@ def limit_cycles(study: Study, task: Task, makers, say: Callable[[str], None]) -
     """Run what [limit_cycle] of a study declares, for controllers name -> maker(lanes)."""
     from workbench.report.hunting import chapter
 
-    asked = asked_of(study.table, task)
+    asked = _asked_of(study.table, task)
     makers = chosen(makers, asked.controllers, f"{study.table.path('limit_cycle')}.controllers")
     first, second = (np.geomspace(*span, asked.count) for span in (asked.first, asked.second))
     found = {}
@@ -74,13 +74,13 @@ def limit_cycles(study: Study, task: Task, makers, say: Callable[[str], None]) -
             task.plant, task.loop, single(make(1)), first, second, asked.largest, asked.duration,
             inertia=asked.inertia, friction=asked.friction,
         )  # fmt: skip
-    figures = {f"{k}_{slug(n)}": v for n, r in found.items() for k, v in figures_of(r).items()}
-    findings = tuple(f for n, r in found.items() for f in findings_of(n, r))
-    tables = {"limit_cycle": {n: table_of(r) for n, r in found.items()}}
+    figures = {f"{k}_{slug(n)}": v for n, r in found.items() for k, v in _figures_of(r).items()}
+    findings = tuple(f for n, r in found.items() for f in _findings_of(n, r))
+    tables = {"limit_cycle": {n: _table_of(r) for n, r in found.items()}}
     return Part(figures, {}, (chapter(found, task),), findings, tables)
 
 
-def figures_of(r: Region) -> dict[str, float]:
+def _figures_of(r: Region) -> dict[str, float]:
     """Return how often prediction and simulation agree, and how well the frequency is met; cases with a third harmonic of at
     most 5 %, frequencies of those that the axis' speed does not limit."""
     error = np.abs(r.frequency_error)
@@ -91,11 +91,11 @@ def figures_of(r: Region) -> dict[str, float]:
     }
 
 
-def findings_of(name: str, r: Region) -> tuple[Finding, ...]:
+def _findings_of(name: str, r: Region) -> tuple[Finding, ...]:
     """Say whether the gains hunt as they are tuned, and whether the prediction holds."""
     at = tuple(int(np.argmin(np.abs(np.log(x)))) for x in (r.first, r.second))
     hunts = f"hunts at {r.omega[at]:.0f} rad/s" if r.exists[at] else "does not hunt"
-    figures = figures_of(r)
+    figures = _figures_of(r)
     wrong, cases = int(figures["limit_cycle_wrong"]), int(figures["limit_cycle_cases"])
     agreed = "in all of them" if not wrong else f"in all but {wrong}"
     sentence = (
@@ -107,7 +107,7 @@ def findings_of(name: str, r: Region) -> tuple[Finding, ...]:
     return (Finding("limit cycle", name, sentence, figures),)
 
 
-def table_of(r: Region) -> dict:
+def _table_of(r: Region) -> dict:
     """Return a region as results.json holds it."""
     return {
         "gains": [r.dials.first, r.dials.second],

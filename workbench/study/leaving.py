@@ -48,13 +48,13 @@ def leave(
         if "kp" in controller.law.columns:
             files = [f"{TABLE}.h", f"{TABLE}.json", f"{TABLE}.bin"] if name == table else []
         else:
-            numbers = numbers_of(controller, plant)
+            numbers = _numbers_of(controller, plant)
             law = LAWS.get(controller.law.name.split(",")[0], controller.law.name)
             files = [p.name for p in export_numbers(name, law, numbers, sample_time, plant, folder)]
             files += list(FED) if controller.tables else []
         entry = {"controller": name, "recommended": name == first, "law": controller.law.name, "files": files}
         if isinstance(controller, Compensated) and task is not None:
-            entry["compensation"] = leave_compensation(controller.compensator, plant, task, folder)
+            entry["compensation"] = _leave_compensation(controller.compensator, plant, task, folder)
         entries.append(entry)
     content = {
         "format": "servo-workbench gains",
@@ -65,7 +65,7 @@ def leave(
     write_together(Path(folder), {CONTENTS: (json.dumps(content, indent=1) + "\n").encode()})
 
 
-def leave_compensation(compensator: Compensator, plant: Plant, task: Task, folder: Path) -> dict[str, object]:
+def _leave_compensation(compensator: Compensator, plant: Plant, task: Task, folder: Path) -> dict[str, object]:
     """Write the firmware of a compensation in every arithmetic that holds it, and return what contents.json says of it."""
     said: dict[str, object] = {"effects": [e.key for e in compensator.effects], "source": compensator.source}
     travel = (task.start - abs(task.step), task.start + abs(task.step))
@@ -80,10 +80,10 @@ def leave_compensation(compensator: Compensator, plant: Plant, task: Task, folde
     return said
 
 
-def numbers_of(controller, plant: Plant) -> dict[str, tuple[float, str]]:
+def _numbers_of(controller, plant: Plant) -> dict[str, tuple[float, str]]:
     """Return name -> (value, unit) of every parameter of a controller's law; of a compensated one, of the law alone."""
     if isinstance(controller, Compensated):
-        return numbers_of(controller.base, plant)
+        return _numbers_of(controller.base, plant)
     out = {}
     for name, value in controller.parameters.items():
         if name not in UNITS:

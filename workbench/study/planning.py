@@ -9,8 +9,8 @@ from workbench.campaign import Campaign
 from workbench.campaign import load as load_campaign
 from workbench.definition import Effect
 from workbench.errors import WorkbenchError, nearest
-from workbench.identification.fit import fitted_on, identify, passes_of
-from workbench.identification.passes import Passes
+from workbench.identification.fit import fitted_on, identify, inverse_dynamics
+from workbench.identification.passes import InverseDynamics
 from workbench.identification.problem import Problem
 from workbench.identification.result import Fit
 from workbench.identification.solve import solve
@@ -34,11 +34,11 @@ class Basis:
     drive over what noise and encoder counts alone would. sample_time: s, at which the drive reads a reference. accuracy: a share."""
 
     campaign: Campaign
-    passes: tuple[Passes, ...]
+    passes: tuple[InverseDynamics, ...]
     fit: Fit
     envelope: Envelope
     sensing: Sensing
-    sample_time: float
+    _sample_time: float
     accuracy: float
     load: float
     excess: float
@@ -60,24 +60,24 @@ def basis_of(name: str, say: Callable[[str], None] = lambda _: None) -> Basis:
     given = study.table.table("plan", optional=("accuracy", *KEYS))
     return replace(
         found,
-        envelope=limited(found.envelope, given, found.fit.plant.rotary),
-        sample_time=sample_time(study.table, found.sample_time),
+        envelope=_limited(found.envelope, given, found.fit.plant.rotary),
+        sample_time=_sample_time(study.table, found.sample_time),
         accuracy=given.number("accuracy", ACCURACY, above=0.0),
     )
 
 
 def basis(campaign: Campaign, say: Callable[[str], None] = lambda _: None) -> Basis:
     """Return what a plan for a campaign starts from, within the limits that its records have shown."""
-    passes = passes_of(campaign.records, campaign.bandwidth)
+    passes = inverse_dynamics(campaign.records, campaign.bandwidth)
     say("fitting the declared model, every value free")
     fit = identify(freed(campaign.plant), passes)
     load = load_rest(fit.plant, fitted_on(passes))
     sensing = sensing_of(passes, fit.rms[IDENTIFICATION], load)
     envelope = envelope_of(fit.plant, passes)
-    return Basis(campaign, passes, fit, envelope, sensing, sensing.dt, ACCURACY, load, excess_of(fit, passes))
+    return Basis(campaign, passes, fit, envelope, sensing, sensing.dt, ACCURACY, load, _excess_of(fit, passes))
 
 
-def excess_of(fit: Fit, passes: tuple[Passes, ...]) -> float:
+def _excess_of(fit: Fit, passes: tuple[InverseDynamics, ...]) -> float:
     """Return the rms that a fit leaves of the drive over what noise and encoder counts alone would leave."""
     from workbench.tracing.floor import levels
 
@@ -86,7 +86,7 @@ def excess_of(fit: Fit, passes: tuple[Passes, ...]) -> float:
     return fit.rms[IDENTIFICATION] / least if least > 0.0 else 1.0
 
 
-def limited(envelope: Envelope, given: Table, rotary: bool) -> Envelope:
+def _limited(envelope: Envelope, given: Table, rotary: bool) -> Envelope:
     """Return the envelope with the limits that [plan] states in place of those that the records have shown."""
     stated = {
         name: given.quantity(key, effect_unit(unit, rotary)) for key, (name, unit) in KEYS.items() if key in given
@@ -94,7 +94,7 @@ def limited(envelope: Envelope, given: Table, rotary: bool) -> Envelope:
     return replace(envelope, **stated)
 
 
-def sample_time(top: Table, otherwise: float) -> float:
+def _sample_time(top: Table, otherwise: float) -> float:
     """Return the sample time of the study's loop in s, at which its drive reads references; `otherwise` without one."""
     if "loop" not in top or not isinstance(top.values["loop"], dict) or "sample_time" not in top.values["loop"]:
         return otherwise
@@ -102,7 +102,7 @@ def sample_time(top: Table, otherwise: float) -> float:
     return loop.quantity("sample_time", "s", above=0.0)
 
 
-def suspect(basis: Basis, text: str) -> tuple[Plant, Effect, float]:
+def _suspect(basis: Basis, text: str) -> tuple[Plant, Effect, float]:
     """Return (the plant without it, the effect with the values that explain the records, the rms of what is then left).
 
     text: "effect" or "effect@place". A declared effect keeps its fitted values; another one is fitted jointly with the
@@ -118,10 +118,10 @@ def suspect(basis: Basis, text: str) -> tuple[Plant, Effect, float]:
     known = suspects(plant)
     chosen = next((s for s in known if s.effect == name and place in ("", s.at)), None)
     if chosen is None:
-        raise WorkbenchError(f"there is no candidate '{text}' for this plant; {nearest(text, names_of(known, place))}")
+        raise WorkbenchError(f"there is no candidate '{text}' for this plant; {nearest(text, _names_of(known, place))}")
     records = fitted_on(basis.passes)
     declared = Problem(plant, records)
-    beside, found = fitted(chosen, declared, solve(declared), residuals(basis.fit, records))
+    beside, found = fitted(chosen, declared, solve(declared), _residuals(basis.fit, records))
     problem = beside.free
     solution = solve(problem, beside.onward(found))
     effect = problem.with_linear(problem.with_shape(solution.theta), solution.c)[chosen.key]
@@ -131,9 +131,9 @@ def suspect(basis: Basis, text: str) -> tuple[Plant, Effect, float]:
 def parted(basis: Basis, first: str, second: str) -> tuple[Separation, Plant, Effect, Sensing]:
     """Return the motion that tells two effects apart; the plant without either, the first effect, and how its log sees.
 
-    first, second: "effect" or "effect@place", as of `suspect`. WorkbenchError where they are one.
+    first, second: "effect" or "effect@place", as of `_suspect`. WorkbenchError where they are one.
     """
-    (plant, a, left), (_, b, also) = suspect(basis, first), suspect(basis, second)
+    (plant, a, left), (_, b, also) = _suspect(basis, first), _suspect(basis, second)
     if a.key == b.key:
         raise WorkbenchError(f"'{a.key}' is named twice; name two effects.")
     # an effect that is declared is taken out of the model that both share
@@ -142,12 +142,12 @@ def parted(basis: Basis, first: str, second: str) -> tuple[Separation, Plant, Ef
     return separate(plant, a, b, basis.envelope, sensing), plant, a, sensing
 
 
-def names_of(known: Sequence, place: str) -> list[str]:
+def _names_of(known: Sequence, place: str) -> list[str]:
     """Return what candidates are called: with their places where one was asked for, else by name alone."""
     return [s.key if place else s.effect for s in known]
 
 
-def residuals(fit: Fit, passes: list[Passes]) -> list[np.ndarray]:
+def _residuals(fit: Fit, passes: list[InverseDynamics]) -> list[np.ndarray]:
     """Return what the fit leaves of each record (n,), zero where nothing counts."""
     found = []
     for p in passes:

@@ -33,7 +33,7 @@ def report_of(
         chapters=outcome.chapters,
         where=outcome.where,
         tuned=outcome.tables.get("tuned_plant", {}).get("digest", ""),
-        advice=advice_of(outcome.tables, recommended_files(folder), outcome.plant.displacement),
+        advice=advice_of(outcome.tables, _recommended_files(folder), outcome.plant.displacement),
         answer=answer(study, outcome) or worth_in_short(outcome.tables, outcome.plant.displacement),
         command=f"workbench run studies/{study.name}",
         inputs=stamp.sources(study.folder, read).hexdigest(),
@@ -45,7 +45,7 @@ def headline(report: StudyResult) -> str:
     return advised(report.advice) if report.advice else ""
 
 
-def recommended_files(folder: Path) -> list[str]:
+def _recommended_files(folder: Path) -> list[str]:
     """Return the files of the recommended controller below a study's outputs; none where no gains were written."""
     path = folder / "gains" / "contents.json"
     if not path.is_file():

@@ -64,16 +64,16 @@ def answer(study: Study, outcome: Outcome) -> str:
     return re.sub(r"\{(\w+)(:%)?\}", shown, study.answer)
 
 
-def plain(value):
+def _plain(value):
     """A value as JSON can hold it: NaN and infinity become None, arrays lists."""
     if isinstance(value, float):
         return value if isfinite(value) else None
     if hasattr(value, "tolist"):
-        return plain(value.tolist())
+        return _plain(value.tolist())
     if isinstance(value, dict):
-        return {str(k): plain(v) for k, v in value.items()}
+        return {str(k): _plain(v) for k, v in value.items()}
     if isinstance(value, (list, tuple)):
-        return [plain(v) for v in value]
+        return [_plain(v) for v in value]
     return value
 
 
@@ -124,5 +124,5 @@ def write(study: Study, outcome: Outcome, judged: tuple[Check, ...], folder: Pat
         ],
         **outcome.tables,
     }
-    text = json.dumps(plain(content), indent=1, allow_nan=False, ensure_ascii=False)
+    text = json.dumps(_plain(content), indent=1, allow_nan=False, ensure_ascii=False)
     (folder / "results.json").write_text(text + "\n", encoding="utf-8")

@@ -117,7 +117,7 @@ def campaign_of(name: str) -> Path:
     return study.campaign
 
 
-def input_files(study: Study) -> list[Path]:
+def _input_files(study: Study) -> list[Path]:
     """Files outside the study's folder that its results depend on."""
     found = [study.measured(key) for key in study.data]
     if study.campaign is not None and study.folder not in study.campaign.parents:
@@ -133,7 +133,7 @@ def run(name: str, out: Path | None = None, say: Callable[[str], None] = lambda 
     folder = configuration.find(name)
     study = replace(configuration.load(folder, further_keys(folder)), scheduler=scheduler)
     place = out or folder.parent.parent / "reports" / study.name
-    digest = stamp.inputs(folder, input_files(study))
+    digest = stamp.inputs(folder, _input_files(study))
     replaceable(place, stamp.FILE)
     if stamp.unchanged(place, digest):
         return Ran(place, False, _all_passed(place), _lines(place))
@@ -145,10 +145,10 @@ def run(name: str, out: Path | None = None, say: Callable[[str], None] = lambda 
             say(f"going on from {keeper.known} finished steps of a run that was stopped")
         with own_faults(folder):
             outcome = (module.run if module else standard.run)(study, say)
-        return written(study, outcome, place, digest, say)
+        return _written(study, outcome, place, digest, say)
 
 
-def written(study: Study, outcome, place: Path, digest: str, say: Callable[[str], None]) -> Ran:
+def _written(study: Study, outcome, place: Path, digest: str, say: Callable[[str], None]) -> Ran:
     """Write the outputs of a study, all or none."""
     from workbench.study import results
 
@@ -163,7 +163,7 @@ def written(study: Study, outcome, place: Path, digest: str, say: Callable[[str]
         write_trace(outcome.trace, beside, {"where": as_list(outcome.where)} if outcome.where else {})
         for writer in outcome.files:
             writer(beside)
-        report = report_of(study, outcome, judged, beside, input_files(study))
+        report = report_of(study, outcome, judged, beside, _input_files(study))
         results.write(study, outcome, judged, beside, headline(report))
         write_report(report, beside)
         stamp.write(beside, digest)

@@ -38,7 +38,7 @@ Run = Callable[[Work, list[Block], Callable[[str], None]], Iterator[Columns]]
 class Declared:
     """[robustness]. controllers: their names, the one that matters first; none: all. limits: metric -> SI."""
 
-    varied: tuple[Varied, ...]
+    _varied: tuple[Varied, ...]
     draws: int
     seed: int
     confidence: float
@@ -61,7 +61,7 @@ def declared(top: Table, task: Task) -> Declared:
     if not isinstance(names, list) or not all(isinstance(n, str) for n in names):
         raise WorkbenchError(f"{one.path('controllers')} must be a list of names in quotes.")
     return Declared(
-        varied=varied(one, task),
+        varied=_varied(one, task),
         draws=int(one.number("draws", 10_000, above=0)),
         seed=int(one.number("seed", 1, above=-1)),
         confidence=confidence,
@@ -73,7 +73,7 @@ def declared(top: Table, task: Task) -> Declared:
     )
 
 
-def varied(one: Table, task: Task) -> tuple[Varied, ...]:
+def _varied(one: Table, task: Task) -> tuple[Varied, ...]:
     """Return [robustness.vary]: name -> { KIND = ..., unit, relative, within }."""
     given = one.values["vary"]
     table = one.table("vary", optional=tuple(given) if isinstance(given, dict) else ())
@@ -86,13 +86,13 @@ def varied(one: Table, task: Task) -> tuple[Varied, ...]:
         meant = target(task.plant, name, table.path(name))
         relative = inner.flag("relative", name in ("inertia", "friction"))
         unit = "1" if relative else meant.unit
-        v = Varied(name, distribution(inner, kinds[0], unit), relative and name not in FIELDS, unit)
+        v = Varied(name, _distribution(inner, kinds[0], unit), relative and name not in FIELDS, unit)
         checked(task.plant, (v,), table.path(name))
         out.append(v)
     return tuple(out)
 
 
-def distribution(inner: Table, kind: str, unit: str) -> Distribution:
+def _distribution(inner: Table, kind: str, unit: str) -> Distribution:
     """Return { uniform = [low, high] }, { log_uniform = [low, high] }, { normal = [mean, deviation], within = [low, high] } or
     { value = x }, in `unit`."""
     where, written = inner.path("unit"), inner.text("unit", "1")
@@ -131,7 +131,7 @@ def chosen(makers: Mapping[str, Callable[[int], Controller]], wanted: tuple[str,
     return {n: makers[n] for n in wanted or makers}
 
 
-def on_grid(task: Task, makers, asked: Declared) -> OfGrid:
+def _on_grid(task: Task, makers, asked: Declared) -> OfGrid:
     """Return each controller's errors over factors on inertia and friction, the worst of PHASES encoder phases."""
     scenarios = task.scenarios((0.0,), asked.frictions, asked.inertias, PHASES)
     shape = (len(asked.frictions), len(asked.inertias), PHASES)
@@ -143,10 +143,10 @@ def on_grid(task: Task, makers, asked: Declared) -> OfGrid:
     return OfGrid(asked.inertias, asked.frictions, errors, times)
 
 
-def series(task: Task, makers, asked: Declared, run: Run, say: Callable[[str], None]) -> Series:
+def _series(task: Task, makers, asked: Declared, run: Run, say: Callable[[str], None]) -> Series:
     """Return all that is found of a series of axes. run: who runs the blocks."""
     say("robustness: the grid")
-    grid = on_grid(task, makers, asked)
+    grid = _on_grid(task, makers, asked)
     say(f"robustness: {asked.draws} axes")
     given, cases = work(task, makers, asked.varied), independent(asked.varied, asked.draws, asked.seed)
     columns = joined(run(given, blocks(cases), say))
@@ -168,7 +168,7 @@ def series(task: Task, makers, asked: Declared, run: Run, say: Callable[[str], N
     )
 
 
-def figures_of(found: Series) -> dict[str, float]:
+def _figures_of(found: Series) -> dict[str, float]:
     """Return the figures by which a study may be judged."""
     out = {}
     for name in found.columns:
@@ -190,16 +190,16 @@ def robustness(study: Study, task: Task, makers, say: Callable[[str], None]) -> 
 
     asked = declared(study.table, task)
     makers = chosen(makers, asked.controllers, f"{study.table.path('robustness')}.controllers")
-    found = series(task, makers, asked, runner(study.scheduler), say)
+    found = _series(task, makers, asked, _runner(study.scheduler), say)
     x = task.plant.displacement
-    figures = figures_of(found)
+    figures = _figures_of(found)
     units = {n: x for n in figures if n.startswith(("grid_error", "drawn_error"))}
     units |= {n: "s" for n in figures if n.startswith("grid_time")}
     findings = ranking(found.of_grid, found.grid.title, x) + ranking(found.of_draws, found.title, x)
-    return Part(figures, units, (chapter(found),), findings, {"robustness": table_of(found)}, (writer(found),))
+    return Part(figures, units, (chapter(found),), findings, {"robustness": _table_of(found)}, (_writer(found),))
 
 
-def runner(scheduler: str) -> Run:
+def _runner(scheduler: str) -> Run:
     """Return who runs the blocks: this machine's threads, or the cluster of a scheduler's address."""
     if not scheduler:
         return on_threads
@@ -208,19 +208,19 @@ def runner(scheduler: str) -> Run:
     return partial(on_cluster, scheduler)
 
 
-def writer(found: Series):
+def _writer(found: Series):
     """Return what writes the worst cases and every draw into the study's outputs."""
 
     def write(folder) -> None:
         place = folder / FOLDER
         place.mkdir()
         worst.write(found.work, found.worst, place / worst.FILE)
-        write_draws(found.cases, found.columns, place / "draws.csv")
+        _write_draws(found.cases, found.columns, place / "draws.csv")
 
     return write
 
 
-def write_draws(cases: Cases, columns: Columns, path) -> None:
+def _write_draws(cases: Cases, columns: Columns, path) -> None:
     """Write every draw with what came of it, a row each, exact decimals."""
     heads = [*cases.names, *(f"{c}: {m}" for c in columns for m in KEPT)]
     data = np.column_stack([cases.values, *(columns[c][m] for c in columns for m in KEPT)])
@@ -228,7 +228,7 @@ def write_draws(cases: Cases, columns: Columns, path) -> None:
     path.write_text("\n".join(lines) + "\n", encoding="utf-8")
 
 
-def table_of(found: Series) -> dict:
+def _table_of(found: Series) -> dict:
     """Return the series as results.json holds it."""
     return {
         "draws": found.cases.count,

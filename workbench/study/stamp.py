@@ -13,7 +13,7 @@ from pathlib import Path
 FILE = "stamp.json"
 
 
-def digest_of(paths: Iterable[Path], root: Path) -> "hashlib._Hash":
+def _digest_of(paths: Iterable[Path], root: Path) -> "hashlib._Hash":
     """Return a sha256 over names (relative to root) and contents of files, in the order of their names."""
     total = hashlib.sha256()
     for path in sorted(paths):
@@ -36,8 +36,8 @@ def files(folder: Path) -> list[Path]:
 def sources(study: Path, extra: Iterable[Path] = ()) -> "hashlib._Hash":
     """Return the sha256 of a study on any machine: its folder, further input files, and this package's code."""
     package = Path(__file__).resolve().parent.parent
-    total = digest_of(files(package), package)
-    total.update(digest_of(files(study), study).digest())
+    total = _digest_of(files(package), package)
+    total.update(_digest_of(files(study), study).digest())
     for path in sorted(extra):
         total.update(str(path.name).encode() + hashlib.sha256(path.read_bytes()).digest())
     return total

@@ -8,7 +8,7 @@ from workbench.campaign import Campaign, load
 from workbench.definition import Effect
 from workbench.description import Equivalent, equivalent
 from workbench.errors import WorkbenchError
-from workbench.identification.fit import passes_of
+from workbench.identification.fit import inverse_dynamics
 from workbench.plant import Plant
 from workbench.record import IDENTIFICATION, VALIDATION
 from workbench.study.configuration import Study
@@ -22,7 +22,7 @@ Say = Callable[[str], None]
 
 def trace_campaign(campaign: Campaign, say: Say = lambda _: None) -> Trace:
     """Trace what the declared plant of a campaign lacks."""
-    return trace(campaign.plant, passes_of(campaign.records, campaign.bandwidth), say)
+    return trace(campaign.plant, inverse_dynamics(campaign.records, campaign.bandwidth), say)
 
 
 def described(plant: Plant, amplitudes: np.ndarray) -> tuple[tuple[Effect, Equivalent], ...]:
@@ -69,7 +69,7 @@ def run(study: Study, say: Say) -> Outcome:
         )
     say("reading the campaign")
     campaign = load(study.campaign)
-    passes = passes_of(campaign.records, campaign.bandwidth)
+    passes = inverse_dynamics(campaign.records, campaign.bandwidth)
     shown = None
     if "task" in study.table:
         from workbench.study.control import check_plant, shown_by, with_control

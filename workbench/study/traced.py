@@ -7,8 +7,8 @@ from pathlib import Path
 from workbench.campaign import FILE as CAMPAIGN
 from workbench.campaign import Campaign
 from workbench.errors import WorkbenchError
-from workbench.identification.fit import passes_of
-from workbench.identification.passes import Passes
+from workbench.identification.fit import inverse_dynamics
+from workbench.identification.passes import InverseDynamics
 from workbench.outputs import replaceable, whole
 from workbench.plant import Plant
 from workbench.record import VALIDATION
@@ -40,13 +40,13 @@ def run(campaign: Campaign, out: Path, say: Say = lambda _: None, closing: bool 
             f"{out} holds a {CAMPAIGN}; name another folder to write into, a campaign is not replaced."
         )
     replaceable(out, FILE)
-    passes = passes_of(campaign.records, campaign.bandwidth)
+    passes = inverse_dynamics(campaign.records, campaign.bandwidth)
     found = trace(campaign.plant, passes, say)
     phases = calibrations(passes, found)
     found = replace(found, findings=(*found.findings, *map(finding, phases)))
     closed = closed_loop(campaign, found, say) if closing and found.causes else None
     say("writing the page")
-    result = page(campaign, passes, found, closed)
+    result = _page(campaign, passes, found, closed)
     more = {
         "nrmse_load": load_as_dict(result.where),
         "where": as_list(result.where),
@@ -59,7 +59,7 @@ def run(campaign: Campaign, out: Path, say: Say = lambda _: None, closing: bool 
     return found
 
 
-def in_order(plant: Plant) -> Plant:
+def _in_order(plant: Plant) -> Plant:
     """Return the plant with its effects by name: in which order they were declared must not show in the last bits of a sum."""
     return replace(plant, effects=tuple(sorted(plant.effects, key=lambda e: e.key)))
 
@@ -71,12 +71,14 @@ def closed_loop(campaign: Campaign, found: Trace, say: Say) -> Closed | str:
         return missing
     say("closing the loop")
     try:
-        return close(in_order(found.before.plant), in_order(found.after.plant), record)
+        return close(_in_order(found.before.plant), _in_order(found.after.plant), record)
     except WorkbenchError as error:
         return f"The loop is not closed: {error}"
 
 
-def page(campaign: Campaign, passes: Sequence[Passes], found: Trace, closed: Closed | str | None = None) -> StudyResult:
+def _page(
+    campaign: Campaign, passes: Sequence[InverseDynamics], found: Trace, closed: Closed | str | None = None
+) -> StudyResult:
     """Return what the page of a trace is made of. closed: the loop, a sentence why there is none, or None."""
     chapters = ()
     if closed is not None:

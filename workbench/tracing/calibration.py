@@ -14,7 +14,7 @@ import numpy as np
 from workbench.definition import Effect
 from workbench.finding import Finding, capital, title
 from workbench.identification.fit import identify, series_of
-from workbench.identification.passes import Passes
+from workbench.identification.passes import InverseDynamics
 from workbench.identification.result import Estimate, Fit
 from workbench.plant import Plant
 from workbench.record import IDENTIFICATION, VALIDATION
@@ -60,7 +60,7 @@ class Calibration:
     def differs(self) -> bool:
         """Whether a validation record's phase is another one than those of the identification records."""
         known = [p for p in self.phases if p.role == IDENTIFICATION]
-        return any(apart(p, k) for p in self.phases if p.role == VALIDATION for k in known)
+        return any(_apart(p, k) for p in self.phases if p.role == VALIDATION for k in known)
 
     @property
     def sentence(self) -> str:
@@ -76,7 +76,7 @@ class Calibration:
         )
 
 
-def apart(a: Phase, b: Phase) -> bool:
+def _apart(a: Phase, b: Phase) -> bool:
     """Whether two phases differ by more than their intervals, on the circle."""
     off = (a.phase.value - b.phase.value + pi) % (2 * pi) - pi
     return abs(off) > APART * float(np.hypot(a.half, b.half))
@@ -87,28 +87,28 @@ def periodic(effect: Effect) -> bool:
     return PHASE in effect.outside and any(n in effect.parameters for n in PERIODS)
 
 
-def alone(plant: Plant, key: str) -> Plant:
+def _alone(plant: Plant, key: str) -> Plant:
     """Return the plant with every value held but the amplitudes and phases of one effect."""
-    held = replace(plant, effects=tuple(e(fixed=True, **values(e)) for e in plant.effects))
+    held = replace(plant, effects=tuple(e(fixed=True, **_values(e)) for e in plant.effects))
     effect = held[key]
     return held.swap(effect.free(*(n for n in effect.parameters if n not in PERIODS)))
 
 
-def values(effect: Effect) -> dict[str, float]:
+def _values(effect: Effect) -> dict[str, float]:
     return {n: p.value for n, p in effect.parameters.items()}
 
 
-def calibrate(plant: Plant, key: str, passes: Sequence[Passes], identified: float) -> Calibration:
+def calibrate(plant: Plant, key: str, passes: Sequence[InverseDynamics], identified: float) -> Calibration:
     """Return the phases of one periodic effect of an identified plant, record by record.
 
     identified: error on the validation records with the plant as it is.
     """
-    effect, model = plant[key], alone(plant, key)
+    effect, model = plant[key], _alone(plant, key)
     phases, left, whole = [], 0.0, 0.0
     for p in sorted(passes, key=lambda p: p.motion.record.name):
         record = p.motion.record
-        fit = identify(model, [Passes(replace(p.motion, record=replace(record, role=IDENTIFICATION)))])
-        amplitude, phase = (estimate(fit, effect, n) for n in (AMPLITUDE, PHASE))
+        fit = identify(model, [InverseDynamics(replace(p.motion, record=replace(record, role=IDENTIFICATION)))])
+        amplitude, phase = (_estimate(fit, effect, n) for n in (AMPLITUDE, PHASE))
         phases.append(Phase(record.name, record.role, amplitude, phase))
         if record.role == VALIDATION:
             series = fit.series[record.name]
@@ -118,18 +118,18 @@ def calibrate(plant: Plant, key: str, passes: Sequence[Passes], identified: floa
     return Calibration(effect.named, effect.at, tuple(phases), identified, calibrated)
 
 
-def estimate(fit: Fit, effect: Effect, name: str) -> Estimate:
+def _estimate(fit: Fit, effect: Effect, name: str) -> Estimate:
     return next(e for e in fit.estimates if (e.effect, e.at, e.parameter) == (effect.named, effect.at, name))
 
 
-def calibrations(passes: Sequence[Passes], found: Trace) -> tuple[Calibration, ...]:
+def calibrations(passes: Sequence[InverseDynamics], found: Trace) -> tuple[Calibration, ...]:
     """Return a calibration for every periodic cause of a trace that explains little of the validation records."""
     plant = found.after.plant
-    identified = validation_error(plant, passes)
-    return tuple(calibrate(plant, c.key, passes, identified) for c in lost(found.causes) if periodic(plant[c.key]))
+    identified = _validation_error(plant, passes)
+    return tuple(calibrate(plant, c.key, passes, identified) for c in _lost(found.causes) if periodic(plant[c.key]))
 
 
-def validation_error(plant: Plant, passes: Sequence[Passes]) -> float:
+def _validation_error(plant: Plant, passes: Sequence[InverseDynamics]) -> float:
     """Return the error of a plant on the validation records, nrmse."""
     left = whole = 0.0
     for p in passes:
@@ -140,13 +140,13 @@ def validation_error(plant: Plant, passes: Sequence[Passes]) -> float:
     return float(np.sqrt(left / whole)) if whole > 0.0 else float("nan")
 
 
-def withheld(fit: Fit, causes: Sequence[Cause], passes: Sequence[Passes]) -> Fit:
+def withheld(fit: Fit, causes: Sequence[Cause], passes: Sequence[InverseDynamics]) -> Fit:
     """Return a fit whose validation records are predicted by a fit without the periodic causes that make them worse.
 
     Their phase is that of another power-up, and a ripple of a wrong phase is worse than none. The plant keeps them.
     """
     plant = fit.plant
-    for key in (c.key for c in lost(causes) if c.share_validation < 0.0):
+    for key in (c.key for c in _lost(causes) if c.share_validation < 0.0):
         if periodic(fit.plant[key]):
             plant = plant.without(key)
     if plant is fit.plant:
@@ -163,7 +163,7 @@ def withheld(fit: Fit, causes: Sequence[Cause], passes: Sequence[Passes]) -> Fit
     )  # fmt: skip
 
 
-def lost(causes: Sequence[Cause]) -> list[Cause]:
+def _lost(causes: Sequence[Cause]) -> list[Cause]:
     """Return the causes that do not carry over to the validation records."""
     return [c for c in causes if any(not_carried([c]))]
 

@@ -15,7 +15,7 @@ AGAIN = "2"  # label of a periodic effect beside the declared one
 
 
 @dataclass(frozen=True)
-class Suspect:
+class Candidate:
     """effect, at: what would be added, or whose fixed parameters would be set free. plant: the plant with it.
 
     instead: keys of declared effects that an addition takes the place of. restored: keys of declared laws that it brings back in the
@@ -53,7 +53,7 @@ class Offer:
     declared: Collection[str] = ()
     stands_for: Mapping[str, Effect] = field(default_factory=dict)
 
-    def suspects(self, plant: Plant) -> list[Suspect]:
+    def suspects(self, plant: Plant) -> list[Candidate]:
         """Return the candidates of a plant that are judged."""
         found = suspects(plant, self.own, self.declared, self.stands_for)
         return [s for s in found if self.only is None or {s.effect, s.effect.partition(" ")[0]} & set(self.only)]
@@ -67,7 +67,7 @@ def suspects(
     own: Collection[Effect] = (),
     declared: Collection[str] = (),
     stands_for: Mapping[str, Effect] = MappingProxyType({}),
-) -> list[Suspect]:
+) -> list[Candidate]:
     """Return every candidate, in the order of their names (the result does not depend on the order of declaration).
 
     own: effects that are offered beside those of the catalogue, and judged as they are: one that the catalogue has and does
@@ -80,12 +80,12 @@ def suspects(
         if motion not in effect.motions:
             continue
         for place in places(plant.kind, effect, plant.rotary):
-            if place in effect.stated or not offered(effect, place, plant):
+            if place in effect.stated or not _offered(effect, place, plant):
                 continue
-            if not all(s in plant_signals(plant) for s in effect.reads):
+            if not all(s in _plant_signals(plant) for s in effect.reads):
                 continue
             another = effect(at=place)
-            if another.key in declared and periodic(effect):
+            if another.key in declared and _periodic(effect):
                 another = another(label=AGAIN)
             if another.key in (*(e.key for e in plant.effects), *(e.key for e in stands_for.values())):
                 continue
@@ -101,20 +101,20 @@ def suspects(
                 restored = tuple(stands_for[key].key for key in same)
                 for key in same:
                     rest = rest + stands_for[key]
-            found.append(Suspect(another.named, place, ADDITION, rest + another, instead, restored=restored))
+            found.append(Candidate(another.named, place, ADDITION, rest + another, instead, restored=restored))
             if same and FREE_CURVE not in {k.partition("@")[0] for k in same}:
                 # the same beside what it may take the place of: two contacts
-                found.append(Suspect(another.named, place, ADDITION, plant + another))
+                found.append(Candidate(another.named, place, ADDITION, plant + another))
     for e in plant.effects:
         told = stands_for.get(e.key, e)  # a value within its tolerance stands for the value
-        held = data_sheet(told)
+        held = _data_sheet(told)
         # what an instrument told (a clock, by the angle between encoders) was measured, and is no value from a data sheet either
         if held and (not declared or e.key in declared):
-            found.append(Suspect(e.named, e.at, CORRECTION, plant.swap(told.free(*held))))
+            found.append(Candidate(e.named, e.at, CORRECTION, plant.swap(told.free(*held))))
     return sorted(found, key=lambda s: (s.effect, s.at, s.kind, not s.instead))
 
 
-def data_sheet(e: Effect) -> list[str]:
+def _data_sheet(e: Effect) -> list[str]:
     """Return the fixed parameters of an effect that are values from a data sheet.
 
     A parameter held by definition (the exponent of a virgin curve) is none, nor is a knot of a free form.
@@ -132,8 +132,8 @@ def within_tolerance(plant: Plant, tolerance: float) -> tuple[Plant, dict[str, E
     declared = {}
     for e in plant.effects:
         loose = {
-            n: around(e.parameters[n], tolerance)
-            for n in data_sheet(e)
+            n: _around(e.parameters[n], tolerance)
+            for n in _data_sheet(e)
             if n in e.linear and e.parameters[n].value != 0.0
         }
         if loose and e.port == FORCE:
@@ -142,7 +142,7 @@ def within_tolerance(plant: Plant, tolerance: float) -> tuple[Plant, dict[str, E
     return plant, declared
 
 
-def around(p: Parameter, tolerance: float) -> Parameter:
+def _around(p: Parameter, tolerance: float) -> Parameter:
     """Return a parameter that is free within a relative tolerance of its value."""
     ends = sorted((p.value * (1.0 - tolerance), p.value * (1.0 + tolerance)))
     return replace(p, fixed=False, lower=max(p.lower, ends[0]), upper=min(p.upper, ends[1]))
@@ -163,12 +163,12 @@ def needless(effect: Effect, plant: Plant) -> tuple[str, ...]:
     )
 
 
-def periodic(effect: Effect) -> bool:
+def _periodic(effect: Effect) -> bool:
     """Whether an effect has an order, so that an axis may have it once more at another one."""
     return any(p.scale == "order" and not p.fixed for p in effect.parameters.values())
 
 
-def offered(effect: Effect, place: str, plant: Plant) -> bool:
+def _offered(effect: Effect, place: str, plant: Plant) -> bool:
     """Whether an effect is a candidate at a place: not a second source of the direction of motion there.
 
     Two effects that provide `dir` are two descriptions of one contact; and the second would change what others read. In place
@@ -179,12 +179,12 @@ def offered(effect: Effect, place: str, plant: Plant) -> bool:
     return not given & set(effect.provides) and not (curved and effect.virgin is not None and "masing" in effect.holds)
 
 
-def plant_signals(plant: Plant) -> set[str]:
+def _plant_signals(plant: Plant) -> set[str]:
     """Signals that every record of such a plant has."""
     return set("q dq v a dt t u tau tau_inertia dir motor_q load_q ratio pole_pairs locked".split())
 
 
-def without(plant: Plant, suspect: Suspect, declared: Plant) -> Plant:
+def without(plant: Plant, suspect: Candidate, declared: Plant) -> Plant:
     """Return `plant` without what a suspect brought to the declared one."""
     if suspect.kind != ADDITION:
         return plant.swap(declared[suspect.key])
@@ -197,7 +197,7 @@ def without(plant: Plant, suspect: Suspect, declared: Plant) -> Plant:
     return plant
 
 
-def brought(plant: Plant, suspect: Suspect, last: Plant) -> Plant:
+def brought(plant: Plant, suspect: Candidate, last: Plant) -> Plant:
     """Return `plant` with what a suspect brings, as it came out in `last`."""
     effect = last[suspect.key]
     if suspect.kind != ADDITION:

@@ -11,22 +11,22 @@ from dataclasses import replace
 
 import numpy as np
 
-from workbench.identification.passes import Passes, balances, predicted
+from workbench.identification.passes import InverseDynamics, balances, predicted
 from workbench.identification.solve import NoValue
 from workbench.motion import motion
 from workbench.plant import Plant
-from workbench.tracing.candidates import Suspect
+from workbench.tracing.candidates import Candidate
+from workbench.tracing.decimation import thin_one
 from workbench.tracing.floor import read_again
-from workbench.tracing.result import Candidate
+from workbench.tracing.result import CandidateScore
 from workbench.tracing.search import fitted, within_reach
 from workbench.tracing.state import State
-from workbench.tracing.thin import thin_one
 
 LOAD = "asked at the load"  # channel of what drives the load of a machine that is the present model
 
 
-class Sound(Passes):
-    """Passes of a machine that the present model is exact for, but for its counts: of two masses its load is driven, too."""
+class NoiselessReplica(InverseDynamics):
+    """InverseDynamics of a machine that the present model is exact for, but for its counts: of two masses its load is driven, too."""
 
     def filtered_drive(self, plant: Plant) -> np.ndarray:
         drive = super().filtered_drive(plant)
@@ -35,7 +35,7 @@ class Sound(Passes):
         return drive
 
 
-def sound(passes: Sequence[Passes], plant: Plant) -> list[Passes]:
+def _sound(passes: Sequence[InverseDynamics], plant: Plant) -> list[InverseDynamics]:
     """Return thinned passes of the records that this plant would leave, without noise of the drive; none where counts are
     unknown."""
     found = []
@@ -44,20 +44,24 @@ def sound(passes: Sequence[Passes], plant: Plant) -> list[Passes]:
         if records is None:
             return []
         band = p.motion.filter.bandwidth
-        true, read = Passes(motion(records[0], band)), records[1]
+        true, read = InverseDynamics(motion(records[0], band)), records[1]
         made = {"torque" if "torque" in read.channels else "force": predicted(true, plant)}
         if true.rows(plant) > 1:
             made[LOAD] = balances(true, plant)[1]
-        found.append(thin_one(Sound(motion(replace(read, channels={**read.channels, **made}), band)), of=Sound))
+        found.append(
+            thin_one(
+                NoiselessReplica(motion(replace(read, channels={**read.channels, **made}), band)), of=NoiselessReplica
+            )
+        )
     return found
 
 
-def of_counts(suspect: Suspect, state: State, whole: Sequence[Passes]) -> float:
+def quantisation_bias(suspect: Candidate, state: State, whole: Sequence[InverseDynamics]) -> float:
     """Return the power that a suspect takes away of what counts alone leave, over that of the state's residual.
 
     whole: passes of the identification records as they are. 0 where nothing comes of it.
     """
-    made = sound(whole, state.plant)
+    made = _sound(whole, state.plant)
     if not made:
         return 0.0
     try:
@@ -69,7 +73,7 @@ def of_counts(suspect: Suspect, state: State, whole: Sequence[Passes]) -> float:
     return taken / state.solution.cost if state.solution.cost > 0.0 else 0.0
 
 
-def by_counts(c: Candidate, spurious: float) -> Candidate:
+def by_counts(c: CandidateScore, spurious: float) -> CandidateScore:
     """Return a candidate that does not earn its place, because of what it would take away of the counts alone."""
     more = (
         f" Of what counts alone would leave of a machine that lacks nothing it would take away {100 * spurious:.1f} %."

@@ -31,7 +31,7 @@ class Verdict:
     verdict: str
     roles: tuple[str, ...]
     something_else: bool = False
-    alarms: tuple[str, ...] = ()
+    _alarms: tuple[str, ...] = ()
     added: tuple[str, ...] = ()
 
     @property
@@ -42,10 +42,10 @@ class Verdict:
 
 def decide(evidence: Evidence, criteria: Criteria) -> Verdict:
     """Return the verdict on this evidence."""
-    roles = tuple(role(a, criteria) for a in evidence.added)
+    roles = tuple(_role(a, criteria) for a in evidence.added)
     causes = [a for a, r in zip(evidence.added, roles, strict=True) if r == CAUSE]
-    spread = evidence.place_instead and not little_left(evidence, criteria)
-    if causes and (spread or not answers(evidence, causes, criteria)):
+    spread = evidence.place_instead and not _little_left(evidence, criteria)
+    if causes and (spread or not _answers(evidence, causes, criteria)):
         roles = tuple(DRESSING if r == CAUSE else r for r in roles)
         causes = []
     if causes or evidence.clock:
@@ -55,12 +55,12 @@ def decide(evidence: Evidence, criteria: Criteria) -> Verdict:
             *(("clock_skew",) if evidence.clock else ()),
             *(a.effect.partition(" ")[0] for a in sorted(causes, key=lambda a: -a.size(IDENTIFICATION))),
         )
-        return Verdict(CAUSE, roles, more, alarms(evidence, roles), names)
-    missing = evidence.before.size >= criteria.explainable or unborne(evidence, roles, criteria)
-    return Verdict(UNKNOWN if missing else NOTHING, roles, False, alarms(evidence, roles))
+        return Verdict(CAUSE, roles, more, _alarms(evidence, roles), names)
+    missing = evidence.before.size >= criteria.explainable or _unborne(evidence, roles, criteria)
+    return Verdict(UNKNOWN if missing else NOTHING, roles, False, _alarms(evidence, roles))
 
 
-def unborne(evidence: Evidence, roles: tuple[str, ...], criteria: Criteria) -> bool:
+def _unborne(evidence: Evidence, roles: tuple[str, ...], criteria: Criteria) -> bool:
     """Whether an effect takes much of the identification records, by `held` and `beside`, and does not hold on validation: it is
     not the cause, but nor is what it takes noise. Where the reference says nothing (an injected torque alone moves the axis),
     this is all that says so."""
@@ -69,53 +69,53 @@ def unborne(evidence: Evidence, roles: tuple[str, ...], criteria: Criteria) -> b
     return any(a.size(IDENTIFICATION) >= criteria.beside for a in much)
 
 
-def role(a: Weighed, criteria: Criteria) -> str:
+def _role(a: Weighed, criteria: Criteria) -> str:
     """Return what one effect is by itself."""
     if a.kind == CORRECTION and a.changed <= a.tolerance:
         return REFINEMENT
     # without a validation record both are NaN, and say nothing
     if a.size(VALIDATION) < 0.0 or a.share(VALIDATION) < criteria.carried * a.share(IDENTIFICATION):
         return NOT_BORNE_OUT
-    if beyond(a) < (criteria.explainable if a.implausible else criteria.practical):
+    if _beyond(a) < (criteria.explainable if a.implausible else criteria.practical):
         return REFINEMENT
     return CAUSE
 
 
-def beyond(a: Weighed) -> float:
+def _beyond(a: Weighed) -> float:
     """Return what an effect takes away, over the drive's rms; of a correction, what no value within its tolerance takes."""
     size = a.size(IDENTIFICATION)
     return size * (1.0 - a.tolerance / a.changed) if a.kind == CORRECTION and a.changed > 0.0 else size
 
 
-def answers(evidence: Evidence, causes: list[Weighed], criteria: Criteria) -> bool:
+def _answers(evidence: Evidence, causes: list[Weighed], criteria: Criteria) -> bool:
     """Whether the causes are the answer: they hold on validation, or leave little of what could be explained.
 
     What only an injected torque shows (a delay, a lag) is in no reference, and moves excite it little: then it is enough that the
     causes take as much of the identification records, by blocks that were not seen, and that nothing explainable stays.
     """
     judge = VALIDATION if isfinite(evidence.declared[VALIDATION]) else IDENTIFICATION
-    if share_of(causes, evidence, judge) >= criteria.held:
+    if _share_of(causes, evidence, judge) >= criteria.held:
         return True
     if any(a.behind and a.share(judge) >= criteria.held for a in causes):
         return True
     if evidence.before.size >= criteria.explainable:
-        return little_left(evidence, criteria)
-    return share_of(causes, evidence, IDENTIFICATION) >= criteria.held and evidence.after.size < criteria.explainable
+        return _little_left(evidence, criteria)
+    return _share_of(causes, evidence, IDENTIFICATION) >= criteria.held and evidence.after.size < criteria.explainable
 
 
-def share_of(causes: list[Weighed], evidence: Evidence, role: str) -> float:
+def _share_of(causes: list[Weighed], evidence: Evidence, role: str) -> float:
     """Return the share of the declared model's residual power that causes take away together."""
     taken = sum(max(a.before[role] ** 2 - a.after[role] ** 2, 0.0) for a in causes)
     declared = evidence.declared[role] ** 2
     return taken / declared if declared > 0.0 else 0.0
 
 
-def little_left(evidence: Evidence, criteria: Criteria) -> bool:
+def _little_left(evidence: Evidence, criteria: Criteria) -> bool:
     """Whether what was added leaves little of what could be explained."""
     return evidence.after.size**2 <= criteria.left * evidence.before.size**2
 
 
-def alarms(evidence: Evidence, roles: tuple[str, ...]) -> tuple[str, ...]:
+def _alarms(evidence: Evidence, roles: tuple[str, ...]) -> tuple[str, ...]:
     """Return "below floor" where the extended model's error is less than noise alone would leave."""
     kept = [a for a, r in zip(evidence.added, roles, strict=True) if r in (CAUSE, REFINEMENT)]
     if not kept:

@@ -16,7 +16,7 @@ from math import sqrt
 
 import numpy as np
 
-from workbench.identification.passes import Passes
+from workbench.identification.passes import InverseDynamics
 from workbench.motion import MOTION_BAND, LowPass
 from workbench.tracing.criteria import Criteria
 from workbench.tracing.evidence import Explainable
@@ -51,23 +51,23 @@ class Part:
 
 def explainable(state: State, criteria: Criteria) -> Explainable:
     """Return what could be explained of a state's residual of the drive, over the drive's rms."""
-    residuals = state.problem.drive_part(unseen(state))
+    residuals = state.problem.drive_part(_unseen(state))
     parts = [part(p, r, state.plant.geometry.gear_ratio) for p, r in zip(state.passes, residuals, strict=True)]
     whole = sum(float(p.residual @ p.residual) for p in parts)
     unit = 1.0 / sqrt(state.power) if state.power > 0.0 else 0.0
     referenced = all("reference" in p.motion.record.channels for p in state.passes)
-    share, frequency = strongest_line(parts, criteria.line)
+    share, frequency = _strongest_line(parts, criteria.line)
     return Explainable(
-        exogenous=unit * sqrt(exogenous(parts)),
-        time=unit * sqrt(over_time(parts)),
+        exogenous=unit * sqrt(_exogenous(parts)),
+        time=unit * sqrt(_over_time(parts)),
         line=unit * sqrt(share * whole),
-        burst=unit * sqrt(burst if (burst := bursts(parts, criteria.burst)) > criteria.share * whole else 0.0),
+        burst=unit * sqrt(burst if (burst := _bursts(parts, criteria.burst)) > criteria.share * whole else 0.0),
         frequency=frequency,
         instrument="reference" if referenced else "low-passed position",
     )
 
 
-def unseen(state: State) -> np.ndarray:
+def _unseen(state: State) -> np.ndarray:
     """Return the residual (N,) of each block by a fit to the others: what free laws would take of noise is not taken."""
     model, residual = Deviations(state.problem, state.solution), state.solution.residual
     blocks = state.problem.blocks(BLOCK)
@@ -81,7 +81,7 @@ def unseen(state: State) -> np.ndarray:
     return found
 
 
-def part(p: Passes, residual: np.ndarray, ratio: float) -> Part:
+def part(p: InverseDynamics, residual: np.ndarray, ratio: float) -> Part:
     """Return a record's Part. residual: of the drive, in the samples that count. ratio: motor turns per output turn."""
     m = p.motion
     keep = m.keep
@@ -89,25 +89,25 @@ def part(p: Passes, residual: np.ndarray, ratio: float) -> Part:
     band = MOTION_BAND * m.filter.bandwidth if logged is not None else m.filter.bandwidth / HEAVY
     reference = m.record.channels["position"] if logged is None else logged
     q, v, a = LowPass(band, 1 / m.dt, m.u.size).derivatives(reference, 3)
-    way = held_sign(v)
+    way = _held_sign(v)
     near, far = (max(1, round(k / m.filter.bandwidth / m.dt)) for k in (0.5, 2.0))
     turn = 2.0 * np.pi / max(ratio, 1e-12)
-    features = [q, v, a, way, np.log(travelled(q, way) + 1e-3 * np.ptp(q) + 1e-300), np.abs(v)]
+    features = [q, v, a, way, np.log(_travelled(q, way) + 1e-3 * np.ptp(q) + 1e-300), np.abs(v)]
     features += [np.roll(a, near), np.roll(a, -near), np.roll(v, far), np.mod(q, turn)]
     return Part(
-        residual, np.column_stack(features)[keep], moving(m.v, m.dt, keep)[keep], held_sign(m.v)[keep], m.t[keep], m.dt,
+        residual, np.column_stack(features)[keep], _moving(m.v, m.dt, keep)[keep], _held_sign(m.v)[keep], m.t[keep], m.dt,
         m.filter(m.u)[keep], q[keep], m.filter.bandwidth,
     )  # fmt: skip
 
 
-def held_sign(v: np.ndarray) -> np.ndarray:
+def _held_sign(v: np.ndarray) -> np.ndarray:
     """Return the sign of v (n,), where it is 1 % of its rms or less the one before."""
     plain = np.where(np.abs(v) > 0.01 * np.sqrt(np.mean(v**2)), np.sign(v), 0.0)
     last = np.maximum.accumulate(np.where(plain != 0.0, np.arange(v.size), 0))
     return plain[last]
 
 
-def travelled(q: np.ndarray, way: np.ndarray) -> np.ndarray:
+def _travelled(q: np.ndarray, way: np.ndarray) -> np.ndarray:
     """Return the distance (n,) since the way last turned."""
     distance = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(q)))])
     mark = np.zeros(q.size)
@@ -116,7 +116,7 @@ def travelled(q: np.ndarray, way: np.ndarray) -> np.ndarray:
     return distance - np.maximum.accumulate(mark)
 
 
-def moving(v: np.ndarray, dt: float, keep: slice) -> np.ndarray:
+def _moving(v: np.ndarray, dt: float, keep: slice) -> np.ndarray:
     """Return where (n,) the axis is neither at rest nor just turned: there friction is a matter of counts."""
     moves = np.abs(v) > STILL * np.sqrt(np.mean(v[keep] ** 2))
     turned = np.concatenate([[0], np.cumsum(np.diff(np.sign(v)) != 0)])
@@ -124,7 +124,7 @@ def moving(v: np.ndarray, dt: float, keep: slice) -> np.ndarray:
     return moves & (turned == before)
 
 
-def gained(before: np.ndarray, after: np.ndarray) -> float:
+def _gained(before: np.ndarray, after: np.ndarray) -> float:
     """Return the power taken away over blocks, 0 where it does not differ from zero by CERTAIN standard errors of the share."""
     whole = float(before.sum())
     g = 1.0 - float(after.sum()) / whole if whole > 0.0 else 0.0
@@ -134,14 +134,14 @@ def gained(before: np.ndarray, after: np.ndarray) -> float:
     return g * whole if g > CERTAIN * scatter else 0.0
 
 
-def exogenous(parts: Sequence[Part]) -> float:
+def _exogenous(parts: Sequence[Part]) -> float:
     """Return the power that the reference's motion predicts out of sample, standstill left out; records weigh alike."""
     y, moves = np.concatenate([p.residual for p in parts]), np.concatenate([p.moves for p in parts])
     found, block = foreseen(parts, y, moves), numbered(parts)
     told = np.isfinite(found)
     before = np.bincount(block[told], y[told] ** 2, block[-1] + 1)
     after = np.bincount(block[told], (y[told] - found[told]) ** 2, block[-1] + 1)
-    return gained(before, after)
+    return _gained(before, after)
 
 
 def foreseen(parts: Sequence[Part], y: np.ndarray, used: np.ndarray) -> np.ndarray:
@@ -150,7 +150,7 @@ def foreseen(parts: Sequence[Part], y: np.ndarray, used: np.ndarray) -> np.ndarr
     from sklearn.ensemble import HistGradientBoostingRegressor
     from threadpoolctl import threadpool_limits
 
-    x = ranked(np.vstack([p.outside for p in parts]))
+    x = _ranked(np.vstack([p.outside for p in parts]))
     weight = np.concatenate([np.full(p.residual.size, 1.0 / max(np.count_nonzero(p.moves), 1)) for p in parts])
     fold = numbered(parts) % FOLDS
     found = np.full(y.size, np.nan)
@@ -166,7 +166,7 @@ def foreseen(parts: Sequence[Part], y: np.ndarray, used: np.ndarray) -> np.ndarr
     return found
 
 
-def ranked(x: np.ndarray) -> np.ndarray:
+def _ranked(x: np.ndarray) -> np.ndarray:
     """Return each column of x (n, features) in RANKS steps of as many samples: all that trees see of it."""
     cuts = np.quantile(x, np.linspace(0.0, 1.0, RANKS + 1)[1:-1], axis=0)
     return np.stack([np.searchsorted(c, v) for c, v in zip(cuts.T, x.T, strict=True)], axis=1).astype(np.float32)
@@ -183,7 +183,7 @@ def numbered(parts: Sequence[Part]) -> np.ndarray:
     return np.concatenate(found)
 
 
-def over_time(parts: Sequence[Part]) -> float:
+def _over_time(parts: Sequence[Part]) -> float:
     """Return the power that neighbours in bench time predict, as a level or as friction: the best of SPANS."""
     sums = []
     for p in parts:
@@ -198,17 +198,17 @@ def over_time(parts: Sequence[Part]) -> float:
         np.fill_diagonal(near, 0.0)
         for total, weight in ((level, count), (friction, ways)):
             mean = near @ total / np.maximum(near @ weight, 1e-300)
-            best = max(best, gained(power, power - 2.0 * mean * total + mean**2 * weight))
+            best = max(best, _gained(power, power - 2.0 * mean * total + mean**2 * weight))
     return best
 
 
-def strongest_line(parts: Sequence[Part], least: float) -> tuple[float, float]:
+def _strongest_line(parts: Sequence[Part], least: float) -> tuple[float, float]:
     """Return (share of the residual's power, Hz) of the strongest spectral line; zeros where none stands out of its
     surroundings by `least` in power, or where the reference or the drive has it."""
     whole = sum(float(p.residual @ p.residual) for p in parts)
     best = (0.0, 0.0)
     for p in parts:
-        own, drive, reference = (lines(x, p.dt, p.bandwidth) for x in (p.residual, p.drive, p.reference))
+        own, drive, reference = (_lines(x, p.dt, p.bandwidth) for x in (p.residual, p.drive, p.reference))
         if own is None:
             continue
         f, power, ratio = own
@@ -221,7 +221,7 @@ def strongest_line(parts: Sequence[Part], least: float) -> tuple[float, float]:
     return best
 
 
-def lines(x: np.ndarray, dt: float, bandwidth: float) -> tuple[np.ndarray, np.ndarray, np.ndarray] | None:
+def _lines(x: np.ndarray, dt: float, bandwidth: float) -> tuple[np.ndarray, np.ndarray, np.ndarray] | None:
     """Return (Hz, power, power over the median of 101 neighbours) in the band, or None for a record too short."""
     from scipy.ndimage import median_filter
 
@@ -235,7 +235,7 @@ def lines(x: np.ndarray, dt: float, bandwidth: float) -> tuple[np.ndarray, np.nd
     return f, power, ratio
 
 
-def bursts(parts: Sequence[Part], least: float) -> float:
+def _bursts(parts: Sequence[Part], least: float) -> float:
     """Return the power of moving samples beyond `least` robust standard deviations of their surroundings of 2 s."""
     power = 0.0
     for p in parts:

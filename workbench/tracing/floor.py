@@ -9,7 +9,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from workbench.identification.passes import Passes, required
+from workbench.identification.passes import InverseDynamics, required
 from workbench.motion import MOTION_BAND, LowPass, motion
 from workbench.plant import Plant
 from workbench.record import ROLES, Record
@@ -21,7 +21,7 @@ BANDS = 12  # of frequency, for it
 QUIET = (1.6, 0.42)  # band read for noise: from this times the evaluation bandwidth to this times the sampling rate
 
 
-def quiet_spectrum(passes: Passes) -> tuple[np.ndarray, np.ndarray] | None:
+def _quiet_spectrum(passes: InverseDynamics) -> tuple[np.ndarray, np.ndarray] | None:
     """Return (frequencies, power of the drive) above the evaluation band, or None where no quiet band is left."""
     m = passes.motion
     spectrum = np.abs(np.fft.rfft(m.u - m.filter(m.u))) ** 2
@@ -33,9 +33,9 @@ def quiet_spectrum(passes: Passes) -> tuple[np.ndarray, np.ndarray] | None:
     return f[band], spectrum[band] / np.maximum(unseen, 1e-3)
 
 
-def drive_noise(passes: Passes) -> float:
+def _drive_noise(passes: InverseDynamics) -> float:
     """Return the rms of the drive's noise behind the evaluation filter, or 0 where no quiet band is left to read it."""
-    found = quiet_spectrum(passes)
+    found = _quiet_spectrum(passes)
     if found is None:
         return 0.0
     m = passes.motion
@@ -45,7 +45,7 @@ def drive_noise(passes: Passes) -> float:
     return float(np.sqrt(2 * density * np.sum(response**2))) / m.u.size
 
 
-def between_counts(x: np.ndarray, t: np.ndarray) -> np.ndarray:
+def _between_counts(x: np.ndarray, t: np.ndarray) -> np.ndarray:
     """Return a position (n,) that a quantised reading x (n,) may have come from: straight from step to step of the count.
 
     Between two steps nothing but their places is known; a low pass alone would keep the stairs of a slow motion.
@@ -57,7 +57,7 @@ def between_counts(x: np.ndarray, t: np.ndarray) -> np.ndarray:
     return np.interp(t, times, np.concatenate([x[:1], 0.5 * (x[steps] + x[steps + 1]), x[-1:]]))
 
 
-def in_counts(x: np.ndarray, count: float) -> np.ndarray:
+def _in_counts(x: np.ndarray, count: float) -> np.ndarray:
     """Return a position (n,) as an encoder reads it.
 
     Where it moves by a count a sample or more, the error of each sample is its own, evenly spread over a count: the jitter of
@@ -69,7 +69,7 @@ def in_counts(x: np.ndarray, count: float) -> np.ndarray:
     return np.where(fast, x + count * spread, read)
 
 
-def read_again(passes: Passes) -> tuple[Record, Record] | None:
+def read_again(passes: InverseDynamics) -> tuple[Record, Record] | None:
     """Return (a record of a motion that runs between the counts, that motion as its encoders read it); None without counts."""
     m = passes.motion
     record = m.record
@@ -77,12 +77,12 @@ def read_again(passes: Passes) -> tuple[Record, Record] | None:
     if not counts:
         return None
     smooth = LowPass(MOTION_BAND * m.filter.bandwidth, 1 / m.dt, m.u.size)
-    true = {n: smooth(between_counts(record.channels[n], m.t)) for n in counts}
-    read = {n: in_counts(x, counts[n]) for n, x in true.items()}
+    true = {n: smooth(_between_counts(record.channels[n], m.t)) for n in counts}
+    read = {n: _in_counts(x, counts[n]) for n, x in true.items()}
     return tuple(replace(record, channels={**record.channels, **positions}) for positions in (true, read))
 
 
-def encoder_noise(passes: Passes, plant: Plant) -> float:
+def _encoder_noise(passes: InverseDynamics, plant: Plant) -> float:
     """Return the rms change of the filtered required drive when motion between counts is read in counts.
 
     All encoders at once, through the derivative filter and through operators with memory alike: what the fit would be
@@ -92,11 +92,11 @@ def encoder_noise(passes: Passes, plant: Plant) -> float:
     if records is None:
         return 0.0
     m = passes.motion
-    true, read = (m.filter(required(Passes(motion(r, m.filter.bandwidth)), plant)) for r in records)
+    true, read = (m.filter(required(InverseDynamics(motion(r, m.filter.bandwidth)), plant)) for r in records)
     return float(np.sqrt(np.mean((read - true)[m.keep] ** 2)))
 
 
-def coloured(passes: Sequence[Passes]) -> bool:
+def _coloured(passes: Sequence[InverseDynamics]) -> bool:
     """Whether the drive's noise falls with frequency above the band, so that it says nothing of the noise inside.
 
     Its power goes with f^-n; n from the medians of the quiet band's first and last third, of the record where it is least:
@@ -104,7 +104,7 @@ def coloured(passes: Sequence[Passes]) -> bool:
     """
     falls = []
     for p in passes:
-        found = quiet_spectrum(p)
+        found = _quiet_spectrum(p)
         if found is not None:
             (low, _, high), (below, _, above) = (np.array_split(x, 3) for x in found)
             ratio = np.median(below) / max(np.median(above), 1e-300)
@@ -137,30 +137,30 @@ def calm(residuals: Sequence[np.ndarray], dt: float, bandwidth: float) -> float:
     return float(np.sqrt(2 * total / (n * np.sum(taper**2))))
 
 
-def levels(passes: Sequence[Passes], plant: Plant, steady: float = 0.0) -> dict[str, float]:
+def levels(passes: Sequence[InverseDynamics], plant: Plant, steady: float = 0.0) -> dict[str, float]:
     """Return record -> the rms of the filtered residual, in N*m or N, that drive noise and encoder counts alone would leave.
 
     The noise belongs to the drive, not to the motion: the quietest record tells it, because steps of the command look like
     noise above the band. steady: as `steadied` takes it.
     """
-    heard = [n for n in (drive_noise(p) for p in passes) if n > 0]
+    heard = [n for n in (_drive_noise(p) for p in passes) if n > 0]
     quietest = min(heard, default=0.0)
-    found = {p.motion.record.name: float(np.hypot(quietest, encoder_noise(p, plant))) for p in passes}
+    found = {p.motion.record.name: float(np.hypot(quietest, _encoder_noise(p, plant))) for p in passes}
     return steadied(found, passes, steady)
 
 
-def steadied(level: dict[str, float], passes: Sequence[Passes], steady: float) -> dict[str, float]:
+def steadied(level: dict[str, float], passes: Sequence[InverseDynamics], steady: float) -> dict[str, float]:
     """Return levels that are no lower than the steady part of a residual, where the drive's noise is coloured.
 
     steady: `calm` of the residual of the model with what was added. Coloured noise (or a signal that was filtered before it
     was logged) says nothing above the band of what is inside.
     """
-    if steady > 0.0 and coloured(passes):
+    if steady > 0.0 and _coloured(passes):
         return {name: max(x, steady) for name, x in level.items()}
     return level
 
 
-def floor(passes: Sequence[Passes], level: Mapping[str, float]) -> dict[str, float]:
+def floor(passes: Sequence[InverseDynamics], level: Mapping[str, float]) -> dict[str, float]:
     """Return role -> the nrmse that residuals of these levels make."""
     result = {}
     for role in ROLES:

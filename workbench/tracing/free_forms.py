@@ -11,9 +11,9 @@ from workbench.effects.free_bank import slips_of
 from workbench.effects.free_maps import angle_over_angle
 from workbench.errors import WorkbenchError
 from workbench.identification.bodies import POSITION, VELOCITY
-from workbench.identification.passes import Passes
+from workbench.identification.passes import InverseDynamics
 from workbench.plant import Plant, places
-from workbench.tracing.candidates import ADDITION, Suspect, needless
+from workbench.tracing.candidates import ADDITION, Candidate, needless
 from workbench.tracing.starts import order_spectrum, peaks, resolved
 
 MEMORY = "friction with memory"
@@ -27,7 +27,7 @@ class Free:
     """A free-form law at one place. suspect: the plant with it; its keys `instead` are what it takes the place of."""
 
     family: str
-    suspect: Suspect
+    suspect: Candidate
 
     @property
     def effect(self) -> Effect:
@@ -36,7 +36,7 @@ class Free:
 
 def free_forms(
     plant: Plant,
-    passes: Sequence[Passes],
+    passes: Sequence[InverseDynamics],
     families: Sequence[str] | None = None,
     residuals: Sequence[np.ndarray] = (),
 ) -> list[Free]:
@@ -50,59 +50,59 @@ def free_forms(
     for family, form in sorted(FREE_FORMS.items()):
         if families is not None and family not in families:
             continue
-        for place in places(plant.kind, sample(form)):
-            if family != MEMORY and family_of(sample(form)(at=place)) != family:
+        for place in places(plant.kind, _sample(form)):
+            if family != MEMORY and family_of(_sample(form)(at=place)) != family:
                 continue
-            made = made_for(form, family, plant, passes, place, residuals)
+            made = _made_for(form, family, plant, passes, place, residuals)
             if made is None or made.key in (e.key for e in plant.effects):
                 continue
-            instead = needless(made, plant) or replaced(made, plant)
+            instead = needless(made, plant) or _replaced(made, plant)
             rest = plant
             for key in instead:
                 rest = rest.without(key)
-            found.append(Free(family, Suspect(made.named, place, ADDITION, rest + made, instead)))
+            found.append(Free(family, Candidate(made.named, place, ADDITION, rest + made, instead)))
     return found
 
 
-def sample(form: FreeForm) -> Effect:
+def _sample(form: FreeForm) -> Effect:
     """A free-form law whose knots say nothing: of its places only."""
     return form.make((1.0, 2.0, 3.0), (), form.at)
 
 
-def replaced(made: Effect, plant: Plant) -> tuple[str, ...]:
+def _replaced(made: Effect, plant: Plant) -> tuple[str, ...]:
     """Keys of what gives the direction at a place where `made` gives it, too."""
     if "dir" not in made.provides:
         return ()
     return tuple(e.key for e in plant.effects if e.at == made.at and "dir" in e.provides)
 
 
-def made_for(
+def _made_for(
     form: FreeForm,
     family: str,
     plant: Plant,
-    passes: Sequence[Passes],
+    passes: Sequence[InverseDynamics],
     place: str,
     residuals: Sequence[np.ndarray] = (),
 ) -> Effect | None:
     """Return the free-form law at a place with knots from the records; None where they do not cover its coordinate."""
     if family == "angle over angle":
-        return of_angle(plant, passes, place)
+        return _of_angle(plant, passes, place)
     if family == MEMORY:
-        knots = slips(plant, passes, place)
+        knots = _slips(plant, passes, place)
     elif family == "creep":
-        knots = rates(passes, form.count)
+        knots = _rates(passes, form.count)
     else:
-        knots = knots_of([values(form, plant, p, place) for p in passes], form)
+        knots = knots_of([_values(form, plant, p, place) for p in passes], form)
     if not knots:
         return None
     if family in PERIODIC and place != "joint" and len(residuals):
         signed = [np.sign(p.motion.v) * r for p, r in zip(passes, residuals, strict=True)]
-        waves = orders(passes, signed if family == "friction over position" else residuals)
+        waves = _orders(passes, signed if family == "friction over position" else residuals)
         return form.make(knots, plant.effects, place, orders=waves)
     return form.make(knots, plant.effects, place)
 
 
-def of_angle(plant: Plant, passes: Sequence[Passes], place: str) -> Effect | None:
+def _of_angle(plant: Plant, passes: Sequence[InverseDynamics], place: str) -> Effect | None:
     """Return the gear's error over its motor's turn, of the harmonics that the records show; None where they show no turn."""
     order = plant.geometry.gear_ratio
     travel = max(float(np.ptp(p.motion.q)) for p in passes)
@@ -110,7 +110,7 @@ def of_angle(plant: Plant, passes: Sequence[Passes], place: str) -> Effect | Non
     return angle_over_angle(order, harmonics, place) if harmonics and order * travel > 2.0 * np.pi else None
 
 
-def orders(passes: Sequence[Passes], residuals: Sequence[np.ndarray]) -> tuple[float, ...]:
+def _orders(passes: Sequence[InverseDynamics], residuals: Sequence[np.ndarray]) -> tuple[float, ...]:
     """Return the orders of the largest peaks of residuals over position, each at the top of the parabola through its peak."""
     found, amplitude = order_spectrum(passes, residuals)
     travel = max(float(np.ptp(p.motion.q)) for p in passes)
@@ -122,7 +122,7 @@ def orders(passes: Sequence[Passes], residuals: Sequence[np.ndarray]) -> tuple[f
     return tuple(float(k) for k in tops)
 
 
-def values(form: FreeForm, plant: Plant, passes: Passes, place: str) -> np.ndarray:
+def _values(form: FreeForm, plant: Plant, passes: InverseDynamics, place: str) -> np.ndarray:
     """Return a family's coordinate along one record, (n,), where errors count."""
     m = passes.motion
     if form.signal in ("u", "tau"):
@@ -133,14 +133,14 @@ def values(form: FreeForm, plant: Plant, passes: Passes, place: str) -> np.ndarr
     return body[{"v": VELOCITY, "q": POSITION}[form.signal]][m.keep]
 
 
-def rates(passes: Sequence[Passes], count: int) -> tuple[float, ...]:
+def _rates(passes: Sequence[InverseDynamics], count: int) -> tuple[float, ...]:
     """Return rates of relaxation, 1/s: from once over the longest record to FASTEST of the band."""
     slowest = 1.0 / max(float(np.ptp(p.motion.t)) for p in passes)
     fastest = FASTEST * 2.0 * np.pi * min(p.motion.filter.bandwidth for p in passes)
     return tuple(float(r) for r in np.geomspace(slowest, fastest, count)) if fastest > slowest else ()
 
 
-def slips(plant: Plant, passes: Sequence[Passes], place: str) -> tuple[float, ...]:
+def _slips(plant: Plant, passes: Sequence[InverseDynamics], place: str) -> tuple[float, ...]:
     """Return the slips of a bank in the place of the friction that is declared there; empty where there is none."""
     there = [e for e in plant.effects if e.at == place and (e.name == "coulomb_friction" or "dir" in e.provides)]
     counts = max((p.motion.counts for p in passes), default=0.0)

@@ -13,15 +13,19 @@ from workbench.processes import shared
 from workbench.tracing.candidates import ADDITION
 from workbench.tracing.criteria import Criteria
 from workbench.tracing.free_forms import MEMORY, free_forms
-from workbench.tracing.judge import Judgement, judged, refitted_as
+from workbench.tracing.judge import ScoredCandidate, judged, refitted_as
 from workbench.tracing.state import State
 
 LEADERS = 3  # families that are asked, those of the best candidates
 
 
 def free_law(
-    state: State, judgements: Sequence[Judgement], best: Judgement, added: Sequence[Judgement], criteria: Criteria
-) -> Judgement | None:
+    state: State,
+    judgements: Sequence[ScoredCandidate],
+    best: ScoredCandidate,
+    added: Sequence[ScoredCandidate],
+    criteria: Criteria,
+) -> ScoredCandidate | None:
     """Return the free-form law that is added in the place of `best`, or None where that formula says it as well.
 
     added: before it; a formula of the class among them names the free form, which then says it all.
@@ -29,7 +33,7 @@ def free_law(
     more than what is of practical size beside it; it names the class from `resembles` of it on.
     """
     formulas = [j for j in judgements if j.suspect.kind == ADDITION and j.candidate.gain > criteria.share]
-    asked: dict[tuple[str, str], Judgement] = {}
+    asked: dict[tuple[str, str], ScoredCandidate] = {}
     for j in formulas:
         asked.setdefault((family_of(j.suspect.plant[j.suspect.key]), j.suspect.at), j)
     asked = {k: j for k, j in list(asked.items())[:LEADERS] if k[0] in FREE_FORMS and k[0] != MEMORY}
@@ -39,7 +43,7 @@ def free_law(
         if (f.family, f.suspect.at) in asked
     ]
     forms = [
-        Judgement(f.suspect, **found)
+        ScoredCandidate(f.suspect, **found)
         for f, found in zip(forms, shared(lambda f: judged(state, f.suspect, criteria), forms), strict=True)
     ]
     forms = [j for j in forms if j.candidate.earns and j.theta is not None]

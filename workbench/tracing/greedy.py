@@ -3,13 +3,13 @@
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
-from workbench.identification.passes import Passes
+from workbench.identification.passes import InverseDynamics
 from workbench.tracing.candidates import Offer
-from workbench.tracing.counted import by_counts, of_counts
+from workbench.tracing.counted import by_counts, quantisation_bias
 from workbench.tracing.criteria import Criteria
 from workbench.tracing.floor import levels, steadied
 from workbench.tracing.free_law import free_law
-from workbench.tracing.judge import Judgement, Progress, lighter
+from workbench.tracing.judge import Progress, ScoredCandidate, lighter
 from workbench.tracing.ranking import step
 from workbench.tracing.state import State
 from workbench.tracing.unexplained import PLAIN, noise_alone
@@ -22,14 +22,14 @@ class Step:
     credit: whether it was added on credit.
     """
 
-    judgements: Sequence[Judgement]
-    added: Judgement | None
+    judgements: Sequence[ScoredCandidate]
+    added: ScoredCandidate | None
     credit: bool = False
 
 
 def extended(
     state: State,
-    whole: Sequence[Passes],
+    whole: Sequence[InverseDynamics],
     progress: Progress,
     offer: Offer,
     criteria: Criteria,
@@ -38,19 +38,19 @@ def extended(
     """Add effects one after another while one earns its place. Only the last step may have added nothing.
 
     whole: passes of the identification records as they are. Near the floor an effect must take away a plain share, and of more than what counts alone would leave. One effect may be added
-    on credit (see `promised`): it stays where a later one earns its place, and `revised` asks whether it earns its own.
+    on credit (see `promised`): it stays where a later one earns its place, and `pruned` asks whether it earns its own.
     freshly: a state with its free virgin curves found anew.
     """
     found: list[Step] = []
     quiet = levels(whole, state.plant)
-    credit: Judgement | None = None
+    credit: ScoredCandidate | None = None
     for _ in range(criteria.steps):
         level = steadied(quiet, whole, state.steady)
         judgements = step(state, progress, offer, criteria)
         least = criteria.plain if noise_alone(state, level, PLAIN) else 0.0
         best = leading(judgements, least)
         if best is not None and least > 0.0:
-            spurious = of_counts(best.suspect, state, whole)
+            spurious = quantisation_bias(best.suspect, state, whole)
             if best.candidate.gain - spurious <= least:
                 judgements[0], best = replace(best, candidate=by_counts(best.candidate, spurious)), None
         if (
@@ -77,7 +77,7 @@ def earned(steps: list[Step]) -> list[Step]:
     return [*steps[:until], Step(steps[until].judgements, None)]
 
 
-def promised(judgements: Sequence[Judgement], criteria: Criteria) -> Judgement | None:
+def promised(judgements: Sequence[ScoredCandidate], criteria: Criteria) -> ScoredCandidate | None:
     """Return the leading judgement where its gain is plain though not certain, or None.
 
     Where two effects are missing each explains the blocks in which it acts and leaves the other's as they are, so that the
@@ -89,7 +89,7 @@ def promised(judgements: Sequence[Judgement], criteria: Criteria) -> Judgement |
     return best if plain else None
 
 
-def leading(judgements: Sequence[Judgement], least: float = 0.0) -> Judgement | None:
+def leading(judgements: Sequence[ScoredCandidate], least: float = 0.0) -> ScoredCandidate | None:
     """Return the judgement whose effect is to be added, or None. least: share that it must take away."""
     best = judgements[0] if judgements else None
     worth = best is not None and best.state is not None and best.candidate.earns and best.candidate.gain > least

@@ -10,9 +10,9 @@ from workbench.finding import capital, title
 from workbench.identification.problem import Problem
 from workbench.identification.solve import NoValue
 from workbench.plant import Plant
-from workbench.tracing.candidates import ADDITION, Suspect
+from workbench.tracing.candidates import ADDITION, Candidate
 from workbench.tracing.criteria import Criteria
-from workbench.tracing.result import Candidate
+from workbench.tracing.result import CandidateScore
 from workbench.tracing.score import HeldOut, gain, held_out
 from workbench.tracing.search import fitted, suspected
 from workbench.tracing.smallest import Smallest, smallest
@@ -27,25 +27,25 @@ STANDARD = Criteria()
 
 
 @dataclass(frozen=True, eq=False)
-class Judgement:
+class ScoredCandidate:
     """A suspect and what it came to beside the present model.
 
     theta: where a search with everything free starts, on the search scale; None where the suspect has no value on these
     records. refitted: that fit, of those that lead. state: the state that it ended in, of the one that is chosen.
     """
 
-    suspect: Suspect
-    candidate: Candidate
+    suspect: Candidate
+    candidate: CandidateScore
     errors: HeldOut
-    freedom: int
+    _freedom: int
     theta: np.ndarray | None = None
     shows: Smallest | None = None
     refitted: Refitted | None = None
     state: State | None = None
 
 
-def judged(state: State, suspect: Suspect, criteria: Criteria) -> dict:
-    """Fit one suspect beside the present model and score it against the present state: all but the suspect of a Judgement.
+def judged(state: State, suspect: Candidate, criteria: Criteria) -> dict:
+    """Fit one suspect beside the present model and score it against the present state: all but the suspect of a ScoredCandidate.
 
     Plain data, because it may come from another process.
     """
@@ -54,24 +54,24 @@ def judged(state: State, suspect: Suspect, criteria: Criteria) -> dict:
     except NoValue:
         sentence = f"{capital(title(suspect.effect))} has no value on these records."
         whole = float(np.sqrt(state.errors.total / state.power))
-        hopeless = Candidate(suspect.effect, suspect.at, suspect.kind, 0.0, 0.0, whole, whole, False, sentence)
-        return {"candidate": hopeless, "errors": state.errors, "freedom": freedom(suspect.plant)}
+        hopeless = CandidateScore(suspect.effect, suspect.at, suspect.kind, 0.0, 0.0, whole, whole, False, sentence)
+        return {"candidate": hopeless, "errors": state.errors, "freedom": _freedom(suspect.plant)}
     errors = held_out(problem, solution, state.solution.cost, LOST)
     return {
-        "candidate": scored(state, suspect, errors, solution.cost, criteria),
+        "candidate": _scored(state, suspect, errors, solution.cost, criteria),
         "errors": errors,
-        "freedom": freedom(suspect.plant),
+        "freedom": _freedom(suspect.plant),
         "theta": problem.onward(solution),
         "shows": smallest(suspect.key, suspect.kind != ADDITION, problem, solution, state.absorbed, criteria.share),
     }
 
 
-def freedom(plant: Plant) -> int:
+def _freedom(plant: Plant) -> int:
     """Return the free parameters of a plant; a free virgin curve counts as the one law that it stands for."""
     return sum(1 if e.name == FREE_CURVE else sum(not p.fixed for p in e.parameters.values()) for e in plant.effects)
 
 
-def refitted(state: State, j: Judgement, criteria: Criteria) -> dict:
+def refitted(state: State, j: ScoredCandidate, criteria: Criteria) -> dict:
     """Fit a suspect with everything free: what changes of its judgement, as plain data; nothing where that has no value."""
     try:
         after = State(
@@ -79,11 +79,11 @@ def refitted(state: State, j: Judgement, criteria: Criteria) -> dict:
         )
     except NoValue:
         return {}
-    candidate = scored(state, j.suspect, after.errors, after.solution.cost, criteria)
+    candidate = _scored(state, j.suspect, after.errors, after.solution.cost, criteria)
     return {"candidate": candidate, "errors": after.errors, "fit": (after.solution.theta, after.solution.c)}
 
 
-def refitted_as(state: State, j: Judgement, criteria: Criteria) -> Judgement:
+def refitted_as(state: State, j: ScoredCandidate, criteria: Criteria) -> ScoredCandidate:
     """Return a judgement fitted with everything free, with the state that it ended in; as it is where that has no value."""
     more = refitted(state, j, criteria)
     if not more:
@@ -92,12 +92,12 @@ def refitted_as(state: State, j: Judgement, criteria: Criteria) -> Judgement:
     return replace(j, refitted=fit, state=fit.state, **more)
 
 
-def free_of(state: State, j: Judgement) -> Problem:
+def free_of(state: State, j: ScoredCandidate) -> Problem:
     """Return the problem of a suspect beside the present model with everything free."""
     return suspected(j.suspect, state.problem, state.solution).free
 
 
-def scored(state: State, suspect: Suspect, errors: HeldOut, cost: float, criteria: Criteria) -> Candidate:
+def _scored(state: State, suspect: Candidate, errors: HeldOut, cost: float, criteria: Criteria) -> CandidateScore:
     """Return the candidate that a suspect is, by its held-out errors against those of the present state."""
     g, scatter = gain(state.errors, errors)
     name = title(suspect.effect)
@@ -107,19 +107,19 @@ def scored(state: State, suspect: Suspect, errors: HeldOut, cost: float, criteri
         if g > 0
         else f"{verb} {name} explains nothing on held-out blocks."
     )
-    return Candidate(
+    return CandidateScore(
         suspect.effect, suspect.at, suspect.kind, g, scatter,
         float(np.sqrt(errors.total / state.power)), float(np.sqrt(cost / state.power)),
         g > criteria.share and g > criteria.certain * scatter, sentence,
     )  # fmt: skip
 
 
-def lighter(judgements: Sequence[Judgement], chosen: Judgement | None) -> list[Judgement]:
+def lighter(judgements: Sequence[ScoredCandidate], chosen: ScoredCandidate | None) -> list[ScoredCandidate]:
     """Return judgements without the state of one that leads and was not chosen: it is hundreds of megabytes."""
     return [j if j is chosen or j.state is None else replace(j, state=None) for j in judgements]
 
 
-def shown(judgements: Sequence[Judgement]) -> tuple[Smallest, ...]:
+def shown(judgements: Sequence[ScoredCandidate]) -> tuple[Smallest, ...]:
     """Return the smallest effect of each kind that a step could have shown, by name and place."""
     found = [j.shows for j in judgements if j.shows is not None]
     return tuple(sorted(found, key=lambda s: (s.effect, s.at, s.change)))

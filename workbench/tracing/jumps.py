@@ -32,32 +32,32 @@ def jumps(residual: np.ndarray, t: np.ndarray, drive: np.ndarray, floor: np.ndar
     t, drive, floor: (N,), time, whether a row is the drive's balance, rms of the floor. What joins two bodies enters the
     drive's balance and, the other way, the load's.
     """
-    rows, starts = records(t, drive)
+    rows, starts = _records(t, drive)
     edges = [*starts, rows.size]
     enough = max(
         LEAST * float(np.sum(residual[rows] ** 2 - floor[rows] ** 2)), CERTAIN * float(np.mean(floor[rows] ** 2))
     )
 
-    levels = Levels(residual, drive, model)
+    levels = PiecewiseOffset(residual, drive, model)
 
     def fitted(found: list[int]) -> tuple[np.ndarray, np.ndarray]:
         return levels.fitted(rows[np.sort([*starts, *found])])
 
     found: list[int] = []
     while len(found) < MOST:
-        gain, at = best_split(fitted(found)[0][rows], sorted([*edges, *found]))
+        gain, at = _best_split(fitted(found)[0][rows], sorted([*edges, *found]))
         if not gain > enough:
             break
         found.append(at)
     while found:  # what an early step did for others is needless when they are there
-        faintest, at = least_step(fitted(found)[1], sorted([*edges, *found]), set(found))
+        faintest, at = _least_step(fitted(found)[1], sorted([*edges, *found]), set(found))
         if faintest > enough:
             break
         found.remove(at)
     return Jumps(tuple(sorted(float(t[rows[k]]) for k in found)), fitted(found)[0])
 
 
-def records(t: np.ndarray, drive: np.ndarray) -> tuple[np.ndarray, list[int]]:
+def _records(t: np.ndarray, drive: np.ndarray) -> tuple[np.ndarray, list[int]]:
     """Return the rows of the drive's balance, and where records begin among them."""
     rows = np.flatnonzero(drive)
     return rows, [0, *(np.flatnonzero(np.diff(t[rows]) > PAUSE) + 1).tolist()]
@@ -67,12 +67,12 @@ def beside(
     residual: np.ndarray, t: np.ndarray, drive: np.ndarray, model: Deviations, times: Sequence[float]
 ) -> np.ndarray:
     """Return what a model leaves of a residual (N,) where its level may jump at these times, s, and from record to record."""
-    rows, starts = records(t, drive)
+    rows, starts = _records(t, drive)
     at = np.searchsorted(t[rows], times)
-    return Levels(residual, drive, model).fitted(rows[np.unique([*starts, *at])])[0]
+    return PiecewiseOffset(residual, drive, model).fitted(rows[np.unique([*starts, *at])])[0]
 
 
-class Levels:
+class PiecewiseOffset:
     """Fits of a model whose level may differ from segment to segment, from running sums of its columns.
 
     residual, drive: (N,), as of `jumps`.
@@ -96,7 +96,7 @@ class Levels:
         return self.residual - self.columns @ deviation - self.sign * np.repeat(levels, counts), levels
 
 
-def best_split(x: np.ndarray, edges: list[int]) -> tuple[float, int]:
+def _best_split(x: np.ndarray, edges: list[int]) -> tuple[float, int]:
     """Return (power that it takes away, first sample after it) of the best step of the level within a segment of x (n,)."""
     best, at = 0.0, 0
     for a, b in zip(edges[:-1], edges[1:], strict=True):
@@ -112,7 +112,7 @@ def best_split(x: np.ndarray, edges: list[int]) -> tuple[float, int]:
     return best, at
 
 
-def least_step(levels: np.ndarray, edges: list[int], found: set[int]) -> tuple[float, int]:
+def _least_step(levels: np.ndarray, edges: list[int], found: set[int]) -> tuple[float, int]:
     """Return (power that it takes away, where it is) of the least step between levels (segments,) at one of `found`."""
     counts = np.diff(edges)
     steps = [

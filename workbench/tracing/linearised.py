@@ -24,11 +24,11 @@ class Linearised(Problem):
     """
 
     def __init__(self, plant: Plant, base: Problem, solution: Solution):
-        super().__init__(held(plant, base, solution.theta), base.passes)
+        super().__init__(_held(plant, base, solution.theta), base.passes)
         self.base, self.solution = base, solution
         self.room = shape_room(base, solution.theta)
         self.base_scale = base.command_scale(base.with_shape(solution.theta))
-        self.beside = beside(self.plant, base.plant)
+        self.beside = _beside(self.plant, base.plant)
 
     @property
     def bounds(self) -> tuple[np.ndarray, np.ndarray]:
@@ -118,7 +118,7 @@ class Linearised(Problem):
     @property
     def free(self) -> Problem:
         """The problem with everything free."""
-        return Problem(freed(self.plant, self.base), self.passes)
+        return Problem(_freed(self.plant, self.base), self.passes)
 
     def onward(self, found: Solution) -> np.ndarray:
         """Return where `found` says that the search with everything free should start."""
@@ -128,7 +128,7 @@ class Linearised(Problem):
         return np.array([start[n] for n in self.free.free_shape])
 
 
-def beside(plant: Plant, base: Plant) -> str | None:
+def _beside(plant: Plant, base: Plant) -> str | None:
     """Return the key of the one force that `plant` has and `base` has not, or None where more than a force beside the others
     differs."""
     known = {e.key for e in base.effects}
@@ -139,7 +139,7 @@ def beside(plant: Plant, base: Plant) -> str | None:
     return new.key if new.port == FORCE and not new.provides else None
 
 
-def held(plant: Plant, base: Problem, theta: np.ndarray) -> Plant:
+def _held(plant: Plant, base: Problem, theta: np.ndarray) -> Plant:
     """Return `plant` with the shape parameters that `base` searched fixed at `theta`."""
     solved = base.with_shape(theta)
     for n in base.free_shape:
@@ -148,7 +148,7 @@ def held(plant: Plant, base: Problem, theta: np.ndarray) -> Plant:
     return plant
 
 
-def freed(plant: Plant, base: Problem) -> Plant:
+def _freed(plant: Plant, base: Problem) -> Plant:
     """Return `plant` with the shape parameters that `base` searched free again."""
     for n in base.free_shape:
         plant = plant.swap(plant[n.key].free(n.parameter))

@@ -35,7 +35,7 @@ def lives(residual: np.ndarray, known: Samples, model: Deviations) -> Place | No
     options = [cells.window("position", known.q), cells.window("velocity", np.abs(known.v))]
     found = [weighed(o, model.without(residual, o.rows), known) for o in options if o]
     best = max(found, key=score, default=None)
-    times = moments_of(residual, known, model)
+    times = _moments_of(residual, known, model)
     if times is None or plainer(best, times):
         return best
     return weighed(times, model.without(residual, times.rows), known)
@@ -47,14 +47,14 @@ def plainer(place: Place | None, moments: Place) -> bool:
     return window and score(place) > score(moments) - SOMETIME
 
 
-def moments_of(residual: np.ndarray, known: Samples, model: Deviations) -> Place | None:
+def _moments_of(residual: np.ndarray, known: Samples, model: Deviations) -> Place | None:
     """Return the moments that hold most of the excess of a fit without them, sought anew ROUNDS times at most."""
     place, r = None, residual
     for _ in range(ROUNDS):
         excess = excess_of(r, known)
         if not excess.sum() > 0:
             break
-        before, place = place, moments(known.t, excess, known.drive)
+        before, place = place, _moments(known.t, excess, known.drive)
         if before is not None and np.array_equal(before.rows, place.rows):
             break
         r = model.without(residual, place.rows)
@@ -151,7 +151,7 @@ class Scan:
         return np.maximum(power - fitted - floor, 0.0) / self.excess
 
 
-def moments(t: np.ndarray, excess: np.ndarray, drive: np.ndarray) -> Place | None:
+def _moments(t: np.ndarray, excess: np.ndarray, drive: np.ndarray) -> Place | None:
     """Return the steps of the clock that hold MOST of the excess, the strongest first; neighbours are one span."""
     step = np.floor(t / MOMENT).astype(int)
     first = int(step.min())

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from workbench.identification.bodies import POSITION
-from workbench.identification.passes import Passes
+from workbench.identification.passes import InverseDynamics
 from workbench.identification.result import Fit
 from workbench.motion import increments
 from workbench.plant import TWO_MASS, Plant
@@ -80,7 +80,7 @@ def borders(values: np.ndarray, bins: int = BINS) -> np.ndarray:
     return np.unique(np.concatenate((low + (high - low) * half, np.quantile(values, half))))
 
 
-def decades(values: np.ndarray) -> np.ndarray:
+def _decades(values: np.ndarray) -> np.ndarray:
     """Return borders that are even in the logarithm: friction changes over the first microradians after a reversal."""
     high = float(np.max(values))
     low = max(float(np.quantile(values, 0.01)), LOWEST * high)
@@ -100,7 +100,7 @@ def ways(position: np.ndarray, counts: float) -> tuple[np.ndarray, np.ndarray]:
     return way, travelled - travelled[np.maximum.accumulate(np.where(turned, index, 0))]
 
 
-def pooled(passes: Sequence[Passes], plant: Plant, drive: Mapping[str, np.ndarray]) -> Pooled:
+def pooled(passes: Sequence[InverseDynamics], plant: Plant, drive: Mapping[str, np.ndarray]) -> Pooled:
     """Return records side by side with what residuals are held against. drive: record -> (n,) what the model asks for."""
     x, turn = plant.displacement, 2 * np.pi
     parts: dict[tuple[str, str], list[np.ndarray]] = {}
@@ -129,7 +129,7 @@ def pooled(passes: Sequence[Passes], plant: Plant, drive: Mapping[str, np.ndarra
     found = []
     for (name, unit), values in signals.items():
         if np.ptp(values) > 0.0:
-            found.append(Coordinate(name, unit, values, (decades if name == STROKE else borders)(values)))
+            found.append(Coordinate(name, unit, values, (_decades if name == STROKE else borders)(values)))
     found.append(Coordinate(WAY, "1", moving, np.array([-1.5, -0.5, 0.5, 1.5])))
     return Pooled(tuple(p.motion.record.name for p in passes), first, way, tuple(found))
 

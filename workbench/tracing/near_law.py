@@ -13,7 +13,7 @@ import numpy as np
 from workbench.definition import FORCE, Effect
 from workbench.effects.free_bank import LENGTHS, NAME, bank_beside, hysteresis_bank
 from workbench.identification.bodies import CHANNEL
-from workbench.identification.passes import Passes
+from workbench.identification.passes import InverseDynamics
 from workbench.identification.problem import Problem
 from workbench.identification.solve import NoValue, solve
 from workbench.plant import Plant
@@ -43,7 +43,7 @@ class Law:
         return f"{NAME}@{self.declared.at}"
 
 
-def laws(plant: Plant, passes: Sequence[Passes]) -> tuple[Law, ...]:
+def laws(plant: Plant, passes: Sequence[InverseDynamics]) -> tuple[Law, ...]:
     """Return the declared dry frictions and frictions with memory whose size is free, each with the slips of its free curve.
 
     plant: solved on these records. Coulomb friction beside friction with memory is another contact, and is left as it is.
@@ -55,18 +55,18 @@ def laws(plant: Plant, passes: Sequence[Passes]) -> tuple[Law, ...]:
         if "dir" in e.provides and "x0" in e.parameters:
             found.append(Law(e, tuple(e.parameters["x0"].value * k for k in LENGTHS)))
         elif e.reads == ("dir",) and len(e.linear) == 1 and not any(o.provides and o.at == e.at for o in plant.effects):
-            found.append(Law(e, slips_at(e.at, passes)))
+            found.append(Law(e, _slips_at(e.at, passes)))
     return tuple(found)
 
 
-def slips_at(place: str, passes: Sequence[Passes]) -> tuple[float, ...]:
+def _slips_at(place: str, passes: Sequence[InverseDynamics]) -> tuple[float, ...]:
     """Return the slips of the free curve of a Coulomb friction, SI."""
     count = count_at(place, passes)
     last = max(COUNTS * count, TRAVEL * max(float(np.ptp(p.motion.q)) for p in passes))
     return tuple(np.geomspace(FIRST * count, last, 1 + int(np.ceil(np.log(last / (FIRST * count)) / np.log(APART)))))
 
 
-def lengthened(known: Sequence[Law], plant: Plant, passes: Sequence[Passes]) -> tuple[Law, ...]:
+def lengthened(known: Sequence[Law], plant: Plant, passes: Sequence[InverseDynamics]) -> tuple[Law, ...]:
     """Return laws whose slips go on where the longest element of the curve that stands in a plant carries much of its height."""
     found = []
     stands = {e.key: e for e in plant.effects}
@@ -82,7 +82,7 @@ def lengthened(known: Sequence[Law], plant: Plant, passes: Sequence[Passes]) -> 
     return tuple(found)
 
 
-def count_at(place: str, passes: Sequence[Passes]) -> float:
+def count_at(place: str, passes: Sequence[InverseDynamics]) -> float:
     """Return the encoder's count at a place in SI, UNSEEN of the travel where it is not known."""
     known = [p.bodies.counts(CHANNEL.get(place, "position")) for p in passes]
     travel = max(float(np.ptp(p.motion.q)) for p in passes)
@@ -98,7 +98,7 @@ def as_declared(plant: Plant, known: Sequence[Law]) -> Plant:
     return plant
 
 
-def freed(plant: Plant, known: Sequence[Law], passes: Sequence[Passes]) -> Plant:
+def freed(plant: Plant, known: Sequence[Law], passes: Sequence[InverseDynamics]) -> Plant:
     """Return the plant with the free virgin curves of `known`, where their declared laws or earlier curves stand in it.
 
     Shape parameters hold while the heights are found; elements that hold nothing are left out, and a curve of height 0 leaves
@@ -115,7 +115,7 @@ def freed(plant: Plant, known: Sequence[Law], passes: Sequence[Passes]) -> Plant
     for law in here:
         stands = present.get(law.key)
         begun = (
-            curve(law, heights(stands))
+            _curve(law, heights(stands))
             if stands
             else bank_beside(law.slips, [plant[law.declared.key]], law.declared.at)
         )
@@ -128,7 +128,7 @@ def freed(plant: Plant, known: Sequence[Law], passes: Sequence[Passes]) -> Plant
     for law in here:
         found = heights(solved[law.key])
         if sum(found.values()) > 0.0:
-            plant = plant.without(law.declared.key) + curve(law, found)
+            plant = plant.without(law.declared.key) + _curve(law, found)
     return plant
 
 
@@ -138,7 +138,7 @@ def heights(bank: Effect) -> dict[float, float]:
     return {p[f"slip{n[1:]}"]: value * p[f"slip{n[1:]}"] for n, value in p.items() if n in bank.linear}
 
 
-def curve(law: Law, found: Mapping[float, float]) -> Effect:
+def _curve(law: Law, found: Mapping[float, float]) -> Effect:
     """Return the free virgin curve whose elements hold these heights, by slip, those that hold nothing left out."""
     every = np.array([found.get(s, 0.0) for s in law.slips])
     kept = np.sort(np.argsort(-every, kind="stable")[: max(LEAST, np.count_nonzero(every > KEPT * every.sum()))])

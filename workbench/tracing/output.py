@@ -15,62 +15,62 @@ from workbench.tracing.result import Cause, Refinement, Trace
 FORMAT = 1
 
 
-def number(value: float) -> float | None:
+def _number(value: float) -> float | None:
     """A float that JSON can hold; None for NaN and infinity."""
     return float(value) if isfinite(value) else None
 
 
-def plain(data):
+def _plain(data):
     """Return nested plain data in which what is not finite is None."""
     if isinstance(data, dict):
-        return {k: plain(v) for k, v in data.items()}
+        return {k: _plain(v) for k, v in data.items()}
     if isinstance(data, list | tuple):
-        return [plain(v) for v in data]
-    return number(data) if isinstance(data, float) else data
+        return [_plain(v) for v in data]
+    return _number(data) if isinstance(data, float) else data
 
 
 def estimate(e: Estimate) -> dict:
     return {
-        "value": number(e.value),
+        "value": _number(e.value),
         "unit": e.unit,
-        "interval_95": [number(e.low), number(e.high)],
+        "interval_95": [_number(e.low), _number(e.high)],
         "fixed": e.fixed,
         "meaning": e.meaning,
     }
 
 
-def cause(c: Cause) -> dict:
+def _cause(c: Cause) -> dict:
     return {
         "effect": c.effect,
         "at": c.at,
         "kind": c.kind,
         "law": c.law,
         "sentence": c.sentence,
-        "parameters": {e.parameter: estimate(e) | was(c, e) for e in c.parameters},
-        "size": number(c.size),
-        "share": {IDENTIFICATION: number(c.share_identification), VALIDATION: number(c.share_validation)},
+        "parameters": {e.parameter: estimate(e) | _was(c, e) for e in c.parameters},
+        "size": _number(c.size),
+        "share": {IDENTIFICATION: _number(c.share_identification), VALIDATION: _number(c.share_validation)},
         "rivals": list(c.rivals),
         "experiment": c.experiment,
     }
 
 
-def refinement(r: Refinement) -> dict:
+def _refinement(r: Refinement) -> dict:
     return {
         "effect": r.effect,
         "at": r.at,
         "kind": r.kind,
         "sentence": r.sentence,
-        "size": number(r.size),
+        "size": _number(r.size),
         "parameters": {e.parameter: estimate(e) for e in r.parameters},
     }
 
 
-def was(c: Cause, e: Estimate) -> dict:
+def _was(c: Cause, e: Estimate) -> dict:
     """Return the value that a corrected parameter was declared with."""
-    return {"was": number(c.was[e.parameter])} if e.parameter in c.was else {}
+    return {"was": _number(c.was[e.parameter])} if e.parameter in c.was else {}
 
 
-def by_name(fit: Fit) -> list[Estimate]:
+def _by_name(fit: Fit) -> list[Estimate]:
     """Return the estimates by effect and place, whatever the order in which the effects were declared."""
     return sorted(fit.estimates, key=lambda e: (e.effect, e.at))
 
@@ -91,20 +91,20 @@ def as_dict(trace: Trace, predictions: dict[str, str]) -> dict:
         "sentence": trace.sentence,
         "ranked": list(dict.fromkeys(c.effect.partition(" ")[0] for c in trace.ranked)),
         "added": list(trace.added),
-        "causes": [cause(c) for c in trace.causes],
-        "refinements": [refinement(r) for r in trace.refinements],
-        "evidence": plain(trace.evidence.as_dict()) if trace.evidence else {},
+        "causes": [_cause(c) for c in trace.causes],
+        "refinements": [_refinement(r) for r in trace.refinements],
+        "evidence": _plain(trace.evidence.as_dict()) if trace.evidence else {},
         "criteria": trace.criteria.as_dict,
         "nrmse": {
             IDENTIFICATION: {
-                "before": number(before.identification),
-                "after": number(after.identification),
-                "floor": number(trace.floor[IDENTIFICATION]),
+                "before": _number(before.identification),
+                "after": _number(after.identification),
+                "floor": _number(trace.floor[IDENTIFICATION]),
             },
             VALIDATION: {
-                "before": number(before.validation),
-                "after": number(after.validation),
-                "floor": number(trace.floor[VALIDATION]),
+                "before": _number(before.validation),
+                "after": _number(after.validation),
+                "floor": _number(trace.floor[VALIDATION]),
             },
         },
         "candidates": [
@@ -113,24 +113,24 @@ def as_dict(trace: Trace, predictions: dict[str, str]) -> dict:
                     "effect": c.effect,
                     "at": c.at,
                     "kind": c.kind,
-                    "gain": number(c.gain),
-                    "standard_error": number(c.scatter),
-                    "nrmse_held_out": number(c.held_out),
-                    "nrmse": number(c.nrmse),
+                    "gain": _number(c.gain),
+                    "standard_error": _number(c.scatter),
+                    "nrmse_held_out": _number(c.held_out),
+                    "nrmse": _number(c.nrmse),
                     "earns_its_place": c.earns,
                 }
                 for c in step
             ]
             for step in trace.steps
         ],
-        "model": [{"effect": e.effect, "at": e.at, "parameter": e.parameter, **estimate(e)} for e in by_name(after)],
+        "model": [{"effect": e.effect, "at": e.at, "parameter": e.parameter, **estimate(e)} for e in _by_name(after)],
         "findings": [
             {"kind": f.kind, "subject": f.subject, "sentence": f.sentence, "remedy": f.remedy}
             for f in (*trace.findings, *after.findings)
         ],
         "unknown": located(trace),
         "smallest_shown": [
-            {"effect": s.effect, "at": s.at, "parameter": s.parameter, "value": number(s.value), "unit": s.unit}
+            {"effect": s.effect, "at": s.at, "parameter": s.parameter, "value": _number(s.value), "unit": s.unit}
             | {"of": "a change of the declared value" if s.change else "the effect"}
             for s in trace.smallest
         ],

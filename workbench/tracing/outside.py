@@ -15,18 +15,18 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from workbench.identification.passes import Passes, predicted
+from workbench.identification.passes import InverseDynamics, predicted
 from workbench.plant import Plant
 from workbench.tracing.explainable import foreseen, numbered, part
 
 
-def multiplier(before: Plant, after: Plant, passes: Sequence[Passes]) -> tuple[float, float]:
+def multiplier(before: Plant, after: Plant, passes: Sequence[InverseDynamics]) -> tuple[float, float]:
     """Return (m, its standard error over blocks) of what `after` has and `before` has not, on these records; (nan, inf) where no
     reference moves it."""
-    left = [residual(p, before) for p in passes]
+    left = [_residual(p, before) for p in passes]
     parts = [part(p, r, before.geometry.gear_ratio) for p, r in zip(passes, left, strict=True)]
     r = np.concatenate(left)
-    d = r - np.concatenate([residual(p, after) for p in passes])
+    d = r - np.concatenate([_residual(p, after) for p in passes])
     told = foreseen(parts, d, np.ones(d.size, dtype=bool))
     known = np.isfinite(told)
     block = numbered(parts)
@@ -41,7 +41,7 @@ def multiplier(before: Plant, after: Plant, passes: Sequence[Passes]) -> tuple[f
     return m, float(np.sqrt(count / max(count - 1, 1) * (spread @ spread))) / whole
 
 
-def residual(p: Passes, plant: Plant) -> np.ndarray:
+def _residual(p: InverseDynamics, plant: Plant) -> np.ndarray:
     """Return the residual of the drive behind the filter, in the samples that count."""
     m = p.motion
     return m.filter(m.u - predicted(p, plant))[m.keep]

@@ -5,7 +5,7 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
-from workbench.identification.passes import Passes
+from workbench.identification.passes import InverseDynamics
 from workbench.plant import PLACES, Plant
 
 LOCAL = 0.55  # share of the excess in a place, less the share of samples, from which it lives there
@@ -44,7 +44,7 @@ class Samples:
     floor: np.ndarray
 
 
-def samples(passes: Sequence[Passes], plant: Plant, level: Mapping[str, float]) -> Samples:
+def samples(passes: Sequence[InverseDynamics], plant: Plant, level: Mapping[str, float]) -> Samples:
     """Return the samples of a problem over these passes. level: record -> rms of the floor.
 
     The way is that of friction at the drive's side: what acts in one direction acts by it, and friction that remembers turns

@@ -44,7 +44,7 @@ class Place:
         return self.times >= STANDS_OUT and self.share >= LEAST
 
 
-def windows(m: Map) -> tuple[np.ndarray, ...]:
+def _windows(m: Map) -> tuple[np.ndarray, ...]:
     """Return (first bin, last bin + 1, samples, power) of every window of neighbouring bins, (windows,) each."""
     count = np.concatenate([[0.0], np.cumsum(m.count)])
     power = np.concatenate([[0.0], np.cumsum(np.nan_to_num(m.rms) ** 2 * m.count)])
@@ -62,7 +62,7 @@ def place(group: Sequence[Map]) -> Place | None:
     total = float(sum((np.nan_to_num(m.rms) ** 2 * m.count).sum() for m in whole))
     best, most = None, 0.0
     for m in group:
-        a, b, n, power = windows(m)
+        a, b, n, power = _windows(m)
         keep = (n >= 1) & (n <= MOST * samples)
         if m.coordinate == WAY:  # what moves backward, rests and moves forward are no neighbours
             keep &= b == a + 1
@@ -101,12 +101,12 @@ def explained(group: Sequence[Map]) -> float:
     return max(known / total, 0.0) if total > 0.0 else 0.0
 
 
-def plain(low: float, high: float, unit: str) -> str:
+def _plain(low: float, high: float, unit: str) -> str:
     """Return "between 1.2 and 1.5 rad"."""
     return f"between {low:.3g} and {high:.3g} {unit}"
 
 
-def sentence(p: Place, of: str = "residual", shown: Shown = plain) -> str:
+def sentence(p: Place, of: str = "residual", shown: Shown = _plain) -> str:
     """Return "the residual is 4 times larger between 1.2 and 1.5 rad when moving forward", or that no place stands out."""
     if not p.stands_out:
         over = {WAY: "ways of motion", TIME: "times and records"}.get(p.coordinate, f"of the {p.coordinate}")
@@ -118,10 +118,10 @@ def sentence(p: Place, of: str = "residual", shown: Shown = plain) -> str:
         return f"the {of} is {p.times:.2g} times larger when {where}"
     span = shown(p.low, p.high, p.unit)
     way = "" if p.way == BOTH else f" when moving {p.way}"
-    return f"the {of} is {p.times:.2g} times larger {span}{named(p)}{way}"
+    return f"the {of} is {p.times:.2g} times larger {span}{_named(p)}{way}"
 
 
-def named(p: Place) -> str:
+def _named(p: Place) -> str:
     """Return of what the window is, where its unit does not tell: " of velocity", " of record x"."""
     if p.record:
         return f" of the record {p.record}"

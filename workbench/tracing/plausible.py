@@ -7,7 +7,7 @@ import numpy as np
 
 from workbench.definition import Effect
 from workbench.identification.intervals import on_bound
-from workbench.identification.passes import Passes
+from workbench.identification.passes import InverseDynamics
 from workbench.plant import Plant
 
 LARGEST_ECCENTRICITY = 0.0175  # rad: a disc that reads a degree wrong would not have been mounted
@@ -16,7 +16,7 @@ FACTOR = 5.0  # by which a data-sheet value may be off before its unit is to be 
 STANDS = ("k1", "settling")
 
 
-def implausible(effect: Effect, plant: Plant, declared: Plant, passes: Sequence[Passes]) -> str:
+def implausible(effect: Effect, plant: Plant, declared: Plant, passes: Sequence[InverseDynamics]) -> str:
     """Return why an effect's values are no machine's, as part of a sentence, or "".
 
     plant: solved, holds the effect. declared: what a corrected value was before.

@@ -12,7 +12,7 @@ from workbench.plant import TWO_MASS
 from workbench.processes import shared
 from workbench.tracing.candidates import ADDITION, WHOLE, Offer
 from workbench.tracing.criteria import Criteria
-from workbench.tracing.judge import STANDARD, Judgement, Progress, free_of, judged, refitted, refitted_as
+from workbench.tracing.judge import STANDARD, Progress, ScoredCandidate, free_of, judged, refitted, refitted_as
 from workbench.tracing.plausible import implausible
 from workbench.tracing.score import gain
 from workbench.tracing.state import Refitted, State
@@ -23,7 +23,9 @@ NEUTRAL = 0.05  # relative distance within which a parameter stands at the value
 EQUAL = 0.1  # standard errors of a gain within which two effects as simple explain the same
 
 
-def step(state: State, progress: Progress, offer: Offer = WHOLE, criteria: Criteria = STANDARD) -> list[Judgement]:
+def step(
+    state: State, progress: Progress, offer: Offer = WHOLE, criteria: Criteria = STANDARD
+) -> list[ScoredCandidate]:
     """Judge every suspect that is offered; return them best first, those that lead fitted with everything free."""
     suspects = offer.suspects(state.plant)
     # made here, else by every process for itself
@@ -31,8 +33,8 @@ def step(state: State, progress: Progress, offer: Offer = WHOLE, criteria: Crite
     judgements = []
     for suspect, found in zip(suspects, shared(lambda s: judged(state, s, criteria), suspects), strict=True):
         progress(f"trying {suspect.key}")
-        judgements.append(Judgement(suspect, **found))
-    judgements = by_gain(judgements)
+        judgements.append(ScoredCandidate(suspect, **found))
+    judgements = _by_gain(judgements)
     least = max(criteria.share / 2, BEHIND * judgements[0].candidate.gain) if judgements else 0.0
     leaders = [j for j in judgements[:LEADING] if j.candidate.gain > least and j.theta is not None]
     for i, more in enumerate(shared(lambda j: refitted(state, j, criteria), leaders)):
@@ -40,13 +42,13 @@ def step(state: State, progress: Progress, offer: Offer = WHOLE, criteria: Crite
         if more:
             fit = Refitted(free_of(state, leaders[i]), *more.pop("fit"))
             judgements[judgements.index(leaders[i])] = replace(leaders[i], refitted=fit, **more)
-    judgements = plainest_first(simplest_first(judgements, criteria, state), criteria, state)
+    judgements = _plainest_first(simplest_first(judgements, criteria, state), criteria, state)
     if judgements and (first := judgements[0]).refitted:
         judgements[0] = replace(first, state=first.refitted.state)
     return judgements
 
 
-def by_gain(judgements: Sequence[Judgement]) -> list[Judgement]:
+def _by_gain(judgements: Sequence[ScoredCandidate]) -> list[ScoredCandidate]:
     """Order by gain, those that earn their place ahead of those that do not."""
     return sorted(
         judgements,
@@ -54,13 +56,13 @@ def by_gain(judgements: Sequence[Judgement]) -> list[Judgement]:
     )
 
 
-def simplest_first(judgements: Sequence[Judgement], criteria: Criteria, state: State) -> list[Judgement]:
+def simplest_first(judgements: Sequence[ScoredCandidate], criteria: Criteria, state: State) -> list[ScoredCandidate]:
     """Order by gain; of those that explain practically the same as the best, the one with the fewest free parameters leads.
 
     Of several as simple the one with the largest gain, and a rare effect behind another one whose gain is as large. A value that
     no machine has does not lead where a plausible effect explains nearly as much.
     """
-    judgements = by_gain(judgements)
+    judgements = _by_gain(judgements)
     if not judgements:
         return judgements
     leader = judgements[0]
@@ -74,7 +76,7 @@ def simplest_first(judgements: Sequence[Judgement], criteria: Criteria, state: S
     return [simplest, *(j for j in judgements if j is not simplest)]
 
 
-def plainest_first(judgements: Sequence[Judgement], criteria: Criteria, state: State) -> list[Judgement]:
+def _plainest_first(judgements: Sequence[ScoredCandidate], criteria: Criteria, state: State) -> list[ScoredCandidate]:
     """Let a simpler effect lead in the place of one that it then is: a parameter stands where the law is another one's.
 
     LuGre without presliding is Stribeck's friction, a kinematic error of order 1 an eccentricity. The simpler one leads where it
@@ -85,12 +87,12 @@ def plainest_first(judgements: Sequence[Judgement], criteria: Criteria, state: S
     present = {e.key for e in state.plant.effects}
     for _ in range(min(LEADING, len(judgements))):
         first = judgements[0]
-        name = reduced(first, state)
+        name = _reduced(first, state)
         if name is None:
             break
         said = name == "" or f"{name}@{first.suspect.at}" in {*present, *first.suspect.instead, *first.suspect.restored}
         if said or (first.suspect.at in curved and "masing" in catalogue()[name].holds):
-            judgements = pushed_back(judgements, criteria, state)
+            judgements = _pushed_back(judgements, criteria, state)
             continue
         other = next((j for j in judgements if j.suspect.effect == name and j.theta is not None), None)
         if other is None:
@@ -100,17 +102,17 @@ def plainest_first(judgements: Sequence[Judgement], criteria: Criteria, state: S
             other = other if other.refitted else refitted_as(state, other, criteria)
             judgements = [other, *(j for j in judgements if j.suspect is not other.suspect)]
             break
-        judgements = pushed_back(judgements, criteria, state)
+        judgements = _pushed_back(judgements, criteria, state)
     return judgements
 
 
-def pushed_back(judgements: Sequence[Judgement], criteria: Criteria, state: State) -> list[Judgement]:
+def _pushed_back(judgements: Sequence[ScoredCandidate], criteria: Criteria, state: State) -> list[ScoredCandidate]:
     """Return judgements with the first behind all others, as one that does not earn its place."""
     first, *rest = judgements
     return [*simplest_first(rest, criteria, state), replace(first, candidate=replace(first.candidate, earns=False))]
 
 
-def reduced(j: Judgement, state: State) -> str | None:
+def _reduced(j: ScoredCandidate, state: State) -> str | None:
     """Return the name of the simpler effect that a fitted addition is, "" for none at all, None where it is itself."""
     if not j.refitted or j.suspect.kind != ADDITION:
         return None
@@ -129,13 +131,13 @@ def reduced(j: Judgement, state: State) -> str | None:
     return simpler(effect, around, max(counts, 0.5 * NEUTRAL * length))
 
 
-def absurd(j: Judgement, state: State) -> bool:
+def absurd(j: ScoredCandidate, state: State) -> bool:
     """Whether a fitted candidate has values that no machine has."""
     plant = j.refitted.plant
     return bool(implausible(plant[j.suspect.key], plant, state.problem.plant, state.passes))
 
 
-def alike(best: Judgement, other: Judgement, criteria: Criteria, power: float) -> bool:
+def alike(best: ScoredCandidate, other: ScoredCandidate, criteria: Criteria, power: float) -> bool:
     """Whether `best` takes away no more of what `other` leaves on held-out blocks than its scatter, or than what is of
     practical size. power: of the drive.
 

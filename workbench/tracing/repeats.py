@@ -29,12 +29,12 @@ class Repeats:
     pairs: int
 
 
-def states(motion: Motion, scale: dict[str, float]) -> np.ndarray:
+def _states(motion: Motion, scale: dict[str, float]) -> np.ndarray:
     """Return (n, 3) the states of the samples that count, in units of how far apart two visits may be."""
     return np.column_stack([getattr(motion, n)[motion.keep] / (REACH[n] * scale[n]) for n in REACH])
 
 
-def scales(*motions: Motion) -> dict[str, float]:
+def _scales(*motions: Motion) -> dict[str, float]:
     """Return the largest size of position (its travel), velocity and acceleration over the motions."""
     inside = [{n: getattr(m, n)[m.keep] for n in REACH} for m in motions]
     size = {
@@ -43,7 +43,7 @@ def scales(*motions: Motion) -> dict[str, float]:
     return {n: x or 1.0 for n, x in size.items()}
 
 
-def summary(difference: np.ndarray, count: int) -> Repeats:
+def _summary(difference: np.ndarray, count: int) -> Repeats:
     """Return the Repeats of differences between visits, each visit with noise of its own."""
     if difference.size == 0:
         return Repeats(float("nan"), float("nan"), 0.0, 0)
@@ -64,7 +64,7 @@ def repeats(motion: Motion, residual: np.ndarray, apart: float = 0.5) -> Repeats
     """
     from scipy.spatial import cKDTree
 
-    points, r, t = states(motion, scales(motion)), residual[motion.keep], motion.t[motion.keep]
+    points, r, t = _states(motion, _scales(motion)), residual[motion.keep], motion.t[motion.keep]
     distance, index = np.full(t.size, np.inf), np.zeros(t.size, int)
     step = max(1, int(apart / motion.dt))
     for first in range(0, t.size, step):  # a tree for each stretch, of what lies `apart` from all of it
@@ -74,7 +74,7 @@ def repeats(motion: Motion, residual: np.ndarray, apart: float = 0.5) -> Repeats
             d, i = cKDTree(points[other]).query(points[part])
             distance[part], index[part] = d, other[i]
     met = distance <= 1.0
-    return summary(r[met] - r[index[met]], t.size)
+    return _summary(r[met] - r[index[met]], t.size)
 
 
 def between(one: Motion, first: np.ndarray, other: Motion, second: np.ndarray) -> Repeats:
@@ -85,8 +85,8 @@ def between(one: Motion, first: np.ndarray, other: Motion, second: np.ndarray) -
     """
     from scipy.spatial import cKDTree
 
-    size = scales(one, other)
-    distance, index = cKDTree(states(one, size)).query(states(other, size))
+    size = _scales(one, other)
+    distance, index = cKDTree(_states(one, size)).query(_states(other, size))
     met = distance <= 1.0
-    found = summary(second[other.keep][met] - first[one.keep][index[met]], distance.size)
+    found = _summary(second[other.keep][met] - first[one.keep][index[met]], distance.size)
     return Repeats(found.rms * np.sqrt(2.0), found.robust * np.sqrt(2.0), found.share, found.pairs)

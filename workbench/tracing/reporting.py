@@ -5,22 +5,22 @@ from dataclasses import dataclass, replace
 
 from workbench.finding import Finding
 from workbench.identification.fit import fitted_on, identify
-from workbench.identification.passes import Passes
+from workbench.identification.passes import InverseDynamics
 from workbench.identification.result import Estimate, Fit
 from workbench.plant import Plant
 from workbench.record import IDENTIFICATION
 from workbench.tracing.calibration import withheld
 from workbench.tracing.criteria import Criteria
 from workbench.tracing.decide import CAUSE, NOTHING, UNKNOWN, Verdict
+from workbench.tracing.decimation import decimate
 from workbench.tracing.evidence import Evidence, Weighed
-from workbench.tracing.judge import Judgement, Progress, shown
-from workbench.tracing.result import Candidate, Cause, Refinement, Trace
+from workbench.tracing.judge import Progress, ScoredCandidate, shown
+from workbench.tracing.result import CandidateScore, Cause, Refinement, Trace
 from workbench.tracing.rivals import experiment, rivals
 from workbench.tracing.selection import Selection
 from workbench.tracing.skew import Skew
 from workbench.tracing.smallest import named
 from workbench.tracing.state import State
-from workbench.tracing.thin import thin
 from workbench.tracing.unexplained import Unexplained, described, unexplained
 from workbench.tracing.weighing import curve_of
 from workbench.tracing.wording import cause, clock, findings_of, refinement, verdict_sentence
@@ -31,7 +31,7 @@ class Confirmed:
     """added: what whole records bear out. fits: of the declared plant and with one more of these each. levels: record -> rms
     that noise and counts alone would leave."""
 
-    added: Sequence[Judgement]
+    added: Sequence[ScoredCandidate]
     fits: Sequence[Fit]
     levels: Mapping[str, float]
 
@@ -53,7 +53,7 @@ class Outcome:
     """What a trace came to. place: that says more of the residual than what was added does, if there is one."""
 
     late: Declared
-    passes: Sequence[Passes]
+    passes: Sequence[InverseDynamics]
     selected: Selection
     confirmed: Confirmed
     evidence: Evidence
@@ -61,12 +61,12 @@ class Outcome:
     place: Unexplained | None
     criteria: Criteria
 
-    def role(self, j: Judgement) -> str:
+    def role(self, j: ScoredCandidate) -> str:
         """What the decision makes of an addition."""
         return dict(zip((k.suspect.key for k in self.confirmed.added), self.verdict.roles, strict=True))[j.suspect.key]
 
     @property
-    def standing(self) -> list[tuple[Judgement, Weighed]]:
+    def standing(self) -> list[tuple[ScoredCandidate, Weighed]]:
         """What was added, with its evidence: with a cause all of it stands, without one nothing does."""
         every = list(zip(self.confirmed.added, self.evidence.added, strict=True))
         return every if self.verdict.verdict == CAUSE else []
@@ -77,7 +77,7 @@ class Outcome:
         return list(self.confirmed.fits[: 1 + len(self.standing)])
 
     @property
-    def by_size(self) -> list[Judgement]:
+    def by_size(self) -> list[ScoredCandidate]:
         """The causes, the one that takes most of the identification records first."""
         found = [(j, w) for j, w in self.standing if self.role(j) == CAUSE]
         return [j for j, w in sorted(found, key=lambda x: -x[1].size(IDENTIFICATION))]
@@ -86,15 +86,15 @@ class Outcome:
 def reported(o: Outcome, progress: Progress) -> Trace:
     """Return what a decision comes to: causes, refinements, the final fit, and the sentences."""
     late, evidence, selected = o.late, o.evidence, o.selected
-    after = refined(o.fits[-1], selected, o.passes) if selected.refined else o.fits[-1]
-    causes, refinements = said_of_each(o, after, progress)
+    after = _refined(o.fits[-1], selected, o.passes) if selected.refined else o.fits[-1]
+    causes, refinements = _said_of_each(o, after, progress)
     refinements += curve_of(selected, o.fits[-1], after)
     progress("looking for where the residual lives")
-    lives = residual_place(o) if o.verdict.verdict == UNKNOWN else None
+    lives = _residual_place(o) if o.verdict.verdict == UNKNOWN else None
     after = withheld(after, causes, o.passes)
     if late.skew:
         causes = [clock(late.skew, late.before, o.fits[0]), *causes]
-        after = replace(after, estimates=with_clock(after.estimates, late.skew))
+        after = replace(after, estimates=_with_clock(after.estimates, late.skew))
     before = late.before or o.fits[0]
     shows = shown(selected.steps[0].judgements)
     sentence = verdict_sentence(o.verdict.verdict, causes, before, after, evidence, lives)
@@ -102,7 +102,7 @@ def reported(o: Outcome, progress: Progress) -> Trace:
     return Trace(
         o.verdict.verdict,
         sentence + (named(shows) if o.verdict.verdict == NOTHING else ""),
-        ranked(o),
+        _ranked(o),
         tuple(tuple(j.candidate for j in s.judgements) for s in selected.steps),
         tuple(causes),
         before,
@@ -117,44 +117,44 @@ def reported(o: Outcome, progress: Progress) -> Trace:
     )
 
 
-def said_of_each(o: Outcome, after: Fit, progress: Progress) -> tuple[list[Cause], list[Refinement]]:
+def _said_of_each(o: Outcome, after: Fit, progress: Progress) -> tuple[list[Cause], list[Refinement]]:
     """Return the causes, the one that takes most first, and the refinements among what stands."""
     causes, refinements = {}, []
     for i, (j, w) in enumerate(o.standing):
         made = cause(j, w, o.fits[i], o.fits[i + 1], after, o.late.plant, credited=j.suspect.key in o.selected.credited)
         if o.role(j) == CAUSE:
-            causes[j.suspect.key] = described_rivals(made, j, o, progress)
+            causes[j.suspect.key] = _described_rivals(made, j, o, progress)
         else:
             refinements.append(refinement(made))
     return [causes[j.suspect.key] for j in o.by_size], refinements
 
 
-def residual_place(o: Outcome) -> Unexplained | None:
+def _residual_place(o: Outcome) -> Unexplained | None:
     """Return where the residual lives that no effect explains. At rest, too: a slip or a knock need not wait for motion."""
     if o.place:
         return o.place
-    declared = State(o.late.plant, thin(fitted_on(o.passes)))
+    declared = State(o.late.plant, decimate(fitted_on(o.passes)))
     return unexplained(declared, {p.motion.record.name: max(declared.steady, 1e-300) for p in o.passes})
 
 
-def named_as(j: Judgement) -> Candidate:
+def _named_as(j: ScoredCandidate) -> CandidateScore:
     """Return a candidate under the name that it bears: of a free form that of its class' nearest formula."""
     return replace(j.candidate, effect=j.suspect.name)
 
 
-def candidate_of(skew: Skew, fit: Fit) -> Candidate:
+def _candidate_of(skew: Skew, fit: Fit) -> CandidateScore:
     """Return the late clock as the first of the candidates: what the angle says of it is its gain."""
     s = skew.late.measured
-    return Candidate(skew.suspect.effect, skew.suspect.at, skew.suspect.kind, s.share, 0.0, fit.identification, fit.identification, True, skew.sentence)  # fmt: skip
+    return CandidateScore(skew.suspect.effect, skew.suspect.at, skew.suspect.kind, s.share, 0.0, fit.identification, fit.identification, True, skew.sentence)  # fmt: skip
 
 
-def with_clock(estimates: Sequence[Estimate], skew: Skew) -> tuple[Estimate, ...]:
+def _with_clock(estimates: Sequence[Estimate], skew: Skew) -> tuple[Estimate, ...]:
     """Return estimates with the clock's as the angle gives them."""
     key = (skew.suspect.effect, skew.suspect.at)
     return (*(e for e in estimates if (e.effect, e.at) != key), *skew.parameters)
 
 
-def described_rivals(made: Cause, j: Judgement, o: Outcome, progress: Progress) -> Cause:
+def _described_rivals(made: Cause, j: ScoredCandidate, o: Outcome, progress: Progress) -> Cause:
     """Return a cause with the candidates that these records cannot tell from it, and the motion that would."""
     answer = o.selected.answer
     others = rivals(j, answer.added, o.selected.looked, o.criteria, answer.last.power)
@@ -165,7 +165,7 @@ def described_rivals(made: Cause, j: Judgement, o: Outcome, progress: Progress) 
     return replace(made, rivals=tuple(k.candidate.effect for k in others), experiment=apart)
 
 
-def refined(fit: Fit, selected: Selection, passes: Sequence[Passes]) -> Fit:
+def _refined(fit: Fit, selected: Selection, passes: Sequence[InverseDynamics]) -> Fit:
     """Return the fit with the free virgin curves of declared laws that are only nearly right; `fit` where that is no better."""
     plant = fit.plant
     for law in selected.refined:
@@ -175,11 +175,11 @@ def refined(fit: Fit, selected: Selection, passes: Sequence[Passes]) -> Fit:
     return better if better.identification < fit.identification and better.validation < fit.validation else fit
 
 
-def ranked(o: Outcome) -> tuple[Candidate, ...]:
+def _ranked(o: Outcome) -> tuple[CandidateScore, ...]:
     """Return the candidates of the first step as they were judged there, the causes ahead of the others."""
-    clock = [candidate_of(o.late.skew, o.fits[0])] if o.late.skew else []
-    first = [named_as(j) for j in o.selected.steps[0].judgements]
+    clock = [_candidate_of(o.late.skew, o.fits[0])] if o.late.skew else []
+    first = [_named_as(j) for j in o.selected.steps[0].judgements]
     judged = {(c.effect, c.at): c for c in first}
-    added = [*clock, *(named_as(j) for j in o.by_size)]
+    added = [*clock, *(_named_as(j) for j in o.by_size)]
     ahead = {(c.effect, c.at): judged.get((c.effect, c.at), c) for c in added}
     return (*ahead.values(), *(c for key, c in judged.items() if key not in ahead))

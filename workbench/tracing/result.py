@@ -16,7 +16,7 @@ __all__ = ["CAUSE", "NOTHING", "UNKNOWN"]
 
 
 @dataclass(frozen=True)
-class Candidate:
+class CandidateScore:
     """One effect that was tried jointly with the declared model.
 
     effect, at: its name and place ("inertia at axis" where a fixed parameter was set free: kind "correction", else
@@ -93,8 +93,8 @@ class Trace:
 
     verdict: str
     sentence: str
-    ranked: tuple[Candidate, ...]
-    steps: tuple[tuple[Candidate, ...], ...]
+    ranked: tuple[CandidateScore, ...]
+    steps: tuple[tuple[CandidateScore, ...], ...]
     causes: tuple[Cause, ...]
     before: Fit
     after: Fit

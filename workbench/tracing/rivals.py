@@ -3,13 +3,13 @@
 from collections.abc import Sequence
 
 from workbench.errors import WorkbenchError
-from workbench.identification.passes import Passes
+from workbench.identification.passes import InverseDynamics
 from workbench.plant import Plant
 from workbench.tracing.candidates import ADDITION, without
 from workbench.tracing.criteria import Criteria
-from workbench.tracing.judge import Judgement
+from workbench.tracing.decimation import decimate
+from workbench.tracing.judge import ScoredCandidate
 from workbench.tracing.ranking import alike
-from workbench.tracing.thin import thin
 
 PLANNED = (
     6.5  # rate over the evaluation bandwidth at which motions are compared: a coarser one parts what does not part
@@ -18,13 +18,17 @@ MOST = 4  # named with a cause
 
 
 def rivals(
-    found: Judgement, added: Sequence[Judgement], steps: Sequence[Sequence[Judgement]], criteria: Criteria, power: float
-) -> list[Judgement]:
+    found: ScoredCandidate,
+    added: Sequence[ScoredCandidate],
+    steps: Sequence[Sequence[ScoredCandidate]],
+    criteria: Criteria,
+    power: float,
+) -> list[ScoredCandidate]:
     """Return the candidates that could not be told from an added one in the step in which it was chosen, best first.
 
     What was added beside it is no rival: it explains something else.
     """
-    level: dict[str, Judgement] = {}
+    level: dict[str, ScoredCandidate] = {}
     for judgements in steps:
         if any(j is found for j in judgements):
             for j in judgements:
@@ -37,9 +41,9 @@ def rivals(
 def experiment(
     plant: Plant,
     declared: Plant,
-    found: Judgement,
-    rival: Judgement,
-    whole: Sequence[Passes],
+    found: ScoredCandidate,
+    rival: ScoredCandidate,
+    whole: Sequence[InverseDynamics],
     rms: float,
 ) -> str:
     """Return, in a sentence, the motion that tells a cause from its first rival, or "" where none can be planned.
@@ -50,7 +54,7 @@ def experiment(
     from workbench.planning import envelope_of, load_rest, sensing_of, separate
 
     a, b = plant[found.suspect.key], rival.refitted.plant[rival.suspect.key]
-    passes = thin(whole, least=PLANNED)
+    passes = decimate(whole, least=PLANNED)
     bare = without(plant, found.suspect, declared)
     bare = bare.without(b.key) if b.key in {e.key for e in bare.effects} and rival.suspect.kind == ADDITION else bare
     try:

@@ -5,12 +5,12 @@ from dataclasses import replace
 
 import numpy as np
 
-from workbench.identification.passes import Passes
+from workbench.identification.passes import InverseDynamics
 from workbench.identification.problem import Problem, to_search
 from workbench.identification.solve import Solution, solve
 from workbench.parameter import Parameter
 from workbench.plant import Plant
-from workbench.tracing.candidates import ADDITION, Suspect
+from workbench.tracing.candidates import ADDITION, Candidate
 from workbench.tracing.linearised import Linearised
 from workbench.tracing.starts import resolved, starts
 
@@ -22,7 +22,7 @@ REFINED = 2  # starts that are refined: the cheapest by their linear fit alone, 
 WORSE = 1.0 + 1e-9  # cost over that of the present model from which a start is worse than none
 
 
-def within_reach(plant: Plant, passes: Sequence[Passes]) -> Plant:
+def within_reach(plant: Plant, passes: Sequence[InverseDynamics]) -> Plant:
     """Return the plant with orders bounded by the travel and by what is resolved, and times to SLOWEST.
 
     A wave longer than the travel is a polynomial in disguise, and one that the encoder or the band does not resolve is a
@@ -35,18 +35,18 @@ def within_reach(plant: Plant, passes: Sequence[Passes]) -> Plant:
     }
     for e in plant.effects:
         if any(p.scale in bounds and not p.fixed for p in e.parameters.values()):
-            bounded = {n: within(p, *bounds[p.scale]) if p.scale in bounds else p for n, p in e.parameters.items()}
+            bounded = {n: _within(p, *bounds[p.scale]) if p.scale in bounds else p for n, p in e.parameters.items()}
             plant = plant.swap(replace(e, parameters=bounded))
     return plant
 
 
-def within(p: Parameter, least: float, most: float) -> Parameter:
+def _within(p: Parameter, least: float, most: float) -> Parameter:
     """Return the parameter with narrower bounds, and its value inside them."""
     lower, upper = max(p.lower, least), max(min(p.upper, most), least)
     return replace(p, lower=lower, upper=upper, value=min(max(p.value, lower), upper))
 
 
-def suspected(suspect: Suspect, base: Problem, solution: Solution) -> Linearised:
+def suspected(suspect: Candidate, base: Problem, solution: Solution) -> Linearised:
     """Return the problem of a suspect beside the solved present model."""
     return Linearised(within_reach(suspect.plant, base.passes), base, solution)
 
@@ -67,7 +67,7 @@ def worth(problem: Linearised, options: Sequence[np.ndarray]) -> list[float]:
 
 
 def fitted(
-    suspect: Suspect, base: Problem, solution: Solution, residuals: Sequence[np.ndarray]
+    suspect: Candidate, base: Problem, solution: Solution, residuals: Sequence[np.ndarray]
 ) -> tuple[Linearised, Solution]:
     """Return the linearised problem of a suspect and its best solution. residuals: what is left on the records.
 

@@ -3,13 +3,13 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from workbench.identification.passes import Passes
+from workbench.identification.passes import InverseDynamics
 from workbench.identification.solve import NoValue
 from workbench.plant import Plant
 from workbench.tracing.candidates import Offer, without
 from workbench.tracing.criteria import Criteria
 from workbench.tracing.greedy import Step, extended, leading
-from workbench.tracing.judge import Judgement, Progress, lighter
+from workbench.tracing.judge import Progress, ScoredCandidate, lighter
 from workbench.tracing.near_law import Law, as_declared, count_at, freed, laws, lengthened
 from workbench.tracing.ranking import step
 from workbench.tracing.state import State
@@ -22,13 +22,13 @@ SEEN = 2.0  # encoder counts above which a presliding length is the axis' own an
 class Answer:
     """What is added to the declared model, and the state with all of it: that of the last addition, unless it is given."""
 
-    added: Sequence[Judgement]
+    added: Sequence[ScoredCandidate]
     declared: State
-    revised: State | None = None
+    _pruned: State | None = None
 
     @property
     def last(self) -> State:
-        return self.revised or (self.added[-1].state if self.added else self.declared)
+        return self.pruned or (self.added[-1].state if self.added else self.declared)
 
     @property
     def standing(self) -> "Answer":
@@ -49,7 +49,7 @@ class Selection:
     base: State
     answer: Answer
     steps: Sequence[Step]
-    looked: Sequence[Sequence[Judgement]]
+    looked: Sequence[Sequence[ScoredCandidate]]
     laws: tuple[Law, ...]
     refined: tuple[Law, ...] = ()
 
@@ -58,7 +58,9 @@ class Selection:
         return {s.added.suspect.key for s in self.steps if s.credit}
 
 
-def select(declared: State, whole: Sequence[Passes], offer: Offer, criteria: Criteria, progress: Progress) -> Selection:
+def select(
+    declared: State, whole: Sequence[InverseDynamics], offer: Offer, criteria: Criteria, progress: Progress
+) -> Selection:
     """Return what the search adds to a declared model. whole: passes of the identification records as they are."""
     known = tuple(law for law in laws(declared.plant, declared.passes) if law.declared.key not in offer.stands_for)
     base = curved(declared, known, criteria)
@@ -77,8 +79,8 @@ def select(declared: State, whole: Sequence[Passes], offer: Offer, criteria: Cri
     looked = [s.judgements for s in steps]
     answer = Answer([s.added for s in steps if s.added is not None], base).standing
     if len(answer.added) > 1:
-        answer = revised(answer, base.plant, looked, progress, offer, criteria)
-    answer, refined = of_declared_laws(answer, known, looked, progress, offer, criteria)
+        answer = _pruned(answer, base.plant, looked, progress, offer, criteria)
+    answer, refined = _of_declared_laws(answer, known, looked, progress, offer, criteria)
     return Selection(declared, base, answer, steps, looked, known, refined)
 
 
@@ -88,12 +90,12 @@ def curved(state: State, known: Sequence[Law], criteria: Criteria) -> State:
     held = {e.key for e in state.plant.effects}
     stands = any(law.key in held for law in known)
     plain = State(as_declared(state.plant, known), state.passes) if stands else state
-    found = [s for s in (state if stands else None, with_curves(state, known)) if s is not None]
+    found = [s for s in (state if stands else None, _with_curves(state, known)) if s is not None]
     best = min(found, key=lambda s: s.errors.total, default=plain)
-    return best if best is not plain and size(plain, best) >= 0.5 * criteria.practical else plain
+    return best if best is not plain and _size(plain, best) >= 0.5 * criteria.practical else plain
 
 
-def with_curves(state: State, known: Sequence[Law]) -> State | None:
+def _with_curves(state: State, known: Sequence[Law]) -> State | None:
     """Return a state with the free virgin curves of `known`, or None where none is found."""
     plant = freed(state.plant, known, state.passes)
     if not any(law.key in {e.key for e in plant.effects} for law in known):
@@ -104,15 +106,15 @@ def with_curves(state: State, known: Sequence[Law]) -> State | None:
         return None
 
 
-def size(before: State, after: State) -> float:
+def _size(before: State, after: State) -> float:
     """Return what a state takes away of another's held-out residual, over the drive's rms."""
     return (max(before.errors.total - after.errors.total, 0.0) / before.power) ** 0.5 if before.power > 0.0 else 0.0
 
 
-def of_declared_laws(
+def _of_declared_laws(
     answer: Answer,
     known: Sequence[Law],
-    looked: list[Sequence[Judgement]],
+    looked: list[Sequence[ScoredCandidate]],
     progress: Progress,
     offer: Offer,
     criteria: Criteria,
@@ -128,8 +130,8 @@ def of_declared_laws(
         if law.key not in {e.key for e in last.plant.effects}:
             continue
         plain = State(as_declared(last.plant, [law]), last.passes)
-        if size(plain, last) < criteria.practical:
-            answer = replace(answer, revised=plain)
+        if _size(plain, last) < criteria.practical:
+            answer = replace(answer, pruned=plain)
             continue
         progress(f"asking what the virgin curve at the {law.declared.at} is")
         offered = replace(
@@ -140,11 +142,11 @@ def of_declared_laws(
         judgements = step(plain, progress, offered, criteria)
         looked.append(judgements)
         formulas = [j for j in judgements if j.suspect.at == law.declared.at and j.suspect.instead and j.refitted]
-        best = commonest(formulas, criteria.practical**2 * last.power)
-        near = best is not None and taken(plain, best) >= criteria.near * (plain.errors.total - last.errors.total)
-        if near and length(best) > SEEN * count_at(law.declared.at, last.passes):
+        best = _commonest(formulas, criteria.practical**2 * last.power)
+        near = best is not None and _taken(plain, best) >= criteria.near * (plain.errors.total - last.errors.total)
+        if near and _length(best) > SEEN * count_at(law.declared.at, last.passes):
             best = best if best.state else replace(best, state=best.refitted.state)
-            first = taken(plain, best) > sum(j.candidate.gain for j in answer.added[:1]) * answer.declared.errors.total
+            first = _taken(plain, best) > sum(j.candidate.gain for j in answer.added[:1]) * answer.declared.errors.total
             added = [best, *answer.added] if first else [*answer.added, best]
             answer = Answer(added, answer.declared, best.state)
         else:
@@ -152,7 +154,7 @@ def of_declared_laws(
     return answer, tuple(refined)
 
 
-def commonest(formulas: Sequence[Judgement], alike: float) -> Judgement | None:
+def _commonest(formulas: Sequence[ScoredCandidate], alike: float) -> ScoredCandidate | None:
     """Return the formula that leaves least, or the one with Masing's memory where it leaves no more than `alike` beside that one:
     asperities remember every reversal, and bristles that forget are the rarer picture."""
     best = min(formulas, key=lambda j: (j.errors.total, j.suspect.key), default=None)
@@ -160,21 +162,21 @@ def commonest(formulas: Sequence[Judgement], alike: float) -> Judgement | None:
     return next((j for j in level if "masing" in j.suspect.plant[j.suspect.key].holds), best)
 
 
-def taken(before: State, j: Judgement) -> float:
+def _taken(before: State, j: ScoredCandidate) -> float:
     """Return the held-out power that a judged candidate takes away."""
     return before.errors.total - j.errors.total
 
 
-def length(j: Judgement) -> float:
+def _length(j: ScoredCandidate) -> float:
     """Return the presliding length of a fitted friction with memory, SI: x0, or 1/alpha."""
     values = {n: p.value for n, p in j.refitted.plant[j.suspect.key].parameters.items()}
     return values["x0"] if "x0" in values else 1.0 / max(values.get("alpha", 0.0), 1e-300)
 
 
-def revised(
+def _pruned(
     answer: Answer,
     declared: Plant,
-    looked: list[Sequence[Judgement]],
+    looked: list[Sequence[ScoredCandidate]],
     progress: Progress,
     offer: Offer,
     criteria: Criteria,
@@ -195,30 +197,30 @@ def revised(
             reduced = State(without(answer.last.plant, present.suspect, declared), answer.last.passes)
         except NoValue:
             continue
-        judgements = step(reduced, progress, replace(offer, only=promising(looked)), criteria)
+        judgements = step(reduced, progress, replace(offer, only=_promising(looked)), criteria)
         best = leading(judgements)
         looked.append(lighter(judgements, best))
         if best is not None and best.suspect.key == present.suspect.key and present.candidate.earns:
             continue  # else what it comes to now is its evidence
         if best is not None and best.suspect.key != present.suspect.key and present.candidate.earns:
-            if not better(best, present, answer.last, criteria):
+            if not _better(best, present, answer.last, criteria):
                 continue
         if best is None:
             fewer = Answer(rest, answer.declared, reduced)
-            return revised(fewer, declared, looked, progress, offer, criteria) if len(rest) > 1 else fewer
+            return _pruned(fewer, declared, looked, progress, offer, criteria) if len(rest) > 1 else fewer
         answer = Answer([*rest[:i], best, *rest[i:]], answer.declared, best.state).standing
         if len(answer.added) <= len(rest):
-            return revised(answer, declared, looked, progress, offer, criteria)
+            return _pruned(answer, declared, looked, progress, offer, criteria)
     return answer
 
 
-def better(other: Judgement, present: Judgement, last: State, criteria: Criteria) -> bool:
+def _better(other: ScoredCandidate, present: ScoredCandidate, last: State, criteria: Criteria) -> bool:
     """Whether another effect is the better answer: it leaves less by more than is of practical size, or no more and is simpler."""
     less = last.errors.total - other.errors.total
     small = criteria.practical**2 * last.power
     return less > small or (other.freedom < present.freedom and less > -small)
 
 
-def promising(looked: Sequence[Sequence[Judgement]]) -> set[str]:
+def _promising(looked: Sequence[Sequence[ScoredCandidate]]) -> set[str]:
     """Return the names of the candidates that explained something in one of these steps."""
     return {j.candidate.effect for judgements in looked for j in judgements if j.candidate.gain > PROMISE}

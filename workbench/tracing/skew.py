@@ -13,10 +13,10 @@ import numpy as np
 from workbench.definition import catalogue
 from workbench.identification.clocks import PLAIN, WORTH, Late, late_clock
 from workbench.identification.fit import fitted_on
-from workbench.identification.passes import Passes
+from workbench.identification.passes import InverseDynamics
 from workbench.identification.result import Estimate
 from workbench.plant import Plant
-from workbench.tracing.candidates import ADDITION, Suspect
+from workbench.tracing.candidates import ADDITION, Candidate
 
 
 @dataclass(frozen=True, eq=False)
@@ -24,7 +24,7 @@ class Skew:
     """late: what the angle says. suspect: the plant with the clock, its values held."""
 
     late: Late
-    suspect: Suspect
+    suspect: Candidate
 
     @property
     def sentence(self) -> str:
@@ -48,7 +48,7 @@ class Skew:
         )
 
 
-def skew_of(passes: Sequence[Passes], plant: Plant, share: float = PLAIN, worth: float = WORTH) -> Skew | None:
+def skew_of(passes: Sequence[InverseDynamics], plant: Plant, share: float = PLAIN, worth: float = WORTH) -> Skew | None:
     """Return the lateness of one of two encoders by the identification records, None where none is plain.
 
     share: of the angle that all else leaves, that lateness must take. worth: of the drive, that it must be worth.
@@ -61,4 +61,4 @@ def skew_of(passes: Sequence[Passes], plant: Plant, share: float = PLAIN, worth:
         n: float(np.clip(v, clock.parameters[n].lower, clock.parameters[n].upper)) for n, v in late.values.items()
     }
     clock = clock(fixed=True, **inside)
-    return Skew(late, Suspect(clock.named, clock.at, ADDITION, plant + clock))
+    return Skew(late, Candidate(clock.named, clock.at, ADDITION, plant + clock))

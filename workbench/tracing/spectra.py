@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from workbench.identification.passes import Passes
+from workbench.identification.passes import InverseDynamics
 from workbench.tracing.starts import order_spectrum, peaks
 
 POINTS = 200  # of a spectrum over frequency
@@ -33,20 +33,20 @@ class Spectrum:
     band: tuple[float, float] = (float("nan"), float("nan"))
 
 
-def split(passes: Sequence[Passes], residual: np.ndarray) -> list[np.ndarray]:
+def _split(passes: Sequence[InverseDynamics], residual: np.ndarray) -> list[np.ndarray]:
     """Return a pooled residual (n,) as one (n_i,) a record."""
     ends = np.cumsum([p.motion.keep.stop - p.motion.keep.start for p in passes])
     return np.split(residual, ends[:-1])
 
 
-def over_frequency(passes: Sequence[Passes], residual: np.ndarray) -> Spectrum:
+def over_frequency(passes: Sequence[InverseDynamics], residual: np.ndarray) -> Spectrum:
     """Return the density of a residual (n,) over frequency, the records weighed by their lengths (Welch 1967)."""
     from scipy.signal import welch
 
     band = max(p.motion.filter.bandwidth for p in passes)
     at = np.linspace(0.0, HIGHEST * band, POINTS)
     total, weight = np.zeros(POINTS), 0.0
-    for p, r in zip(passes, split(passes, residual), strict=True):
+    for p, r in zip(passes, _split(passes, residual), strict=True):
         rate = 1 / p.motion.dt
         segment = min(r.size, int(rate / band * LINES))
         f, density = welch(r, rate, nperseg=segment, detrend=False)
@@ -66,7 +66,7 @@ def half(at: np.ndarray, power: np.ndarray) -> tuple[float, float]:
     return float(at[k]), float(at[min(ends[k] - 1, at.size - 1)])
 
 
-def over_order(passes: Sequence[Passes], residual: np.ndarray, unit: str) -> Spectrum:
+def over_order(passes: Sequence[InverseDynamics], residual: np.ndarray, unit: str) -> Spectrum:
     """Return the amplitude of a residual (n,) over order, thinned to its largest values. unit: of position.
 
     Orders reach to the one that passes the evaluation filter at the median speed of what moves. Where an axis moves so fast
@@ -77,7 +77,7 @@ def over_order(passes: Sequence[Passes], residual: np.ndarray, unit: str) -> Spe
     typical = float(np.median(speed[speed >= MOVING * np.sqrt(np.mean(speed**2))]))
     highest = 2 * np.pi * max(p.motion.filter.bandwidth for p in passes) / max(typical, 1e-300)
     whole = []
-    for p, r in zip(passes, split(passes, residual), strict=True):
+    for p, r in zip(passes, _split(passes, residual), strict=True):
         full = np.zeros(p.motion.u.size)
         full[p.motion.keep] = np.where(np.abs(p.motion.v[p.motion.keep]) * p.motion.dt * highest <= np.pi, r, 0.0)
         whole.append(full)
@@ -88,13 +88,13 @@ def over_order(passes: Sequence[Passes], residual: np.ndarray, unit: str) -> Spe
     if orders.size < 3:
         return Spectrum("order", f"1/{unit}", orders, amplitude)
     found = peaks(orders, amplitude, travel)
-    lines = sorted(((k, above(orders, amplitude, k)) for k in found), key=lambda line: -line[1])
+    lines = sorted(((k, _above(orders, amplitude, k)) for k in found), key=lambda line: -line[1])
     groups = np.array_split(np.arange(orders.size), min(COLUMNS, orders.size))
     top = [g[np.argmax(amplitude[g])] for g in groups if g.size]
     return Spectrum("order", f"1/{unit}", orders[top], amplitude[top], tuple(lines))
 
 
-def above(orders: np.ndarray, amplitude: np.ndarray, k: float) -> float:
+def _above(orders: np.ndarray, amplitude: np.ndarray, k: float) -> float:
     """Return how many times the median of the octave about it the amplitude at order k is: what falls evenly has no line."""
     about = amplitude[(orders > k / OCTAVE) & (orders < k * OCTAVE)]
     middle = float(np.median(about))

@@ -12,7 +12,7 @@ import numpy as np
 from workbench.definition import TIME, Effect
 from workbench.identification.bodies import POSITION
 from workbench.identification.deflection import deflection_of
-from workbench.identification.passes import Passes
+from workbench.identification.passes import InverseDynamics
 from workbench.identification.problem import to_search
 from workbench.plant import Plant
 
@@ -24,7 +24,7 @@ STROKES, APART = 6, 8.0  # strokes tried at most, and the factor between two of 
 SLOW = 0.05  # share of the distance travelled at a speed at which a wave must pass the evaluation filter
 
 
-def order_spectrum(passes: Sequence[Passes], residuals: Sequence[np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
+def order_spectrum(passes: Sequence[InverseDynamics], residuals: Sequence[np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
     """Return (orders, amplitude): |sum r exp(-i k q)| 2/N over all records, k in 1/x up to half the bins.
 
     residuals: (n,) each, zero where nothing counts. Padded four times, so that a peak is found within a quarter of the
@@ -44,7 +44,7 @@ def order_spectrum(passes: Sequence[Passes], residuals: Sequence[np.ndarray]) ->
     return orders, 2 * spectrum / max(np.count_nonzero(total), 1)
 
 
-def resolved(passes: Sequence[Passes]) -> float:
+def resolved(passes: Sequence[InverseDynamics]) -> float:
     """Return the highest order, in 1/x, that the records can show: min(pi/count, 2 pi f_c/v).
 
     A wave shorter than two encoder counts is a slow one in disguise (Nyquist). One that passes faster than the evaluation
@@ -77,7 +77,7 @@ def peaks(orders: np.ndarray, amplitude: np.ndarray, travel: float, most: float 
     return chosen[:PEAKS]
 
 
-def strokes(passes: Sequence[Passes], plant: Plant, at: str) -> list[float]:
+def strokes(passes: Sequence[InverseDynamics], plant: Plant, at: str) -> list[float]:
     """Return start values for a stroke: from SHORTEST to a fifth of the travel or, at a joint, to half of its deflection."""
     if at == "joint":
         most = 0.5 * max(float(np.ptp(p.bodies.body(plant, "joint")[1][POSITION])) for p in passes)
@@ -88,8 +88,8 @@ def strokes(passes: Sequence[Passes], plant: Plant, at: str) -> list[float]:
     return list(np.geomspace(least, most, many)) if many > 1 else [most]
 
 
-def grid(
-    scale: str, passes: Sequence[Passes], residuals: Sequence[np.ndarray], plant: Plant, effect: Effect
+def _grid(
+    scale: str, passes: Sequence[InverseDynamics], residuals: Sequence[np.ndarray], plant: Plant, effect: Effect
 ) -> list[float]:
     """Return start values for one shape parameter of an effect, in SI."""
     motions = [p.motion for p in passes]
@@ -121,7 +121,7 @@ def grid(
     return []
 
 
-def lateness(passes: Sequence[Passes], plant: Plant, channel: str) -> dict[str, float]:
+def lateness(passes: Sequence[InverseDynamics], plant: Plant, channel: str) -> dict[str, float]:
     """Return how late a channel of two encoders is, by the angle between them: {"time": d, "drift": s}, s and s a second.
 
     Empty with one encoder, and where the drive feels no inertia.
@@ -134,7 +134,7 @@ def lateness(passes: Sequence[Passes], plant: Plant, channel: str) -> dict[str, 
 
 
 def starts(
-    effect: Effect, passes: Sequence[Passes], residuals: Sequence[np.ndarray], plant: Plant
+    effect: Effect, passes: Sequence[InverseDynamics], residuals: Sequence[np.ndarray], plant: Plant
 ) -> list[dict[str, float]]:
     """Return starts of a candidate: {shape parameter: search value}, every combination of its grids, and of a channel's clock
     what two encoders say of it."""
@@ -142,7 +142,7 @@ def starts(
     grids = []
     for n in free:
         p = effect.parameters[n]
-        values = [float(np.clip(v, p.lower, p.upper)) for v in grid(p.scale, passes, residuals, plant, effect)] or [
+        values = [float(np.clip(v, p.lower, p.upper)) for v in _grid(p.scale, passes, residuals, plant, effect)] or [
             p.value
         ]
         if p.scale == "time" and p.value == 0.0:

@@ -7,7 +7,7 @@ from math import isclose
 
 import numpy as np
 
-from workbench.identification.passes import Passes
+from workbench.identification.passes import InverseDynamics
 from workbench.identification.problem import Problem
 from workbench.identification.solve import ITERATIONS, scales, solve
 from workbench.plant import Plant
@@ -30,7 +30,7 @@ class State:
     def __init__(
         self,
         plant: Plant,
-        passes: Sequence[Passes],
+        passes: Sequence[InverseDynamics],
         theta: np.ndarray | None = None,
         *,
         solved: bool = False,

@@ -7,7 +7,7 @@ from workbench.definition import Effect
 from workbench.errors import WorkbenchError
 from workbench.identification.carrying import idle
 from workbench.identification.fit import fitted_on, identify
-from workbench.identification.passes import Passes
+from workbench.identification.passes import InverseDynamics
 from workbench.identification.result import Fit
 from workbench.identification.solve import NoValue
 from workbench.keeping import kept
@@ -16,18 +16,18 @@ from workbench.threads import one_thread
 from workbench.tracing.candidates import Offer, within_tolerance
 from workbench.tracing.criteria import Criteria
 from workbench.tracing.decide import CAUSE, NOT_BORNE_OUT, REFINEMENT, Verdict, decide
+from workbench.tracing.decimation import decimate
 from workbench.tracing.evidence import CORRECTION, Evidence, Weighed
 from workbench.tracing.explainable import explainable
 from workbench.tracing.floor import floor as noise_floor
 from workbench.tracing.floor import levels
-from workbench.tracing.judge import STANDARD, Judgement, Progress
+from workbench.tracing.judge import STANDARD, Progress, ScoredCandidate
 from workbench.tracing.near_law import as_declared
 from workbench.tracing.reporting import Confirmed, Declared, Outcome, reported
 from workbench.tracing.result import Trace
 from workbench.tracing.selection import Selection, select
 from workbench.tracing.skew import skew_of
 from workbench.tracing.state import State
-from workbench.tracing.thin import thin
 from workbench.tracing.unexplained import Unexplained, instead
 from workbench.tracing.weighing import weighed
 from workbench.tracing.whole import in_turn
@@ -37,7 +37,7 @@ from workbench.tracing.whole import in_turn
 @kept
 def trace(
     plant: Plant | Fit,
-    passes: Sequence[Passes],
+    passes: Sequence[InverseDynamics],
     progress: Progress = lambda _: None,
     most: int | None = None,
     only: Collection[str] | None = None,
@@ -56,9 +56,9 @@ def trace(
     criteria = criteria if most is None else replace(criteria, steps=most)
     progress("fitting the declared model")
     try:
-        late = late_encoder(plant, passes, only)
+        late = _late_encoder(plant, passes, only)
         loose, told = within_tolerance(late.plant, criteria.tolerance)
-        declared = State(loose, thin(whole, late.plant))
+        declared = State(loose, decimate(whole, late.plant))
     except NoValue:
         raise WorkbenchError(
             "the declared model has no value on these records: a shape parameter lies far from them; check it and its unit."
@@ -70,7 +70,7 @@ def trace(
     added, fits = in_turn(late.plant, selected.answer.added, found, passes)
     confirmed = Confirmed(added, fits, levels(passes, fits[-1].plant))
     progress("weighing the evidence")
-    evidence, place = evidence_of(selected, confirmed, passes, criteria)
+    evidence, place = _evidence_of(selected, confirmed, passes, criteria)
     evidence = replace(evidence, clock=late.skew is not None, idle=late.idle is not None)
     verdict = decide(evidence, criteria)
     if (order := later(confirmed.added, verdict)) is not None:
@@ -79,7 +79,7 @@ def trace(
         evidence = replace(evidence, added=weighed(selected, added, fits, passes, criteria))
         verdict = decide(evidence, criteria)
     refused: list[Weighed] = []
-    while verdict.verdict == CAUSE and (kept := standing(confirmed, verdict)) is not confirmed.added:
+    while verdict.verdict == CAUSE and (kept := _standing(confirmed, verdict)) is not confirmed.added:
         # without what is not borne out, the others are weighed again: one may have been needed by it alone
         refused += [a for a, r in zip(evidence.added, verdict.roles, strict=True) if r == NOT_BORNE_OUT]
         added, fits = in_turn(late.plant, kept, found, passes)
@@ -90,7 +90,7 @@ def trace(
     return reported(Outcome(late, passes, selected, confirmed, evidence, verdict, place, criteria), progress)
 
 
-def later(added: Sequence[Judgement], verdict: Verdict) -> list[Judgement] | None:
+def later(added: Sequence[ScoredCandidate], verdict: Verdict) -> list[ScoredCandidate] | None:
     """Return additions with those that are not borne out behind the others, None where they are: one may need another."""
     out = [r == NOT_BORNE_OUT for r in verdict.roles]
     if out == sorted(out):
@@ -98,25 +98,25 @@ def later(added: Sequence[Judgement], verdict: Verdict) -> list[Judgement] | Non
     return [j for j, o in zip(added, out, strict=True) if not o] + [j for j, o in zip(added, out, strict=True) if o]
 
 
-def standing(confirmed: Confirmed, verdict: Verdict) -> Sequence[Judgement]:
+def _standing(confirmed: Confirmed, verdict: Verdict) -> Sequence[ScoredCandidate]:
     """Return what of the additions stays in the extended model; the same object where all of it does."""
     roles = dict(zip((j.suspect.key for j in confirmed.added), verdict.roles, strict=True))
-    kept = [j for j in confirmed.added if roles[j.suspect.key] == CAUSE or stays(j, roles)]
+    kept = [j for j in confirmed.added if roles[j.suspect.key] == CAUSE or _stays(j, roles)]
     return kept if len(kept) < len(confirmed.added) else confirmed.added
 
 
-def late_encoder(plant: Plant, passes: Sequence[Passes], only: Collection[str] | None) -> Declared:
+def _late_encoder(plant: Plant, passes: Sequence[InverseDynamics], only: Collection[str] | None) -> Declared:
     """Ask the angle between two encoders before anything in torque, and whether the joint then carries anything."""
     if plant.kind != TWO_MASS:
         return Declared(plant, plant)
-    skew = skew_of(thin(fitted_on(passes)), plant) if only is None or "clock_skew" in only else None
+    skew = skew_of(decimate(fitted_on(passes)), plant) if only is None or "clock_skew" in only else None
     here = skew.suspect.plant if skew else plant
     before = identify(plant, passes) if skew else None
     return Declared(plant, here, skew, before, idle(passes, identify(here, passes).plant))
 
 
-def evidence_of(
-    selected: Selection, confirmed: Confirmed, passes: Sequence[Passes], criteria: Criteria
+def _evidence_of(
+    selected: Selection, confirmed: Confirmed, passes: Sequence[InverseDynamics], criteria: Criteria
 ) -> tuple[Evidence, Unexplained | None]:
     """Return the numbers that decide, and the place that says more than what was added does, if there is one."""
     answer, base = selected.answer, selected.base
@@ -138,6 +138,6 @@ def evidence_of(
     return evidence, Unexplained(place, base.solution.cost**0.5) if place else None
 
 
-def stays(j: Judgement, roles: Mapping[str, str]) -> bool:
+def _stays(j: ScoredCandidate, roles: Mapping[str, str]) -> bool:
     """Whether a refinement stays in the extended model: a fixed value that is right within its tolerance does not move."""
     return roles[j.suspect.key] == REFINEMENT and j.suspect.kind != CORRECTION

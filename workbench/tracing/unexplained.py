@@ -26,7 +26,7 @@ class Unexplained:
     """place: where it lives, None where nowhere in particular. times: residual over what is calm of it."""
 
     place: Place | None
-    times: float
+    _times: float
 
 
 def instead(declared: State, last: State, level: Mapping[str, float]) -> Place | None:
@@ -35,11 +35,11 @@ def instead(declared: State, last: State, level: Mapping[str, float]) -> Place |
     level: record -> rms of what is calm with the effects in place. Where most of the excess lives in one place and the effects
     leave it there, they only spread over the record what belongs to that place.
     """
-    known = samples_of(declared, level)
-    before, after = times(declared, known), times(last, known)
+    known = _samples_of(declared, level)
+    before, after = _times(declared, known), _times(last, known)
     if last is declared or after <= LEFT or (before**2 - after**2) / max(before**2 - 1.0, 1e-12) >= EXPLAINED:
         return None
-    place, stays = living(declared, known), say_more(declared, last, known)
+    place, stays = _living(declared, known), _say_more(declared, last, known)
     if stays and not plainer(place, stays):
         return stays
     brief = local(place) and (place.coordinate != "time" or place.covered < BRIEF)
@@ -52,36 +52,36 @@ def instead(declared: State, last: State, level: Mapping[str, float]) -> Place |
 
 def unexplained(state: State, level: Mapping[str, float]) -> Unexplained:
     """Return where the residual of a state lives. level: record -> rms of what is calm in it."""
-    known = samples_of(state, level)
-    return Unexplained(named(living(state, known), state, known), times(state, known))
+    known = _samples_of(state, level)
+    return Unexplained(_named(_living(state, known), state, known), _times(state, known))
 
 
 def noise_alone(state: State, level: Mapping[str, float], most: float = NOISE) -> bool:
     """Whether a state leaves no more than the floor, times `most`."""
-    return times(state, samples_of(state, level)) < most
+    return _times(state, _samples_of(state, level)) < most
 
 
-def samples_of(state: State, level: Mapping[str, float]) -> Samples:
+def _samples_of(state: State, level: Mapping[str, float]) -> Samples:
     return samples(state.passes, state.plant, level)
 
 
-def times(state: State, known: Samples) -> float:
+def _times(state: State, known: Samples) -> float:
     """Return the rms of the drive's residual over that of the floor."""
     power = float(np.sum(state.solution.residual[known.drive] ** 2))
     floor = float(np.sum(known.floor[known.drive] ** 2))
     return (power / floor) ** 0.5 if floor > 0 else 0.0
 
 
-def say_more(declared: State, last: State, known: Samples) -> Place | None:
+def _say_more(declared: State, last: State, known: Samples) -> Place | None:
     """Return the jumps of the level that say more than the added effects do, or None.
 
     Jumps that are nearly all that the declared model leaves; or nearly all that is left with the effects, if they take away
     more beside the effects than the effects take away beside them.
     """
-    alone = living(declared, known, jumped)
+    alone = _living(declared, known, jumped)
     if alone and alone.share > EXPLAINED:
         return alone
-    rest = living(last, known, jumped)
+    rest = _living(last, known, jumped)
     if not rest or rest.share <= EXPLAINED:
         return None
     moments = [(low + high) / 2 for low, high in rest.spans]
@@ -95,15 +95,15 @@ def say_more(declared: State, last: State, known: Samples) -> Place | None:
     return rest if by_jumps > left(declared) - both else None
 
 
-def living(state: State, known: Samples, how: Callable[..., Place | None] = lives) -> Place | None:
+def _living(state: State, known: Samples, how: Callable[..., Place | None] = lives) -> Place | None:
     return how(state.solution.residual, known, Deviations(state.problem, state.solution))
 
 
-def named(place: Place | None, state: State, known: Samples) -> Place | None:
+def _named(place: Place | None, state: State, known: Samples) -> Place | None:
     """Return the place that is named: a window, else the moments, or the jumps of the level, that hold more for their size."""
     if local(place) and place.coordinate != "time":
         return place
-    moments = [p for p in (place if local(place) else None, living(state, known, jumped)) if p]
+    moments = [p for p in (place if local(place) else None, _living(state, known, jumped)) if p]
     return max(moments, key=score, default=None)
 
 

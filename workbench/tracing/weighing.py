@@ -4,14 +4,14 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from workbench.identification.carrying import load_errors
-from workbench.identification.passes import Passes
+from workbench.identification.passes import InverseDynamics
 from workbench.identification.result import Fit
 from workbench.plant import TWO_MASS, Plant
 from workbench.record import ROLES, VALIDATION
 from workbench.tracing.calibration import calibrate, periodic
 from workbench.tracing.criteria import Criteria
 from workbench.tracing.evidence import CORRECTION, Weighed
-from workbench.tracing.judge import Judgement
+from workbench.tracing.judge import ScoredCandidate
 from workbench.tracing.near_law import NAME
 from workbench.tracing.outside import multiplier
 from workbench.tracing.plausible import implausible
@@ -20,7 +20,11 @@ from workbench.tracing.selection import Selection
 
 
 def weighed(
-    selected: Selection, added: Sequence[Judgement], fits: Sequence[Fit], passes: Sequence[Passes], criteria: Criteria
+    selected: Selection,
+    added: Sequence[ScoredCandidate],
+    fits: Sequence[Fit],
+    passes: Sequence[InverseDynamics],
+    criteria: Criteria,
 ) -> tuple[Weighed, ...]:
     """Return each addition with what whole records say of it. fits: of the declared plant and with one more of these each."""
     declared, last = fits[0].plant, fits[-1].plant
@@ -36,25 +40,25 @@ def weighed(
             kind=j.suspect.kind,
             before=before,
             after=after,
-            changed=change(declared, fits[-1], key) if j.suspect.kind == CORRECTION and present else 0.0,
+            changed=_change(declared, fits[-1], key) if j.suspect.kind == CORRECTION and present else 0.0,
             tolerance=criteria.tolerance,
             law="free form" if j.suspect.stands else "catalogue",
             implausible=implausible(last[key], last, declared, selected.declared.passes) if present else "",
             load_before=load[i],
             load_after=load[i + 1],
-            **outside(fits[i].plant, fits[i + 1].plant, selected.declared.passes),
+            **_outside(fits[i].plant, fits[i + 1].plant, selected.declared.passes),
         )
-        found.append(phased(w, fits[i + 1], key, passes) if present else w)
+        found.append(_phased(w, fits[i + 1], key, passes) if present else w)
     return tuple(found)
 
 
-def outside(before: Plant, after: Plant, passes: Sequence[Passes]) -> dict[str, float]:
+def _outside(before: Plant, after: Plant, passes: Sequence[InverseDynamics]) -> dict[str, float]:
     """Return what the instruments say of what `after` has more."""
     m, error = multiplier(before, after, passes)
     return {"outside": m, "outside_error": error}
 
 
-def phased(w: Weighed, fit: Fit, key: str, passes: Sequence[Passes]) -> Weighed:
+def _phased(w: Weighed, fit: Fit, key: str, passes: Sequence[InverseDynamics]) -> Weighed:
     """Return a wave that makes validation worse with the error that its own phase there leaves, if that is another one.
 
     A motor's ripple has the phase of the power-up in which its encoder was zeroed; it is no less there in another.
@@ -68,7 +72,7 @@ def phased(w: Weighed, fit: Fit, key: str, passes: Sequence[Passes]) -> Weighed:
     return replace(w, after={**w.after, VALIDATION: found.calibrated}, power_up=True)
 
 
-def change(declared: Plant, fit: Fit, key: str) -> float:
+def _change(declared: Plant, fit: Fit, key: str) -> float:
     """Return by how much a fixed value is off for certain: the largest relative distance from it to its new 95 % interval.
 
     Of one that was declared as zero, 1.

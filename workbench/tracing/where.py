@@ -7,7 +7,7 @@ import numpy as np
 
 from workbench.identification.bodies import POSITION
 from workbench.identification.carrying import load_errors
-from workbench.identification.passes import Passes, balances
+from workbench.identification.passes import InverseDynamics, balances
 from workbench.identification.result import Fit
 from workbench.plant import TWO_MASS, Plant
 from workbench.processes import shared
@@ -55,7 +55,7 @@ class Where:
     load: Mapping[str, tuple[float, ...]] = field(default_factory=dict)
 
 
-def where(passes: Sequence[Passes], found: Trace) -> tuple[Where, ...]:
+def where(passes: Sequence[InverseDynamics], found: Trace) -> tuple[Where, ...]:
     """Return where the residual of the declared and of the extended plant lives, on the identification records.
 
     The residual of the drive is that of both fits; over time, all records are there. With two masses and a joint that has
@@ -63,11 +63,13 @@ def where(passes: Sequence[Passes], found: Trace) -> tuple[Where, ...]:
     """
     chosen = identifying(passes)
     declared, extended = found.before, found.after if found.causes else None
-    parts = [lambda: drives(chosen, declared, extended), lambda: of_angle(passes, chosen, declared, extended)]
+    parts = [lambda: drives(chosen, declared, extended), lambda: _of_angle(passes, chosen, declared, extended)]
     return tuple(w for w in shared(lambda part: part(), parts) if w is not None)
 
 
-def of_angle(passes: Sequence[Passes], chosen: Sequence[Passes], declared: Fit, extended: Fit | None) -> Where | None:
+def _of_angle(
+    passes: Sequence[InverseDynamics], chosen: Sequence[InverseDynamics], declared: Fit, extended: Fit | None
+) -> Where | None:
     """Return where the residual of the angle lives; None of one mass, or where the joint has no stiffness."""
     moving = [p for p in chosen if declared.plant.kind == TWO_MASS and p.rows(declared.plant) == 2]
     fits = [fit for fit in (declared, extended) if fit is not None]
@@ -76,16 +78,16 @@ def of_angle(passes: Sequence[Passes], chosen: Sequence[Passes], declared: Fit, 
         return None
     errors = [load_errors(passes, fit.plant) for fit in fits]
     load = {role: tuple(e[role] for e in errors) for role in errors[0]}
-    return replace(angles(moving, declared, left), load=load)
+    return replace(_angles(moving, declared, left), load=load)
 
 
-def identifying(passes: Sequence[Passes]) -> list[Passes]:
+def identifying(passes: Sequence[InverseDynamics]) -> list[InverseDynamics]:
     """Return the identification records, by name; all where there are none."""
     chosen = [p for p in passes if p.motion.record.role == IDENTIFICATION] or list(passes)
     return sorted(chosen, key=lambda p: p.motion.record.name)
 
 
-def drives(passes: Sequence[Passes], declared: Fit, extended: Fit | None) -> Where:
+def drives(passes: Sequence[InverseDynamics], declared: Fit, extended: Fit | None) -> Where:
     """Return where the residual of the drive lives."""
     plant = declared.plant
     pool = pooled(passes, plant, {n: s.predicted for n, s in declared.series.items()})
@@ -101,7 +103,7 @@ def drives(passes: Sequence[Passes], declared: Fit, extended: Fit | None) -> Whe
     return Where(of, plant.effort, pool.records, one(declared), one(extended) if extended else None, plant.rotary)
 
 
-def angles(passes: Sequence[Passes], declared: Fit, left: Sequence[np.ndarray]) -> Where:
+def _angles(passes: Sequence[InverseDynamics], declared: Fit, left: Sequence[np.ndarray]) -> Where:
     """Return where the residual of the angle lives. left: of each model, in the samples that count."""
     plant = declared.plant
     pool = pooled(passes, plant, {n: s.predicted for n, s in declared.series.items()})
@@ -115,7 +117,7 @@ def angles(passes: Sequence[Passes], declared: Fit, left: Sequence[np.ndarray]) 
     return Where("angle", plant.displacement, pool.records, before, after, plant.rotary)
 
 
-def joint_stiffness(passes: Sequence[Passes], plant: Plant) -> float:
+def joint_stiffness(passes: Sequence[InverseDynamics], plant: Plant) -> float:
     """Return the slope of the joint's torque over its deflection, by least squares over all samples, N*m/rad or N/m."""
     product = square = 0.0
     for p in passes:
@@ -129,7 +131,7 @@ def joint_stiffness(passes: Sequence[Passes], plant: Plant) -> float:
     return product / square if square > 0.0 else 0.0
 
 
-def angle_residual(passes: Sequence[Passes], plant: Plant) -> np.ndarray | None:
+def angle_residual(passes: Sequence[InverseDynamics], plant: Plant) -> np.ndarray | None:
     """Return the deflection that the load's motion asks for less the measured one, in the samples that count, rad or m.
 
     It is what the load's balance leaves, over the joint's mean stiffness. None where the joint has no stiffness.

@@ -5,22 +5,22 @@ from collections.abc import Sequence
 import numpy as np
 
 from workbench.identification.fit import fitted_on, identify
-from workbench.identification.passes import Passes
+from workbench.identification.passes import InverseDynamics
 from workbench.identification.problem import Problem
 from workbench.identification.result import Fit
 from workbench.identification.solve import ITERATIONS, TOLERANCE, NoValue, solve
 from workbench.plant import TWO_MASS, Plant
 from workbench.processes import shared
 from workbench.tracing.candidates import brought
-from workbench.tracing.judge import FURTHER, Judgement
+from workbench.tracing.judge import FURTHER, ScoredCandidate
 
 SETTLED = 1e-5  # relative decrease of the cost at which a fit on whole records is as good as it is compared
 RISEN = 1.05  # of the drive's error, from which it has plainly risen
 
 
 def in_turn(
-    declared: Plant, added: Sequence[Judgement], found: Plant, passes: Sequence[Passes]
-) -> tuple[list[Judgement], list[Fit]]:
+    declared: Plant, added: Sequence[ScoredCandidate], found: Plant, passes: Sequence[InverseDynamics]
+) -> tuple[list[ScoredCandidate], list[Fit]]:
     """Return what whole records bear out of what was added, and the fits: of the declared plant, and with one more of these each.
 
     found: the plant that the search ended with.
@@ -33,10 +33,11 @@ def in_turn(
         plants.append(valued(brought(plants[-1], j.suspect, found), found))
     # no search needs another one's result
     ends = shared(
-        lambda k: end_of(plants[k], passes, *((SETTLED, FURTHER) if k else (TOLERANCE, ITERATIONS))), range(len(plants))
+        lambda k: _end_of(plants[k], passes, *((SETTLED, FURTHER) if k else (TOLERANCE, ITERATIONS))),
+        range(len(plants)),
     )
     fits = [identify(declared, passes, next(ends), solved=True)]
-    kept: list[Judgement] = []
+    kept: list[ScoredCandidate] = []
     for i, (j, end) in enumerate(zip(added, ends, strict=True)):
         plant = brought(fits[-1].plant, j.suspect, found)
         whole = i == len(kept)  # else `end` is of a plant with what was not borne out
@@ -49,7 +50,7 @@ def in_turn(
     return kept, fits
 
 
-def end_of(plant: Plant, passes: Sequence[Passes], tolerance: float, most: int) -> np.ndarray | None:
+def _end_of(plant: Plant, passes: Sequence[InverseDynamics], tolerance: float, most: int) -> np.ndarray | None:
     """Return where the search on whole records ends, on the search scale; None where the plant has no value on them."""
     try:
         return solve(Problem(plant, fitted_on(passes)), None, tolerance, most=most).theta

@@ -10,9 +10,9 @@ from workbench.plant import Plant
 from workbench.record import IDENTIFICATION, VALIDATION
 from workbench.tracing.decide import CAUSE, DRESSING, NOT_BORNE_OUT, UNKNOWN, Verdict
 from workbench.tracing.evidence import ADDITION, CORRECTION, Evidence, Weighed
-from workbench.tracing.judge import Judgement
+from workbench.tracing.judge import ScoredCandidate
 from workbench.tracing.place import WAYS, Place, local
-from workbench.tracing.result import Candidate, Cause, Refinement
+from workbench.tracing.result import CandidateScore, Cause, Refinement
 from workbench.tracing.skew import Skew
 from workbench.tracing.unexplained import Unexplained
 
@@ -27,7 +27,7 @@ FROM = {
 
 
 def cause(
-    judgement: Judgement,
+    judgement: ScoredCandidate,
     weight: Weighed,
     before: Fit,
     here: Fit,
@@ -66,7 +66,7 @@ def cause(
     return Cause(
         name, candidate.at, sentence, estimates, identification, validation,
         kind=candidate.kind,
-        was=held(declared, candidate) if candidate.kind == CORRECTION else {}, law=weight.law, size=weight.size(IDENTIFICATION),
+        was=_held(declared, candidate) if candidate.kind == CORRECTION else {}, law=weight.law, size=weight.size(IDENTIFICATION),
         form=candidate.effect if judgement.suspect.stands else "",
     )  # fmt: skip
 
@@ -125,7 +125,7 @@ def findings_of(verdict: Verdict, evidence: Evidence, causes: Sequence[Cause], p
         )  # fmt: skip
 
 
-def held(plant: Plant, candidate: Candidate) -> dict[str, float]:
+def _held(plant: Plant, candidate: CandidateScore) -> dict[str, float]:
     """Return outside parameter -> the value that a plant holds it at, of the effect that a candidate corrects."""
     return {n: p.value for n, p in plant[f"{candidate.effect}@{candidate.at}"].outside.items() if p.fixed}
 
@@ -142,7 +142,7 @@ def not_carried(causes: Sequence[Cause]):
             )  # fmt: skip
 
 
-def lives(place: Place, displacement: str) -> str:
+def _lives(place: Place, displacement: str) -> str:
     """Return "at positions from 0.1 to 0.2 rad, moving forward": where something lives, in SI units. displacement: rad or m."""
     name, unit = {
         "position": ("at positions", displacement),
@@ -162,19 +162,19 @@ def what_of(causes: Sequence[Cause], plant: Plant) -> str:
         (ADDITION, "is missing", "are missing"),
         (CORRECTION, "is declared with a wrong value", "are declared with wrong values"),
     ):
-        names = [name_of(c, plant) for c in causes if c.kind == kind]
+        names = [_name_of(c, plant) for c in causes if c.kind == kind]
         if names:
-            parts.append(f"{enumerated(names)} {one if len(names) == 1 else many}")
+            parts.append(f"{_enumerated(names)} {one if len(names) == 1 else many}")
     return ", and ".join(parts)
 
 
-def enumerated(names: Sequence[str]) -> str:
+def _enumerated(names: Sequence[str]) -> str:
     """Return "a, b and c"; a name that is there several times once, with its number."""
     counted = [f"{n} ({names.count(n)} of it)" if names.count(n) > 1 else n for n in dict.fromkeys(names)]
     return " and ".join(p for p in (", ".join(counted[:-1]), *counted[-1:]) if p)
 
 
-def name_of(c: Cause, plant: Plant) -> str:
+def _name_of(c: Cause, plant: Plant) -> str:
     """Return the name of a cause, with its place where the plant has another effect of this name."""
     alike = [e for e in plant.effects if e.named == c.effect]
     return f"{title(c.effect)} at the {c.at}" if len(alike) > 1 else title(c.effect)
@@ -218,7 +218,7 @@ def verdict_sentence(
         if place is None:
             return f"{said}; it lives nowhere in particular: not in a place, not at a speed, not at moments."
         return (
-            f"{said}. It lives {lives(place, before.plant.displacement)}: {100 * place.share:.0f} % of its power in "
+            f"{said}. It lives {_lives(place, before.plant.displacement)}: {100 * place.share:.0f} % of its power in "
             f"{100 * place.covered:.0f} % of the samples."
         )
     return (

@@ -47,7 +47,7 @@ class Place:
         return self.stiffness + 1j * omega * self.loss / natural
 
 
-def slower(place: Place, response: Response, clock: sampled.Clock, sensitivity: float) -> float:
+def _slower(place: Place, response: Response, clock: sampled.Clock, sensitivity: float) -> float:
     """Return the largest s <= 1 for which (s'^2 Kp, s' Kd), as damped and slower by s', keep |S| within bounds for all s' <= s.
 
     The loop of a small s is stable, and no s' up to it meets -1 at a line: so that of s is stable too.
@@ -82,7 +82,7 @@ def tune_within(
     free, cap = gains, np.full(gains.kp.size, np.inf)
     for _ in range(ROUNDS):
         each = zip(gains.kp, gains.kd, equivalent.stiffness, equivalent.loss, strict=True)
-        share = np.array([slower(Place(*one, inertia), response, clock, goal.sensitivity) for one in each])
+        share = np.array([_slower(Place(*one, inertia), response, clock, goal.sensitivity) for one in each])
         over = share < 1.0
         if not over.any():
             break

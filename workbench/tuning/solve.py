@@ -18,7 +18,7 @@ CLUSTER = 21  # frequencies within a factor 1.6 of the peak, which is one of the
 
 @dataclass
 class Solution:
-    """kp, kd, tau (n,): in units of the sample. solved (n,): the program reached its tolerance. limits: see `bounds`."""
+    """kp, kd, tau (n,): in units of the sample. solved (n,): the program reached its tolerance. limits: see `_bounds`."""
 
     kp: np.ndarray
     kd: np.ndarray
@@ -26,7 +26,7 @@ class Solution:
     solved: np.ndarray
 
 
-def frequencies(peak: np.ndarray, omega: np.ndarray) -> np.ndarray:
+def _frequencies(peak: np.ndarray, omega: np.ndarray) -> np.ndarray:
     """Return theta (n, FREQUENCIES): dense around where |S| peaks, and over all frequencies above the loop's own."""
     near = peak[:, None] * np.geomspace(1.0 / 1.6, 1.6, CLUSTER)
     low = np.minimum(0.3 * omega, 0.1)[:, None]
@@ -34,7 +34,7 @@ def frequencies(peak: np.ndarray, omega: np.ndarray) -> np.ndarray:
     return np.minimum(np.concatenate([near, far], axis=1), np.pi)
 
 
-def bounds(axis: Axis, goal: TuningGoal, box, least_kp: np.ndarray):
+def _bounds(axis: Axis, goal: TuningGoal, box, least_kp: np.ndarray):
     """Return (lbx, ubx, lbg, ubg), (n, .) each, for `problem.solver`."""
     n, inf = axis.amplitude.size, np.inf
     drive = goal.drive / axis.amplitude / axis.unit_kp
@@ -53,9 +53,9 @@ def solve(axis: Axis, goal: TuningGoal, box, kp, kd, *, least_kp=0.0, weight: fl
     """Return the optimum at each amplitude, from (kp, kd); weight 0 asks for the largest kp instead of the shortest time.
 
     `first` (kp, kd): a stable loop, on which frequencies, half-planes and the loss are based; the start, unless given.
-    Passes follow, each based on the solution before, until the sensitivity peak is exact.
+    InverseDynamics follow, each based on the solution before, until the sensitivity peak is exact.
     """
-    limits = bounds(axis, goal, box, np.broadcast_to(least_kp, kp.shape))
+    limits = _bounds(axis, goal, box, np.broadcast_to(least_kp, kp.shape))
     at_kp, at_kd = (kp, kd) if first is None else first
     out = Solution(kp.copy(), kd.copy(), np.empty(kp.size), np.zeros(kp.size, dtype=bool))
     todo = np.arange(kp.size)
@@ -63,7 +63,7 @@ def solve(axis: Axis, goal: TuningGoal, box, kp, kd, *, least_kp=0.0, weight: fl
         part = axis.take(todo)
         motion = part.steps(at_kp[todo])
         _, peak = sampled.sensitivity_peak(at_kp[todo], at_kd[todo], motion, axis.clock)
-        theta = frequencies(peak, part.omega(at_kp[todo]))
+        theta = _frequencies(peak, part.omega(at_kp[todo]))
         position = sampled.response(theta, motion, axis.clock)
         speed = position * sampled.difference(theta, axis.clock)
         rows = half_planes(position, speed, at_kp[todo], at_kd[todo])

@@ -13,7 +13,7 @@ FLOOR = 1e-9  # of the largest gain that stability and drive allow: gains this s
 GRID = np.geomspace(0.01, np.pi * (1.0 - 1e-6), 320)
 
 
-def plant(axis: Axis, kp: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _plant(axis: Axis, kp: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Return the responses of command to position and to filtered velocity over GRID, (n, f), damped as kp goes."""
     position = sampled.response(GRID, axis.steps(kp), axis.clock)
     return position, position * sampled.difference(GRID, axis.clock)
@@ -25,7 +25,7 @@ def stable_box(axis: Axis) -> tuple[np.ndarray, np.ndarray]:
     1 + L = 0 is linear in (kp, kd), so each frequency gives one point of the border of stability (D-partition, Neimark
     1949); from low frequencies on, it encloses the stable gains until one of them falls to zero.
     """
-    position, speed = plant(axis, np.zeros(axis.amplitude.size))
+    position, speed = _plant(axis, np.zeros(axis.amplitude.size))
     both = position.real * speed.imag - position.imag * speed.real
     kp, kd = -speed.imag / both, position.imag / both
     past = np.maximum.accumulate((kp > 0.0) & (kd > 0.0), axis=1)  # the stiffness alone may hold kp below zero at first
@@ -33,7 +33,7 @@ def stable_box(axis: Axis) -> tuple[np.ndarray, np.ndarray]:
     return 1.1 * np.where(inside, kp, FLOOR).max(axis=1), 1.1 * np.where(inside, kd, FLOOR).max(axis=1)
 
 
-def quadratics(position: np.ndarray, speed: np.ndarray) -> np.ndarray:
+def _quadratics(position: np.ndarray, speed: np.ndarray) -> np.ndarray:
     """Return (n, f, 5): |1 + L|^2 - 1 = [kp, kd, kp^2, kd^2, kp kd] . row, L = kp position + kd speed."""
     cross = 2.0 * (position * speed.conj()).real
     return np.stack([2.0 * position.real, 2.0 * speed.real, np.abs(position) ** 2, np.abs(speed) ** 2, cross], axis=-1)
@@ -49,8 +49,8 @@ def damped(axis: Axis, kp: np.ndarray, zeta: float) -> np.ndarray:
     return np.maximum(2.0 * zeta * axis.omega(kp) - axis.passive(kp), 0.0)
 
 
-def admissible(axis: Axis, rows: np.ndarray, kp: np.ndarray, kd: np.ndarray, goal: TuningGoal) -> np.ndarray:
-    """Return where speed and sensitivity hold, (n,); rows as `quadratics` returns them, over GRID."""
+def _admissible(axis: Axis, rows: np.ndarray, kp: np.ndarray, kd: np.ndarray, goal: TuningGoal) -> np.ndarray:
+    """Return where speed and sensitivity hold, (n,); rows as `_quadratics` returns them, over GRID."""
     omega = axis.omega(kp)
     speed = axis.amplitude * kp / omega * response.speed_ratio(axis.zeta(kp, kd)) / axis.clock.sample_time
     gains = np.stack([kp, kd, kp**2, kd**2, kp * kd], axis=-1)
@@ -71,10 +71,10 @@ def start(
     most, least = np.log(np.minimum(box[0], drive)), np.log(softest(axis, box, drive))
     kp = np.exp(most)
     for _ in range(2):  # the loss damps as c_e = loss/w_n, and w_n is known once kp is
-        rows = quadratics(*plant(axis, kp))
+        rows = _quadratics(*_plant(axis, kp))
 
         def fine(level, rows=rows):
-            return admissible(axis, rows, np.exp(level), damped(axis, np.exp(level), zeta), goal)
+            return _admissible(axis, rows, np.exp(level), damped(axis, np.exp(level), zeta), goal)
 
         low = least
         calm = damped(axis, np.exp(low), zeta)

@@ -38,13 +38,13 @@ def do(given: argparse.Namespace) -> int:
 
 def script(shell: str) -> str:
     """Return the script, made of the words that the command line itself declares."""
-    words = options()
+    words = _options()
     cases = "\n".join(f'        {verb}) options="{" ".join(known)}" ;;' for verb, known in words.items())
     head = "autoload -Uz bashcompinit && bashcompinit\n" if shell == "zsh" else ""
     return FRAME.format(head=head, verbs=" ".join(words), cases=cases)
 
 
-def options() -> dict[str, list[str]]:
+def _options() -> dict[str, list[str]]:
     """Return verb -> its options, as the parser has them."""
     from workbench.cli import parser
 

@@ -39,7 +39,7 @@ def do(given: argparse.Namespace) -> int:
     if given.rate is not None and not 0.0 < given.rate < 1e9:
         raise WorkbenchError(f"--rate {given.rate:g}: samples a second are needed, as 1000 for one each millisecond.")
     units = dict(_pair("unit", "COLUMN", "UNIT", text) for text in given.unit)
-    made = new(place, given.records, told(given.channel), units=units, axis=given.axis, rate=given.rate)
+    made = new(place, given.records, _told(given.channel), units=units, axis=given.axis, rate=given.rate)
     print("\n".join(made.lines))
     print(f"\nWritten: {made.folder}/study.toml and {made.folder}/campaign/campaign.toml")
     if made.edit:
@@ -55,7 +55,7 @@ def do(given: argparse.Namespace) -> int:
     return 0
 
 
-def told(pairs: list[str]) -> dict[str, str]:
+def _told(pairs: list[str]) -> dict[str, str]:
     """Return channel -> column of "CHANNEL=COLUMN" texts."""
     found = {}
     for pair in pairs:

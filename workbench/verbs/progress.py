@@ -39,7 +39,7 @@ class Progress:
         self.start, self.said, self.at, self.share = time.monotonic(), 0.0, 0, 0.0
         self.terminal = sys.stderr.isatty()
         self.heard: list[tuple[str, float]] = []
-        self.file = times(verb, name) if name else None
+        self.file = _times(verb, name) if name else None
         self.known = remembered(self.file) or SHARES.get(verb, [])
         self.shown, self.what, self.ended = False, "", threading.Event()
 
@@ -51,7 +51,7 @@ class Progress:
         self.ended.set()
         self.clear()
         if raised is None and self.file is not None and self.passed > QUIET:
-            remember(self.file, self.heard, self.passed)
+            _remember(self.file, self.heard, self.passed)
 
     @property
     def passed(self) -> float:
@@ -120,7 +120,7 @@ def spoken(seconds: float) -> str:
     return f"{seconds / 60.0:.0f} min"
 
 
-def times(verb: str, name: str) -> Path:
+def _times(verb: str, name: str) -> Path:
     """Return the file that remembers how long the parts of a command take."""
     from workbench.kernel.cache import folder
 
@@ -135,7 +135,7 @@ def remembered(file: Path | None) -> list[tuple[str, float]]:
         return []
 
 
-def remember(file: Path, heard: list[tuple[str, float]], whole: float) -> None:
+def _remember(file: Path, heard: list[tuple[str, float]], whole: float) -> None:
     """Remember when which thing was said first; what cannot be written is forgotten."""
     from workbench.kernel.cache import write_whole
 

@@ -44,12 +44,12 @@ def do(given: argparse.Namespace) -> int:
                 f"{number}  {case.controller}, draw {case.number}: final error {again.metrics['final_error']:.6g}, {words}"
             )
             if given.out is not None:
-                write(work, again, given.out)
+                _write(work, again, given.out)
                 print(f"\n{given.out / 'motion.csv'}\n{given.out / 'motion.svg'}")
     return 0 if same else NOT_MET
 
 
-def write(work, again, out: Path) -> None:
+def _write(work, again, out: Path) -> None:
     """Write the motion of a case as a table and a drawing."""
     import numpy as np
 

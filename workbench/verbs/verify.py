@@ -20,7 +20,7 @@ def declare(verbs) -> None:
     verify.add_argument("--controller", help="one controller by its name; all that [robustness] names where absent")
 
 
-def outputs(study: str) -> Path:
+def _outputs(study: str) -> Path:
     """Return the folder of a study's outputs, by that folder itself, the study's folder or its name."""
     given = Path(study)
     if (given / "robustness").is_dir():
@@ -36,7 +36,7 @@ def do(given: argparse.Namespace) -> int:
 
     if given.draws < 1:
         raise WorkbenchError(f"--draws is {given.draws}; at least one axis is needed.")
-    place = outputs(given.study)
+    place = _outputs(given.study)
     found = verify(place, given.draws, given.controller, lambda line: print(line, file=sys.stderr))
     wide = max(len(c.controller) for c in found)
     for c in found:

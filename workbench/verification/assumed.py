@@ -64,7 +64,7 @@ def judge(plant: Plant, loop: Loop, step: float) -> Judge:
         friction, inertia, viscous = friction_of(plant)
         spring = float(equivalent_of(friction, [least], [omega], loop.resolution).stiffness.max())
         return Linear(loop, inertia, max(viscous, 0.0), np.array([0.0, spring]))
-    joint = equivalent_of(joint_alone(plant), [least, 1e3 * least], [omega, omega], loop.resolution)
+    joint = equivalent_of(_joint_alone(plant), [least, 1e3 * least], [omega, omega], loop.resolution)
     masses = {e.at: e.parameters["inertia"].value for e in plant.effects if e.name == "inertia"}
     if not ({"motor", "load"} <= set(masses) and joint.stiffness.min() > 0.0):
         raise WorkbenchError("a plant of two masses needs both inertias and a joint with a stiffness to be tuned for.")
@@ -72,7 +72,7 @@ def judge(plant: Plant, loop: Loop, step: float) -> Judge:
     return TwoMasses(loop, masses["motor"], np.full(2, masses["load"]), joint.stiffness, float(damping))
 
 
-def joint_alone(plant: Plant) -> Plant:
+def _joint_alone(plant: Plant) -> Plant:
     """Return the forces of the joint on an axis of their own."""
     forces = [e for e in plant.effects if e.at == "joint" and e.port == FORCE]
     return Plant(ONE_MASS, tuple(replace(e, at="axis", places=("axis",)) for e in forces), plant.rotary, plant.geometry)

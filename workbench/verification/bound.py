@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from workbench.identification.passes import Passes, required
+from workbench.identification.passes import InverseDynamics, required
 from workbench.plant import ONE_MASS, Plant
 from workbench.verification.equivalent import friction_of, made_up
 
@@ -20,11 +20,11 @@ def sliding_torque(plant: Plant, speeds: np.ndarray, counts: float) -> np.ndarra
     ones = np.ones(SLIDING)
     for i, v in enumerate(speeds):
         motion = made_up("sliding", counts, 1e-3, q=0 * ones, dq=reach / SLIDING * ones, v=v * ones, a=0 * ones)
-        result[i] = required(Passes(motion), rest)[-1] + viscous * v
+        result[i] = required(InverseDynamics(motion), rest)[-1] + viscous * v
     return result
 
 
-def bodies(plant: Plant) -> tuple[Plant, ...]:
+def _bodies(plant: Plant) -> tuple[Plant, ...]:
     """Return the plant, or each body of two masses as one with its own forces: a rigid axis is their sum."""
     if plant.kind == ONE_MASS:
         return (plant,)
@@ -43,7 +43,7 @@ def time_optimal(
     on the target; the time counts to the edge of the band. Forces that depend on position are left out. Two masses count as
     rigidly joined.
     """
-    parts = bodies(plant)
+    parts = _bodies(plant)
     mass, step = sum(friction_of(p)[1] for p in parts) + load_inertia, abs(step)
     drive, fastest = plant.limits.drive, plant.limits.speed
     v = np.linspace(0.0, 1.0, POINTS) * min(fastest, np.sqrt(2 * drive * step / mass))

@@ -101,7 +101,7 @@ def take(blind: Mapping[str, float], knowing: Mapping[str, float], found: Cancel
     """
 
     def better(now: Mapping[str, float]) -> float:
-        ratios = [ratio(now[n], blind[n]) for n in ("time_1pct", "final_error")]
+        ratios = [_ratio(now[n], blind[n]) for n in ("time_1pct", "final_error")]
         worse = max(ratios) > COUNTED or now["overshoot"] > max(blind["overshoot"], FLAT) * COUNTED
         return 0.0 if worse else -sum(np.log(max(r, 1e-6)) for r in ratios)
 
@@ -114,7 +114,7 @@ def take(blind: Mapping[str, float], knowing: Mapping[str, float], found: Cancel
     return "compensation" if cancel > gain else "gains"
 
 
-def ratio(now: float, was: float) -> float:
+def _ratio(now: float, was: float) -> float:
     """Return now/was, where never is larger than everything."""
     if not isfinite(now):
         return 1.0 if not isfinite(was) else inf

@@ -58,10 +58,10 @@ def checked(
     gain, phase = margins(kp, kd, axis.steps(kp), axis.clock)
     between = between_knots(schedule, at, inertia, loop, viscous=viscous, sensitivity=goal.sensitivity, points=3)
     moving = passivity(replace(schedule, rule="following"), at, inertia, viscous=viscous)
-    return Checks(schedule, gain, phase, between, moving, tuple(length(gains, loop, t) for t in tolerances))
+    return Checks(schedule, gain, phase, between, moving, tuple(_length(gains, loop, t) for t in tolerances))
 
 
-def length(gains: Gains, loop: Loop, tolerance: float) -> Length:
+def _length(gains: Gains, loop: Loop, tolerance: float) -> Length:
     """Return the shortest schedule within a tolerance of the tuned gains."""
     try:
         found = fewest_knots(gains, loop=loop, tolerance=tolerance, monotone=False, slope=(-4.0, 2.0))

@@ -77,13 +77,13 @@ def climb(
     runs = [evolved(on, r.family, known, r.seed + 100, generations // 2, r.point) for r in first]
     best = min(runs, key=lambda r: r.value)
     known = raised(on, known, best.family, best.point)
-    values = [float(cost(of(on, r.figures, known))[0]) for r in runs]
+    values = [float(cost(_of(on, r.figures, known))[0]) for r in runs]
     order = np.argsort(values)
     kept = tuple(replace(runs[i], seed=first[i].seed, value=values[i]) for i in order)
     return Climbed(on, kept, known, regret(on, kept[0].figures, known))
 
 
-def of(on: Ladder, figures: np.ndarray, known: References) -> Regret:
+def _of(on: Ladder, figures: np.ndarray, known: References) -> Regret:
     """Return the regret of one point's figures (rungs, 2, 3), with a leading axis."""
     return regret(on, figures[None], known)
 
@@ -96,7 +96,7 @@ def evolved(
     point, width = (family.start if start is None else start).copy(), WIDTH if start is None else WIDTH / 4.0
     limit = on.task.weights.sensitivity * 1.001
     figures = climbed(on, family, point[None, :], all_rungs(on, point[None, :]))[0]
-    value = float(cost(of(on, figures, known))[0])
+    value = float(cost(_of(on, figures, known))[0])
     for generation in range(generations):
         steps = width * draw.standard_normal((OFFSPRING, point.size))
         if generation % 2:

@@ -111,7 +111,7 @@ def lacking(plant: Plant, record: Record | None) -> str:
     return ""
 
 
-def family_of(task: Task) -> Family:
+def _family_of(task: Task) -> Family:
     """Return the cascades among which the one for the plant of a task is sought."""
     plant, loop = task.plant, task.loop
     _, inertia, _ = friction_of(plant)
@@ -123,9 +123,9 @@ def family_of(task: Task) -> Family:
     return cascade_family(linear, start, fastest)
 
 
-def tuned(tasks: Sequence[Task]) -> list[Tuned]:
+def _tuned(tasks: Sequence[Task]) -> list[Tuned]:
     """Return the cascade tuned on the plant of each task."""
-    families = [family_of(task) for task in tasks]
+    families = [_family_of(task) for task in tasks]
 
     def found(k: int) -> Tuned:
         return replace(optimise(tasks[k], families[k]), family=None)  # a family is functions: every process has it
@@ -136,11 +136,11 @@ def tuned(tasks: Sequence[Task]) -> list[Tuned]:
 def rise_of(time: np.ndarray, q: np.ndarray, start: float, target: np.ndarray) -> np.ndarray:
     """Return the time from 10 % to 90 % of the step, (lanes,); infinite where 90 % is not reached."""
     share = (q - start) / (target - start)
-    first, last = (crossing(time, share, level) for level in RISE)
+    first, last = (_crossing(time, share, level) for level in RISE)
     return last - first
 
 
-def crossing(time: np.ndarray, share: np.ndarray, level: float) -> np.ndarray:
+def _crossing(time: np.ndarray, share: np.ndarray, level: float) -> np.ndarray:
     """Return when each lane of share (n, lanes) first reaches a level, linear between samples; infinite for never."""
     k = np.maximum(np.argmax(share >= level, axis=0), 1)
     after, before = (np.take_along_axis(share, i[None, :], axis=0)[0] for i in (k, k - 1))
@@ -149,7 +149,7 @@ def crossing(time: np.ndarray, share: np.ndarray, level: float) -> np.ndarray:
     return np.where(share.max(axis=0) >= level, at, np.inf)
 
 
-def responded(task: Task, one: Tuned, names: tuple[str, str]) -> tuple[Response, Metrics]:
+def _responded(task: Task, one: Tuned, names: tuple[str, str]) -> tuple[Response, Metrics]:
     """Return the step of a task under tuned gains. names: tuned on, run on."""
     scenarios = task.scenarios(phases=PHASES)
     m = task.run(one.controller(scenarios.lanes), scenarios, (OUTPUT[task.plant.kind], "u"))
@@ -160,7 +160,7 @@ def responded(task: Task, one: Tuned, names: tuple[str, str]) -> tuple[Response,
     return Response(*names, *worst), m
 
 
-def following(plants: Sequence[Plant], record: Record, loop: Loop, controllers: Sequence[Controller]) -> Followed:
+def _following(plants: Sequence[Plant], record: Record, loop: Loop, controllers: Sequence[Controller]) -> Followed:
     """Return what both plants make of a record's reference. plants, controllers: declared and extended."""
     reference, output = record.channels["reference"], OUTPUT[plants[0].kind]
     one = ScenarioArrays(1, start=float(reference[0]))
@@ -186,24 +186,24 @@ def close(declared: Plant, extended: Plant, record: Record) -> Closed:
     loop = loop_of(record)
     tasks = {DECLARED: replace(task_of(declared, record, loop), lanes=PHASES)}
     tasks[EXTENDED] = tasks[DECLARED].on(extended)
-    made = dict(zip(tasks, tuned(list(tasks.values())), strict=True))
+    made = dict(zip(tasks, _tuned(list(tasks.values())), strict=True))
     pairs = ((DECLARED, DECLARED), (DECLARED, EXTENDED), (EXTENDED, EXTENDED))
     responses, signals = [], {}
     for names in pairs:
-        response, m = responded(tasks[names[1]], made[names[0]], names)
+        response, m = _responded(tasks[names[1]], made[names[0]], names)
         responses.append(response)
         signals[names] = tuple(m.trajectories[n][:, 0] for n in (OUTPUT[extended.kind], "u"))
         time = m.trajectories.time
     followed = None
     if "reference" in record.channels:
-        followed = following((declared, extended), record, loop, [made[n].controller() for n in tasks])
+        followed = _following((declared, extended), record, loop, [made[n].controller() for n in tasks])
     gains = {name: one.numbers for name, one in made.items()}
     task = tasks[DECLARED]
-    compensation = compensated(declared, tasks[EXTENDED], made[DECLARED], record)
+    compensation = _compensated(declared, tasks[EXTENDED], made[DECLARED], record)
     return Closed(loop, task.start, task.step, gains, tuple(responses), followed, time, signals, compensation)
 
 
-def compensated(declared: Plant, task: Task, one: Tuned, record: Record) -> Cancelled | None:
+def _compensated(declared: Plant, task: Task, one: Tuned, record: Record) -> Cancelled | None:
     """Return what cancelling the causes is worth under gains tuned on the declared plant; None where none can be."""
     can, left = causes(declared, task.plant)
     if not can:

@@ -99,9 +99,9 @@ def judge(linear: Linear, plant: Plant, compensator: Compensator) -> Judge:
         a.size, 0.1 / linear.loop.sample_time
     )  # friction that follows the speed is described well within the band
     springs = equivalent_of(friction, a, omega, linear.loop.resolution).stiffness
-    held, _, viscous = friction_of(only(plant, compensator))
+    held, _, viscous = friction_of(_only(plant, compensator))
     named = equivalent_of(held, a, omega, linear.loop.resolution).stiffness if held.effects else np.zeros(a.size)
-    shape = compensator.gain * passed(compensator, linear)
+    shape = compensator.gain * _passed(compensator, linear)
     stop = bank_equivalent(np.ones(1), np.array([0.5 * linear.loop.count]), a)
     band = 1.0 - stop.stiffness - 1j * stop.loss  # a play operator is what its stop leaves of the motion
     at = replace(linear, stiffnesses=np.append(springs, 0.0))  # and in gross sliding, where friction is no spring
@@ -115,7 +115,7 @@ def amplitudes(plant: Plant, loop: Loop) -> np.ndarray:
     return count * np.geomspace(LEAST, WIDEST, COUNT)
 
 
-def only(plant: Plant, compensator: Compensator) -> Plant:
+def _only(plant: Plant, compensator: Compensator) -> Plant:
     """Return the plant with the forces alone that are cancelled, and what gives them their direction."""
     keys = {e.key for e in (*compensator.forces, *compensator.guides)}
     for e in plant.effects:
@@ -123,7 +123,7 @@ def only(plant: Plant, compensator: Compensator) -> Plant:
     return plant
 
 
-def passed(compensator: Compensator, linear: Linear) -> np.ndarray:
+def _passed(compensator: Compensator, linear: Linear) -> np.ndarray:
     """Return the response (f,) from the reading to the position that the effects see, and from their force to the command."""
     dt, s = linear.loop.sample_time, 1j * linear.theta / linear.loop.sample_time
     out = np.exp(-1j * linear.theta * compensator.delay)
@@ -156,20 +156,20 @@ def contestant(
 ) -> Tuned | Climb:
     """Return a designed controller with a compensation. Baselines are tuned anew by the search that tuned them; a gain table
     keeps its numbers, for what its ladder asks of each move is not the reference's motion alone."""
-    judged, base = judge_of(made, task, compensator), made.tuned[name]
+    judged, base = _judge_of(made, task, compensator), made.tuned[name]
     if isinstance(base, Climb):
-        return replace(base, family=entered(base.family, compensator, base.point, tabled(base.family, judged)))
+        return replace(base, family=entered(base.family, compensator, base.point, _tabled(base.family, judged)))
     every = baseline_families(made.plant, judged, made.gains, task)
     family = next(f for f in every if f.name == name)
     return best(task.on(made.plant), entered(family, compensator, base.point), seeds, say)
 
 
-def judge_of(made: Designed, task: Task, compensator: Compensator) -> Judge:
+def _judge_of(made: Designed, task: Task, compensator: Compensator) -> Judge:
     """Return what sensitivities of laws on a designed plant are asked of beside a compensation."""
     return judge(linear_of(made.plant, made.equivalent, task.loop), made.plant, compensator)
 
 
-def tabled(family: Family, judged: Judge) -> Callable[[np.ndarray], np.ndarray]:
+def _tabled(family: Family, judged: Judge) -> Callable[[np.ndarray], np.ndarray]:
     """Return points -> Ms (points,) of a family of gain tables."""
 
     def sensitivity(points):
@@ -186,9 +186,9 @@ def margins(
     """Return gain of the compensation -> Ms of a designed controller, its own numbers kept."""
     base, found = made.tuned[name], {}
     for g in gains:
-        judged = judge_of(made, task, compensator.but(gain=g))
+        judged = _judge_of(made, task, compensator.but(gain=g))
         if isinstance(base, Climb):
-            ms = tabled(base.family, judged)(base.point[None, :])
+            ms = _tabled(base.family, judged)(base.point[None, :])
         else:
             every = baseline_families(made.plant, judged, made.gains, task)
             ms = next(f for f in every if f.name == name).sensitivity(base.point[None, :])

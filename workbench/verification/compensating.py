@@ -66,7 +66,7 @@ def with_gains(controller: Controller, compensator: Compensator, gains: Sequence
     return replace(made, parameters={**made.parameters, GAIN: np.asarray(gains, dtype=float)})
 
 
-def undoable(loop: Loop, controller: Controller, compensator: Compensator) -> None:
+def _undoable(loop: Loop, controller: Controller, compensator: Compensator) -> None:
     """Raise WorkbenchError where a joint's error would be undone for a loop that closes behind the joint: it sees the error."""
     behind = loop.feedback == "load_position" and "motor_y" not in controller.law.reads
     for e in compensator.maps:
@@ -85,7 +85,7 @@ def worth(
 
     WorkbenchError where the controller does not follow the slow motion at all.
     """
-    undoable(loop, controller, compensator)
+    _undoable(loop, controller, compensator)
     gains = (0.0, 1.0, 1.0 - share, 1.0 + share)
     reference = slow.reference(loop)
     output = "q" if plant.kind == "one mass" else "load.q"

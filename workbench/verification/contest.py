@@ -125,36 +125,36 @@ def judged(task: Task, makers: Sequence[Maker]) -> dict[str, np.ndarray]:
     """Return figure -> (runs,) of controllers; see Standing."""
     rows = [
         {
-            **named(nominal(task, maker, task.load_inertias[0]), "", ("time", "error", "overshoot")),
-            **named(nominal(task, maker, task.load_inertias[-1]), "_loaded", ("time", "error")),
-            **over_grid(task, maker),
+            **_named(_nominal(task, maker, task.load_inertias[0]), "", ("time", "error", "overshoot")),
+            **_named(_nominal(task, maker, task.load_inertias[-1]), "_loaded", ("time", "error")),
+            **_over_grid(task, maker),
         }
         for maker in makers
     ]
     return {n: np.array([row[n] for row in rows]) for n in rows[0]}
 
 
-def nominal(task: Task, maker: Maker, load: float) -> Metrics:
+def _nominal(task: Task, maker: Maker, load: float) -> Metrics:
     """Run the nominal plant with one load at PHASES encoder phases."""
     scenarios = task.scenarios(load_inertias=(load,), frictions=(1.0,), inertias=(1.0,), phases=PHASES)
     return task.run(maker(scenarios.lanes), scenarios)
 
 
-def named(metrics: Metrics, suffix: str, names: Sequence[str]) -> dict[str, float]:
+def _named(metrics: Metrics, suffix: str, names: Sequence[str]) -> dict[str, float]:
     """Worst values of metrics by the names that a standing has."""
     worst = {"time": metrics.time_1pct, "error": metrics.final_error, "overshoot": metrics.overshoot}
     return {f"{n}{suffix}": float(np.max(worst[n])) for n in names}
 
 
-def over_grid(task: Task, maker: Maker) -> dict[str, float]:
+def _over_grid(task: Task, maker: Maker) -> dict[str, float]:
     """Return the worst over the task's grid of frictions and inertias without load, at three phases a point."""
     scenarios = task.scenarios(load_inertias=task.load_inertias[:1], phases=3)
     metrics = task.run(maker(scenarios.lanes), scenarios)
     spread = float(np.ptp(metrics.final_error)) if np.isfinite(metrics.final_error).all() else float("inf")
-    return named(metrics, "_grid", ("time", "error", "overshoot")) | {"error_spread": spread}
+    return _named(metrics, "_grid", ("time", "error", "overshoot")) | {"error_spread": spread}
 
 
-def sides(ours: Standing, other: Standing, where: str = "") -> tuple[int, int]:
+def _sides(ours: Standing, other: Standing, where: str = "") -> tuple[int, int]:
     """Return (time, error): 1 where ours is better by more than compare.LEVEL, -1 where it is worse, else 0.
 
     where: "" for the nominal plant, "_loaded" or "_grid".
@@ -173,7 +173,7 @@ def verdict(contest: Contest, ours: str, baseline: str, unit: str) -> Finding:
     for where, said in (("", "on the nominal plant"), ("_grid", "over the grid")):
         numbers = [s.median(f"{n}{where}") for n in ("time", "error") for s in (mine, other)]
         parts.append(
-            f"{said} {words(*sides(mine, other, where))} (1 % time {ms(numbers[0])} against {ms(numbers[1])}, final error "
+            f"{said} {words(*_sides(mine, other, where))} (1 % time {ms(numbers[0])} against {ms(numbers[1])}, final error "
             f"{micro(numbers[2])} against {micro(numbers[3])} µ{unit})"
         )
         evidence |= dict(

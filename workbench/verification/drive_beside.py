@@ -29,7 +29,7 @@ class Beside:
     sets: Arrived
 
 
-def worst(metrics: Metrics, task, sizes: np.ndarray, lanes: int) -> list[Arrived]:
+def _worst(metrics: Metrics, task, sizes: np.ndarray, lanes: int) -> list[Arrived]:
     """Return the worst of each size, `lanes` scenarios each."""
     m = eased(metrics, task, np.repeat(sizes, lanes))
     columns = (np.max(v.reshape(-1, lanes), axis=1) for v in (m.time_1pct, m.final_error, m.overshoot))
@@ -41,7 +41,7 @@ def beside(gains: DriveGains, scheduled: Callable[[int], Controller]) -> tuple[B
     scenarios, n = steps_of(gains.task, gains.sizes)
     last = np.repeat(gains.points[-1:], gains.sizes.size, axis=0)
     makers = (scheduled(scenarios.lanes), gains.controller(last, n), gains.controller(gains.points, n))
-    found = [worst(gains.task.run(c, scenarios), gains.task, gains.sizes, n) for c in makers]
+    found = [_worst(gains.task.run(c, scenarios), gains.task, gains.sizes, n) for c in makers]
     return tuple(Beside(float(s), *row) for s, *row in zip(gains.sizes, *found, strict=True))
 
 

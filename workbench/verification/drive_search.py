@@ -127,7 +127,7 @@ def eased(metrics: Metrics, task: Task, sizes: np.ndarray) -> Metrics:
     return replace(metrics, overshoot=over)
 
 
-def kept(judges: Sequence[Lagged], points: np.ndarray, limit: float) -> np.ndarray:
+def _kept(judges: Sequence[Lagged], points: np.ndarray, limit: float) -> np.ndarray:
     """Return points (n, 3), each slowed as far as its own cases keep |S| within the limit."""
     out = points.copy()
     for i, judge in enumerate(judges):
@@ -166,7 +166,7 @@ class Search:
         return found + w.steepness * np.clip(peaks / w.sensitivity - 1.0, 0.0, 10.0)
 
 
-def searched(search: Search, start: np.ndarray, low: np.ndarray, high: np.ndarray, seed: int) -> tuple[np.ndarray, np.ndarray]:  # fmt: skip
+def _searched(search: Search, start: np.ndarray, low: np.ndarray, high: np.ndarray, seed: int) -> tuple[np.ndarray, np.ndarray]:  # fmt: skip
     """Return (points (n, 3), costs (n,)) of the best that an evolution strategy a set finds from its start."""
     draw, points = np.random.default_rng(seed), start.copy()
     best, width = search.values(points[None])[0], np.full(len(start), WIDTH)
@@ -181,7 +181,7 @@ def searched(search: Search, start: np.ndarray, low: np.ndarray, high: np.ndarra
     return points, best
 
 
-def shared(search: Search, points: np.ndarray, low: np.ndarray, high: np.ndarray) -> np.ndarray:
+def _shared(search: Search, points: np.ndarray, low: np.ndarray, high: np.ndarray) -> np.ndarray:
     """Return points (n, 3): for each set the best of all sets' points, as what one found may serve another."""
     n = len(points)
     tried = np.clip(np.broadcast_to(points[:, None, :], (n, n, 3)), low, high)
@@ -210,7 +210,7 @@ def tune_drive(
     judges = cases(task, lag, equivalent, sizes, notches, measured)
     p, d = (np.exp(np.interp(np.log(sizes), np.log(amplitude), np.log(g))) for g in (kp, kd))
     limit = task.weights.sensitivity
-    starts = [kept(judges, np.stack([p / d, d, share * p], axis=1), 0.98 * limit) for share in INTEGRALS]
+    starts = [_kept(judges, np.stack([p / d, d, share * p], axis=1), 0.98 * limit) for share in INTEGRALS]
     start = starts[0]
     low, high = np.maximum(closed.low, np.min(starts, axis=0) / REACH), np.minimum(closed.high, np.max(starts, axis=0) * REACH)  # fmt: skip
     if (low > high).any():
@@ -222,9 +222,9 @@ def tune_drive(
         task.plant.limits.speed, float(closed.speed), inertia * closed.acceleration,
     )  # fmt: skip
     search = Search(first, judges)
-    runs = [searched(search, np.clip(s, low, high), low, high, seed + i) for i, s in enumerate(starts)]
+    runs = [_searched(search, np.clip(s, low, high), low, high, seed + i) for i, s in enumerate(starts)]
     which, each = np.argmin([r[1] for r in runs], axis=0), np.arange(sizes.size)
     best_of = np.stack([r[0] for r in runs])[which, each]
-    points, best = searched(search, shared(search, best_of, low, high), low, high, seed + len(runs))
+    points, best = _searched(search, _shared(search, best_of, low, high), low, high, seed + len(runs))
     peaks = np.array([judge.sensitivity(points[i : i + 1])[0] for i, judge in enumerate(judges)])
     return replace(first, points=points, sensitivity=peaks, cost=best, tried=search.tried)

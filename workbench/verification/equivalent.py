@@ -11,7 +11,7 @@ import numpy as np
 
 from workbench import definition as fx
 from workbench.description import Equivalent
-from workbench.identification.passes import Passes, required
+from workbench.identification.passes import InverseDynamics, required
 from workbench.plant import Plant
 
 CYCLES = 3  # the last one is taken: a hysteresis is settled after the first reversal pair
@@ -73,5 +73,5 @@ def cycles_of(plant: Plant, amplitudes: Sequence[float], omegas: Sequence[float]
             v=-amplitude * omega * np.sin(phase),
             a=-amplitude * omega**2 * np.cos(phase),
         )
-        out[k] = required(Passes(motion), plant)[(CYCLES - 1) * SAMPLES : CYCLES * SAMPLES]
+        out[k] = required(InverseDynamics(motion), plant)[(CYCLES - 1) * SAMPLES : CYCLES * SAMPLES]
     return out

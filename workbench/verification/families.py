@@ -62,7 +62,7 @@ class OfFamily:
         return self.family.controller(self.point[None, :], lanes)
 
 
-def repeated(values: np.ndarray, lanes: int) -> np.ndarray:
+def _repeated(values: np.ndarray, lanes: int) -> np.ndarray:
     return np.repeat(values, lanes)
 
 
@@ -71,7 +71,7 @@ def pd_family(linear: Judge, start: tuple[float, float], *, motor_speed: bool = 
     start = np.array(start)
 
     def controller(points, lanes):
-        return fixed_pd(repeated(points[:, 0], lanes), repeated(points[:, 1], lanes), motor_speed=motor_speed)
+        return fixed_pd(_repeated(points[:, 0], lanes), _repeated(points[:, 1], lanes), motor_speed=motor_speed)
 
     def sensitivity(points):
         return linear.peak(points[:, :1], points[:, 1:2])
@@ -100,9 +100,9 @@ def cascade_family(
     dt = linear.loop.sample_time
 
     def controller(points, lanes):
-        values = (repeated(points[:, k], lanes) for k in range(3))
+        values = (_repeated(points[:, k], lanes) for k in range(3))
         law = pi_cascade(*values, speed_limit, motor_speed=motor_speed, motor_position=motor_position)
-        return replace(law, velocity_filter=repeated(points[:, 3], lanes)) if filtered else law
+        return replace(law, velocity_filter=_repeated(points[:, 3], lanes)) if filtered else law
 
     def sensitivity(points):
         kv, kvp, ki = (points[:, k : k + 1] for k in range(3))
@@ -128,7 +128,7 @@ def profile_family(
     mass = feed_forward.mass if feed_forward else 0.0
 
     def controller(points, lanes):
-        values = (repeated(points[:, k], lanes) for k in range(5))
+        values = (_repeated(points[:, k], lanes) for k in range(5))
         return profile_pi(*values, speed_limit, feed_forward=feed_forward, motor_speed=motor_speed)
 
     def sensitivity(points):
@@ -152,7 +152,7 @@ class Blend:
     reversal: float
 
 
-def two_mode_gains(schedule, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _two_mode_gains(schedule, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Return (kp, kd) (points, m) of points (kp scale, kd scale, switch, gross kp, gross kd, ...) at the schedule's knots.
 
     Up to the switching amplitude the tuned gains, each times its scale; beyond it, in gross sliding, one pair of gains.
@@ -167,7 +167,7 @@ def two_mode_gains(schedule, points: np.ndarray) -> tuple[np.ndarray, np.ndarray
 
 def blended(schedule, point: np.ndarray, rule: str) -> Blend:
     """Return the two-mode schedule of one point; see two_mode_gains."""
-    kp, kd = two_mode_gains(schedule, np.asarray(point)[None, :])
+    kp, kd = _two_mode_gains(schedule, np.asarray(point)[None, :])
     return Blend(schedule.knots, kp[0], kd[0], rule, schedule.reversal)
 
 
@@ -195,12 +195,12 @@ def scheduled_family(
         tables = [blended(schedule, p, rule) for p in points]
         profile = {}
         if deceleration:
-            profile = {"deceleration": repeated(points[:, 5], lanes), "speed_limit": speed_limit}
+            profile = {"deceleration": _repeated(points[:, 5], lanes), "speed_limit": speed_limit}
         which = np.repeat(np.arange(len(points)), lanes)
         return scheduled_pd(tables, rule, table=which, motor_speed=motor_speed, follows=follows, **profile)
 
     def sensitivity(points):
-        return linear.scheduled_peak(schedule.knots, *two_mode_gains(schedule, points))
+        return linear.scheduled_peak(schedule.knots, *_two_mode_gains(schedule, points))
 
     over = "relative displacement" if follows == JOINT else rule
 

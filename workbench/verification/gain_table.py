@@ -72,8 +72,8 @@ def gain_table(
 
 def table_family(table: GainTable, gains, linear: Linear, rule: str, ahead: float) -> Family:
     """Return the family of tables under a rule, starting at the ratios of `gains` (amplitude, kp, kd) looked up `ahead`."""
-    start = np.minimum.accumulate(looked_up(table, gains, ahead * table.nodes))
-    return ratio_family(
+    start = np.minimum.accumulate(_looked_up(table, gains, ahead * table.nodes))
+    return _ratio_family(
         f"gain table ({rule})", tuple(f"ratio at {a:.2g}" for a in table.nodes), table, gains, linear, rule, table.gains,
         start, lambda points: np.minimum.accumulate(points, axis=-1),
     )  # fmt: skip
@@ -82,16 +82,16 @@ def table_family(table: GainTable, gains, linear: Linear, rule: str, ahead: floa
 def fixed_family(table: GainTable, gains, linear: Linear, rule: str, at: float) -> Family:
     """Return fixed gains as tables of one ratio, starting at that of amplitude `at`."""
     one = replace(table, nodes=np.array([at]))
-    start = looked_up(table, gains, one.nodes)
-    return ratio_family("fixed gains", ("ratio",), one, gains, linear, rule, one.gains, start)
+    start = _looked_up(table, gains, one.nodes)
+    return _ratio_family("fixed gains", ("ratio",), one, gains, linear, rule, one.gains, start)
 
 
 def switched_family(table: GainTable, gains, linear: Linear, rule: str) -> Family:
     """Return tables of two ratios and the amplitude at which they switch, starting at the middle of the range."""
     first, last = table.knots[0], table.knots[-1]
     middle = np.sqrt(first * last)
-    start = np.array([*looked_up(table, gains, np.array([np.sqrt(first * middle), np.sqrt(middle * last)])), middle])
-    made = ratio_family(
+    start = np.array([*_looked_up(table, gains, np.array([np.sqrt(first * middle), np.sqrt(middle * last)])), middle])
+    made = _ratio_family(
         "two-level switch", ("ratio below", "ratio above", "switch"), table, gains, linear, rule, table.switched, start,
         lambda points: np.concatenate([np.minimum.accumulate(points[..., :2], axis=-1), points[..., 2:]], axis=-1),
     )  # fmt: skip
@@ -100,13 +100,13 @@ def switched_family(table: GainTable, gains, linear: Linear, rule: str) -> Famil
     return replace(made, lower=lower, upper=upper)
 
 
-def looked_up(table: GainTable, gains, amplitudes: np.ndarray) -> np.ndarray:
+def _looked_up(table: GainTable, gains, amplitudes: np.ndarray) -> np.ndarray:
     """Return the ratios (n,) of tuned gains at amplitudes (n,), within those of the table."""
     found = np.exp(np.interp(np.log(amplitudes), np.log(gains.amplitude), np.log(gains.kp / gains.kd)))
     return np.clip(found, table.ratio[0], table.ratio[-1])
 
 
-def ratio_family(
+def _ratio_family(
     name, numbers, table: GainTable, gains, linear: Linear, rule: str, of, start, settled=lambda p: p
 ) -> Family:
     """Return a family of tables. of(points) -> (kp, kd) (points, m). numbers, start (n,): of the family, ratios unless changed."""

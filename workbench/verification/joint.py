@@ -60,8 +60,8 @@ def joint_gains(
         low, high = RATIOS
         for _ in range(2):
             ratio = np.geomspace(low, high, LINES)
-            kp = stiffest(judge, ratio, motor + float(loads.min()), goal.sensitivity)
-            time = times(kp, ratio, motor + loads[:, None], goal)
+            kp = _stiffest(judge, ratio, motor + float(loads.min()), goal.sensitivity)
+            time = _times(kp, ratio, motor + loads[:, None], goal)
             i = int(time.argmin())
             low, high = ratio[max(i - 1, 0)], ratio[min(i + 1, LINES - 1)]
         out.append((kp[i], kp[i] / ratio[i], time[i]))
@@ -69,7 +69,7 @@ def joint_gains(
     return JointGains(equivalent.amplitude, kp, kd, time, (("sensitivity",),) * kp.size)
 
 
-def times(kp: np.ndarray, ratio: np.ndarray, inertia: np.ndarray, goal: TuningGoal) -> np.ndarray:
+def _times(kp: np.ndarray, ratio: np.ndarray, inertia: np.ndarray, goal: TuningGoal) -> np.ndarray:
     """Return the worst load's 1 % time (lines,) of gains kp (lines,), Kd = kp/ratio; infinite beyond the overshoot. inertia (n, 1)."""
     with np.errstate(divide="ignore", invalid="ignore"):  # a line that nowhere keeps |S| has Kp = 0
         own = np.sqrt(kp / inertia)
@@ -79,12 +79,12 @@ def times(kp: np.ndarray, ratio: np.ndarray, inertia: np.ndarray, goal: TuningGo
     return np.where(fine, time, np.inf)
 
 
-def stiffest(judge: TwoMasses, ratio: np.ndarray, inertia: float, sensitivity: float) -> np.ndarray:
+def _stiffest(judge: TwoMasses, ratio: np.ndarray, inertia: float, sensitivity: float) -> np.ndarray:
     """Return the largest Kp (lines,) along lines Kp/Kd = ratio (lines,) up to which |S| keeps its limit; 0 where none does."""
     unit = inertia * ratio**2
     share = np.geomspace(*STIFF, SEARCHED)
     kp = unit[:, None] * share
-    peak = peaks(judge, kp, ratio[:, None] + 0.0 * kp)
+    peak = _peaks(judge, kp, ratio[:, None] + 0.0 * kp)
     fine = peak <= sensitivity
     first = fine.argmax(axis=1)  # a soft loop has little phase: the limit may be kept only from some stiffness on
     after = np.arange(SEARCHED) >= first[:, None]
@@ -92,12 +92,12 @@ def stiffest(judge: TwoMasses, ratio: np.ndarray, inertia: float, sensitivity: f
     low, high = (np.log(kp[np.arange(ratio.size), i]) for i in (np.maximum(end - 1, 0), end))
     for _ in range(HALVINGS):
         middle = (low + high) / 2.0
-        kept = peaks(judge, np.exp(middle), ratio) <= sensitivity
+        kept = _peaks(judge, np.exp(middle), ratio) <= sensitivity
         low, high = np.where(kept, middle, low), np.where(kept, high, middle)
     return np.where(fine.any(axis=1), np.exp(low), 0.0)
 
 
-def peaks(judge: TwoMasses, kp: np.ndarray, ratio: np.ndarray) -> np.ndarray:
+def _peaks(judge: TwoMasses, kp: np.ndarray, ratio: np.ndarray) -> np.ndarray:
     flat = kp.ravel()
     return judge.peak(flat[:, None], (flat / ratio.ravel())[:, None]).reshape(kp.shape)
 

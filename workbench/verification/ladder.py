@@ -138,17 +138,17 @@ def climbed(on: Ladder, family: Family, points: np.ndarray, rungs: np.ndarray) -
     the scenarios; of a rung of one move the second is that move again. Infinite where it does not come to rest."""
     out = np.empty((*rungs.shape, 2, len(FIGURES)))
     if (rungs == rungs[0]).all():  # all points climb the same rungs
-        for part in alike(on, rungs[0]):
+        for part in _alike(on, rungs[0]):
             out[:, part] = _climbed(on, family, points, rungs[:, part])
         return out
     flat, each = rungs.reshape(-1, 1), np.repeat(points, rungs.shape[1], axis=0)
     of = out.reshape(-1, 1, 2, len(FIGURES))
-    for part in alike(on, flat[:, 0]):
+    for part in _alike(on, flat[:, 0]):
         of[part] = _climbed(on, family, each[part], flat[part])
     return out
 
 
-def alike(on: Ladder, rungs: np.ndarray) -> list[np.ndarray]:
+def _alike(on: Ladder, rungs: np.ndarray) -> list[np.ndarray]:
     """Return which of some rungs (n,) are run together: of one number of phases and like duration."""
     phases, samples = on.phases[rungs], on.samples[rungs]
     parts = []
@@ -173,11 +173,11 @@ def _climbed(on: Ladder, family: Family, points: np.ndarray, rungs: np.ndarray) 
     ).trajectories["q"]  # fmt: skip
     out = np.empty((each.size, 2, len(FIGURES)))
     for r in np.unique(each):
-        out[each == r] = figures_of(on, r, q[: on.samples[r], each == r])
+        out[each == r] = _figures_of(on, r, q[: on.samples[r], each == r])
     return out.reshape(*rungs.shape, count, 2, len(FIGURES)).max(axis=2)
 
 
-def figures_of(on: Ladder, rung: int, q: np.ndarray) -> np.ndarray:
+def _figures_of(on: Ladder, rung: int, q: np.ndarray) -> np.ndarray:
     """Return figures (n, 2, 3) of positions q (samples, n) of one rung."""
     moves, hold, half = on.rungs[rung], on.hold, int(on.half[rung])
     if moves[0].kind != "step":

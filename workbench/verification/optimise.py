@@ -110,7 +110,7 @@ def optimise(task: Task, family: Family, seed: int = 1) -> Tuned:
         metrics = task.run(family.controller(points, lanes), scenarios.tiled(len(points)))
         beyond = np.clip(family.sensitivity(points) / w.sensitivity - 1.0, 0.0, UNSTABLE)
         value = cost(task, metrics, bound, lanes) + w.steepness * beyond
-        trails.append(trail_of(task, metrics, beyond, value, lanes))
+        trails.append(_trail_of(task, metrics, beyond, value, lanes))
         return value
 
     bounds = list(zip(np.log(family.lower), np.log(family.upper), strict=True))
@@ -131,7 +131,7 @@ def optimise(task: Task, family: Family, seed: int = 1) -> Tuned:
         found.x,
         method="Nelder-Mead",
         bounds=bounds,
-        options={"maxfev": LOCAL, "xatol": 1e-3, "fatol": 1e-4, "initial_simplex": simplex(found.x)},
+        options={"maxfev": LOCAL, "xatol": 1e-3, "fatol": 1e-4, "initial_simplex": _simplex(found.x)},
     )
     best, value = (local.x, local.fun) if local.fun <= found.fun else (found.x, found.fun)
     trail = Trail.joined(trails)
@@ -157,7 +157,7 @@ def first_members(task: Task, family: Family, seed: int, bounds: np.ndarray) -> 
     return {"init": np.clip(made, low, high)}
 
 
-def trail_of(task: Task, metrics: Metrics, beyond: np.ndarray, value: np.ndarray, lanes: int) -> Trail:
+def _trail_of(task: Task, metrics: Metrics, beyond: np.ndarray, value: np.ndarray, lanes: int) -> Trail:
     """Return what points gave, `lanes` scenarios each; beyond: how far their sensitivity exceeds its limit; value: cost."""
 
     def worst(values: np.ndarray) -> np.ndarray:
@@ -169,6 +169,6 @@ def trail_of(task: Task, metrics: Metrics, beyond: np.ndarray, value: np.ndarray
     return Trail(worst(metrics.time_1pct), worst(metrics.final_error), fine & (beyond <= ROUNDED - 1.0), value)
 
 
-def simplex(x: np.ndarray) -> np.ndarray:
+def _simplex(x: np.ndarray) -> np.ndarray:
     """A first simplex of 5 % steps around x (logarithms)."""
     return np.vstack([x, x + 0.05 * np.eye(x.size)])

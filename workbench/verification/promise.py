@@ -42,11 +42,11 @@ def promise(plant: Plant, polished: Polished, task: Task) -> Promise:
     simulated = np.full(gains.kp.size, np.nan)
     for rows, resolution in ((read, count), (~read, 0.0)):
         if rows.any():
-            simulated[rows] = farthest(plant, gains, rows, replace(task.loop, resolution=resolution), duration, task)
+            simulated[rows] = _farthest(plant, gains, rows, replace(task.loop, resolution=resolution), duration, task)
     return Promise(gains.amplitude, gains.nominal.time, simulated, read)
 
 
-def farthest(plant: Plant, gains: Stepped, rows: np.ndarray, loop, duration: float, task: Task) -> np.ndarray:
+def _farthest(plant: Plant, gains: Stepped, rows: np.ndarray, loop, duration: float, task: Task) -> np.ndarray:
     """Return the 1 % times of some amplitudes, of the encoder phase that is farthest from what was promised."""
     every = np.tile(np.flatnonzero(rows), len(PHASES))
     target = gains.amplitude[every]

@@ -56,12 +56,12 @@ def recommend(task: Task, tuned: Mapping[str, object], unit: str) -> Recommended
     unit: of position, "rad" or "m".
     """
     bound = task.bound()
-    rows = [candidate(task, n, t.controller, t.family.sensitivity(t.point[None, :]), known_to(t), bound) for n, t in tuned.items()]  # fmt: skip
+    rows = [_candidate(task, n, t.controller, t.family.sensitivity(t.point[None, :]), known_to(t), bound) for n, t in tuned.items()]  # fmt: skip
     least = min((r.cost for r in rows if r.allowed), default=np.inf)
     order = sorted(
         rows, key=lambda r: (not r.allowed, r.cost > least + TIE, r.numbers if r.cost <= least + TIE else 0, r.cost)
     )
-    return Recommended(order[0].name, tuple(order), said(order, unit))
+    return Recommended(order[0].name, tuple(order), _said(order, unit))
 
 
 def known_to(tuned) -> int:
@@ -71,23 +71,23 @@ def known_to(tuned) -> int:
     return len(tuned.numbers) + sum(len(e.parameters) for e in cancelled)
 
 
-def candidate(
+def _candidate(
     task: Task, name: str, make: Callable[[int], Controller], sensitivity: Sequence[float], numbers: int, bound: float
 ) -> Candidate:
     """Return what one controller comes to."""
-    nominal = ran(task, make, task.scenarios(task.load_inertias[:1], (1.0,), (1.0,), PHASES))
-    grid = ran(task, make, task.scenarios(task.load_inertias, LEVELS, LEVELS, 2))
+    nominal = _ran(task, make, task.scenarios(task.load_inertias[:1], (1.0,), (1.0,), PHASES))
+    grid = _ran(task, make, task.scenarios(task.load_inertias, LEVELS, LEVELS, 2))
     worst = [float(np.max(v)) for m in (nominal, grid) for v in (m.time_1pct, m.final_error, m.overshoot)]
     w = task.weights
     cost = worst[3] / bound + w.error * np.log10(max(worst[4], task.loop.count, 1e-12) / w.reference)
     return Candidate(name, *worst, float(np.max(sensitivity)), float(cost), numbers)
 
 
-def ran(task: Task, make: Callable[[int], Controller], scenarios) -> Metrics:
+def _ran(task: Task, make: Callable[[int], Controller], scenarios) -> Metrics:
     return task.run(make(scenarios.lanes), scenarios)
 
 
-def said(rows: Sequence[Candidate], unit: str) -> str:
+def _said(rows: Sequence[Candidate], unit: str) -> str:
     """Say which to take and why, against the next."""
 
     def micro(value: float) -> str:

@@ -77,10 +77,12 @@ def references(on: Ladder, family: Family, points: np.ndarray, seed: int = 1) ->
     pick = cost.argmin(axis=0)
     best = np.take_along_axis(figures, pick[None, :, :, None], axis=0)[0]
     found = References(best[..., 0], best[..., 1], cost.min(axis=0), np.full(pick.shape, family.name), scale)
-    return searched(on, family, found, points[pick], np.ones(pick.shape, dtype=bool), seed)
+    return _searched(on, family, found, points[pick], np.ones(pick.shape, dtype=bool), seed)
 
 
-def searched(on: Ladder, family: Family, known: References, at: np.ndarray, which: np.ndarray, seed: int) -> References:
+def _searched(
+    on: Ladder, family: Family, known: References, at: np.ndarray, which: np.ndarray, seed: int
+) -> References:
     """Search about points (rungs, 2, numbers) of a family for each move where `which` (rungs, 2), and keep what is better."""
     draw, spread = np.random.default_rng(seed), SPREAD
     rows, history = np.nonzero(which)
@@ -114,7 +116,7 @@ def raised(on: Ladder, known: References, family: Family, point: np.ndarray, see
     time, error = (np.where(beaten, figures[..., k], v) for k, v in ((0, known.time), (1, known.error)))
     law = np.where(beaten, family.name, known.law)
     first = replace(known, time=time, error=error, cost=np.where(beaten, own, known.cost), law=law)
-    return searched(on, family, first, np.broadcast_to(point, (*beaten.shape, point.size)).copy(), beaten, seed)
+    return _searched(on, family, first, np.broadcast_to(point, (*beaten.shape, point.size)).copy(), beaten, seed)
 
 
 def regret(on: Ladder, figures: np.ndarray, against: References) -> Regret:

@@ -15,7 +15,7 @@ import numpy as np
 
 from workbench.definition import FORCE
 from workbench.identification.bodies import CHANNEL
-from workbench.identification.passes import Passes
+from workbench.identification.passes import InverseDynamics
 from workbench.identification.shift import between
 from workbench.motion import LowPass, motion
 from workbench.plant import Plant
@@ -40,7 +40,7 @@ def ratio(rate: float, bandwidth: float, least: float = LEAST) -> Fraction:
     return min([whole, *(Fraction(ceil(least * q - 1e-9), q) for q in range(1, FRACTIONS + 1))])
 
 
-def thinned(record: Record, bandwidth: float, least: float = LEAST) -> Record:
+def decimated(record: Record, bandwidth: float, least: float = LEAST) -> Record:
     """Return the record at the lowest rate that is `least` times the band; itself where that is its own."""
     kept = ratio(1 / record.dt, bandwidth, least)
     if kept == 1:
@@ -51,7 +51,9 @@ def thinned(record: Record, bandwidth: float, least: float = LEAST) -> Record:
     return replace(record, time=record.time[0] + record.dt * steps, channels=channels)
 
 
-def thin(passes: Sequence[Passes], plant: Plant | None = None, least: float = LEAST) -> list[Passes]:
+def decimate(
+    passes: Sequence[InverseDynamics], plant: Plant | None = None, least: float = LEAST
+) -> list[InverseDynamics]:
     """Return passes over the thinned records; the same objects where nothing changes. least: kept rate over the band.
 
     plant: as declared; where it holds dry friction without memory at a body, that body's balance does not count at rest.
@@ -59,16 +61,18 @@ def thin(passes: Sequence[Passes], plant: Plant | None = None, least: float = LE
     return [thin_one(p, plant, least) for p in passes]
 
 
-def thin_one(p: Passes, plant: Plant | None = None, least: float = LEAST, of: type[Passes] = Passes) -> Passes:
+def thin_one(
+    p: InverseDynamics, plant: Plant | None = None, least: float = LEAST, of: type[InverseDynamics] = InverseDynamics
+) -> InverseDynamics:
     """Return passes, `of` this class, over one thinned record, whose operators run at FINE times the band."""
     band = p.motion.filter.bandwidth
-    record = thinned(p.motion.record, band, least)
-    at_rest = {place: resting(p, place) for place in dry(plant)} if plant is not None else {}
-    counts = counting(p.motion.record, record, at_rest)
+    record = decimated(p.motion.record, band, least)
+    at_rest = {place: _resting(p, place) for place in _dry(plant)} if plant is not None else {}
+    counts = _counting(p.motion.record, record, at_rest)
     if record is p.motion.record:
         return p if counts is None else of(p.motion, counts=counts)
-    fine = thinned(p.motion.record, band, max(FINE, least))
-    finer = p if fine is p.motion.record else Passes(motion(fine, band))
+    fine = decimated(p.motion.record, band, max(FINE, least))
+    finer = p if fine is p.motion.record else InverseDynamics(motion(fine, band))
     low_pass = LowPass(CUT / record.dt, 1 / fine.dt, fine.time.size)
     steps = (record.time - fine.time[0]) / fine.dt
 
@@ -78,13 +82,13 @@ def thin_one(p: Passes, plant: Plant | None = None, least: float = LEAST, of: ty
     return of(motion(record, band), finer, coarse, counts)
 
 
-def dry(plant: Plant) -> list[str]:
+def _dry(plant: Plant) -> list[str]:
     """Return the places of a plant where friction has a direction and no memory: at rest it holds whatever it has to."""
     given = {e.at for e in plant.effects if e.provides}
     return sorted({e.at for e in plant.effects if e.port == FORCE and e.reads == ("dir",)} - given)
 
 
-def resting(p: Passes, place: str) -> np.ndarray:
+def _resting(p: InverseDynamics, place: str) -> np.ndarray:
     """Return where (n,) the encoder of a place stays within one count for WINDOW s."""
     from scipy.ndimage import maximum_filter1d, minimum_filter1d
 
@@ -97,7 +101,7 @@ def resting(p: Passes, place: str) -> np.ndarray:
     return maximum_filter1d(x, width) - minimum_filter1d(x, width) <= 1.01 * count
 
 
-def counting(record: Record, kept: Record, at_rest: Mapping[str, np.ndarray]) -> np.ndarray | None:
+def _counting(record: Record, kept: Record, at_rest: Mapping[str, np.ndarray]) -> np.ndarray | None:
     """Return (2, n) of bool on the kept record: where the drive's and the load's balance count; None where all of them do."""
     if not any(x.any() for x in at_rest.values()):
         return None
