@@ -37,7 +37,7 @@ def signed(word: np.ndarray) -> np.ndarray:
 class Reference:
     """The firmware of a controller. constants, slopes: what the table holds, in float32."""
 
-    dtype = F
+    dtype, end = F, END
 
     def __init__(self, numbers: Numbers):
         self.numbers, self.stages = numbers, numbers.stages
@@ -94,7 +94,7 @@ class Reference:
         axes.way = np.where(moved, way, 0)
         axes.position = axes.position + axes.way
         if self.stages.both:
-            axes.fault = axes.fault | (np.abs(axes.position) > END)
+            axes.fault = axes.fault | (np.abs(axes.position) > self.end)
             return
         by = np.where(moved & (np.abs(axes.position) > FAR), axes.position, 0)
         axes.origin = axes.origin + (by & 0xFFFFFFFF).astype(U)

@@ -33,7 +33,7 @@ enum wb_refusal {
     WB_FIELD = 14      /* a field of the head is out of its range */
 };
 
-enum { WB_FLOAT32 = 1, WB_FIXED = 2, WB_DIGEST = 32, WB_FINEST = 12 };
+enum { WB_FLOAT32 = 1, WB_FIXED = 2, WB_DIGEST = 32, WB_FINEST = 11 };
 
 /* What a firmware takes. plant: the digest's 32 bytes, or NULL for any plant. period: s, or 0 for any. */
 typedef struct {
@@ -73,6 +73,7 @@ typedef struct {
 
 #define WB_FAR 4194304u    /* more than 2^22 counts away the origin is moved, so that float32 holds every count (to 2^24) */
 #define WB_END 1073741824u /* more than 2^30 counts from an origin that is not moved, the axis stops */
+#define WB_REACH 16777216u /* in fixed point more than 2^24, so that every position fits with fractions of a count */
 
 uint32_t wb_crc32(const uint8_t *bytes, size_t size);
 enum wb_refusal wb_check(const uint8_t *bytes, size_t size, const wb_wanted *wanted, wb_head *head);
@@ -132,8 +133,8 @@ static inline void wb_encoder_start(wb_encoder *encoder, const wb_head *head, ui
     encoder->below = 2u * head->jump + 1u;
 }
 
-/* Take a new reading, the short way round where the encoder wraps. Return 0 after a jump, and until the next start. */
-static inline int wb_encoder_follow(wb_encoder *encoder, const wb_head *head, uint32_t raw, int32_t *way)
+/* The way to a new reading, the short one where the encoder wraps. Return 0 after a jump, and until the next start. */
+static inline int wb_encoder_way(wb_encoder *encoder, const wb_head *head, uint32_t raw, int32_t *way)
 {
     const uint32_t from = raw - encoder->origin - (uint32_t)encoder->position;
     *way = wb_signed(from << head->encoder_shift) >> head->encoder_shift;
@@ -141,30 +142,31 @@ static inline int wb_encoder_follow(wb_encoder *encoder, const wb_head *head, ui
         encoder->below = 0u;
         return 0;
     }
-    encoder->position += *way;
     return 1;
 }
 
-/* Stop where 32 bits end, for an origin that is not moved. Return 0 then. */
-static inline int wb_encoder_within(wb_encoder *encoder)
+/* Go that way, and stop further than `most` from an origin that is not moved. Return 0 then. */
+static inline int wb_encoder_within(wb_encoder *encoder, int32_t way, uint32_t most)
 {
-    if ((uint32_t)encoder->position + WB_END > 2u * WB_END) {
+    encoder->position += way;
+    if ((uint32_t)encoder->position + most > 2u * most) {
         encoder->below = 0u;
         return 0;
     }
     return 1;
 }
 
-/* Move the origin along. Return by how much every position has to be lowered: 0, or the whole way. */
-static inline int32_t wb_encoder_recentre(wb_encoder *encoder)
+/* Go that way, and move the origin along where it is far. Return by how much every position has to be lowered: 0, or all of it. */
+static inline int32_t wb_encoder_along(wb_encoder *encoder, int32_t way)
 {
-    const int32_t by = encoder->position;
-    if ((uint32_t)by + WB_FAR <= 2u * WB_FAR) {
+    const int32_t to = encoder->position + way;
+    if ((uint32_t)to + WB_FAR <= 2u * WB_FAR) {
+        encoder->position = to;
         return 0;
     }
-    encoder->origin += (uint32_t)by;
+    encoder->origin += (uint32_t)to;
     encoder->position = 0;
-    return by;
+    return to;
 }
 
 /* A NaN operand is ignored, and of equal operands the first is returned. */

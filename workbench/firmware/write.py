@@ -57,6 +57,7 @@ class Source:
     template = "law_float.c.in"
     runtime: tuple[str, ...] = ("wb_runtime.h", "wb_runtime.c", "wb_root.c")
     include = "wb_runtime.h"
+    end = "WB_END"  # where an axis of two encoders stops
 
     def __init__(self, stages: Stages, name: str, knots: int = MOST_KNOTS, effort: str = "N*m"):
         self.stages, self.name, self.effort = stages, name, effort
@@ -132,12 +133,12 @@ class Source:
                 "uint32_t i;",
                 *(f"float {n};" for n in self.stages.columns),
             ]
-        within = " || !wb_encoder_within(&state->encoder)" if self.stages.both else ""
-        follow = "!wb_encoder_follow(&state->encoder, &table->head, now->position, &way)"
+        within = f" || !wb_encoder_within(&state->encoder, way, {self.end})" if self.stages.both else ""
+        follow = "!wb_encoder_way(&state->encoder, &table->head, now->position, &way)"
         lines += [f"if ({follow}{within}) {{", "    return 0.0f;", "}"]
         moved = [n for n in self.stages.states if n in POSITIONS]
         if not self.stages.both:
-            lines += ["{", "    const int32_t by = wb_encoder_recentre(&state->encoder);", "    if (by != 0) {"]
+            lines += ["{", "    const int32_t by = wb_encoder_along(&state->encoder, way);", "    if (by != 0) {"]
             lines += [f"        state->{identifier(n)} -= (float)by;" for n in moved] + ["    }", "}"]
         lines += ["y = (float)state->encoder.position;"] * y
         lines += ["reference = (float)wb_signed((uint32_t)now->reference - state->encoder.origin);"]
@@ -184,6 +185,7 @@ class Source:
             "command_said": "",
             "include": self.include,
             "factor": "",
+            "spare": "",
             "enumeration": self.enumeration(),
             "row_index": "    uint32_t j;\n" if stages.columns else "",
             "load_rows": self.load_rows(),
