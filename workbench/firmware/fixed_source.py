@@ -8,7 +8,7 @@ from workbench.firmware.naming import identifier
 from workbench.firmware.numbers import Numbers
 from workbench.firmware.parts import Part
 from workbench.firmware.scales import REACH, Scales
-from workbench.firmware.stages import ADDED, COMMAND, POSITIONS
+from workbench.firmware.stages import ADDED, COMMAND
 from workbench.firmware.units import power_of, unit
 from workbench.firmware.write import Source, law_code, parameter
 from workbench.kernel.c import LONGEST, bare
@@ -89,13 +89,9 @@ class FixedSource(Source):
         lines = ["int32_t way;", *["int32_t y;"] * y, "int32_t reference;"]
         if self.stages.columns:
             lines += ["int32_t into;", "uint32_t i;", *(f"int32_t {n};" for n in self.stages.columns)]
-        within = f" || !wb_encoder_within(&state->encoder, way, {self.end})" if self.stages.both else ""
-        follow = "!wb_encoder_way(&state->encoder, &table->head, now->position, &way)"
+        within = f" || !wb_encoder_within(&state->encoder, {self.end})" if self.stages.both else ""
+        follow = "!wb_encoder_follow(&state->encoder, &table->head, now->position, &way)"
         lines += [f"if ({follow}{within}) {{", "    return 0;", "}"]
-        moved = [identifier(n) for n in self.stages.states if n in POSITIONS]
-        if not self.stages.both:
-            lines += ["{", "    const int32_t by = wb_encoder_along(&state->encoder, way);", "    if (by != 0) {"]
-            lines += [f"        state->{n} = wb_within(state->{n} - by, {REACH});" for n in moved] + ["    }", "}"]
         lines += ["y = state->encoder.position;"] * y + [f"reference = {self.target('state->encoder.position')};"]
         if self.stages.columns:
             bits, _, shift = self.scales.amplitude
@@ -107,7 +103,7 @@ class FixedSource(Source):
                 given[f"gain.{n}"] = n
         else:
             lines += [f"{seen};"]
-        lines += [f"return {self.call(self.stages.command, 'command', given)};"]
+        lines += self.ending(given, f"wb_within({{0}} - y, {REACH})")
         return "\n".join(f"    {x}" for x in lines) + "\n"
 
     def target(self, position: str) -> str:

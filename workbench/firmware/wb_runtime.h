@@ -133,8 +133,8 @@ static inline void wb_encoder_start(wb_encoder *encoder, const wb_head *head, ui
     encoder->below = 2u * head->jump + 1u;
 }
 
-/* The way to a new reading, the short one where the encoder wraps. Return 0 after a jump, and until the next start. */
-static inline int wb_encoder_way(wb_encoder *encoder, const wb_head *head, uint32_t raw, int32_t *way)
+/* Take a new reading, the short way round where the encoder wraps. Return 0 after a jump, and until the next start. */
+static inline int wb_encoder_follow(wb_encoder *encoder, const wb_head *head, uint32_t raw, int32_t *way)
 {
     const uint32_t from = raw - encoder->origin - (uint32_t)encoder->position;
     *way = wb_signed(from << head->encoder_shift) >> head->encoder_shift;
@@ -142,13 +142,13 @@ static inline int wb_encoder_way(wb_encoder *encoder, const wb_head *head, uint3
         encoder->below = 0u;
         return 0;
     }
+    encoder->position += *way;
     return 1;
 }
 
-/* Go that way, and stop further than `most` from an origin that is not moved. Return 0 then. */
-static inline int wb_encoder_within(wb_encoder *encoder, int32_t way, uint32_t most)
+/* Stop further than `most` from an origin that is not moved. Return 0 then. */
+static inline int wb_encoder_within(wb_encoder *encoder, uint32_t most)
 {
-    encoder->position += way;
     if ((uint32_t)encoder->position + most > 2u * most) {
         encoder->below = 0u;
         return 0;
@@ -156,17 +156,16 @@ static inline int wb_encoder_within(wb_encoder *encoder, int32_t way, uint32_t m
     return 1;
 }
 
-/* Go that way, and move the origin along where it is far. Return by how much every position has to be lowered: 0, or all of it. */
-static inline int32_t wb_encoder_along(wb_encoder *encoder, int32_t way)
+/* Move the origin to where the axis is, once that is far: return 1 then, and every position has to be lowered by this one. */
+static inline int wb_encoder_recentre(wb_encoder *encoder)
 {
-    const int32_t to = encoder->position + way;
-    if ((uint32_t)to + WB_FAR <= 2u * WB_FAR) {
-        encoder->position = to;
+    const int32_t by = encoder->position;
+    if ((uint32_t)by + WB_FAR <= 2u * WB_FAR) {
         return 0;
     }
-    encoder->origin += (uint32_t)to;
+    encoder->origin += (uint32_t)by;
     encoder->position = 0;
-    return to;
+    return 1;
 }
 
 /* A NaN operand is ignored, and of equal operands the first is returned. */

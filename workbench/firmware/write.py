@@ -133,13 +133,9 @@ class Source:
                 "uint32_t i;",
                 *(f"float {n};" for n in self.stages.columns),
             ]
-        within = f" || !wb_encoder_within(&state->encoder, way, {self.end})" if self.stages.both else ""
-        follow = "!wb_encoder_way(&state->encoder, &table->head, now->position, &way)"
+        within = f" || !wb_encoder_within(&state->encoder, {self.end})" if self.stages.both else ""
+        follow = "!wb_encoder_follow(&state->encoder, &table->head, now->position, &way)"
         lines += [f"if ({follow}{within}) {{", "    return 0.0f;", "}"]
-        moved = [n for n in self.stages.states if n in POSITIONS]
-        if not self.stages.both:
-            lines += ["{", "    const int32_t by = wb_encoder_along(&state->encoder, way);", "    if (by != 0) {"]
-            lines += [f"        state->{identifier(n)} -= (float)by;" for n in moved] + ["    }", "}"]
         lines += ["y = (float)state->encoder.position;"] * y
         lines += ["reference = (float)wb_signed((uint32_t)now->reference - state->encoder.origin);"]
         if self.stages.columns:
@@ -150,8 +146,19 @@ class Source:
                 given[f"gain.{n}"] = n
         else:
             lines += [f"{seen};"]
-        lines += [f"return {self.call(self.stages.command, 'command', given)};"]
+        lines += self.ending(given, "{0} - y")
         return "\n".join(f"    {x}" for x in lines) + "\n"
+
+    def ending(self, given: Mapping[str, str], lowered: str) -> list[str]:
+        """Command, and move the origin along; that of two encoders does not move. lowered: text of a position {0} from there."""
+        decided = self.call(self.stages.command, "command", given)
+        if self.stages.both:
+            return [f"return {decided};"]
+        moved = [f"state->{identifier(n)}" for n in self.stages.states if n in POSITIONS]
+        lines = ["if (wb_encoder_recentre(&state->encoder)) {", *(f"    {n} = {lowered.format(n)};" for n in moved), "}"]
+        if not moved:
+            lines = ["(void)wb_encoder_recentre(&state->encoder);"]
+        return ["{", f"    const {self.kind} u_c = {decided};", *(f"    {x}" for x in lines), "    return u_c;", "}"]
 
     def begin(self) -> str:
         """The arguments of the first stage."""
