@@ -1,9 +1,10 @@
 """A law's firmware in fixed point as C99: the same header, and a source in 32-bit integers."""
 
+import re
 from collections import Counter
 from collections.abc import Mapping
 
-from workbench.firmware.fixed import Typed
+from workbench.firmware.fixed import Typed, Value
 from workbench.firmware.naming import identifier
 from workbench.firmware.numbers import Numbers
 from workbench.firmware.parts import Part
@@ -12,6 +13,19 @@ from workbench.firmware.stages import ADDED, COMMAND
 from workbench.firmware.units import power_of, unit
 from workbench.firmware.write import Source, law_code, parameter
 from workbench.kernel.c import LONGEST, bare
+
+PRODUCT = re.compile(r"(wb_times\(.*, )(\d+)\)", re.DOTALL)
+
+
+def _joined(value: Value, known: Mapping[str, str]) -> str:
+    """Return a value's text in which a product that is shifted further is shifted once: the same bits, an instruction less."""
+    text = value.text
+    for name in value.operands:
+        product = PRODUCT.fullmatch(known[name])
+        for by in re.findall(rf"wb_right\(\{{{name}\}}, (\d+)\)", text) if product else ():
+            once = f"{product[1]}{int(product[2]) + int(by)})".replace("{", "{{").replace("}", "}}")
+            text = text.replace(f"wb_right({{{name}}}, {by})", once)
+    return text
 
 
 class FixedSource(Source):
@@ -53,7 +67,7 @@ class FixedSource(Source):
         uses.update(n for text in texts.values() for n in typed.values for _ in range(text.count(f"{{{n}}}")))
         lines = []
         for v in typed.lines:
-            text, name = v.text.format(**known), part.names.get(v.out)
+            text, name = _joined(v, known).format(**known), part.names.get(v.out)
             name = None if name in arguments else name
             if name is None and uses[v.out] == 1 and len(text) <= LONGEST:
                 known[v.out] = text

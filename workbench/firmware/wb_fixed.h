@@ -31,10 +31,10 @@ static inline int32_t wb_times_most(int32_t a, int32_t b, int by)
 }
 
 /* a 2^up / b, towards zero and no more than 2^30 in size; by the least unit where b is zero. */
-int32_t wb_over(int32_t a, int32_t b, int up);
+WB_CONST int32_t wb_over(int32_t a, int32_t b, int up);
 
 /* The square root of a 2^up, downwards; 0 of what is negative. */
-int32_t wb_root(int32_t a, int up);
+WB_CONST int32_t wb_root(int32_t a, int up);
 
 static inline int32_t wb_min(int32_t a, int32_t b)
 {

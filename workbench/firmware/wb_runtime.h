@@ -85,6 +85,13 @@ static inline uint32_t wb_u32(const uint8_t *bytes)
     return (uint32_t)bytes[0] | ((uint32_t)bytes[1] << 8) | ((uint32_t)bytes[2] << 16) | ((uint32_t)bytes[3] << 24);
 }
 
+/* What hangs on its arguments alone: called once where a law asks twice. */
+#if defined(__GNUC__)
+#define WB_CONST __attribute__((const))
+#else
+#define WB_CONST
+#endif
+
 typedef union {
     uint32_t bits;
     float real;
@@ -212,9 +219,9 @@ static inline float wb_givenf(float a)
 }
 
 /* The root of a word that is not 0, downwards. */
-uint32_t wb_root64(uint64_t word);
+WB_CONST uint32_t wb_root64(uint64_t word);
 
-float wb_sqrtf(float a);
+WB_CONST float wb_sqrtf(float a);
 
 /*
  * The segment i of an amplitude on knots at 2^e (1 + j/m), and whether it lies beyond knot i within the table. The leading bits of a

@@ -155,7 +155,11 @@ class Source:
         if self.stages.both:
             return [f"return {decided};"]
         moved = [f"state->{identifier(n)}" for n in self.stages.states if n in POSITIONS]
-        lines = ["if (wb_encoder_recentre(&state->encoder)) {", *(f"    {n} = {lowered.format(n)};" for n in moved), "}"]
+        lines = [
+            "if (wb_encoder_recentre(&state->encoder)) {",
+            *(f"    {n} = {lowered.format(n)};" for n in moved),
+            "}",
+        ]
         if not moved:
             lines = ["(void)wb_encoder_recentre(&state->encoder);"]
         return ["{", f"    const {self.kind} u_c = {decided};", *(f"    {x}" for x in lines), "    return u_c;", "}"]
