@@ -30,7 +30,7 @@ from workbench.tracing.candidates import CORRECTION, suspects
 from workbench.tracing.free_forms import free_forms
 
 DT, BAND, COUNT = 1e-3, 60.0, 1e-6
-ARCHITECTURE = Path(__file__).resolve().parents[2] / "docs" / "architecture.md"
+ARCHITECTURE = Path(__file__).resolve().parents[2] / "docs" / "architecture"
 MADE = (
     curves.friction_over_speed((0.05, 0.2, 0.6, 2.0)),
     curves.force_over_position((-0.8, -0.2, 0.3, 0.9)),
@@ -405,7 +405,7 @@ def test_no_knot_is_offered_as_a_wrong_value():
 
 
 def test_every_effect_of_the_catalogue_has_a_family_that_the_architecture_names():
-    text = ARCHITECTURE.read_text(encoding="utf-8")
+    text = "".join(p.read_text(encoding="utf-8") for p in ARCHITECTURE.glob("*.md"))
     assert {e.family for e in catalogue().values()} <= set(FAMILIES)
     for e in catalogue().values():
         assert f"| {e.family} |" in text, e.family

@@ -25,7 +25,7 @@ from workbench.plant import ONE_MASS, Plant, places
 from workbench.record import Record, Source
 from workbench.units import effect_unit, to_si
 
-ARCHITECTURE = Path(__file__).resolve().parents[2] / "docs" / "architecture.md"
+ARCHITECTURE = Path(__file__).resolve().parents[2] / "docs" / "architecture" / "catalogue-on-paper.md"
 
 
 def made(step, linear=("gain",), **others) -> Effect:
@@ -228,7 +228,7 @@ def test_an_effect_with_zero_amplitudes_changes_no_result(name):
 
 def table() -> dict[str, tuple[str, list[str]]]:
     """Effect name -> (cell of the port, cell of what it reads as words), from the table of the catalogue."""
-    text = ARCHITECTURE.read_text(encoding="utf-8").partition("## 4.")[2].partition("\n## ")[0]
+    text = ARCHITECTURE.read_text(encoding="utf-8")
     found = {}
     for line in text.splitlines():
         cells = [c.strip() for c in line.strip("|").split("|")]

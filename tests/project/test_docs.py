@@ -125,3 +125,12 @@ def test_the_page_of_types_is_made_of_the_code():
 def test_no_more_than_thirty_words_are_our_own_and_they_are_in_order():
     words = re.findall(r"^\| ([a-z].*?) \| ", (ROOT / "docs" / "glossary.md").read_text("utf-8"), re.MULTILINE)[1:]
     assert 20 <= len(words) <= 30 and words == sorted(words)
+
+
+def test_the_architecture_is_a_map_of_two_thousand_words_at_most_whose_chapters_are_there():
+    text = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
+    assert len(text.split()) <= 2000
+    chapters = set(re.findall(r"\]\((architecture/[\w-]+\.md)\)", text))
+    assert chapters == {f"architecture/{p.name}" for p in (ROOT / "docs" / "architecture").glob("*.md")}
+    for link in re.findall(r"\]\(([^)#:]+)\)", text):
+        assert (ROOT / "docs" / link).exists(), link

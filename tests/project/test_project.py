@@ -217,3 +217,12 @@ def test_the_wheel_holds_every_tracked_file_of_the_package(tracked, tmp_path):
         shipped = set(archive.namelist())
     assert {name for name in tracked if name.startswith("workbench/")} <= shipped
     assert any(name.endswith("/licenses/LICENSE") for name in shipped)
+
+
+def test_a_test_stands_in_the_folder_of_the_package_that_it_is_of():
+    packages = {init.parent.name for init in (ROOT / "workbench").glob("*/__init__.py")}
+    modules = {path.stem for path in (ROOT / "workbench").glob("*.py")}
+    wrong = [str(p) for p in (ROOT / "tests").glob("test_*.py") if p.stem.removeprefix("test_") not in modules]
+    folders = {p.parent.relative_to(ROOT / "tests").parts[0] for p in (ROOT / "tests").glob("*/**/test_*.py")}
+    wrong += sorted(folders - packages - {"project", "studies"})
+    assert not wrong, f"move into tests/PACKAGE, tests/project (the checkout) or tests/studies (one study): {wrong}"
