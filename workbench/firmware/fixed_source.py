@@ -5,13 +5,14 @@ from collections import Counter
 from collections.abc import Mapping
 
 from workbench.firmware.fixed import Typed, Value
+from workbench.firmware.identity import law_code
 from workbench.firmware.naming import identifier
 from workbench.firmware.numbers import Numbers
 from workbench.firmware.parts import Part
 from workbench.firmware.scales import REACH, Scales
 from workbench.firmware.stages import ADDED, COMMAND
 from workbench.firmware.units import power_of, unit
-from workbench.firmware.write import Source, law_code, parameter
+from workbench.firmware.write import Source, parameter
 from workbench.kernel.c import LONGEST, bare
 
 PRODUCT = re.compile(r"(wb_times\(.*, )(\d+)\)", re.DOTALL)

@@ -73,7 +73,9 @@ def ram_of(made: Firmware) -> int:
     n = made.numbers
     factor = 1 if made.source.number_type == "int32_t" and n.knots.size else 0
     knots, rows = max(made.source.knots, 1), max(made.source.rows, 1)
-    table = HEAD + factor + len(n.values) + knots * (1 + rows) + factor * rows  # in fixed point the last knot stands twice
+    table = (
+        HEAD + factor + len(n.values) + knots * (1 + rows) + factor * rows
+    )  # in fixed point the last knot stands twice
     return WORD * (table + ENCODER + len(n.stages.states))
 
 

@@ -1,38 +1,21 @@
 """A law's firmware as C99: the generated header and source, from the same programs that the reference runs."""
 
-import zlib
 from collections.abc import Mapping
 from pathlib import Path
 from string import Template
 
 from workbench import control
+from workbench.firmware.identity import law_code
 from workbench.firmware.naming import identifier
 from workbench.firmware.parts import Part, Stages
 from workbench.firmware.stages import COMMAND, POSITIONS
 from workbench.firmware.units import power_of, unit
 from workbench.kernel.c import Writer, bare
-from workbench.kernel.choice import Choice
 from workbench.simulation.sampled import AMPLITUDE
 
 HERE = Path(__file__).parent
 PARAMETERS = {"now.y": "y", "now.motor.y": "motor_counts", "now.load.y": "load_counts"}
 MOST_KNOTS = 64  # memory that a header sets aside where no table says how many
-
-
-def _law_text(stages: Stages, scales: str = "float32") -> str:
-    """Return what identifies a law: every instruction of its stages, every constant's formula, and the scales."""
-    said = [stages.law.name, stages.feedback, scales, *(c.formula for c in stages.constants)]
-    for part in (stages.start, stages.observe, stages.command):
-        said += [part.name, *part.rows, *map(str, part.constants)]
-        for x in part.program.lines:
-            said.append(f"{x.out} {x.op} {x.a} {x.b} {x.condition if isinstance(x, Choice) else ''}")
-        said += [f"{n} {v}" for n, v in zip(part.outputs, part.program.outputs[0], strict=True)]
-    return "\n".join(said)
-
-
-def law_code(stages: Stages, scales: str = "float32") -> int:
-    """Return the CRC-32 by which a firmware and a table know that they belong together."""
-    return zlib.crc32(_law_text(stages, scales).encode())
 
 
 def _formula_of(stages: Stages) -> str:
