@@ -37,6 +37,7 @@ from workbench.errors import WorkbenchError
 MAGIC, ORDER, VERSION = b"WBTABLE\0", 0x01020304, 1
 HEAD = struct.Struct("<8s9I3f4I32s")
 FLOAT32, FIXED = 1, 2
+ARITHMETICS = {"float32": FLOAT32, "fixed": FIXED}
 JUDGED, TRACED = (
     ("not judged", "requirements met", "requirements not met"),
     ("not traced", "cause", "nothing_missing", "unknown"),
