@@ -8,6 +8,7 @@ from workbench import control
 from workbench.firmware.identity import law_code
 from workbench.firmware.naming import identifier
 from workbench.firmware.parts import Part, Stages
+from workbench.firmware.shared import interpolated
 from workbench.firmware.stages import COMMAND, POSITIONS
 from workbench.firmware.units import power_of, unit
 from workbench.kernel.c import Writer, bare
@@ -125,7 +126,7 @@ class Source:
             lines += [f"amplitude = {seen} * table->head.count;", "i = wb_segment(&table->head, amplitude, &within);"]
             lines += ["beyond = within ? amplitude - table->knot[i] : 0.0f;"]
             for j, n in enumerate(self.stages.columns):
-                lines += [f"{n} = table->row[{2 * j}][i] + table->row[{2 * j + 1}][i] * beyond;"]
+                lines += [f"{n} = {interpolated(f'table->row[{2 * j}][i]', f'table->row[{2 * j + 1}][i]')};"]
                 given[f"gain.{n}"] = n
         else:
             lines += [f"{seen};"]
