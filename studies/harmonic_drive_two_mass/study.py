@@ -26,6 +26,7 @@ from workbench.study.configuration import Study
 from workbench.study.control import write_table
 from workbench.study.controlling import control_of
 from workbench.study.leaving import leave
+from workbench.study.metal import as_firmware, metal
 from workbench.study.outcome import Outcome, Part, with_part
 from workbench.study.series import robustness
 from workbench.tracing.tracing import trace
@@ -81,7 +82,7 @@ def run(study: Study, say) -> Outcome:
     say("gains over the relative displacement")
     over = controllers.over_joint(study, control, fit.plant, model, loop)
     held = controllers.held(study, control, known, model, loop, over, say)
-    outcome = with_part(outcome, contested(study, held, model, full, over))
+    outcome = with_part(outcome, contested(study, held, model, full, over, found.verdict, say))
     outcome = with_part(outcome, robustness(study, held.task, held.makers, say))
     return with_part(outcome, compensation(study, held.task, held.makers, say, margins=partial(margins_of, held)))
 
@@ -95,8 +96,8 @@ def margins_of(held: Contest, name: str, compensator: Compensator, gains: Sequen
     return dict.fromkeys(gains, held[name].median("sensitivity"))
 
 
-def contested(study: Study, held: Contest, model: Assumed, full: Fit, over: Over) -> Part:
-    """Everything about controllers. model: that they were tuned on, from the fit `full`."""
+def contested(study: Study, held: Contest, model: Assumed, full: Fit, over: Over, traced: str, say) -> Part:
+    """Everything about controllers. model: that they were tuned on, from the fit `full`. traced: verdict, which firmware keeps."""
     variable, counts = description.variable_figure(held, over.schedule.reversal)
     printed = paper.rows(held)
     figures, units = controllers.figures_of(held)
@@ -107,7 +108,7 @@ def contested(study: Study, held: Contest, model: Assumed, full: Fit, over: Over
     final = two_modes(over.schedule, tuned[JOINT], "following")
     hunts = hunting.looked_at(task, over, final)
     pumping = max(float(np.max(p.pumping / p.damping)) for p in over.passivity(final))
-    return Part(
+    part = Part(
         figures={
             **figures,
             **counts,
@@ -139,6 +140,7 @@ def contested(study: Study, held: Contest, model: Assumed, full: Fit, over: Over
             "reproduction": as_table(printed),
         },
     )
+    return with_part(part, metal(as_firmware(tuned, choice.name), task, traced, say))
 
 
 def encoders_chapter(held: Contest) -> Chapter:
