@@ -43,7 +43,7 @@ class Compensation:
 
     compensator: Compensator
     observe: Part
-    _act: Part
+    act: Part
     constants: tuple[Constant, ...]
     values: np.ndarray
     tables: Mapping[str, Curve]

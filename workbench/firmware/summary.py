@@ -54,7 +54,7 @@ class Summary:
     gain: float
     sensitivity: float
     measured: Measured | None
-    _moved: Moved | None
+    moved: Moved | None
 
 
 @cache

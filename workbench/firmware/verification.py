@@ -42,7 +42,7 @@ class Compared:
     controller: str
     arithmetic: str
     axes: int
-    _chaotic: int
+    chaotic: int
     final_error: float
     time_1pct: float
     overshoot: float

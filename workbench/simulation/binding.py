@@ -37,7 +37,7 @@ class Bound:
     loop: Loop
     scenarios: ScenarioArrays
     frontier: tuple[tuple, ...]
-    _initial: dict[str, np.ndarray | float]
+    initial: dict[str, np.ndarray | float]
     delays: np.ndarray
     strength: np.ndarray
     table: np.ndarray

@@ -38,7 +38,7 @@ class Basis:
     fit: Fit
     envelope: Envelope
     sensing: Sensing
-    _sample_time: float
+    sample_time: float
     accuracy: float
     load: float
     excess: float

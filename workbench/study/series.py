@@ -38,7 +38,7 @@ Run = Callable[[Work, list[Block], Callable[[str], None]], Iterator[Columns]]
 class Declared:
     """[robustness]. controllers: their names, the one that matters first; none: all. limits: metric -> SI."""
 
-    _varied: tuple[Varied, ...]
+    varied: tuple[Varied, ...]
     draws: int
     seed: int
     confidence: float

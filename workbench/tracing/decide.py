@@ -31,7 +31,7 @@ class Verdict:
     verdict: str
     roles: tuple[str, ...]
     something_else: bool = False
-    _alarms: tuple[str, ...] = ()
+    alarms: tuple[str, ...] = ()
     added: tuple[str, ...] = ()
 
     @property

@@ -37,7 +37,7 @@ class ScoredCandidate:
     suspect: Candidate
     candidate: CandidateScore
     errors: HeldOut
-    _freedom: int
+    freedom: int
     theta: np.ndarray | None = None
     shows: Smallest | None = None
     refitted: Refitted | None = None

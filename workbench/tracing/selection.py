@@ -24,7 +24,7 @@ class Answer:
 
     added: Sequence[ScoredCandidate]
     declared: State
-    _pruned: State | None = None
+    pruned: State | None = None
 
     @property
     def last(self) -> State:

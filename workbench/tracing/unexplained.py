@@ -26,7 +26,7 @@ class Unexplained:
     """place: where it lives, None where nowhere in particular. times: residual over what is calm of it."""
 
     place: Place | None
-    _times: float
+    times: float
 
 
 def instead(declared: State, last: State, level: Mapping[str, float]) -> Place | None:
