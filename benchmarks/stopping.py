@@ -35,6 +35,7 @@ def said_run(study: str, out: str) -> int:
     from workbench import cli, keeping
     from workbench.verbs import progress
 
+    signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell lets what it starts in the background ignore it
     write = keeping.write
 
     def loudly(file, made):

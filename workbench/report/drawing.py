@@ -14,6 +14,7 @@ from textwrap import fill
 
 import numpy as np
 
+from workbench.finding import capital
 from workbench.report import numbers
 from workbench.report.plotted import marked
 from workbench.report.wording import printable
@@ -84,7 +85,7 @@ def svg(
     from matplotlib.backends.backend_svg import FigureCanvasSVG
     from matplotlib.figure import Figure
 
-    title = printable(title)
+    title = capital(printable(title))
     with matplotlib.rc_context(), warnings.catch_warnings():
         # text stays text: a letter that this font lacks is drawn with another one where the figure is shown
         warnings.filterwarnings("ignore", "Glyph .* missing")

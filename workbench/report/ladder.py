@@ -22,12 +22,13 @@ def ladder_chapter(
     time, error, over = held.worst
     scenarios = len(set(climbed.on.scenarios))
     text = (
-        f"The table of rule {rule} is tuned for {len(climbed.on.moves)} moves at once: steps of ten counts to the full travel, both "
+        f"One table serves every move: it takes at most {numbers.number(time)} times as long as gains for one move alone, ends at most "
+        f"{numbers.number(error)} times as far off (or {COUNTS:g} counts), and overshoots by {numbers.percent(over)} at most. That "
+        f"of rule {rule} is tuned for {len(climbed.on.moves)} moves at once: steps of ten counts to the full travel, both "
         "ways, from rest and after a reversal, without and with a load, a slow sine across zero speed and a step of load, each "
         f"the worst of {scenarios} cases of friction and inertia. Each move has a reference: a fixed PD that is tuned "
-        "for it alone with the same limits, or this law with numbers for it alone where that is better. Regret is what the "
-        f"table takes over it: at most {numbers.number(time)} in time and {numbers.number(error)} in error (or {COUNTS:g} counts); "
-        f"it overshoots by {numbers.percent(over)} at most. {_runs_sentence(climbed)}"
+        "for it alone with the same limits, or this law with numbers for it alone where that is better. Regret is the "
+        f"ratio of what the table takes to what its reference takes. {_runs_sentence(climbed)}"
     )
     return Chapter(
         "One table for every move",

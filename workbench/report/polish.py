@@ -15,13 +15,12 @@ ROWS = 9
 def polish_chapter(polished: Polished, held: Promise, plant: Plant) -> Chapter:
     """Gains and times of the closed form, of the nominal and of the robust optimum on simulated steps."""
     text = (
-        "The closed form knows neither delay nor the drive's limit in the course of a step, nor how friction changes along it. "
+        f"What gains that were optimised on a simulated step promise for the nominal plant, the axis does over three encoder phases "
+        f"to within {numbers.scaled(held.deviation, 's')}. The closed form knows neither delay nor the drive's limit in the course of a step, nor how friction changes along it. "
         "From its optimum on, Kp and Kd of each amplitude are optimised on the simulated step itself: 1 % time about the own "
         "final value, rise time and error with the study's weights, overshoot and |S| of the exact sampled loop within their "
         "limits; once for the nominal plant, once for the worst of the study's factors on friction and inertia. "
-        f"What is promised for the nominal plant and what the axis does, over three encoder phases, differ by "
-        f"{numbers.scaled(held.deviation, 's')} at most; {int((~held.read).sum())} small amplitudes were run without counts, of which "
-        "one would be more than their band leaves."
+        f"{int((~held.read).sum())} small amplitudes were run without counts, of which one would be more than their band leaves."
     )
     return Chapter(
         "Gains per amplitude, on the simulated step",
