@@ -126,7 +126,7 @@ def test_requirements_are_named_in_words():
 
 def test_every_requirement_of_every_study_is_named_in_words():
     raw = {}
-    for file in sorted(Path(__file__).resolve().parents[1].glob("studies/*/study.toml")):
+    for file in sorted(Path(__file__).resolve().parents[2].glob("studies/*/study.toml")):
         declared = tomllib.loads(file.read_text(encoding="utf-8"))
         own = declared.get("words", {})
         raw[file.parent.name] = [n for n in declared.get("requirements", {}) if in_words(n, own) == n.replace("_", " ")]
