@@ -10,13 +10,14 @@ from report_example import study
 
 from workbench.finding import Finding
 from workbench.report import write
-from workbench.report.advice import advice_of, headline
+from workbench.report.advice import advice_of, headline, worth_in_short
 from workbench.report.chapters import standard, texts
 from workbench.report.compiling import LEAST, emptiest
 from workbench.report.contents import BAD, GOOD, Callout, Chapter, Check, Figure, Items, Paragraph, Table
 from workbench.report.drawing import svg
 from workbench.report.explained import explained
 from workbench.report.index import write_index
+from workbench.report.opening import records
 from workbench.report.required import in_words, judged
 from workbench.report.wording import bound, typeset
 from workbench.tracing.evidence import Evidence, Explainable
@@ -49,6 +50,19 @@ def test_the_advice_says_a_small_margin_in_per_cent_and_what_speaks_for_the_othe
     assert "Second, the next best, takes 10\u00a0% longer but ends 15\u00a0% nearer (" in text
     text = headline(advised(row("first", 0.1, 7.05e-6), row("second", 0.1, 6.0e-6)))
     assert "takes as long and ends 15\u00a0% nearer" in text
+
+
+def test_what_the_effect_is_worth_is_said_where_a_controller_never_comes_to_rest():
+    rows = [{"controller": "a", "final_error": e, "time_1pct": t} for e, t in ((8e-3, 0.2), (1.9, float("inf")))]
+    said = worth_in_short({"comparison": rows[:1], "comparison_tuned_on_declared": rows[1:]}, "rad")
+    assert said.endswith("within 1 % after 200\u00a0ms; without, 1.90\u00a0rad off, never within 1 %.")
+
+
+def test_a_column_of_motions_that_nobody_named_is_left_out():
+    plain = study()
+    table = records(replace(plain, records=tuple(replace(r, motion="") for r in plain.records))).blocks[-1]
+    assert "motion" not in table.columns and len(table.columns) == len(table.alignment) == len(table.rows[0])
+    assert "motion" in records(plain).blocks[-1].columns
 
 
 def test_the_advice_says_where_two_are_as_good_and_where_none_keeps_what_was_asked():

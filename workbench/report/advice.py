@@ -79,6 +79,10 @@ def _differing(ratio: float, same: str, more: str, less: str, times: str) -> str
     return times.format(numbers.number(ratio, 2 if ratio < 100.0 else 3))
 
 
+def _within(value: float) -> str:
+    return f"within 1 % after {_time(value)}" if isfinite(float(value)) else "never within 1 %"
+
+
 def _time(value: float) -> str:
     return numbers.scaled(float(value), "s") if isfinite(float(value)) else "never"
 
@@ -103,7 +107,6 @@ def worth_in_short(tables: Mapping[str, object], displacement: str) -> str:
         return ""
     knowing = next((r for r in tables["comparison"] if r["controller"] == blind["controller"]), blind)
     was, now = (
-        f"{numbers.scaled(r['final_error'], displacement)} off, within 1 % after {_time(r['time_1pct'])}"
-        for r in (blind, knowing)
+        f"{numbers.scaled(r['final_error'], displacement)} off, {_within(r['time_1pct'])}" for r in (blind, knowing)
     )
     return f"To the controller that is worth this: tuned with what was found, {blind['controller']} ends {now}; without, {was}."

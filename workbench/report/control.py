@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from workbench.finding import capital
 from workbench.plant import ONE_MASS
 from workbench.report import numbers
 from workbench.report.contents import BAD, GOOD, Callout, Chapter, Figure, Items, Marked, Paragraph, Table
@@ -99,13 +100,16 @@ def step_chapter(task: Task, controllers: dict, load: str = "") -> Chapter:
     )
     first = min(ran, key=lambda n: float(ran[n].time_1pct[0]))
     least = min(ran, key=lambda n: float(ran[n].final_error[0]))
-    text = f"First within 1 % of the target is {first}, and {least} ends nearest to it. " + (
-        "With the load on the axis all else is as before."
-        if load
-        else (
-            "The simulated loop has all that the drive has: sampling, a quantised encoder, delay, the velocity filter, torque and "
-            "speed limits, torque noise, and the identified friction. Controllers that are tuned were tuned by the same search on the same "
-            "scenarios, with the same limits, also on its sensitivity."
+    text = (
+        f"{capital(first)} is first within 1 % of the target, and {'it' if first == least else least} ends nearest to it. "
+        + (
+            "With the load on the axis all else is as before."
+            if load
+            else (
+                "The simulated loop has all that the drive has: sampling, a quantised encoder, delay, the velocity filter, torque and "
+                "speed limits, torque noise, and the identified friction. Controllers that are tuned were tuned by the same search on the same "
+                "scenarios, with the same limits, also on its sensitivity."
+            )
         )
     )
     return Chapter("The step, loaded" if load else "The step", (Paragraph(text), figure))
