@@ -97,7 +97,7 @@ def _rounded(made: Sequence[Summary]) -> Table:
     """Every number: as wanted, and its relative error in each arithmetic."""
     each = [quantisation.numbers(s.made) for s in made]
     rows = tuple(
-        (q[0].name.replace("_", " "), q[0].unit, numbers.number(q[0].wanted, 4), *(numbers.number(x.error, 2) for x in q))
+        (q[0].name.replace("_", " "), numbers.unit(q[0].unit), numbers.number(q[0].wanted, 4), *(numbers.number(x.error, 2) for x in q))
         for q in _named(each)
     )  # fmt: skip
     columns = ("number", "unit", "wanted", *(f"error, {s.arithmetic}" for s in made))
@@ -112,7 +112,12 @@ def _named(each):
 def _signals(s: Summary) -> Table:
     """The least unit of every signal in fixed point."""
     rows = tuple(
-        (g.name.replace("_", " "), g.unit, numbers.number(g.least, 2), numbers.number(g.largest, 3))
+        (
+            g.name.replace("_", " ").replace(".", ": "),
+            numbers.unit(g.unit),
+            numbers.number(g.least, 2),
+            numbers.number(g.largest, 3),
+        )
         for g in quantisation.grains(s.made)
     )
     return Table(("signal", "unit", "least unit", "largest"), rows, "Signals in fixed point.", "llrr")

@@ -15,12 +15,14 @@ from workbench.plant import TWO_MASS, Plant
 from workbench.readers.declaration import Table
 from workbench.record import VALIDATION, Record
 from workbench.report import control as chapters
+from workbench.report import numbers
 from workbench.report.ladder import as_table as ladder_table
 from workbench.report.ladder import figures_of as ladder_figures
 from workbench.report.ladder import ladder_chapter
 from workbench.report.polish import as_table as gains_table
 from workbench.report.polish import polish_chapter
 from workbench.report.recommend import RECOMMENDED, recommended_chapter
+from workbench.report.wording import listed
 from workbench.schedule import Schedule
 from workbench.study.compensating import asked, compensation, with_compensated
 from workbench.study.configuration import Study
@@ -224,7 +226,7 @@ def _assumptions(top: Table, control: Control, shown: Shown | None) -> tuple[Fin
     sentence = (
         f"The gains are for a loop of {1e3 * loop.sample_time:.4g} ms with {1e3 * loop.delay:.4g} ms of delay, an encoder of "
         f"{loop.resolution:.3g} {x}, and a step of {task.step:.3g} {x} at no more than {control.speed_limit:.3g} {x}/s; of "
-        f"these, {', '.join(left)} are assumed from record '{shown.record}'."
+        f"these, {listed(left)} are assumed from record '{shown.record}'."
     )
     return (Finding(ASSUMED, "gains", sentence, {}, "State what is known of them in study.toml."),)
 
@@ -235,8 +237,8 @@ def _raised(control: Control, made: Designed) -> tuple[Finding, ...]:
     if lowest <= control.amplitudes[0]:
         return ()
     sentence = (
-        f"Below {lowest:.3g} {x} no gains keep |S| below {control.goal.sensitivity:g} and the overshoot against the axis's own "
-        f"stiffness in a loop of {1e3 * control.loop.sample_time:.4g} ms; those of {lowest:.3g} {x} are held there."
+        f"Below {numbers.scaled(lowest, x)} no gains keep |S| below {control.goal.sensitivity:g} and the overshoot against the axis's own "
+        f"stiffness in a loop of {1e3 * control.loop.sample_time:.4g} ms; those of {numbers.scaled(lowest, x)} are held there."
     )
     return (Finding("constraint dropped", "gains", sentence, {"lowest": lowest}, "Sample faster, or delay less."),)
 
