@@ -25,10 +25,10 @@ from workbench.study import standard
 from workbench.study.configuration import Study
 from workbench.study.control import write_gains
 from workbench.study.controlling import Control, control_of, numbers
-from workbench.study.hunting import limit_cycles
 from workbench.study.leaving import leave
+from workbench.study.limit_cycle import limit_cycles
 from workbench.study.outcome import Outcome, Part, with_part
-from workbench.study.series import robustness
+from workbench.study.robustness import robustness
 from workbench.tracing.tracing import trace
 from workbench.verification.contest import as_table as contest_table
 from workbench.verification.margin import against_margin

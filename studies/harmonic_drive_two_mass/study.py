@@ -27,7 +27,7 @@ from workbench.study.control import write_table
 from workbench.study.controlling import control_of
 from workbench.study.leaving import leave
 from workbench.study.outcome import Outcome, Part, with_part
-from workbench.study.series import robustness
+from workbench.study.robustness import robustness
 from workbench.tracing.tracing import trace
 from workbench.verification.contest import Contest, verdict
 from workbench.verification.contest import as_table as contest_table

@@ -13,7 +13,7 @@ from workbench.firmware import firmware, host
 from workbench.firmware.image import read
 from workbench.firmware.summary import known, ram_of, rounding, summary
 from workbench.report.firmware import firmware_chapter
-from workbench.study.metal import metal
+from workbench.study.firmware import firmware_part
 from workbench.verification.task import Task
 
 EFFECTS = (
@@ -30,7 +30,7 @@ def silent(_):
 
 def test_a_study_leaves_firmware_and_its_page(tmp_path):
     need_compiler()
-    part = metal("scheduled PD", lambda lanes: scheduled_pd(Gains), TASK, "cause", silent)
+    part = firmware_part("scheduled PD", lambda lanes: scheduled_pd(Gains), TASK, "cause", silent)
     assert part.figures["firmware_error_counts"] <= 2.0 and part.figures["firmware_bits_equal"] == 1.0
     (chapter,) = part.chapters
     assert chapter.title == "Firmware" and len([b for b in chapter.blocks if hasattr(b, "columns")]) == 3
@@ -43,14 +43,14 @@ def test_a_study_leaves_firmware_and_its_page(tmp_path):
 
 def test_without_a_compiler_the_page_says_so(monkeypatch):
     monkeypatch.setattr(host.shutil, "which", lambda name: None)
-    part = metal("fixed PD", lambda lanes: fixed_pd(900.0, 5.0), TASK, "unknown", silent)
+    part = firmware_part("fixed PD", lambda lanes: fixed_pd(900.0, 5.0), TASK, "unknown", silent)
     assert "firmware_error_counts" not in part.figures
     assert "no C compiler here" in str(part.chapters[0].blocks)
 
 
 def test_an_axis_without_counts_has_no_firmware():
     task = replace(TASK, loop=replace(LOOP, resolution=0.0))
-    assert metal("fixed PD", lambda lanes: fixed_pd(900.0, 5.0), task, "cause", silent).chapters == ()
+    assert firmware_part("fixed PD", lambda lanes: fixed_pd(900.0, 5.0), task, "cause", silent).chapters == ()
 
 
 @pytest.mark.parametrize("arithmetic", ["float32", "fixed"])

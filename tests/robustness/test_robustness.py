@@ -36,7 +36,7 @@ from workbench.robustness.local import on_threads
 from workbench.robustness.perspective import ranking, share_beyond_worst, statement
 from workbench.robustness.workload import Block, digest, probe
 from workbench.simulation import Loop
-from workbench.study.series import declared, robustness
+from workbench.study.robustness import declared, robustness
 from workbench.verification.task import Task
 
 LOOP = Loop(2.5e-4, 2, 2.5e-4, 2.5e-4, 4.848e-6)

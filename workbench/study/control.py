@@ -25,12 +25,12 @@ from workbench.schedule import Schedule
 from workbench.study.compensating import asked, compensation, with_compensated
 from workbench.study.configuration import Study
 from workbench.study.controlling import Control, Shown, control_of
-from workbench.study.driving import driven
-from workbench.study.hunting import limit_cycles
+from workbench.study.drive import driven
+from workbench.study.firmware import firmware_part
 from workbench.study.leaving import leave
-from workbench.study.metal import metal
+from workbench.study.limit_cycle import limit_cycles
 from workbench.study.outcome import NOT_TUNED, Outcome, Part, with_part
-from workbench.study.series import robustness, slug
+from workbench.study.robustness import robustness, slug
 from workbench.tracing.result import Trace
 from workbench.tuning import OutOfReach
 from workbench.verification.assumed import loop_of, move_of
@@ -120,7 +120,7 @@ def run(
         part = with_part(part, limit_cycles(study, task, makers, say))
     if "compensation" in study.table:
         part = with_part(part, compensation(study, task, makers, say, margins=partial(margins, made, task)))
-    firm = metal(choice.name, made.tuned[choice.name].controller, task, found.verdict, say)
+    firm = firmware_part(choice.name, made.tuned[choice.name].controller, task, found.verdict, say)
     part = with_part(part, firm)
     if "drive" in study.table:
         part = with_part(part, driven(study, task, made, records, bandwidth, control.rule, say))

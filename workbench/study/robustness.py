@@ -186,7 +186,7 @@ def _figures_of(found: Series) -> dict[str, float]:
 
 def robustness(study: Study, task: Task, makers, say: Callable[[str], None]) -> Part:
     """Run what [robustness] of a study declares, on the plant of the task, for controllers name -> maker(lanes)."""
-    from workbench.report.series import chapter
+    from workbench.report.robustness import chapter
 
     asked = declared(study.table, task)
     makers = chosen(makers, asked.controllers, f"{study.table.path('robustness')}.controllers")

@@ -18,7 +18,7 @@ FOLDER = "firmware"
 NONE = "no firmware"
 
 
-def metal(name: str, controller: Callable[[int], Controller], task: Task, traced: str, say) -> Part:
+def firmware_part(name: str, controller: Callable[[int], Controller], task: Task, traced: str, say) -> Part:
     """Return the firmware's part of a study; a finding where it has none (a drive without a limit, no counts).
 
     controller(lanes). traced: the trace's verdict, which the table keeps; whether requirements are met is not known before the study ends.

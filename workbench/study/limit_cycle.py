@@ -13,7 +13,7 @@ from workbench.robustness.workload import single
 from workbench.study.configuration import Study
 from workbench.study.controlling import numbers
 from workbench.study.outcome import Part
-from workbench.study.series import chosen, slug
+from workbench.study.robustness import chosen, slug
 from workbench.verification.task import Task
 
 OPTIONAL = ("first", "second", "count", "largest", "duration", "inertia", "friction")
@@ -62,7 +62,7 @@ def _asked_of(top: Table, task: Task) -> Asked:
 
 def limit_cycles(study: Study, task: Task, makers, say: Callable[[str], None]) -> Part:
     """Run what [limit_cycle] of a study declares, for controllers name -> maker(lanes)."""
-    from workbench.report.hunting import chapter
+    from workbench.report.limit_cycle import chapter
 
     asked = _asked_of(study.table, task)
     makers = chosen(makers, asked.controllers, f"{study.table.path('limit_cycle')}.controllers")
