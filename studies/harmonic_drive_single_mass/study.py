@@ -104,8 +104,10 @@ def contested(study: Study, control: Control, model: Plant, known: Plant, say) -
     figures, units = controllers.figures_of(held)
     loaded = replace(held.task, load_inertias=(disc,))
     steps = (
-        control_chapters.step_chapter(held.task, {n: held[n].maker for n in SHOWN}),
-        control_chapters.step_chapter(loaded, {n: held[n].maker for n in (PAPER, SOFT, CASCADE, PROFILE_PI)}, "loaded"),
+        control_chapters.step_chapter(held.task, {n: held[n].factory for n in SHOWN}),
+        control_chapters.step_chapter(
+            loaded, {n: held[n].factory for n in (PAPER, SOFT, CASCADE, PROFILE_PI)}, "loaded"
+        ),
     )
     against = contest_chapter(
         held, (PAPER, ERROR, PROFILE_PI), BASELINES, tuple(n for n in held.standings if n not in (SOFT, NOMINAL, TRADE))
@@ -156,9 +158,9 @@ def contested(study: Study, control: Control, model: Plant, known: Plant, say) -
         ),
     )
     if "robustness" in study.table:
-        part = with_part(part, robustness(study, held.task, held.makers, say))
+        part = with_part(part, robustness(study, held.task, held.factories, say))
     if "limit_cycle" in study.table:
-        part = with_part(part, limit_cycles(study, held.task, held.makers, say))
+        part = with_part(part, limit_cycles(study, held.task, held.factories, say))
     return part
 
 

@@ -67,8 +67,8 @@ def run(
     made = with_compensated(made, given, task, control.seeds, say)
     say("comparing the controllers")
     ours = f"scheduled PD ({control.rule})"
-    makers = {name: tuned.controller for name, tuned in made.tuned.items()}
-    comparison = verdicts(compare(task, makers), ours, BASELINES, plant.displacement)
+    factories = {name: tuned.controller for name, tuned in made.tuned.items()}
+    comparison = verdicts(compare(task, factories), ours, BASELINES, plant.displacement)
     choice = recommend(task, made.tuned, plant.displacement)
     kept, held = promise(plant, made.polished, task), made.climbed.regret
     against, tuned_too = _on_ladder(made)
@@ -77,7 +77,7 @@ def run(
         polish_chapter(made.polished, kept, plant),
         chapters.schedule_chapter(made, control.rule),
         ladder_chapter(made.climbed, held, plant, control.rule, against, tuned_too),
-        chapters.step_chapter(task, makers),
+        chapters.step_chapter(task, factories),
         chapters.comparison_chapter(comparison, task),
     ]
     figures, units = _figures_of(made, comparison, ours, plant.displacement)
@@ -113,13 +113,13 @@ def run(
     said = (advice, *_assumptions(study.table, control, shown), *_raised(control, made), *limits, *comparison.findings)
     part = Part(figures, units, tuple(parts), said, tables, files)
     if "robustness" in study.table:
-        part = with_part(part, robustness(study, task, makers, say))
+        part = with_part(part, robustness(study, task, factories, say))
         share = part.figures.get(f"share_beyond_final_error_{slug(choice.name)}")
         part = part if share is None else replace(part, figures={**part.figures, "recommended_share_beyond": share})
     if "limit_cycle" in study.table:
-        part = with_part(part, limit_cycles(study, task, makers, say))
+        part = with_part(part, limit_cycles(study, task, factories, say))
     if "compensation" in study.table:
-        part = with_part(part, compensation(study, task, makers, say, margins=partial(margins, made, task)))
+        part = with_part(part, compensation(study, task, factories, say, margins=partial(margins, made, task)))
     firm = firmware_part(choice.name, made.tuned[choice.name].controller, task, found.verdict, say)
     part = with_part(part, firm)
     if "drive" in study.table:

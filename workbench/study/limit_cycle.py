@@ -60,15 +60,15 @@ def _asked_of(top: Table, task: Task) -> Asked:
     )
 
 
-def limit_cycles(study: Study, task: Task, makers, say: Callable[[str], None]) -> Part:
-    """Run what [limit_cycle] of a study declares, for controllers name -> maker(lanes)."""
+def limit_cycles(study: Study, task: Task, factories, say: Callable[[str], None]) -> Part:
+    """Run what [limit_cycle] of a study declares, for controllers name -> factory(lanes)."""
     from workbench.report.limit_cycle import chapter
 
     asked = _asked_of(study.table, task)
-    makers = chosen(makers, asked.controllers, f"{study.table.path('limit_cycle')}.controllers")
+    factories = chosen(factories, asked.controllers, f"{study.table.path('limit_cycle')}.controllers")
     first, second = (np.geomspace(*span, asked.count) for span in (asked.first, asked.second))
     found = {}
-    for name, make in makers.items():
+    for name, make in factories.items():
         say(f"limit cycles of {name}")
         found[name] = region(
             task.plant, task.loop, single(make(1)), first, second, asked.largest, asked.duration,

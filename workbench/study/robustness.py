@@ -123,32 +123,32 @@ def slug(name: str) -> str:
     return re.sub(r"[^a-z0-9]+", "_", name.lower()).strip("_")
 
 
-def chosen(makers: Mapping[str, Callable[[int], Controller]], wanted: tuple[str, ...], where: str):
+def chosen(factories: Mapping[str, Callable[[int], Controller]], wanted: tuple[str, ...], where: str):
     """Return the controllers that are asked for, in that order; WorkbenchError with the nearest names."""
     for name in wanted:
-        if name not in makers:
-            raise WorkbenchError(f"{where}: there is no controller '{name}'; {nearest(name, makers)}")
-    return {n: makers[n] for n in wanted or makers}
+        if name not in factories:
+            raise WorkbenchError(f"{where}: there is no controller '{name}'; {nearest(name, factories)}")
+    return {n: factories[n] for n in wanted or factories}
 
 
-def _on_grid(task: Task, makers, asked: Declared) -> OfGrid:
+def _on_grid(task: Task, factories, asked: Declared) -> OfGrid:
     """Return each controller's errors over factors on inertia and friction, the worst of PHASES encoder phases."""
     scenarios = task.scenarios((0.0,), asked.frictions, asked.inertias, PHASES)
     shape = (len(asked.frictions), len(asked.inertias), PHASES)
     errors, times = {}, {}
-    for name, make in makers.items():
+    for name, make in factories.items():
         m = task.run(make(scenarios.lanes), scenarios)
         errors[name] = m.final_error.reshape(shape).max(axis=2)
         times[name] = m.time_1pct.reshape(shape).max(axis=2)
     return OfGrid(asked.inertias, asked.frictions, errors, times)
 
 
-def _series(task: Task, makers, asked: Declared, run: Run, say: Callable[[str], None]) -> Series:
+def _series(task: Task, factories, asked: Declared, run: Run, say: Callable[[str], None]) -> Series:
     """Return all that is found of a series of axes. run: who runs the blocks."""
     say("robustness: the grid")
-    grid = _on_grid(task, makers, asked)
+    grid = _on_grid(task, factories, asked)
     say(f"robustness: {asked.draws} axes")
-    given, cases = work(task, makers, asked.varied), independent(asked.varied, asked.draws, asked.seed)
+    given, cases = work(task, factories, asked.varied), independent(asked.varied, asked.draws, asked.seed)
     columns = joined(run(given, blocks(cases), say))
     return Series(
         work=given,
@@ -184,13 +184,13 @@ def _figures_of(found: Series) -> dict[str, float]:
     return out
 
 
-def robustness(study: Study, task: Task, makers, say: Callable[[str], None]) -> Part:
-    """Run what [robustness] of a study declares, on the plant of the task, for controllers name -> maker(lanes)."""
+def robustness(study: Study, task: Task, factories, say: Callable[[str], None]) -> Part:
+    """Run what [robustness] of a study declares, on the plant of the task, for controllers name -> factory(lanes)."""
     from workbench.report.robustness import chapter
 
     asked = declared(study.table, task)
-    makers = chosen(makers, asked.controllers, f"{study.table.path('robustness')}.controllers")
-    found = _series(task, makers, asked, _runner(study.scheduler), say)
+    factories = chosen(factories, asked.controllers, f"{study.table.path('robustness')}.controllers")
+    found = _series(task, factories, asked, _runner(study.scheduler), say)
     x = task.plant.displacement
     figures = _figures_of(found)
     units = {n: x for n in figures if n.startswith(("grid_error", "drawn_error"))}

@@ -28,7 +28,7 @@ RULES = ("frozen", "following", "error")
 
 
 @dataclass(frozen=True, eq=False)
-class LineUp:
+class Controllers:
     """equivalent, gains: at the tuned amplitudes. schedule: through the gains. linear: what sensitivities are asked of.
     feed_forward: of the model. families: of every controller that is tuned."""
 
@@ -52,9 +52,9 @@ def feed_forward_of(plant: Plant, counts: float) -> FeedForward:
     return FeedForward(mass, speeds, sliding_torque(plant, speeds, counts))
 
 
-def line_up(
+def controllers_of(
     plant: Plant, amplitudes: np.ndarray, goal: TuningGoal, task: Task, *, per_octave: int = 2, tolerance: float = 0.1
-) -> LineUp:
+) -> Controllers:
     """Describe the plant, tune gains at amplitudes (n,), fit the schedule, and make the families of all controllers."""
     loop, step = task.loop, task.step
     equivalent, gains = gains_of(plant, amplitudes, goal, loop)
@@ -85,4 +85,4 @@ def line_up(
         profile_family(linear, (kv, kd, ki, braking), speed, step),
         profile_family(linear, (kv, kd, ki, braking), speed, step, known),
     )
-    return LineUp(plant, goal, equivalent, gains, schedule, linear, known, families)
+    return Controllers(plant, goal, equivalent, gains, schedule, linear, known, families)
