@@ -8,7 +8,7 @@ from math import isfinite
 import numpy as np
 
 from workbench.errors import WorkbenchError
-from workbench.finding import Finding, title
+from workbench.finding import NOT_TUNED, RESPONSE_LIMITS, Finding, title
 from workbench.frequency import Response
 from workbench.identification.passes import InverseDynamics
 from workbench.plant import TWO_MASS, Plant
@@ -29,7 +29,7 @@ from workbench.study.drive import driven
 from workbench.study.firmware import firmware_part
 from workbench.study.leaving import leave
 from workbench.study.limit_cycle import limit_cycles
-from workbench.study.outcome import NOT_TUNED, Outcome, Part, with_part
+from workbench.study.outcome import Outcome, Part, with_part
 from workbench.study.robustness import robustness, slug
 from workbench.tracing.result import Trace
 from workbench.tuning import OutOfReach
@@ -108,7 +108,7 @@ def run(
         lambda folder: write_gains(made, control, folder),
         lambda folder: leave(made.tuned, choice.name, plant, task.loop.sample_time, folder / "gains", ours, task),
     )
-    limits = tuple(f for f in made.findings if f.kind == "response limits")
+    limits = tuple(f for f in made.findings if f.kind == RESPONSE_LIMITS)
     advice = Finding(RECOMMENDED, "gains", choice.sentence, {}, "")
     said = (advice, *_assumptions(study.table, control, shown), *_raised(control, made), *limits, *comparison.findings)
     part = Part(figures, units, tuple(parts), said, tables, files)

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from workbench.control import FeedForward, grid
+from workbench.control.laws import ERROR, FOLLOWING, FROZEN
 from workbench.description import Equivalent
 from workbench.plant import Plant
 from workbench.schedule import Schedule, fit_schedule
@@ -24,7 +25,6 @@ from workbench.verification.linear import Linear
 from workbench.verification.task import Task
 
 SLOWEST = 1e-3  # of the speed limit: first knot of the friction that is fed forward
-RULES = ("frozen", "following", "error")
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,7 +78,7 @@ def controllers_of(
     soft = soft_gains(linear.inertia, plant.limits.drive, plant.limits.speed)
     known = feed_forward_of(plant, loop.resolution)
     families = (
-        *(scheduled_family(linear, schedule, rule, (kp, kd), soft=soft) for rule in RULES),
+        *(scheduled_family(linear, schedule, rule, (kp, kd), soft=soft) for rule in (FROZEN, FOLLOWING, ERROR)),
         scheduled_family(linear, schedule, "error", (kp, kd), braking, speed),
         pd_family(linear, (kp, kd)),
         cascade_family(linear, (kv, kd, ki), speed),
