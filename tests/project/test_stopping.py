@@ -10,11 +10,10 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
-# A job that a shell began in the background ignores an interrupt, and hands that on.
-HEARS = "import signal; signal.signal(signal.SIGINT, signal.default_int_handler)"
 BUSY = """
-import argparse, sys, time
+import argparse, signal, sys, time
 from pathlib import Path
+signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell lets what it starts in the background ignore it
 from workbench import cli, outputs
 class Busy:
     def do(given):
@@ -43,7 +42,7 @@ def stopped(tmp_path, work: str, number: int, words: int = 1):
     """Return (exit code, s from the signal to the end, what was said) of a command that is stopped within `work`."""
     code = BUSY.format(out=str(tmp_path / "out"), work=work)
     started = subprocess.Popen(
-        [sys.executable, "-c", HEARS + code], cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+        [sys.executable, "-c", code], cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
     )
     try:
         for _ in range(words):
@@ -52,9 +51,9 @@ def stopped(tmp_path, work: str, number: int, words: int = 1):
         began = time.monotonic()
         os.kill(started.pid, number)
         _, said = started.communicate(timeout=20)
+        return started.returncode, time.monotonic() - began, said
     finally:
-        started.kill()  # what does not stop would go on for ever
-    return started.returncode, time.monotonic() - began, said
+        started.kill()
 
 
 @pytest.mark.parametrize(

@@ -26,7 +26,7 @@ from workbench.study.configuration import Study
 from workbench.study.control_results import assumptions, controllers_table, figures_of, raised, recommended_figures
 from workbench.study.controlling import Control, Shown, control_of
 from workbench.study.drive import driven
-from workbench.study.firmware import firmware_part
+from workbench.study.firmware import as_firmware, firmware_part
 from workbench.study.leaving import leave
 from workbench.study.limit_cycle import limit_cycles
 from workbench.study.outcome import Outcome, Part, with_part
@@ -119,8 +119,7 @@ def run(
         part = with_part(part, limit_cycles(study, task, factories, say))
     if "compensation" in study.table:
         part = with_part(part, compensation(study, task, factories, say, margins=partial(margins, made, task)))
-    firm = firmware_part(choice.name, made.tuned[choice.name].controller, task, found.verdict, say)
-    part = with_part(part, firm)
+    part = with_part(part, firmware_part(as_firmware(made.tuned, choice.name), task, found.verdict, say))
     if "drive" in study.table:
         part = with_part(part, driven(study, task, made, records, bandwidth, control.rule, say))
     return part

@@ -4,6 +4,8 @@ import numpy as np
 
 from workbench.finding import Finding
 from workbench.readers.declaration import Table
+from workbench.report import numbers
+from workbench.report.wording import listed
 from workbench.study.controlling import Control, Shown
 from workbench.verification.compare import Comparison
 from workbench.verification.design import Designed
@@ -60,7 +62,7 @@ def assumptions(top: Table, control: Control, shown: Shown | None) -> tuple[Find
     sentence = (
         f"The gains are for a loop of {1e3 * loop.sample_time:.4g} ms with {1e3 * loop.delay:.4g} ms of delay, an encoder of "
         f"{loop.resolution:.3g} {x}, and a step of {task.step:.3g} {x} at no more than {control.speed_limit:.3g} {x}/s; of "
-        f"these, {', '.join(left)} are assumed from record '{shown.record}'."
+        f"these, {listed(left)} are assumed from record '{shown.record}'."
     )
     return (Finding(ASSUMED, "gains", sentence, {}, "State what is known of them in study.toml."),)
 
@@ -71,7 +73,7 @@ def raised(control: Control, made: Designed) -> tuple[Finding, ...]:
     if lowest <= control.amplitudes[0]:
         return ()
     sentence = (
-        f"Below {lowest:.3g} {x} no gains keep |S| below {control.goal.sensitivity:g} and the overshoot against the axis's own "
-        f"stiffness in a loop of {1e3 * control.loop.sample_time:.4g} ms; those of {lowest:.3g} {x} are held there."
+        f"Below {numbers.scaled(lowest, x)} no gains keep |S| below {control.goal.sensitivity:g} and the overshoot against the axis's own "
+        f"stiffness in a loop of {1e3 * control.loop.sample_time:.4g} ms; those of {numbers.scaled(lowest, x)} are held there."
     )
     return (Finding("constraint dropped", "gains", sentence, {"lowest": lowest}, "Sample faster, or delay less."),)
