@@ -1,7 +1,6 @@
 """The compiled firmware in the loop: it moves axes as the law in float64 does, and a study's axes are driven by it."""
 
 import json
-import time
 
 import numpy as np
 import pytest
@@ -14,16 +13,14 @@ from workbench.definition import find
 from workbench.firmware import firmware, quantisation
 from workbench.firmware.document import document
 from workbench.firmware.image import read
-from workbench.firmware.loop import Compiled, run_firmware
+from workbench.firmware.loop import run_firmware
 from workbench.firmware.verification import judged, same_bits
 from workbench.plant import ONE_MASS, TWO_MASS, Limits, Plant
 from workbench.robustness import worst
 from workbench.robustness.cases import Varied
 from workbench.robustness.distribution import Distribution
 from workbench.robustness.workload import Work
-from workbench.simulation import Criteria, Loop, ScenarioArrays, simulate
-from workbench.simulation.binding import bind
-from workbench.simulation.run import run_lanes
+from workbench.simulation import Loop, ScenarioArrays, simulate
 from workbench.verification.task import Task
 
 LOOP = Loop(2.5e-4, 4, 2.5e-4, 2.5e-4, COUNT)
@@ -67,26 +64,6 @@ def test_two_masses_are_moved_too():
     assert np.isfinite(law.time_1pct).all()
     assert np.abs(law.final_error - run.final_error).max() < 2.0 * COUNT
     assert np.abs(law.time_1pct - run.time_1pct).max() < 1e-4
-
-
-@pytest.mark.parametrize("arithmetic", ARITHMETICS)
-def test_the_loop_with_firmware_takes_no_longer_than_twice_the_scalar_kernel(arithmetic):
-    need_compiler()
-    scenarios, c = ScenarioArrays(1, target=TO), scheduled_pd(Gains)
-    bound = bind(AXIS, LOOP, c, scenarios, 20000, Criteria())
-    open_bound = bind(AXIS, LOOP, None, scenarios, 20000, Criteria())
-    run_lanes(bound, lanes=1, threads=1)
-    compiled = Compiled(firmware(c, LOOP, AXIS, arithmetic), open_bound)
-
-    def least(call) -> float:
-        spent = []
-        for _ in range(5):
-            start = time.process_time()  # of this process alone, whatever else the machine does
-            call()
-            spent.append(time.process_time() - start)
-        return min(spent)
-
-    assert least(lambda: compiled.lane(open_bound, 0)) < 2.0 * least(lambda: run_lanes(bound, lanes=1, threads=1))
 
 
 def outputs(folder) -> None:
