@@ -9,7 +9,8 @@ from made_joints import BAND, K, joint, jointed
 
 from workbench.campaign import load
 from workbench.definition import find
-from workbench.finding import CARRIES_NOTHING, idle
+from workbench.finding import CARRIES_NOTHING
+from workbench.identification.carrying import idle
 from workbench.identification.clocks import plain
 from workbench.identification.fit import identify, inverse_dynamics
 from workbench.tracing.candidates import ADDITION, CORRECTION, suspects
