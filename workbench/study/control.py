@@ -30,7 +30,7 @@ from workbench.study.controlling import Control, Shown, control_of
 from workbench.study.driving import driven
 from workbench.study.hunting import limit_cycles
 from workbench.study.leaving import leave
-from workbench.study.metal import metal
+from workbench.study.metal import as_firmware, metal
 from workbench.study.outcome import NOT_TUNED, Outcome, Part, with_part
 from workbench.study.series import robustness, slug
 from workbench.tracing.result import Trace
@@ -122,8 +122,7 @@ def run(
         part = with_part(part, limit_cycles(study, task, makers, say))
     if "compensation" in study.table:
         part = with_part(part, compensation(study, task, makers, say, margins=partial(margins, made, task)))
-    firm = metal(choice.name, made.tuned[choice.name].controller, task, found.verdict, say)
-    part = with_part(part, firm)
+    part = with_part(part, metal(as_firmware(made.tuned, choice.name), task, found.verdict, say))
     if "drive" in study.table:
         part = with_part(part, driven(study, task, made, records, bandwidth, control.rule, say))
     return part
