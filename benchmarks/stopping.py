@@ -24,10 +24,8 @@ from workbench.interruption import PATIENCE
 ROOT = Path(__file__).resolve().parent.parent
 LATEST = 1.0  # s from the stop to the end of the process
 EARLY = {-signal.SIGINT, -signal.SIGTERM}  # exit codes of a stop before the command itself has begun
-MOMENTS = (
-    0.5,
-    12.0,
-)  # s of a processor after a start: more than the longest step takes, or no run would come to its end
+# s of a processor after a start: up to more than the longest step takes, or no run would come to its end
+MOMENTS = (0.5, 25.0)
 POLL = 0.2  # s between two looks at how much was used
 
 
