@@ -6,8 +6,6 @@ identifies the model, and tunes on the identified one. The controllers are judge
 
 from dataclasses import replace
 
-from workbench.study.metal import as_firmware, metal
-
 from workbench.exporting.feed_forward import export_feed_forward
 from workbench.finding import Finding
 from workbench.identification.fit import identify, inverse_dynamics
@@ -27,6 +25,7 @@ from workbench.study import standard
 from workbench.study.configuration import Study
 from workbench.study.control import write_gains
 from workbench.study.controlling import Control, control_of, numbers
+from workbench.study.firmware import as_firmware, firmware_part
 from workbench.study.leaving import leave
 from workbench.study.limit_cycle import limit_cycles
 from workbench.study.outcome import Outcome, Part, with_part
@@ -163,7 +162,7 @@ def contested(study: Study, control: Control, model: Plant, known: Plant, traced
         part = with_part(part, robustness(study, held.task, held.factories, say))
     if "limit_cycle" in study.table:
         part = with_part(part, limit_cycles(study, held.task, held.factories, say))
-    return with_part(part, metal(as_firmware(tuned, choice.name), held.task, traced, say))
+    return with_part(part, firmware_part(as_firmware(tuned, choice.name), held.task, traced, say))
 
 
 def second(study: Study, control: Control, say) -> Part:

@@ -9,7 +9,6 @@ from dataclasses import replace
 from functools import partial
 
 import numpy as np
-from workbench.study.metal import as_firmware, metal
 
 from workbench.compensation import REFERENCE, Compensator
 from workbench.errors import WorkbenchError
@@ -26,6 +25,7 @@ from workbench.study.compensating import compensation
 from workbench.study.configuration import Study
 from workbench.study.control import write_table
 from workbench.study.controlling import control_of
+from workbench.study.firmware import as_firmware, firmware_part
 from workbench.study.leaving import leave
 from workbench.study.outcome import Outcome, Part, with_part
 from workbench.study.robustness import robustness
@@ -140,7 +140,7 @@ def contested(study: Study, held: Contest, model: Assumed, full: Fit, over: Over
             "reproduction": as_table(printed),
         },
     )
-    return with_part(part, metal(as_firmware(tuned, choice.name), task, traced, say))
+    return with_part(part, firmware_part(as_firmware(tuned, choice.name), task, traced, say))
 
 
 def encoders_chapter(held: Contest) -> Chapter:
