@@ -105,7 +105,7 @@ def contested(study: Study, held: Contest, model: Assumed, full: Fit, over: Over
     tuned = {n: s.tuned.median for n, s in held.standings.items() if s.tuned}
     choice = recommend(task, tuned, "rad")
     final = two_modes(over.schedule, tuned[JOINT], "following")
-    hunts = hunting.looked_at(task, over, final)
+    hunts = hunting.looked_at(task, over, final, tuned[JOINT])
     pumping = max(float(np.max(p.pumping / p.damping)) for p in over.passivity(final))
     return Part(
         figures={
@@ -148,8 +148,9 @@ def encoders_chapter(held: Contest) -> Chapter:
     text = (
         "The same cascade, tuned alike, on the motor's encoder, on the output's, and with the position of the output and the speed "
         "of the motor. Between torque and the output's encoder lies the joint, whose resonance turns the phase: speed from there "
-        "needs a filter, and its time constant is tuned with the gains. With "
-        f"{1e3 * numbers['velocity_filter']:.2g} ms and a gain of {numbers['kvp']:.2g} N·m·s/rad the output's encoder alone comes to "
+        "needs a filter, and its time constant and a notch are tuned with the gains, as of every law here. With "
+        f"{1e3 * numbers['velocity_filter']:.2g} ms, a notch at {numbers['notch']:.0f} Hz to {numbers['notch depth']:.2g} and a gain of "
+        f"{numbers['kvp']:.2g} N·m·s/rad the output's encoder alone comes to "
         f"{held.over_bound(ON_LOAD):.3f} of the bound, {1e6 * one.median('error'):.0f} µrad nominally and "
         f"{1e6 * one.median('error_grid'):.0f} µrad over the grid. What the second encoder is worth is what the others gain on that."
     )

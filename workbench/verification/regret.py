@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from workbench.verification.families import Family
-from workbench.verification.gain_table import GainTable
+from workbench.verification.gain_table import FILTERS, GainTable
 from workbench.verification.ladder import COUNTS, Ladder, all_rungs, climbed, timed
 
 MEAN = 0.3  # share of the mean regret beside the worst, so that the others count where one move cannot be bettered: without it
@@ -21,6 +21,7 @@ BEATEN = 0.02  # by which a contestant may be better than a reference
 OVERSHOOT = 0.01  # of a step, beyond two counts
 STEEP, WORST = 20.0, 50.0  # what an overshoot costs, and the most that a regret counts
 LINES, SHARES = 22, (1.0, 0.6, 0.3)  # of the references' first grid: ratios, and shares of the stiffest Kp
+QUICK, SLOW = 0.4, 1.0  # samples: velocity filters of that grid, the second at the stiffest Kp alone
 OWN, ROUNDS, SPREAD = 6, 3, 0.07  # candidates a move, rounds and spread (half the grid's step) of its own search
 
 
@@ -60,10 +61,16 @@ def prices(on: Ladder, figures: np.ndarray, scale: np.ndarray) -> np.ndarray:
 
 
 def first_grid(table: GainTable) -> np.ndarray:
-    """Return points (p, 2), kp and kd in SI, over the whole range of a table's ratios and SHARES of the stiffest Kp."""
-    ratio = np.geomspace(table.ratio[0], table.ratio[-1], LINES)
-    stiff = np.exp(np.interp(np.log(ratio), np.log(table.ratio), np.log(table.stiff)))
-    return np.concatenate([np.stack([share * stiff, share * stiff / ratio], axis=1) for share in SHARES])
+    """Return points (p, 3), kp, kd and velocity filter in SI, over the whole range of a table's ratios and SHARES of the stiffest Kp."""
+    sample = table.filters[0] / FILTERS[0]
+    out = []
+    for samples, shares in ((QUICK, SHARES), (SLOW, SHARES[:1])):
+        own = np.array([samples * sample])
+        most = np.exp(np.interp(np.log(own), np.log(table.filters), np.log(table.most)))
+        ratio = np.geomspace(table.ratio[0], most[0], LINES)
+        stiff = table.stiffest(ratio[None], own)[0]
+        out += [np.stack([s * stiff, s * stiff / ratio, 0.0 * stiff + own], axis=1) for s in shares]
+    return np.concatenate(out)
 
 
 def references(on: Ladder, family: Family, points: np.ndarray, seed: int = 1) -> References:

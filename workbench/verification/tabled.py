@@ -11,11 +11,12 @@ from workbench.schedule.fit import REVERSAL
 from workbench.tuning import TuningGoal
 from workbench.verification.climb import GENERATIONS, Climbed, climb
 from workbench.verification.families import pd_family
-from workbench.verification.gain_table import fixed_family, gain_table, switched_family, table_family
+from workbench.verification.gain_table import BEGUN, fixed_family, gain_table, switched_family, table_family
 from workbench.verification.ladder import ladder
 from workbench.verification.linear import Linear
 from workbench.verification.polish import Polished
 from workbench.verification.regret import Regret, first_grid
+from workbench.verification.shaped import shaped
 from workbench.verification.task import Task
 from workbench.verification.worth import Rivals, regret_of, rivals
 
@@ -77,7 +78,8 @@ def tabled(
     table = gain_table(linear, amplitude, REVERSAL * task.loop.count, goal.sensitivity, per_octave)
     starts = [table_family(table, robust, linear, rule, ahead) for ahead in AHEAD[rule]]
     middle = int(np.argmin(np.abs(np.log(amplitude / (1e-2 * task.step)))))
-    fixed = pd_family(linear, (float(robust.kp[middle]), float(robust.kd[middle])))
+    pair = float(robust.kp[middle]), float(robust.kd[middle])
+    fixed = shaped(lambda judge: pd_family(judge, pair), linear, BEGUN * task.loop.sample_time)
     on = ladder(task, load) if sizes is None else ladder(task, load, sizes=sizes)
     found = climb(on, starts, (fixed, first_grid(table)), seeds=seeds, generations=generations, say=say)
     kp, kd = table.gains(found.best.point[None, :])
