@@ -14,7 +14,11 @@ from workbench.control import Controller, FeedForward, fixed_pd, pi_cascade, pro
 from workbench.control.law import FEEDBACK, JOINT
 from workbench.verification.linear import Judge
 
-MOST = (1.5, 1.2)  # of the tuned gains, Kp and Kd: on the presliding spring they are as stiff as |S| allows
+MOST = (
+    2.5,
+    1.6,
+)  # of the tuned gains, Kp and Kd: on the presliding spring they are as stiff as |S| allows with the loop's
+# velocity filter; with none Kd may be 1.3 and Kp 1.7 times as large
 MOST_JOINT = (
     1.5,
     4.0,
@@ -185,7 +189,9 @@ def scheduled_family(
     of gross sliding of another start. most: of the scales of Kp and Kd.
     """
     scales = [1.0, 1.0]
-    if follows == JOINT:  # the joint is as little wound in motion as at rest: gains of motion are those of the first knots
+    if (
+        follows == JOINT
+    ):  # the joint is as little wound in motion as at rest: gains of motion are those of the first knots
         scales = [g / float(np.max(known)) for g, known in zip(start, (schedule.kp, schedule.kd), strict=True)]
     presliding = [*scales, min(3e-3, 0.5 * schedule.knots[-1])]  # inside its range: a search does not begin on a bound
     start = np.array([*presliding, *start, *([deceleration] if deceleration else [])])
