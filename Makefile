@@ -127,7 +127,7 @@ test: $(FULL)
 
 fuzz: $(FULL)
 	@$(BIN)/python tests/fuzz.py $(INPUTS)
-	@$(BIN)/python tests/test_firmware_fuzz.py $(CALLS)
+	@PYTHONPATH=tests $(BIN)/python tests/firmware/test_firmware_fuzz.py $(CALLS)
 
 bench: $(FULL)
 	@$(BIN)/python -m benchmarks

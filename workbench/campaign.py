@@ -65,6 +65,8 @@ def load(folder: Path | str, *, resample: bool = False) -> Campaign:
     measured = channels(top, kind == TWO_MASS, notes)
     plant = _plant(top, kind, "torque" in measured, notes)
     frozen, findings = records(top, folder, measured, resample or top.flag("resample"))
+    if not notes["initial_condition"]:
+        frozen = tuple(replace(r, history=None) for r in frozen)
     findings = (*assumptions(measured), *findings)
     rate, slowest = min((1 / r.dt, r.name) for r in frozen)
     if bandwidth >= BAND * rate:

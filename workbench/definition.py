@@ -3,7 +3,7 @@
 An effect is made by a function decorated with `@effect` in one file of `workbench/effects/`; `catalogue()` finds it.
 Its `step(s, z, p)` is written once in CasADi SX (workbench.effects.elementary has the functions that kernels may hold):
 `s` the declared signals, `z` the states, `p` the parameters (after `derive`, where there is one), all by name. It
-returns ({state: next value}, output); what the output means is fixed by the port (docs/architecture.md).
+returns ({state: next value}, output); what the output means is fixed by the port (docs/architecture/effects.md).
 """
 
 import importlib
@@ -48,7 +48,7 @@ class Effect:
     is traced there that says the same. free_at: parameter -> places at which it may be free; elsewhere it is held, because it
     changes nothing there. rare: where it explains no more than another effect as simple, a trace names the
     other one. label: tells effects of one name at one place apart, as two resonances. An effect that can be at a joint and at a sensor is the same map of both, and takes its port from `at`.
-    family: class of causes, of which the law is a second question (docs/architecture.md has the list). reduces: parameter ->
+    family: class of causes, of which the law is a second question (docs/architecture/ has the list). reduces: parameter ->
     (neutral value, name of the simpler effect that it then is, "" for none): a number, or TWO_COUNTS for a length of no more
     than that. parts: names of the simpler effects that a composite joins. knots: parameters that are held by definition, as
     where a table has its values; no data sheet gave them, so none is wrong.

@@ -4,11 +4,14 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 PROPER = {"stribeck": "Stribeck", "coulomb": "Coulomb", "lugre": "LuGre"}
+ORDINAL = {"2": "second ", "3": "third "}  # of effects that are there several times, told apart by a number
 
 
 def title(effect: str) -> str:
-    """Return the name of an effect as it is read: "Stribeck friction" of "stribeck_friction"."""
-    return " ".join(PROPER.get(word, word) for word in effect.split("_"))
+    """Return the name of an effect as it is read: "Stribeck friction" of "stribeck_friction", "second cogging" of "cogging 2"."""
+    name, _, label = effect.partition(" ")
+    words = " ".join(PROPER.get(word, word) for word in name.split("_"))
+    return f"{ORDINAL[label]}{words}" if label in ORDINAL else f"{words} {label}".rstrip()
 
 
 def located(effect: str, at: str) -> str:

@@ -50,7 +50,8 @@ class Record:
     units: name -> SI unit string, of drive and positions known without. resolution: name -> encoder step in SI, where known. locked: the load is held.
     counts_from: s; before it no error counts: earlier samples only bring operators with memory into their state. zero: rad
     or m that was added to load_position because the two encoders' zeros lie apart; None where they are one. payload: what
-    was added to the axis, or None. All arrays are made read-only.
+    was added to the axis, or None. history: rad or m by which the axis moved before, from relaxed friction; None where nobody
+    knows. All arrays are made read-only.
     """
 
     name: str
@@ -65,6 +66,7 @@ class Record:
     counts_from: float = -inf
     zero: float | None = None
     payload: Payload | None = None
+    history: float | None = 0.0
 
     def __post_init__(self):
         for array in (self.time, *self.channels.values()):

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from workbench.errors import WorkbenchError
-from workbench.identification import findings, intervals, zeros
+from workbench.identification import findings, intervals, prehistory, zeros
 from workbench.identification.by_record import own_estimates, spread
 from workbench.identification.passes import InverseDynamics, predicted
 from workbench.identification.problem import Problem
@@ -37,15 +37,30 @@ def identify(
     theta: start of the free shape parameters on their search scale; the plant's values where absent. solved: that is where
     their search has ended before.
     """
-    problem = Problem(plant, fitted_on(passes))
+    most = 0 if solved else ITERATIONS
     try:
-        solution = solve(problem, theta, most=0 if solved else ITERATIONS)
+        problem, solution, passes = _begun(plant, passes, theta, most)
     except NoValue:
         names = ", ".join(e.name for e in plant.effects if e.shape)
         raise WorkbenchError(
             f"one of the effects {names} has no value on these records with its declared parameters; check them and their units."
         ) from None
     return seen(problem, solution, passes)
+
+
+def _begun(plant: Plant, passes: Sequence[InverseDynamics], theta: np.ndarray | None, most: int):
+    """Return (problem, solution, passes) with the starts of the records found beside the parameters, where they are open."""
+    problem, begun = Problem(plant, fitted_on(passes)), passes
+    solution = solve(problem, theta, most=most)
+    for _ in range(prehistory.ROUNDS):
+        found = prehistory.begun(problem.with_linear(problem.with_shape(solution.theta), solution.c), passes)
+        if found is None:
+            break
+        before, begun, problem = solution.cost, found, Problem(plant, fitted_on(found))
+        solution = solve(problem, solution.theta, most=most)
+        if solution.cost > prehistory.SETTLED * before:
+            break
+    return problem, solution, begun
 
 
 def series_of(plant: Plant, passes: InverseDynamics) -> tuple[Series, np.ndarray]:
@@ -69,7 +84,8 @@ def seen(problem: Problem, solution: Solution, passes: Sequence[InverseDynamics]
     half = dict(zip(names, t * np.sqrt(np.maximum(np.diag(cov), 0.0)), strict=True))
     said = findings.excitation(problem, solution, half, noise)
     said += findings.disagreements(problem, plant, linear, owns) + intervals.findings(problem, estimates, names, cov)
-    said += zeros.findings([p.motion.record for p in passes], plant.displacement)
+    for of in (zeros, prehistory):
+        said += of.findings([p.motion.record for p in passes], plant.displacement)
     series, predictions = {}, {}
     for p in passes:
         series[p.motion.record.name], predictions[p.motion.record.name] = series_of(plant, p)

@@ -3,8 +3,9 @@
 Covariance is cluster-robust (Liang and Zeger 1986): residuals may be correlated within a block of the record, blocks
 are taken as independent. With B blocks and p parameters it is scaled by B/(B - p), and the quantile is Student's with
 B - p degrees of freedom. Over 200 simulated sets each, with residuals whose memory is 50 ms to 2 s and with 6 blocks or
-more, such an interval held the truth in 92 to 99.5 % (tests/test_coverage.py repeats a part): it is a little too wide where
-the memory is longer than the motion's period, since scores of neighbouring blocks then oppose each other.
+more, such an interval held the truth in 92 to 99.5 % (tests/identification/test_coverage.py repeats a part): it is a
+little too wide where the memory is longer than the motion's period, since scores of neighbouring blocks then oppose each
+other.
 """
 
 from collections.abc import Mapping

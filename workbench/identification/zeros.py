@@ -23,7 +23,7 @@ from workbench.record import Record
 # their zeros are free. It is 1.6 and more on axes with separate zeros, and 0.11 at most on others; half of it and twice
 # as much change neither.
 APART = 0.5
-STARTS = 8.0  # coarser counts between the first readings, from which they are not one: at most 2 where encoders have one zero
+STARTS = 1.5  # coarser counts between the first readings, from which they are not one: two encoders with one zero round apart by one
 
 
 def _angles(records: Sequence[Record], bandwidth: float) -> tuple[np.ndarray, np.ndarray] | None:

@@ -108,7 +108,7 @@ def _drawn(w: Where, shade: Shade | None = None) -> list[Figure]:
     made = [_multiples(w, kind, chosen, shade) for kind, chosen in rows.items()]
     if w.before.over(TIME):
         made.append(_over_time(w, shade))
-    return [*made, spectra(w)]
+    return [*made, _spectra(w)]
 
 
 def _heading(w: Where, coordinates: Sequence[str]) -> str:
@@ -195,7 +195,7 @@ def _falling(w: Where) -> str:
     return f"On no record a time stands out; the {_name(w)} is {by} times smaller with the extended model"
 
 
-def spectra(w: Where) -> Figure:
+def _spectra(w: Where) -> Figure:
     """Return the residual over frequency and over order."""
     frequency, order = w.before.spectra
     low, high = frequency.band

@@ -1,4 +1,4 @@
-"""The sampled loop, in lanes: one generated kernel a plant and controller (docs/architecture.md, section 7)."""
+"""The sampled loop, in lanes: one generated kernel a plant and controller (docs/architecture/loop.md)."""
 
 from workbench.simulation.closed import open_loop, simulate
 from workbench.simulation.criteria import Criteria

@@ -11,7 +11,10 @@ from workbench.plant import Plant, places
 from workbench.tracing.evidence import ADDITION, CORRECTION
 
 __all__ = ["ADDITION", "CORRECTION"]
-AGAIN = "2"  # label of a periodic effect beside the declared one
+AGAIN = (
+    "2",
+    "3",
+)  # labels of a periodic effect's further orders; more of them would dress anything that lives in position
 
 
 @dataclass(frozen=True)
@@ -85,9 +88,10 @@ def suspects(
             if not all(s in _plant_signals(plant) for s in effect.reads):
                 continue
             another = effect(at=place)
-            if another.key in declared and _periodic(effect):
-                another = another(label=AGAIN)
-            if another.key in (*(e.key for e in plant.effects), *(e.key for e in stands_for.values())):
+            known = {e.key for e in (*plant.effects, *stands_for.values())}
+            if another.key in known and _periodic(effect):
+                another = next((o for o in (effect(at=place, label=n) for n in AGAIN) if o.key not in known), another)
+            if another.key in known:
                 continue
             same = needless(another, plant)
             rest = plant

@@ -55,7 +55,7 @@ def decide(evidence: Evidence, criteria: Criteria) -> Verdict:
             *(("clock_skew",) if evidence.clock else ()),
             *(a.effect.partition(" ")[0] for a in sorted(causes, key=lambda a: -a.size(IDENTIFICATION))),
         )
-        return Verdict(CAUSE, roles, more, _alarms(evidence, roles), names)
+        return Verdict(CAUSE, roles, more, _alarms(evidence, roles), tuple(dict.fromkeys(names)))
     missing = evidence.before.size >= criteria.explainable or _unborne(evidence, roles, criteria)
     return Verdict(UNKNOWN if missing else NOTHING, roles, False, _alarms(evidence, roles))
 

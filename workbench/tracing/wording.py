@@ -162,7 +162,7 @@ def what_of(causes: Sequence[Cause], plant: Plant) -> str:
         (ADDITION, "is missing", "are missing"),
         (CORRECTION, "is declared with a wrong value", "are declared with wrong values"),
     ):
-        names = [_name_of(c, plant) for c in causes if c.kind == kind]
+        names = _named([c for c in causes if c.kind == kind], plant)
         if names:
             parts.append(f"{_enumerated(names)} {one if len(names) == 1 else many}")
     return ", and ".join(parts)
@@ -172,6 +172,17 @@ def _enumerated(names: Sequence[str]) -> str:
     """Return "a, b and c"; a name that is there several times once, with its number."""
     counted = [f"{n} ({names.count(n)} of it)" if names.count(n) > 1 else n for n in dict.fromkeys(names)]
     return " and ".join(p for p in (", ".join(counted[:-1]), *counted[-1:]) if p)
+
+
+def _named(causes: Sequence[Cause], plant: Plant) -> list[str]:
+    """Return the names of causes; of a periodic one that is there with several orders, once for all of them."""
+    orders = [(c.effect.partition(" ")[0], c.at) for c in causes]
+    several = {of for of in orders if orders.count(of) > 1}
+    names = [
+        f"{title(of[0])} of {orders.count(of)} orders" if of in several else _name_of(c, plant)
+        for c, of in zip(causes, orders, strict=True)
+    ]
+    return list(dict.fromkeys(names)) if several else names
 
 
 def _name_of(c: Cause, plant: Plant) -> str:

@@ -1,0 +1,91 @@
+"""Campaigns whose answer is known: the right cause first, and the error that the true structure would leave.
+
+Errors are computed here once more, from the files that a trace writes and the records as measured.
+"""
+
+import csv
+import gzip
+import json
+import tomllib
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from workbench.campaign import load
+from workbench.study.standard import trace_campaign
+from workbench.tracing.output import write
+
+CARRIED = Path(__file__).resolve().parents[2] / "studies" / "harmonic_drive_axis" / "campaign"
+WITHIN = 1.1  # times the error of the true structure, refitted
+
+
+def smooth(x: np.ndarray, rate: float, cut: float) -> np.ndarray:
+    """A low pass 1/(1 + (f/cut)^8) without phase, over a reflection of half a second at both ends."""
+    pad = int(rate / 2)
+    left, right = 2 * x[0] - x[1 : pad + 1][::-1], 2 * x[-1] - x[-pad - 1 : -1][::-1]
+    long = np.concatenate([left, x, right])
+    wave = np.fft.rfft(long) / (1.0 + np.power(np.fft.rfftfreq(long.size, 1.0 / rate) / cut, 8))
+    return np.fft.irfft(wave, long.size)[pad:-pad]
+
+
+def column(path: Path, name: str) -> np.ndarray:
+    with gzip.open(path, "rt", newline="") as f:
+        rows = csv.DictReader(f)
+        return np.array([float(row[name]) for row in rows])
+
+
+def validation_error(folder: Path, out: Path) -> float:
+    """rms(F(T - That))/rms(F(T)) on the validation record, 50 ms trimmed, from what was measured and what was written."""
+    declared = tomllib.loads((folder / "campaign.toml").read_text(encoding="utf-8"))
+    said = json.loads((out / "trace.json").read_text(encoding="utf-8"))
+    (file,) = [r["file"] for r in declared["records"] if r["role"] == "validation"]
+    channels = declared["channels"]
+    time = column(folder / file, channels["time"]["column"])
+    drive = column(folder / file, (channels.get("torque") or channels["force"])["column"])
+    with open(out / said["predictions"][file.partition(".")[0]], newline="") as f:
+        assert next(csv.reader(f)) == ["time_s", "prediction"]
+        rows = np.array([[float(x) for x in row] for row in csv.reader(f)])
+    rate = (time.size - 1) / (time[-1] - time[0])
+    cut = declared["evaluation_bandwidth"]["value"]
+    trim = int(0.05 * rate)
+    true = smooth(drive, rate, cut)[trim:-trim]
+    predicted = smooth(np.interp(time, rows[:, 0], rows[:, 1]), rate, cut)[trim:-trim]
+    return float(np.linalg.norm(true - predicted) / np.linalg.norm(true))
+
+
+def answered(folder: Path, out: Path) -> tuple[dict, float]:
+    """Trace a campaign; return trace.json and the validation error of what was written beside it."""
+    write(trace_campaign(load(folder)), out)
+    said = json.loads((out / "trace.json").read_text(encoding="utf-8"))
+    error = validation_error(folder, out)
+    assert said["nrmse"]["validation"]["after"] == pytest.approx(error, rel=1e-3)
+    return said, error
+
+
+@pytest.mark.parametrize("name", ["c03", "c04", "c05", "c07", "c10"])
+def test_the_missing_effect_is_found_and_the_error_becomes_that_of_the_true_structure(campaigns, tmp_path, name):
+    truth = json.loads((campaigns / "truth.json").read_text(encoding="utf-8"))[name]
+    said, error = answered(campaigns / name, tmp_path)
+    assert said["verdict"] == "cause"
+    assert said["ranked"][0] in truth["missing"]
+    assert sorted(said["added"]) == sorted(truth["missing"])
+    assert error <= WITHIN * truth["nrmse_true"]
+
+
+def test_nothing_is_added_to_a_model_that_lacks_nothing(campaigns, tmp_path):
+    truth = json.loads((campaigns / "truth.json").read_text(encoding="utf-8"))["c01"]
+    said, error = answered(campaigns / "c01", tmp_path)
+    assert said["verdict"] == "nothing_missing" and said["added"] == [] and said["causes"] == []
+    assert error <= WITHIN * truth["nrmse_declared"]
+
+
+def test_the_carried_campaign_lacks_stribeck_friction(tmp_path):
+    """The truth of the rig that made it: 0.0583 N*m more at rest, gone with exp(-(v/0.6 rad/s)^2); 0.937 % is left."""
+    said, error = answered(CARRIED, tmp_path)
+    assert said["verdict"] == "cause" and said["ranked"][0] == "stribeck_friction"
+    assert said["added"] == ["stribeck_friction"]
+    assert error <= WITHIN * 0.00937
+    (cause,) = said["causes"]
+    assert cause["parameters"]["drop"]["value"] == pytest.approx(0.0583, rel=0.1)
+    assert cause["parameters"]["speed"]["value"] == pytest.approx(0.6, rel=0.1)
