@@ -147,7 +147,7 @@ def held(study: Study, control: Control, known: Assumed, model: Assumed, loop: L
     every = {f.name: f for f in families(study, control, model, loop, over)}
     time = contested.quantity("tuning_time", "s", above=0.0)
     seeds = [int(s) for s in numbers_of(contested, "seeds", (1.0,))]
-    rest = [f for n, f in every.items() if n not in (OUTPUT, JOINT)] + [cancelling(study, known, every)]
+    rest = [f for n, f in every.items() if n not in (OUTPUT, JOINT)] + [cancelling(study, model, every)]
     found = contest(task, rest, tuning_time=time, seeds=seeds, loaded=True, known=model.plant, say=say)
     wide = replace(task, duration=time).on(model.plant)
     narrow = replace(wide, nominal=True, frictions=between(task.frictions), inertias=between(task.inertias))
@@ -163,12 +163,12 @@ def between(factors: tuple[float, ...]) -> tuple[float, ...]:
     return tuple(sorted({*factors, 1.0}))
 
 
-def cancelling(study: Study, known: Assumed, every: Mapping[str, Family]) -> Family:
-    """Return the controller of [compensation] with its compensation, which is tuned and judged as any other."""
-    given = asked(study, known.plant)
+def cancelling(study: Study, model: Assumed, every: Mapping[str, Family]) -> Family:
+    """Return the controller of [compensation] with its compensation, of what was identified; it is tuned and judged as any other."""
+    given = asked(study, model.plant)
     chosen(given, every)
     base = every[given.controller]
-    return compensating(base, given.on(known.plant), base.start)
+    return compensating(base, given.on(model.plant), base.start)
 
 
 def figures_of(found: Contest) -> tuple[dict[str, float], dict[str, str]]:

@@ -36,7 +36,7 @@ from workbench.verification.recommend import recommend
 
 from . import controllers, description, hunting, paper
 from .controllers import BEST, BOTH, FIXED, JOINT, ON_LOAD, ON_MOTOR, OUTPUT, WIDE, Over
-from .plant import Assumed, assumed, declared, free, identified, locked, with_ground
+from .plant import Assumed, assumed, declared, free, identified, locked, with_gear, with_ground
 
 FURTHER = ("plant", "records", "encoders", "contest")
 SUSPECTS = (
@@ -62,7 +62,7 @@ def run(study: Study, say) -> Outcome:
     fit = found.before  # the paper's one spring
     apart = identify(with_ground(fit.plant), passes)
     say("identifying with the output free")
-    full = identify(with_ground(fit.plant), inverse_dynamics((*records, free(study, loop, known.plant)), bandwidth))
+    full = identify(with_gear(fit.plant), inverse_dynamics((*records, free(study, loop, known.plant)), bandwidth))
     model = identified(full.plant, known)
     amplitudes = standard.amplitudes(study)
     outcome = Outcome(
@@ -83,7 +83,9 @@ def run(study: Study, say) -> Outcome:
     held = controllers.held(study, control, known, model, loop, over, say)
     outcome = with_part(outcome, contested(study, held, model, full, over))
     outcome = with_part(outcome, robustness(study, held.task, held.makers, say))
-    return with_part(outcome, compensation(study, held.task, held.makers, say, margins=partial(margins_of, held)))
+    options = {"model": model.plant, "margins": partial(margins_of, held)}
+    outcome = with_part(outcome, compensation(study, held.task, held.makers, say, **options))
+    return with_part(outcome, compensation(study, held.task, held.makers, say, of="gear", **options))
 
 
 def margins_of(held: Contest, name: str, compensator: Compensator, gains: Sequence[float]) -> dict[float, float]:

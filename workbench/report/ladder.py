@@ -9,7 +9,7 @@ from workbench.report import numbers
 from workbench.report.contents import Chapter, Figure, Paragraph, Table
 from workbench.report.drawing import AFTER, BEFORE, MUTED, decades, svg
 from workbench.verification.climb import Climbed
-from workbench.verification.ladder import COUNTS, timed
+from workbench.verification.ladder import COUNTS, FEW, timed
 from workbench.verification.regret import Regret
 from workbench.verification.worth import worth_sentence
 
@@ -35,6 +35,7 @@ def ladder_chapter(
             Paragraph(text),
             _figure(climbed, held, plant),
             _references_table(climbed, held, plant),
+            Paragraph(_worst_sentence(climbed, held, plant)),
             Paragraph(worth_sentence(held, fewer)),
             _others_table({climbed.best.family.name: held, **fewer, **others}),
         ),
@@ -58,9 +59,35 @@ def _others_table(regrets: Mapping[str, Regret]) -> Table:
     return Table(("controller", "time", "error", "overshoot"), rows, caption, "lrrr")
 
 
+def _worst_sentence(climbed: Climbed, held: Regret, plant: Plant) -> str:
+    """Say which move takes most over its reference, and what longer steps take."""
+    on = climbed.on
+    row, history = np.unravel_index(int(held.time.argmax()), held.time.shape)
+    move, size = on.rungs[row][0], f"{numbers.scaled(abs(on.rungs[row][0].size), plant.displacement)}"
+    text = (
+        f"The most time over its reference is taken by a step of {size} {('from rest', 'after a reversal')[history]}"
+        f"{', loaded' if move.load else ''}; steps of more than {FEW:g} counts take at most {numbers.number(_long(climbed, held))} times "
+        "theirs."
+    )
+    if not 0.0 < abs(move.size) < FEW * on.task.loop.count:
+        return text
+    allowed = COUNTS * on.task.loop.count / abs(move.size)
+    return text + (
+        f" A step as short may overshoot by {COUNTS:g} counts, {numbers.percent(allowed)} of it, and its reference does. The table's "
+        "gains at that amplitude end every longer step, too, which may not."
+    )
+
+
+def _long(climbed: Climbed, held: Regret) -> float:
+    """Return the worst regret in time of steps of more than FEW counts."""
+    least = FEW * climbed.on.task.loop.count
+    long = np.array([r[0].kind == "step" and abs(r[0].size) > least for r in climbed.on.rungs])
+    return float(held.time[long].max()) if long.any() else 1.0
+
+
 def _runs_sentence(climbed: Climbed) -> str:
     return (
-        f"Of {len(climbed.runs)} searches from soft and stiff arrivals none ends more than {numbers.percent(climbed.spread - 1.0)} above "
+        f"Of {len(climbed.runs)} searches from other seeds none ends more than {numbers.percent(climbed.spread - 1.0)} above "
         "the best."
     )
 
@@ -136,6 +163,7 @@ def figures_of(climbed: Climbed, held: Regret) -> dict[str, float]:
     time, error, over = held.worst
     return {
         "ladder_regret_time": time,
+        "ladder_regret_time_long": _long(climbed, held),
         "ladder_regret_error": error,
         "ladder_overshoot": over,
         "search_spread": climbed.spread,
