@@ -1,4 +1,5 @@
-"""The search for a gain table over the ladder: differential evolution about stiff and soft arrivals and the references' own gains.
+"""The search for a gain table over the ladder: differential evolution about stiff and soft arrivals and the references' own gains,
+then a local search about each run's best.
 
 A ratio acts on a part of the ladder, so points are crossed and drawn to one of the best (current-to-pbest/1: Zhang and Sanderson 2009):
 what is good for short steps comes together with what is good for long ones. The landscape is rugged, for the worst of many moves is
@@ -19,6 +20,9 @@ MEMBERS = 16  # points of a generation. On the main study an evolution strategy 
 GENERATIONS = 24
 NEAR = 0.35  # of the first members about a start, of a logarithm
 BEST, CROSSED, FACTOR = 3, 0.9, (0.4, 0.9)  # how many are the best, share of numbers that cross, range of the step
+# Of the local search: points a step, its first width, what that grows by with success and shrinks by without (Rechenberg's rule), and the
+# share of the numbers that every other step moves. On the main study it takes 4 % off the best run's cost.
+OFFSPRING, WIDTH, GROW, SHRINK, ALONE = 10, 0.06, 1.15, 0.85, 0.3
 BEYOND = 100.0  # what a start costs that |S| forbids
 
 
@@ -96,13 +100,38 @@ def climb(
     say("tuning the gain table over all moves")
     every = [f.start for f in (*starts, *([informed(known)] if informed else []))]
     runs = [_evolved(on, _begun(on, starts[0], seed, every), known, generations) for seed in seeds]
-    for more in (generations // 2, 0):
-        best = min((r.best(on, known) for r in runs), key=lambda r: r.value)
-        say("tuning the references again that the table beats")
-        known = raised(on, known, best.family, best.point)
-        runs = [_evolved(on, r, known, more) for r in runs]
-    found = tuple(sorted((r.best(on, known) for r in runs), key=lambda r: r.value))
+    say("tuning the references again that it beats")
+    known = _raised(on, known, [r.best(on, known) for r in runs])
+    runs = [_evolved(on, r, known, generations // 2) for r in runs]
+    near = [_refined(on, r.best(on, known), known, 2 * generations // 3) for r in runs]
+    known = _raised(on, known, near)
+    values = [float(cost(regret(on, r.figures[None], known))[0]) for r in near]
+    found = tuple(replace(near[i], value=values[i]) for i in np.argsort(values))
     return Climbed(on, found, known, regret(on, found[0].figures, known))
+
+
+def _raised(on: Ladder, known: References, runs: Sequence[Climb]) -> References:
+    """Return references that the best of some runs does not beat."""
+    best = min(runs, key=lambda r: r.value)
+    return raised(on, known, best.family, best.point)
+
+
+def _refined(on: Ladder, run: Climb, known: References, steps: int) -> Climb:
+    """Return the best that a local search finds about a run's point."""
+    draw, family, width = np.random.default_rng(run.seed + 100), run.family, WIDTH
+    limit = on.task.weights.sensitivity * 1.001
+    for k in range(steps):
+        moved = width * draw.standard_normal((OFFSPRING, run.point.size))
+        if k % 2:
+            moved = np.where(draw.random(moved.shape) < ALONE, moved, 0.0)
+        points = family.settled(np.clip(run.point * np.exp(moved), family.lower, family.upper))
+        tried = climbed(on, family, points, all_rungs(on, points))
+        costs = cost(regret(on, tried, known)) + np.where(family.sensitivity(points) > limit, BEYOND, 0.0)
+        i = int(costs.argmin())
+        better = costs[i] < run.value
+        width *= GROW if better else SHRINK
+        run = replace(run, point=points[i], value=float(costs[i]), figures=tried[i]) if better else run
+    return replace(run, evaluations=run.evaluations + steps * OFFSPRING)
 
 
 def evolved(on: Ladder, family: Family, known: References, seed: int, generations: int) -> Climb:
