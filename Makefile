@@ -120,10 +120,11 @@ all: $(READY)
 
 setup: $(READY)
 
+# worksteal: each worker has a stretch of files, so that what tests of one file share is made once and not by every worker.
 test: $(FULL)
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
-	$(BIN)/python -m pytest -n $(WORKERS)
+	$(BIN)/python -m pytest -n $(WORKERS) --dist worksteal
 
 fuzz: $(FULL)
 	@$(BIN)/python tests/fuzz.py $(INPUTS)

@@ -1,23 +1,34 @@
 """Stopping: a run is stopped at random moments until it comes to its end. How long each stop takes, and that nothing is done twice.
 
 `python -m benchmarks.stopping STUDY COUNT SEED`; the tutorial's study, 30 times, where nothing is named. Its outputs are then
-compared with those of a run that nobody stopped, byte by byte.
+compared with those of a run that nobody stopped, byte by byte. It ends with 1 where a stop would take longer than LATEST on a
+machine that does nothing else, a finished step was taken again, outputs differ, or something was left behind.
 """
 
+import contextlib
 import os
 import random
+import resource
 import shutil
 import signal
 import subprocess
 import sys
 import tempfile
 import time
+from dataclasses import dataclass
 from pathlib import Path
 
 from benchmarks.same_bytes import differing, tutorial
+from workbench.interruption import PATIENCE
 
 ROOT = Path(__file__).resolve().parent.parent
-AGAIN = "going on from"
+LATEST = 1.0  # s from the stop to the end of the process
+EARLY = {-signal.SIGINT, -signal.SIGTERM}  # exit codes of a stop before the command itself has begun
+MOMENTS = (
+    0.5,
+    12.0,
+)  # s of a processor after a start: more than the longest step takes, or no run would come to its end
+POLL = 0.05  # s between two looks at how much was used
 
 
 def started(study: Path, out: Path) -> subprocess.Popen:
@@ -28,73 +39,120 @@ def started(study: Path, out: Path) -> subprocess.Popen:
 
 
 def said_run(study: str, out: str) -> int:
-    """Run a study as the command does, and say every step as it is taken."""
+    """Run a study as the command does, and say every step once it is kept."""
     from workbench import cli, keeping
     from workbench.verbs import progress
 
-    step = keeping.Keeper.step
+    signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell lets what it starts in the background ignore it
+    write = keeping.write
 
-    def loudly(self, name, make):
-        def told():
-            made = make()
-            print(f"taken {self.path} {name}", flush=True)
-            return made
+    def loudly(file, made):
+        write(file, made)
+        if file.exists():
+            print(f"taken {file.name}", flush=True)
 
-        return step(self, name, told)
-
-    keeping.Keeper.step = loudly
+    keeping.write = loudly
     progress.QUIET = 1e9
     return cli.main(["run", study, "--out", out])
 
 
-def stopped(study: Path, out: Path, after: float) -> tuple[int, float, list[str]]:
-    """Return (exit code, s from the stop to the end, steps taken) of a run that is stopped after so many seconds, if it still runs."""
-    run = started(study, out)
-    try:
-        said, _ = run.communicate(timeout=after)
-        return run.returncode, 0.0, [x for x in said.splitlines() if x.startswith("taken")]
-    except subprocess.TimeoutExpired:
-        began = time.monotonic()
-        os.killpg(run.pid, random.choice((signal.SIGINT, signal.SIGTERM)))
-        said, _ = run.communicate()
-        return run.returncode, time.monotonic() - began, [x for x in said.splitlines() if x.startswith("taken")]
+def used(group: int) -> float:
+    """Return the seconds of a processor that the processes of a group have used, those that they waited for included."""
+    ticks = 0
+    for file in Path("/proc").glob("[0-9]*/stat"):
+        with contextlib.suppress(OSError):  # it has just ended
+            words = file.read_text().rpartition(")")[2].split()
+            ticks += sum(map(int, words[11:15])) if int(words[2]) == group else 0
+    return ticks / os.sysconf("SC_CLK_TCK")
 
 
-def main(arguments: list[str] = ()) -> None:
+def ended() -> float:
+    """Return the seconds of a processor of all processes that this one has waited for."""
+    spent = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return spent.ru_utime + spent.ru_stime
+
+
+@dataclass(frozen=True)
+class Stop:
+    """How a run ended. seconds, work: from the stop to the end, on the clock and of a processor; steps: kept on the way."""
+
+    code: int
+    seconds: float
+    work: float
+    steps: list[str]
+
+    @property
+    def quiet(self) -> float:
+        """What it takes where nothing else runs: no longer than it took, and than the patience with Python and the work."""
+        return min(self.seconds, PATIENCE + self.work)
+
+
+def stopped(study: Path, out: Path, after: float = float("inf"), number: int = signal.SIGINT) -> Stop:
+    """Run a study, and stop it once it has used so many seconds of a processor, if it still runs."""
+    before, run = ended(), started(study, out)
+    began = spent = None
+    while True:
+        try:
+            said, _ = run.communicate(timeout=POLL)
+            break
+        except subprocess.TimeoutExpired:
+            if began is None and (so_far := used(run.pid)) > after:
+                began, spent = time.monotonic(), so_far
+                os.killpg(run.pid, number)
+    steps = [x for x in said.splitlines() if x.startswith("taken")]
+    if began is None:
+        return Stop(run.returncode, 0.0, 0.0, steps)
+    return Stop(run.returncode, time.monotonic() - began, max(ended() - before - spent, 0.0), steps)
+
+
+def often(study: Path, out: Path, count: int, rng: random.Random) -> tuple[list[Stop], list[str]]:
+    """Return (stops, steps that were taken again) of a run that is stopped so many times, and then comes to its end.
+
+    One that comes to its end in between begins anew.
+    """
+    stops, taken, again = [], [], []
+    while True:
+        # what is finished is not done again, so that a stop soon after a start lies anywhere in the run
+        after = rng.uniform(*MOMENTS) if len(stops) < count else float("inf")
+        one = stopped(study, out, after, rng.choice((signal.SIGINT, signal.SIGTERM)))
+        again += [s for s in one.steps if s in taken]
+        taken += one.steps
+        if one.code in (0, 1):
+            if len(stops) >= count:
+                return stops, again
+            shutil.rmtree(out)
+            taken = []
+            continue
+        stops.append(one)
+        print(
+            f"stop {len(stops)}: exit code {one.code}, {one.seconds:.2f} s on the clock, {one.work:.2f} s of a processor; "
+            f"{len(taken)} steps are finished, {len(again)} were taken again",
+            flush=True,
+        )
+
+
+def main(arguments: list[str] = ()) -> int:
     count, seed = (int(a) for a in (*arguments[1:3], *("30", "1")[len(arguments[1:3]) :]))
-    rng = random.Random(seed)
-    with tempfile.TemporaryDirectory() as top:
-        study = Path(top) / "studies" / "stopped"
-        if arguments:
+    with tempfile.TemporaryDirectory() as name:
+        top = Path(name)
+        study = top / "studies" / "stopped"
+        if arguments and Path(arguments[0]).is_dir():
             shutil.copytree(arguments[0], study)
         else:
             tutorial(study)
-        began = time.monotonic()
-        code, _, steps = stopped(study, Path(top) / "whole", 1e5)
-        whole = time.monotonic() - began
-        print(f"A run that nobody stops: exit code {code}, {whole:.0f} s, {len(steps)} steps.", flush=True)
-        taken, ends, codes = [], [], []
-        for k in range(count):
-            # ever later: what is finished is not done again, so that the moments lie all over the run
-            code, seconds, again = stopped(study, Path(top) / "stopped", rng.uniform(0.5, 0.3 * whole))
-            taken += again
-            codes.append(code)
-            if code in (0, 1):
-                print(f"It came to its end at the start number {k + 1}.", flush=True)
-                shutil.rmtree(Path(top) / "stopped")
-                taken, steps = [], steps
-                continue
-            ends.append(seconds)
-        code, _, again = stopped(study, Path(top) / "stopped", 1e5)
-        left = [p.name for p in Path(top).iterdir() if p.name.startswith(".")]
-        print(f"Stopped {len(ends)} times: exit codes {sorted(set(codes))}; from stop to end {max(ends):.2f} s at most, median "
-              f"{sorted(ends)[len(ends) // 2]:.2f} s; left behind: {left or 'nothing'}.")  # fmt: skip
-        print(
-            f"Files that differ from those of the whole run: {differing(Path(top) / 'whole', Path(top) / 'stopped') or 'none'}."
-        )
+        stops, again = often(study, top / "stopped", count, random.Random(seed))
+        left = [str(p.relative_to(top)) for folder in (top, study) for p in folder.iterdir() if p.name.startswith(".")]
+        stopped(study, top / "whole")
+        other = differing(top / "whole", top / "stopped")
+        longest, quiet = max(s.seconds for s in stops), sorted(s.quiet for s in stops)
+        codes = {s.code for s in stops}
+        print(f"Stopped {count} times: exit codes {sorted(codes)}; from stop to end {longest:.2f} s at most, where nothing else runs "
+              f"{quiet[-1]:.2f} s, median {quiet[count // 2]:.2f} s.\nFinished steps that were taken again: {again or 'none'}. Left "
+              f"behind: {left or 'nothing'}. Files that differ from those of a whole run: {other or 'none'}.")  # fmt: skip
+        return 1 if quiet[-1] > LATEST or again or left or other or codes - EARLY - {130, 143} else 0
 
 
 if __name__ == "__main__":
     if sys.argv[1:2] == ["--run"]:
         sys.exit(said_run(*sys.argv[2:]))
-    main(sys.argv[1:])
+    sys.exit(main(sys.argv[1:]))

@@ -23,6 +23,7 @@ ALLOWED = (
     "no git checkout here",
     "no forks here",
     "no A2L reader here",
+    "no CANopen library here",
     "no cross compiler here",
     "no emulator here",
     "no compiler that measures MC/DC here",

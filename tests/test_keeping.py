@@ -116,7 +116,7 @@ def study(tmp_path):
 
 STEPS = """import os, signal
 from workbench.campaign import load
-from workbench.identification.fit import passes_of
+from workbench.identification.fit import inverse_dynamics
 from workbench.keeping import step
 from workbench.study.outcome import Outcome
 from workbench.study.standard import trace_figures
@@ -125,7 +125,7 @@ from workbench.tracing.tracing import trace
 
 def run(study, say):
     campaign = load(study.campaign)
-    passes = passes_of(campaign.records, campaign.bandwidth)
+    passes = inverse_dynamics(campaign.records, campaign.bandwidth)
     say("tracing")
     found = trace(campaign.plant, passes, most=1, only=("transport_delay",))
     say("drawing")

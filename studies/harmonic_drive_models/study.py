@@ -263,6 +263,10 @@ def run(study, say) -> Outcome:
     )  # fmt: skip
     cells = tuple((what, Marked(word, "good" if word == "borne out" else "bad"), number) for what, word, number in said)
     review = Table(("What reviews say", "These records", "Numbers"), cells, "Strengths and weaknesses, judged.", "plp")
+    borne = (
+        f"Of {len(said)} strengths and weaknesses that reviews see in such models these records bear out "
+        f"{sum(yes for _, yes, _ in judged)}."
+    )
     order = base.plant["kinematic_error"].parameters["order"].value
     return Outcome(
         plant=campaign.plant,
@@ -278,7 +282,7 @@ def run(study, say) -> Outcome:
         },
         chapters=(
             Chapter("Models on the same records", (Paragraph(text), table, *figures(fits, base, passes, largest))),
-            Chapter("What is borne out", (review,)),
+            Chapter("What is borne out", (Paragraph(borne), review)),
         ),
         findings=(*campaign.findings, *found.findings, *found.after.findings),
         tables={"models": numbers, "verdicts": [{"said": a, "verdict": b, "numbers": c} for a, b, c in said]},

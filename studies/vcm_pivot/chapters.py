@@ -73,7 +73,7 @@ def actuator_chapter(seen: Actuator) -> Chapter:
         "its damping ratio  ": (said["second_damping"], second.damping),
     }
     table = Table(
-        ("", "eq. (2)", "modal fit", "off"),
+        ("what", "eq. (2)", "modal fit", "off"),
         tuple((n, numbers.number(a, 5), numbers.number(b, 5), numbers.percent(b / a - 1.0)) for n, (a, b) in got.items()),
         "The actuator as printed and as fitted.", "lrrr",
     )  # fmt: skip

@@ -7,7 +7,7 @@ from math import pi
 import numpy as np
 import pytest
 import yaml
-from firmware_bench import AXIS, Gains
+from firmware_bench import AXIS, Gains, need
 
 from workbench.control import fixed_pd, pi_cascade, profile_pi, scheduled_pd
 from workbench.definition import find
@@ -111,6 +111,21 @@ def test_a_start_up_list_reads_back():
     for o in OBJECTS:
         assert value_of(o, found[o.index, o.subindex]) == pytest.approx(getattr(GAINS, o.quantity), rel=1e-6)
     assert found[0x3000, 1] == (60000).to_bytes(4, "little")
+
+
+def test_a_canopen_library_reads_the_bytes_of_both_lists_too():
+    need("canopen", "no CANopen library here")
+    from canopen import objectdictionary as od
+
+    lines = [x.split(" #")[0].split(",") for x in sdo.write(GAINS, OBJECTS).splitlines() if x.startswith("0x")]
+    listed = {(int(i, 16), int(sub, 16)): bytes.fromhex(data) for i, sub, _, _, data in lines}
+    assert listed == twincat.read(twincat.write(GAINS, OBJECTS))
+    for o in OBJECTS:
+        entry = od.ODVariable(o.quantity, o.index, o.subindex)
+        entry.data_type = getattr(od, o.type)
+        raw = entry.decode_raw(listed[o.index, o.subindex])
+        assert raw == pytest.approx(getattr(GAINS, o.quantity) * o.per_si, rel=1e-6)
+        assert entry.encode_raw(raw) == listed[o.index, o.subindex]
 
 
 def test_elmo_gain_sets_read_back_and_are_all_filled():

@@ -1,14 +1,19 @@
 """The exported C header, compiled with warnings as errors and compared with Python bit for bit."""
 
+import re
 import shutil
 import subprocess
 from pathlib import Path
 
 import numpy as np
 import pytest
+from firmware_bench import AXIS
 from test_export import SCALE, plant, schedule
 
+from workbench.control import scheduled_pd
 from workbench.exporting import export, lookup32
+from workbench.firmware import firmware
+from workbench.simulation import Loop
 
 SOURCE = Path(__file__).parent / "consumer" / "consumer.c"
 WARNINGS = "-Wall -Wextra -Wconversion -Wdouble-promotion -Wpedantic -Werror -ffp-contract=off".split()
@@ -33,6 +38,14 @@ def consumer(request, tmp_path_factory):
     folder = tmp_path_factory.mktemp(request.param)
     export(schedule(rule=request.param), plant(), folder, scale=SCALE)
     return request.param, folder, compiled(folder)
+
+
+@pytest.fixture(scope="module")
+def follower(tmp_path_factory) -> Path:
+    """The consumer of a table whose amplitude is that of the stroke."""
+    folder = tmp_path_factory.mktemp("follower")
+    export(schedule(rule="following"), plant(), folder)
+    return compiled(folder)
 
 
 def run(binary: Path, what: str, *columns) -> list[np.ndarray]:
@@ -151,10 +164,9 @@ def walk(seed: int, n: int = 1500) -> np.ndarray:
 
 
 @pytest.mark.parametrize("seed", range(4))
-def test_c_and_python_see_the_same_strokes(consumer, seed):
-    _, _, binary = consumer
+def test_c_and_python_see_the_same_strokes(follower, seed):
     y = walk(seed).astype(F)
-    amplitude, turn = run(binary, "stroke", y)
+    amplitude, turn = run(follower, "stroke", y)
     reference = Stroke(schedule().reversal, y[0])
     wanted, turns, counted = [F(0)], [y[0]], 0
     for position in y[1:]:
@@ -190,7 +202,6 @@ def test_c_and_python_schedule_the_same_gains(consumer, seed):
 @pytest.mark.parametrize("rule", ["following", "error"])
 def test_the_exported_rule_looks_up_where_the_simulated_law_does(rule, tmp_path):
     """A step of the simulated loop: its readings given to the C code, and the gains from there those that it commanded with."""
-    from workbench.control import scheduled_pd
     from workbench.definition import find
     from workbench.plant import ONE_MASS, Limits, Plant
     from workbench.simulation import Loop, ScenarioArrays, simulate
@@ -207,19 +218,35 @@ def test_the_exported_rule_looks_up_where_the_simulated_law_does(rule, tmp_path)
     assert np.abs(u[1:] - wanted[1:]).max() < 2e-3 * np.abs(u).max() and np.ptp(kp[1:]) > 0.0
 
 
-def test_amplitude_is_the_stroke_from_rest_and_half_of_it_after_a_reversal(consumer):
-    _, _, binary = consumer
+def test_amplitude_is_the_stroke_from_rest_and_half_of_it_after_a_reversal(follower):
     c = 2.0**-17  # 7.6 microradians: more than 1.5e-5 rad is two of them
     y = np.array([0, 1, -1, 3, 8, 7, 9, 8, 7, 4, 5, 6, 7], F) * F(c)
-    amplitude, turn = run(binary, "stroke", y)
+    amplitude, turn = run(follower, "stroke", y)
     same(turn / F(c), [0, 0, 0, 0, 0, 0, 0, 0, 9, 9, 9, 4, 4])
     same(amplitude / F(c), [0, 1, 1, 3, 8, 7, 9, 8, 1, 2.5, 2, 1, 1.5])
 
 
-def test_a_nan_position_is_passed_on_and_forgotten(consumer):
-    _, _, binary = consumer
+def test_a_nan_position_is_passed_on_and_forgotten(follower):
     y = walk(0)[:200].astype(F)
     holes = np.insert(y, 100, np.nan)
-    amplitude, _ = run(binary, "stroke", holes)
+    amplitude, _ = run(follower, "stroke", holes)
     assert np.isnan(amplitude[100])
-    same(np.delete(amplitude, 100), run(binary, "stroke", y)[0])
+    same(np.delete(amplitude, 100), run(follower, "stroke", y)[0])
+
+
+@pytest.mark.parametrize("rule", ["frozen", "following", "error"])
+def test_the_header_runs_what_the_firmware_runs(rule, tmp_path):
+    """Word by word: each line of C by which a firmware follows the motion stands in the header too."""
+    made = firmware(scheduled_pd(schedule(rule=rule)), Loop(2.5e-4, 1, resolution=4e-6), AXIS)
+    source, text = made.files["axis.c"], export(schedule(rule=rule), plant(), tmp_path)[0].read_text()
+    body = source[source.index("static float observe") : source.index("static float command")]
+
+    def alike(line: str) -> str:
+        line = line.split(" /*")[0].strip().replace("s->", "state->").replace("k[BACK]", "WB_GAINS_REVERSAL")
+        return re.sub(r"\by\b", "position", line).replace("reference", "target").replace("wb_low", "wb_min")
+
+    wanted = [alike(x) for x in body.splitlines() if " = " in x and "vh" not in x and "rate" not in x]
+    there = [x.split(" /*")[0].strip().replace("wb_table_", "wb_") for x in text.splitlines()]
+    # the firmware's numbers are never NaN, so that it writes x <= 0 as the opposite of 0 < x, and counts lines with its filter
+    there = [re.sub(r"\((\w+) <= 0.0f\)", r"(!(0.0f < \1))", x) for x in there]
+    assert len(wanted) > 7 and not [x for x in wanted if x not in there]

@@ -1,19 +1,20 @@
 """A compensation as firmware: C and Python in every bit, and the force of the law that was simulated, in both arithmetics."""
 
 import ctypes
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
 import pytest
 from firmware_bench import need_compiler
 
-from workbench.compensation import Compensator, predicted
+from workbench.compensation import Compensator, compensated, predicted
 from workbench.control import fixed_pd
 from workbench.definition import find
 from workbench.errors import WorkbenchError
 from workbench.firmware import firmware, host
 from workbench.firmware.compensation_make import compensation_firmware
-from workbench.plant import ONE_MASS, Limits, Plant
+from workbench.plant import ONE_MASS, TWO_MASS, Limits, Plant
 from workbench.record import IDENTIFICATION
 from workbench.simulation import Loop
 from workbench.study.simulated import record_of
@@ -147,6 +148,19 @@ def test_a_jump_of_the_encoder_takes_the_force_away_until_the_next_start():
 def test_what_has_no_firmware_is_refused_with_a_sentence(names, options, said):
     with pytest.raises(WorkbenchError, match=said):
         compensation_firmware(Compensator.of(PLANT, names, **options), LOOP, PLANT)
+
+
+def test_a_compensation_reads_the_encoder_that_closes_its_laws_loop():
+    effects = (find("inertia")(at="motor", inertia=0.005), find("inertia")(at="load", inertia=0.004),
+               find("linear_stiffness")(at="joint", stiffness=4000.0), find("presliding_hysteresis")(at="load", h0=0.1, x0=1e-3))  # fmt: skip
+    plant = Plant(TWO_MASS, effects, limits=Limits(3.3, 20.9))
+    named = Compensator.of(plant, ["presliding_hysteresis"], source="measured")
+    both = compensated(fixed_pd(900.0, 5.0), named)
+    loop = Loop(2.5e-4, 4, 2.5e-4, 2.5e-4, COUNT, COUNT, "position")
+    with pytest.raises(WorkbenchError, match="encoder of the load"):
+        firmware(both, loop, plant)
+    made = firmware(both, replace(loop, feedback="load_position"), plant)
+    assert made.compensation.reads and "compensation.c" in made.files
 
 
 def test_a_friction_that_needs_an_exponential_in_its_memory_is_refused():

@@ -1,28 +1,26 @@
 """The compiled firmware in the loop: it moves axes as the law in float64 does, and a study's axes are driven by it."""
 
 import json
-import time
 
 import numpy as np
 import pytest
 from firmware_bench import COUNT, Gains, every, need_compiler
 
 from workbench.cli import main
+from workbench.compensation import Compensator, compensated
 from workbench.control import fixed_pd, pi_cascade, scheduled_pd
 from workbench.definition import find
 from workbench.firmware import firmware, quantisation
 from workbench.firmware.document import document
 from workbench.firmware.image import read
-from workbench.firmware.loop import Compiled, run_firmware
+from workbench.firmware.loop import run_firmware
 from workbench.firmware.verification import judged, same_bits
 from workbench.plant import ONE_MASS, TWO_MASS, Limits, Plant
 from workbench.robustness import worst
 from workbench.robustness.cases import Varied
 from workbench.robustness.distribution import Distribution
 from workbench.robustness.workload import Work
-from workbench.simulation import Criteria, Loop, ScenarioArrays, simulate
-from workbench.simulation.binding import bind
-from workbench.simulation.run import run_lanes
+from workbench.simulation import Loop, ScenarioArrays, simulate
 from workbench.verification.task import Task
 
 LOOP = Loop(2.5e-4, 4, 2.5e-4, 2.5e-4, COUNT)
@@ -68,25 +66,6 @@ def test_two_masses_are_moved_too():
     assert np.abs(law.time_1pct - run.time_1pct).max() < 1e-4
 
 
-def test_the_loop_with_firmware_takes_no_longer_than_twice_the_scalar_kernel():
-    need_compiler()
-    scenarios, c = ScenarioArrays(1, target=TO), scheduled_pd(Gains)
-    bound = bind(AXIS, LOOP, c, scenarios, 20000, Criteria())
-    open_bound = bind(AXIS, LOOP, None, scenarios, 20000, Criteria())
-    run_lanes(bound, lanes=1, threads=1)
-    compiled = Compiled(firmware(c, LOOP, AXIS), open_bound)
-
-    def least(call) -> float:
-        spent = []
-        for _ in range(5):
-            start = time.perf_counter()
-            call()
-            spent.append(time.perf_counter() - start)
-        return min(spent)
-
-    assert least(lambda: compiled.lane(open_bound, 0)) < 2.0 * least(lambda: run_lanes(bound, lanes=1, threads=1))
-
-
 def outputs(folder) -> None:
     """What a study with robustness leaves behind, of a small task."""
     varied = (
@@ -94,7 +73,13 @@ def outputs(folder) -> None:
         Varied("inertia", Distribution("uniform", 0.8, 1.2)),
     )
     task = Task(AXIS, LOOP, TO, 0.25, noise=2e-3)
-    work = Work(task, {"scheduled PD (following)": scheduled_pd(Gains), "fixed PD": fixed_pd(900.0, 5.0)}, varied)
+    compensated_pd = compensated(
+        fixed_pd(900.0, 5.0), Compensator.of(AXIS, ["presliding_hysteresis"], source="reference")
+    )
+    both = {"scheduled PD (following)": scheduled_pd(Gains), "fixed PD, compensated": compensated_pd}
+    work = Work(task, both, varied)
+    (folder / "firmware" / "float32").mkdir(parents=True)
+    (folder / "firmware" / "float32" / "axis.c").write_text("of the study itself")
     (folder / "robustness").mkdir(parents=True)
     worst.write(work, (), folder / "robustness" / worst.FILE)
 
@@ -105,10 +90,11 @@ def test_verify_drives_a_studys_axes_and_writes_what_it_found(tmp_path, capsys):
     assert main(["verify", str(tmp_path / "axis"), "--firmware", "--draws", "3"]) == 0
     said = capsys.readouterr().out
     assert "scheduled" in said and "equal" in said
-    found = json.loads((tmp_path / "axis" / "firmware" / "verify.json").read_text())["compared"]
+    found = json.loads((tmp_path / "axis" / "firmware" / "verified" / "verify.json").read_text())["compared"]
     assert len(found) == 4 and all(c["good"] and c["same"] == c["samples"] > 0 for c in found)
     for c in found:
-        place = tmp_path / "axis" / "firmware" / c["files"]
+        place = tmp_path / "axis" / "firmware" / "verified" / c["files"]
+        assert (place / "compensation.bin").is_file() == ("compensated" in c["controller"])
         assert read((place / "axis.bin").read_bytes()).plant == AXIS.digest
         assert {"axis.c", "axis.h", "axis.hex", "axis.json", "axis.a2l", "axis_table.h"} <= {
             p.name for p in place.iterdir()
@@ -133,8 +119,8 @@ def test_verify_says_what_is_missing(tmp_path, capsys):
     assert main(["verify", str(tmp_path), "--firmware"]) == 2
     assert "run the study first" in capsys.readouterr().err
     outputs(tmp_path / "axis")
-    assert main(["verify", str(tmp_path / "axis"), "--firmware", "--controller", "fixd PD"]) == 2
-    assert "fixed PD" in capsys.readouterr().err
+    assert main(["verify", str(tmp_path / "axis"), "--firmware", "--controller", "scheduled PD"]) == 2
+    assert "scheduled PD (following)" in capsys.readouterr().err
     assert main(["verify", str(tmp_path / "axis"), "--firmware", "--draws", "0"]) == 2
 
 

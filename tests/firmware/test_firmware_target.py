@@ -15,8 +15,8 @@ from workbench.plant import ONE_MASS, Limits, Plant  # noqa: E402
 from workbench.simulation import Scenario, simulate  # noqa: E402
 
 # What a step takes is in measured.json: instructions with velocity filter and encoder, the worst of the vectors and their mean,
-# and code; with zig 0.17.1 at -O2. The rules of a schedule are held to 200 in fixed point and to 120 in float32, where the
-# rule "error" takes one more in 2 of 1000 vectors, those in which a reversal and a move of the origin fall together.
+# and code; with zig 0.17.1 at -O2. Schedules, of every rule, of one encoder and of two, are held to 120 in float32 and to 200 in
+# fixed point; a profile before the law takes a square root more, feed-forward a look-up and a quotient.
 ARITHMETICS = ("float32", "fixed")
 NAMES = (
     "fixed",
@@ -27,10 +27,13 @@ NAMES = (
     "drive",
     "drive, notch",
     "joint",
+    "motor speed",
+    "on the motor",
     "following, profiled",
     "fed forward",
 )
-HELD = {"float32": 121, "fixed": 200}
+SCHEDULES = (*RULES, "joint", "motor speed")
+HELD = {"float32": 120, "fixed": 200}
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -49,7 +52,7 @@ def test_the_target_agrees_in_every_bit_of_1000_vectors(name, arithmetic, tmp_pa
     assert np.count_nonzero(after != bits_of(made.reference, axes)) == 0
     held = measured_of(every()[name][0].law.name, arithmetic)
     assert (spent.max(), round(spent.mean()), target.code) <= (held.worst, held.mean, held.code)
-    assert held.worst <= HELD[arithmetic] or name not in RULES
+    assert held.worst <= HELD[arithmetic] or name not in SCHEDULES
     assert target.code <= 4096  # bytes of controller and loader
 
 

@@ -11,8 +11,9 @@ import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
 BUSY = """
-import argparse, sys, time
+import argparse, signal, sys, time
 from pathlib import Path
+signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell lets what it starts in the background ignore it
 from workbench import cli, outputs
 class Busy:
     def do(given):
@@ -43,13 +44,16 @@ def stopped(tmp_path, work: str, number: int, words: int = 1):
     started = subprocess.Popen(
         [sys.executable, "-c", code], cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
     )
-    for _ in range(words):
-        started.stdout.readline()
-    time.sleep(0.1)
-    began = time.monotonic()
-    os.kill(started.pid, number)
-    _, said = started.communicate(timeout=20)
-    return started.returncode, time.monotonic() - began, said
+    try:
+        for _ in range(words):
+            started.stdout.readline()
+        time.sleep(0.1)
+        began = time.monotonic()
+        os.kill(started.pid, number)
+        _, said = started.communicate(timeout=20)
+        return started.returncode, time.monotonic() - began, said
+    finally:
+        started.kill()
 
 
 @pytest.mark.parametrize(

@@ -1,22 +1,25 @@
 """Page 1 says what was found, how much of what could be is explained, and which controller to take; nothing is said twice."""
 
 import json
+import tomllib
 from dataclasses import replace
+from pathlib import Path
 
 import pytest
 from report_example import study
 
 from workbench.finding import Finding
 from workbench.report import write
-from workbench.report.advice import advice_of, headline
+from workbench.report.advice import advice_of, headline, worth_in_short
 from workbench.report.chapters import standard, texts
 from workbench.report.compiling import LEAST, emptiest
 from workbench.report.contents import BAD, GOOD, Callout, Chapter, Check, Figure, Items, Paragraph, Table
 from workbench.report.drawing import svg
 from workbench.report.explained import explained
 from workbench.report.index import write_index
+from workbench.report.opening import records
 from workbench.report.required import in_words, judged
-from workbench.report.wording import typeset
+from workbench.report.wording import bound, typeset
 from workbench.tracing.evidence import Evidence, Explainable
 
 
@@ -37,9 +40,29 @@ def test_the_advice_names_controller_file_quality_and_margin():
     text = headline(advised(row("PI cascade", 0.1, 70e-6), row("fixed PD", 0.11, 8.05e-3), row("wild", 0.1, 1e-6, 0.3)))
     assert text == (
         "Take PI cascade (gains/a.h): over half to one and a half times inertia and friction, it is within 1\u00a0% of the target "
-        "after 100\u00a0ms at most and ends 70.0\u00a0µrad off at most. Fixed PD, the next best, takes 1.1 times as long and ends 115 "
+        "after 100\u00a0ms at most and ends 70.0\u00a0µrad off at most. Fixed PD, the next best, takes 10\u00a0% longer and ends 115 "
         "times as far off (110\u00a0ms, 8.05\u00a0mrad)."
     ).replace("1\u00a0% of", "1 % of")
+
+
+def test_the_advice_says_a_small_margin_in_per_cent_and_what_speaks_for_the_other_with_a_but():
+    text = headline(advised(row("first", 0.1, 7.05e-6), row("second", 0.11, 6.0e-6)))
+    assert "Second, the next best, takes 10\u00a0% longer but ends 15\u00a0% nearer (" in text
+    text = headline(advised(row("first", 0.1, 7.05e-6), row("second", 0.1, 6.0e-6)))
+    assert "takes as long and ends 15\u00a0% nearer" in text
+
+
+def test_what_the_effect_is_worth_is_said_where_a_controller_never_comes_to_rest():
+    rows = [{"controller": "a", "final_error": e, "time_1pct": t} for e, t in ((8e-3, 0.2), (1.9, float("inf")))]
+    said = worth_in_short({"comparison": rows[:1], "comparison_tuned_on_declared": rows[1:]}, "rad")
+    assert said.endswith("within 1 % after 200\u00a0ms; without, 1.90\u00a0rad off, never within 1 %.")
+
+
+def test_a_column_of_motions_that_nobody_named_is_left_out():
+    plain = study()
+    table = records(replace(plain, records=tuple(replace(r, motion="") for r in plain.records))).blocks[-1]
+    assert "motion" not in table.columns and len(table.columns) == len(table.alignment) == len(table.rows[0])
+    assert "motion" in records(plain).blocks[-1].columns
 
 
 def test_the_advice_says_where_two_are_as_good_and_where_none_keeps_what_was_asked():
@@ -107,12 +130,31 @@ def test_the_last_table_is_all_that_makes_the_report_again():
 def test_requirements_are_named_in_words():
     assert in_words("validation_error_after") == "error of the last model on the validation records"
     assert in_words("a3", {"a3": "what it is"}) == "what it is" and in_words("some_figure") == "some figure"
+    assert (
+        in_words("limit_cycle_wrong_fixed_pd")
+        == "cases in which harmonic balance is wrong about a limit cycle under fixed PD"
+    )
     failed = Check("sensitivity peak", 2.1, "1", "<= 2", False, in_words("sensitivity_peak"))
     assert "largest peak of the sensitivity over all amplitudes" in judged((failed, failed))
 
 
+def test_every_requirement_of_every_study_is_named_in_words():
+    raw = {}
+    for file in sorted(Path(__file__).resolve().parents[2].glob("studies/*/study.toml")):
+        declared = tomllib.loads(file.read_text(encoding="utf-8"))
+        own = declared.get("words", {})
+        raw[file.parent.name] = [n for n in declared.get("requirements", {}) if in_words(n, own) == n.replace("_", " ")]
+    assert len(raw) >= 7 and not any(raw.values()), raw
+
+
 def test_units_of_sentences_are_printed_as_those_of_tables():
     assert typeset("viscous_friction: +-0.3 N*m*s/rad, 2 kg*m^2") == "Viscous friction: ±0.3 N·m·s/rad, 2 kg·m²"
+    assert (
+        typeset("a correlation of -0.848, off by 4e-13 N*m and 1.13e+03")
+        == "a correlation of −0.848, off by 400 × 10⁻¹⁵ N·m and 1130"
+    )
+    assert typeset("1-90 Hz on 2013-05-06, x^-2, Cortex-M4 at -O2") == "1-90 Hz on 2013-05-06, x^-2, Cortex-M4 at -O2"
+    assert bound("<= 1e-05") == "≤ 10 × 10⁻⁶" and bound(">= 0.148 and <= 0.152") == "≥ 0.148 and ≤ 0.152"
     assert typeset("a*b and u = kp (r - y), 3 m/s") == "a*b and u = kp (r - y), 3 m/s"
 
 

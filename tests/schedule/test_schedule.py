@@ -201,7 +201,8 @@ def test_too_few_knots_are_a_finding_with_its_numbers(tuned):
     s = fit_schedule(tuned, loop=LOOP, per_octave=1, highest=0.03)
     (finding,) = s.findings
     assert (
-        finding.evidence["error"] == s.interpolation_error > 0.02 and f"{s.interpolation_error:.2%}" in finding.sentence
+        finding.evidence["error"] == s.interpolation_error > 0.02
+        and f"{100 * s.interpolation_error:.3g} %" in finding.sentence
     )
 
 

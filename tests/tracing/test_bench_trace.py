@@ -284,3 +284,20 @@ def test_numbers_of_one_name_in_two_modules_are_two():
         assert jumps.MOST == 1 != localise.MOST
     named = [(module, name) for module, name, _ in numbers()]
     assert len(set(named)) == len(named) > 50 and ("ranking", "LEADING") in named
+
+
+def test_a_flank_pushes_and_lets_go_and_nothing_is_felt_within_the_play():
+    """Friction behind play: along the far way it is 1, in the play 0, and it never pulls."""
+    from rig.bench.kernel import met
+
+    z, half = np.zeros(1), 1.0
+    bristles = np.array([[0.1, 1.0]])
+    side, room, felt = 0.0, half, []
+    for way in (*(0.05,) * 60, *(-0.05,) * 60):
+        force, side, room = met(z, bristles, side, room, way, half)
+        felt.append(force)
+    forward, backward = np.array(felt[:60]), np.array(felt[60:])
+    assert forward[-1] == 1.0 and backward[-1] == -1.0
+    assert (forward >= 0.0).all()
+    empty = np.count_nonzero(backward == 0.0) * 0.05
+    assert abs(empty - 2.0 * half) < 0.2

@@ -229,3 +229,12 @@ def test_of_equals_the_usual_effect_is_named_before_a_rare_one(monkeypatch):
     plainly = candidate("fading_memory", 0.12, 2)
     assert leads(plainly, presliding, lugre) is plainly
     assert leads(fading, lugre) is fading
+
+
+@pytest.mark.parametrize(("order", "strange"), [(282.0, False), (235.4, False), (23.5, False), (100.0, True)])
+def test_a_further_wave_is_of_one_mechanism_where_orders_stand_as_small_numbers(order, strange):
+    first, more = (find("cogging")(label=label, order=n) for label, n in (("", 47.0), ("2", order)))
+    plant = Plant(ONE_MASS) + first + more
+    suspect = Candidate(more.named, "axis", "addition", plant)
+    fitted = SimpleNamespace(suspect=suspect, refitted=SimpleNamespace(plant=plant))
+    assert ranking._stranger(fitted) == strange

@@ -150,3 +150,6 @@ def test_what_has_fewer_levels_is_tuned_alike_and_the_sentence_says_who_is_behin
     ours, behind = (Regret(np.full((1, 2), v), np.ones((1, 2)), np.zeros((1, 2))) for v in (1.2, 1.5))
     assert "is worth its schedule" in worth_sentence(ours, {"fixed gains": behind})
     assert "against fixed gains the description's curve buys nothing" in worth_sentence(ours, {"fixed gains": ours})
+    lost = Regret(np.array([[1.0, np.nan]]), np.array([[1.0, np.inf]]), np.zeros((1, 2)))
+    said = worth_sentence(ours, {"fixed gains": lost})
+    assert "fixed gains no rest on 1 of 2 moves" in said and "is worth its schedule" in said and "nan" not in said

@@ -1,4 +1,4 @@
-"""gains.h: the gain table as C99, written from the template gains.h.in."""
+"""gains.h: the gain table as C99, written from the template gains.h.in; what it computes is the firmware's own C."""
 
 from pathlib import Path
 from string import Template
@@ -7,8 +7,16 @@ import numpy as np
 
 from workbench.exporting.document import FORMAT_VERSION
 from workbench.exporting.tables import Tables
+from workbench.firmware.shared import helpers, interpolated, scheduling
 
 TEMPLATE = Path(__file__).with_name("gains.h.in")
+HEAD = """/* What a look-up knows of its table: the last knot's number, the bits of a float below its segment, the first knot's above. */
+typedef struct {
+    uint32_t last;
+    uint32_t shift;
+    uint32_t first;
+} wb_table_head;
+"""
 DRIVE_TEMPLATE = Path(__file__).with_name("gains_drive.h.in")
 
 
@@ -48,6 +56,9 @@ def header(contents: dict, held: Tables) -> bytes:
         "kp_unit": unit["kp"],
         "kd_unit": unit["kd"],
         "tables": "\n\n".join(table(f"{p}_{key}", units[key], row, p.upper()) for key, row in rows.items()),
+        "helpers": HEAD + "\n" + helpers(),
+        **scheduling(contents["rule"], p, unit["knots"]),
+        **{f"{k}_there": interpolated(f"{p}_{k}[i]", f"{p}_{k}_slope[i]") for k in rows if f"{k}_slope" in rows},
         "checks": "\n".join(f"    crc = wb_crc32_table(crc, {p}_{key}, {p.upper()}_COUNT);" for key in rows),
     }
     fields["drive"] = _drive_part(contents, fields) if "drive" in contents else ""

@@ -5,14 +5,13 @@ from functools import cached_property
 
 import numpy as np
 
-from workbench.compensation import Compensator
+from workbench.compensation import READ, Compensator
 from workbench.errors import WorkbenchError, nearest
 from workbench.firmware.compensation import Compensation, compensation
 from workbench.firmware.compensation_reference import FixedReference, FloatReference
 from workbench.firmware.compensation_scales import Scales, real_words
 from workbench.firmware.compensation_source import FixedCompensation, FloatCompensation
-from workbench.firmware.image import Image
-from workbench.firmware.make import ARITHMETICS
+from workbench.firmware.image import ARITHMETICS, Image
 from workbench.plant import Plant
 from workbench.simulation import Loop
 
@@ -25,6 +24,11 @@ class CompensationFirmware:
     reference: FloatReference
     source: FloatCompensation | FixedCompensation
     image: Image
+
+    @property
+    def reads(self) -> bool:
+        """Whether it is handed the position that is measured, and not the reference."""
+        return self.made.compensator.source == READ
 
     @cached_property
     def files(self) -> dict[str, str]:

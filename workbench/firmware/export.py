@@ -7,6 +7,7 @@ from pathlib import Path
 from workbench.errors import WorkbenchError
 from workbench.exporting.whole import write_together
 from workbench.firmware.a2l import a2l
+from workbench.firmware.compensation_make import CompensationFirmware
 from workbench.firmware.document import SCHEMA, document, text
 from workbench.firmware.hexfile import intel_hex
 from workbench.firmware.make import Firmware
@@ -39,7 +40,7 @@ def _array(data: bytes) -> str:
     return ",\n".join("    " + ", ".join(f"0x{b:02X}" for b in line) for line in lines)
 
 
-def _table_header(made: Firmware) -> str:
+def _table_header(made: Firmware | CompensationFirmware) -> str:
     """Return the table as a C array, and the digest of the plant that it was made for."""
     data, name = made.image.bytes(), made.source.name
     return TABLE.format(
@@ -62,7 +63,15 @@ def files_of(made: Firmware, address: int = 0) -> dict[str, bytes]:
         f"{name}.schema.json": SCHEMA.read_text(encoding="utf-8"),
         f"{name}.a2l": a2l(made, address),
     }
-    return {n: t.encode() for n, t in texts.items()} | {f"{name}.bin": made.image.bytes()}
+    found = {n: t.encode() for n, t in texts.items()} | {f"{name}.bin": made.image.bytes()}
+    return found | (_beside(made.compensation, address + len(made.image.bytes())) if made.compensation else {})
+
+
+def _beside(made: CompensationFirmware, address: int) -> dict[str, bytes]:
+    """Return the tables of a compensation, behind that of its law; its sources are among the law's."""
+    name, data = made.source.name, made.image.bytes()
+    texts = {f"{name}_table.h": _table_header(made), f"{name}.hex": intel_hex(data, address)}
+    return {n: t.encode() for n, t in texts.items()} | {f"{name}.bin": data}
 
 
 def export_firmware(made: Firmware, folder: str | PathLike, address: int = 0) -> tuple[Path, ...]:

@@ -66,7 +66,7 @@ def compiled(typed: Typed, formats: dict):
 class FixedReference(Reference):
     """The firmware of a controller in fixed point. States and commands are int32 of the formats in `scales`."""
 
-    dtype = np.int32
+    dtype, end = np.int32, REACH
 
     def __init__(self, numbers: Numbers):
         self.numbers, self.stages, self.scales = numbers, numbers.stages, Scales(numbers)
@@ -120,16 +120,15 @@ class FixedReference(Reference):
             return []
         bits, _, shift = self.scales.amplitude
         n = (amplitude * self.scales.amplitude_factor) >> shift
-        n = np.minimum(n, MOST)
+        shown = np.minimum(n, MOST) | 1
         step = self.numbers.per_octave.bit_length() - 1
-        shown = np.maximum(n, 1)
         exponent = np.frexp(shown.astype(float))[1] - 1
         word = shown << (31 - exponent)
         head = self.numbers.knots[:1].astype(np.float32).view(np.uint32)[0]
         i = ((exponent + 127 - bits) << step) + ((word >> (31 - step)) & ((1 << step) - 1)) - int(head >> (23 - step))
         into = (word >> (19 - step)) & 0xFFF
         last = self.numbers.knots.size - 1
-        into = np.where((n <= 0) | (i < 0) | (i >= last), 0, into)
-        i = np.clip(np.where(n <= 0, 0, i), 0, last)
+        into = np.where((i < 0) | (i >= last), 0, into)
+        i = np.clip(i, 0, last)
         after = np.minimum(i + 1, last)
         return [row[i] + (((row[after] - row[i]) * into) >> 12) for row in self.rows]

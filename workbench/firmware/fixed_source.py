@@ -1,17 +1,32 @@
 """A law's firmware in fixed point as C99: the same header, and a source in 32-bit integers."""
 
+import re
 from collections import Counter
 from collections.abc import Mapping
 
-from workbench.firmware.fixed import Typed
+from workbench.firmware.fixed import Typed, Value
+from workbench.firmware.identity import law_code
 from workbench.firmware.naming import identifier
 from workbench.firmware.numbers import Numbers
 from workbench.firmware.parts import Part
 from workbench.firmware.scales import REACH, Scales
-from workbench.firmware.stages import ADDED, COMMAND, POSITIONS
+from workbench.firmware.stages import ADDED, COMMAND
 from workbench.firmware.units import power_of, unit
-from workbench.firmware.write import Source, law_code, parameter
+from workbench.firmware.write import Source, parameter
 from workbench.kernel.c import LONGEST, bare
+
+PRODUCT = re.compile(r"(wb_times\(.*, )(\d+)\)", re.DOTALL)
+
+
+def _joined(value: Value, known: Mapping[str, str]) -> str:
+    """Return a value's text in which a product that is shifted further is shifted once: the same bits, an instruction less."""
+    text = value.text
+    for name in value.operands:
+        product = PRODUCT.fullmatch(known[name])
+        for by in re.findall(rf"wb_right\(\{{{name}\}}, (\d+)\)", text) if product else ():
+            once = f"{product[1]}{int(product[2]) + int(by)})".replace("{", "{{").replace("}", "}}")
+            text = text.replace(f"wb_right({{{name}}}, {by})", once)
+    return text
 
 
 class FixedSource(Source):
@@ -22,6 +37,7 @@ class FixedSource(Source):
     template = "law_fixed.c.in"
     runtime = (*Source.runtime, "wb_fixed.h", "wb_fixed.c")
     include = "wb_fixed.h"
+    end = "WB_REACH"
     words = ("wb_signed", "(uint32_t)")
 
     def __init__(self, numbers: Numbers, scales: Scales, name: str, effort: str = "N*m"):
@@ -52,7 +68,7 @@ class FixedSource(Source):
         uses.update(n for text in texts.values() for n in typed.values for _ in range(text.count(f"{{{n}}}")))
         lines = []
         for v in typed.lines:
-            text, name = v.text.format(**known), part.names.get(v.out)
+            text, name = _joined(v, known).format(**known), part.names.get(v.out)
             name = None if name in arguments else name
             if name is None and uses[v.out] == 1 and len(text) <= LONGEST:
                 known[v.out] = text
@@ -88,14 +104,10 @@ class FixedSource(Source):
         lines = ["int32_t way;", *["int32_t y;"] * y, "int32_t reference;"]
         if self.stages.columns:
             lines += ["int32_t into;", "uint32_t i;", *(f"int32_t {n};" for n in self.stages.columns)]
-        within = " || !wb_encoder_within(&state->encoder)" if self.stages.both else ""
+        within = f" || !wb_encoder_within(&state->encoder, {self.end})" if self.stages.both else ""
         follow = "!wb_encoder_follow(&state->encoder, &table->head, now->position, &way)"
         lines += [f"if ({follow}{within}) {{", "    return 0;", "}"]
-        moved = [identifier(n) for n in self.stages.states if n in POSITIONS]
-        if not self.stages.both:
-            lines += ["{", "    const int32_t by = wb_encoder_recentre(&state->encoder);", "    if (by != 0) {"]
-            lines += [f"        state->{n} = wb_within(state->{n} - by, {REACH});" for n in moved] + ["    }", "}"]
-        lines += [f"y = {self.position};"] * y + [f"reference = {self.target};"]
+        lines += ["y = state->encoder.position;"] * y + [f"reference = {self.target('state->encoder.position')};"]
         if self.stages.columns:
             bits, _, shift = self.scales.amplitude
             lines += [
@@ -106,22 +118,18 @@ class FixedSource(Source):
                 given[f"gain.{n}"] = n
         else:
             lines += [f"{seen};"]
-        lines += [f"return {self.call(self.stages.command, 'command', given)};"]
+        lines += self.ending(given, f"wb_within({{0}} - y, {REACH})")
         return "\n".join(f"    {x}" for x in lines) + "\n"
 
-    @property
-    def position(self) -> str:
-        """The reading: the origin that moves along keeps it near; that of two encoders does not move."""
-        return f"wb_within(state->encoder.position, {REACH})" if self.stages.both else "state->encoder.position"
-
-    @property
-    def target(self) -> str:
+    def target(self, position: str) -> str:
         """The target, no further from the reading than is told apart."""
-        away = f"(uint32_t)now->reference - state->encoder.origin - (uint32_t)({self.position})"
-        return f"{self.position} + wb_within(wb_signed({away}), {self.scales.travel})"
+        away = f"(uint32_t)now->reference - state->encoder.origin - (uint32_t)({position})"
+        return f"{position} + wb_within(wb_signed({away}), {self.scales.travel})"
 
     def begin(self) -> str:
-        given = self.given() | {"now.y": self.position, "reference": self.target}
+        """The arguments of the first stage; an axis of two encoders that starts too far away stops in its first step."""
+        y = f"wb_within(state->encoder.position, {REACH})" if self.stages.both else "state->encoder.position"
+        given = self.given() | {"now.y": y, "reference": self.target(y)}
         return self.call(self.stages.start, "begin", given)
 
     def state_lines(self) -> list[str]:
@@ -151,9 +159,16 @@ class FixedSource(Source):
             else ""
         )
         load = f"    table->factor = {self.scales.amplitude_factor};\n" if self.rows else ""
+        last = (
+            f"    for (j = 0u; j < {self.p.upper()}_ROWS; ++j) {{ /* so that the last knot has one after it */\n"
+            "        table->row[j][table->head.knots] = (table->head.knots > 0u) ? table->row[j][table->head.last] : 0;\n    }\n"
+            if self.rows
+            else ""
+        )
         return made | {
             "factor": factor,
-            "load_rows": made["load_rows"] + load,
+            "load_rows": made["load_rows"] + load + last,
+            "spare": " + 1" if self.rows else "",
             "unit": f"{self.effort} 2^{-u}",
             "added_unit": f"{self.effort} 2^{-bits}",
             "added_said": "",

@@ -11,7 +11,7 @@
 | 28 | uint32 | number n of constants |
 | 32 | uint32 | number c of rows over the knots: gain and slope of each column; in fixed point the gain alone |
 | 36 | uint32 | number m of knots; 0 for a law without a table of gains, c is 0 then |
-| 40 | uint32 | knots an octave, a power of two up to 4096 |
+| 40 | uint32 | knots an octave, a power of two up to 2048 |
 | 44 | float32 | sample time, s |
 | 48 | float32 | one encoder count, rad or m |
 | 52 | float32 | largest command, N*m or N |
@@ -37,6 +37,7 @@ from workbench.errors import WorkbenchError
 MAGIC, ORDER, VERSION = b"WBTABLE\0", 0x01020304, 1
 HEAD = struct.Struct("<8s9I3f4I32s")
 FLOAT32, FIXED = 1, 2
+ARITHMETICS = {"float32": FLOAT32, "fixed": FIXED}
 JUDGED, TRACED = (
     ("not judged", "requirements met", "requirements not met"),
     ("not traced", "cause", "nothing_missing", "unknown"),

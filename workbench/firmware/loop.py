@@ -25,6 +25,27 @@ HERE = Path(__file__).parent
 CLOCKS = "double clock_k, double clock_t, double clock_window"
 
 
+BESIDE = {  # what a compensation adds to the loop: it begins where the axis is, and is handed what is read or asked for
+    "included": '#include "$name.h"\n',
+    "kept": "static ${p}_table beside_table;\nstatic ${p}_state beside_state;\n",
+    "loaded": """
+uint32_t wb_loop_load_beside(const uint8_t *bytes, uint32_t size)
+{
+    return (uint32_t)${p}_load(&beside_table, bytes, (size_t)size, NULL);
+}
+""",
+    "declared": "        ${p}_inputs beside;\n",
+    "added": """        beside.fraction = 0u;
+        if (k == 0) {
+            beside.position = now.position;
+            ${p}_start(&beside_state, &beside_table, &beside);
+        }
+        beside.position = $asked;
+        now.added = ${p}_step(&beside_state, &beside_table, &beside);
+""",
+}
+
+
 class Run(ctypes.Structure):
     """wb_run of loop.c.in."""
 
@@ -71,7 +92,15 @@ def _source(made: Firmware, design: Design, substeps: int) -> str:
         other = f"        now.other = wb_counted(r[{at[row]}], run->other_count);\n"
         counted = "(double)now.other"
     noise = f"        r[{at['noise']}] = wb_noise(run->seed, (uint64_t)k) * run->strength;\n" if design.noisy else ""
+    beside = dict.fromkeys(("included", "kept", "loaded", "declared"), "") | {"added": "        now.added = 0;\n"}
+    if made.compensation:
+        p = made.compensation.source.p
+        asked = "now.position" if made.compensation.reads else "(uint32_t)now.reference"
+        beside = {
+            n: Template(t).substitute(p=p, name=made.compensation.source.name, asked=asked) for n, t in BESIDE.items()
+        }
     return Template((HERE / "loop.c.in").read_text(encoding="utf-8")).substitute(
+        beside,
         header=f"{made.source.name}.h", p=made.source.p, pieces="\n".join(pieces), other=other, counted=counted, noise=noise,
         y=at["y"], u=at["u"], u_c=at["u_c"], substeps=substeps,
     )  # fmt: skip
@@ -87,6 +116,9 @@ class Compiled:
         data = made.image.bytes()
         refused = self.library.wb_loop_load(data, len(data))
         assert refused == 0, refused  # the table was made for this law, a line above
+        if made.compensation:
+            data = made.compensation.image.bytes()
+            assert self.library.wb_loop_load_beside(data, len(data)) == 0
 
     def lane(self, bound: Bound, i: int) -> tuple[np.ndarray, np.ndarray]:
         """Return the final rows of one scenario, and its readings, commands and counts of the other encoder (samples, 3)."""

@@ -5,34 +5,38 @@ from functools import cached_property
 
 import numpy as np
 
+from workbench.compensation import Compensated
 from workbench.control.law import Controller
 from workbench.errors import WorkbenchError, nearest
 from workbench.exporting.tables import grid
+from workbench.firmware.compensation_make import CompensationFirmware, compensation_firmware
 from workbench.firmware.fixed_reference import FixedReference
 from workbench.firmware.fixed_source import FixedSource
-from workbench.firmware.image import FIXED, FLOAT32, Image
+from workbench.firmware.image import ARITHMETICS, Image
 from workbench.firmware.numbers import Numbers, numbers
 from workbench.firmware.reference import Reference
 from workbench.firmware.write import Source
 from workbench.plant import Plant
 from workbench.simulation.scenario import Loop
 
-ARITHMETICS = {"float32": FLOAT32, "fixed": FIXED}
-
 
 @dataclass(frozen=True, eq=False)
 class Firmware:
-    """reference: runs it in Python. source: writes its C. image: its table."""
+    """reference: runs it in Python. source: writes its C. image: its table.
+
+    compensation: of a compensated controller the firmware beside it, whose force the law's adds; None of any other.
+    """
 
     numbers: Numbers
     reference: Reference
     source: Source
     image: Image
+    compensation: CompensationFirmware | None = None
 
     @cached_property
     def files(self) -> dict[str, str]:
         """File name -> text of the C, without the table."""
-        return self.source.files()
+        return self.source.files() | (self.compensation.files if self.compensation else {})
 
 
 def firmware(
@@ -45,14 +49,20 @@ def firmware(
     verdict: int = 0,
     bits: int = 32,
     travel: float | None = None,
+    places: tuple[float, float] | None = None,
 ) -> Firmware:
-    """Return the firmware of one controller on a loop, for an axis.
+    """Return the firmware of one controller on a loop, for an axis; of a compensated one, with its compensation's beside it.
 
-    arithmetic: "float32" or "fixed". verdict: see image.verdict_of. bits, travel: see `numbers`.
+    arithmetic: "float32" or "fixed". verdict: see image.verdict_of. bits, travel: see `numbers`. places: rad or m, between
+    which a compensation acts whose force hangs on the place.
     Raises WorkbenchError where the controller, the loop or the arithmetic does not hold together.
     """
     if arithmetic not in ARITHMETICS:
         raise WorkbenchError(f"there is no arithmetic '{arithmetic}' of a firmware; {nearest(arithmetic, ARITHMETICS)}")
+    beside = None
+    if isinstance(controller, Compensated):
+        beside = _beside(controller, loop, plant, arithmetic, places)
+        controller = controller.base
     made = numbers(controller, loop, plant, bits=bits, travel=travel)
     if made.knots.size:
         grid(made.knots, made.per_octave, f"controller '{controller.name}'")
@@ -78,4 +88,19 @@ def firmware(
         knots=made.knots.astype(np.float32),
         rows=rows,
     )
-    return Firmware(made, reference, source, image)
+    return Firmware(made, reference, source, image, beside)
+
+
+def _beside(
+    controller: Compensated, loop: Loop, plant: Plant, arithmetic: str, places: tuple[float, float] | None
+) -> CompensationFirmware:
+    """Return the firmware of a controller's compensation; WorkbenchError where it reads another encoder than its law."""
+    found = compensation_firmware(controller.compensator, loop, plant, arithmetic, travel=places)
+    closed = {"position": ("axis", "motor"), "load_position": ("load",)}[loop.feedback]
+    sides = {e.at for e in controller.compensator.forces}
+    if found.reads and not sides <= set(closed):
+        raise WorkbenchError(
+            f"controller '{controller.name}': its compensation reads the encoder of the {min(sides)}, and its law closes the loop on "
+            f"'{loop.feedback}'; compensate from the reference, or on the side that closes the loop."
+        )
+    return found

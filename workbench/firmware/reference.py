@@ -37,7 +37,7 @@ def signed(word: np.ndarray) -> np.ndarray:
 class Reference:
     """The firmware of a controller. constants, slopes: what the table holds, in float32."""
 
-    dtype = F
+    dtype, end = F, END
 
     def __init__(self, numbers: Numbers):
         self.numbers, self.stages = numbers, numbers.stages
@@ -86,7 +86,7 @@ class Reference:
         return axes
 
     def follow(self, axes: Axes, raw: np.ndarray) -> None:
-        """Take new readings, and move the origin along where it is far."""
+        """Take new readings."""
         shift = U(32 - self.numbers.bits)
         way = signed((raw - axes.origin - (axes.position & 0xFFFFFFFF).astype(U)) << shift) >> int(shift)
         axes.fault = axes.fault | (np.abs(way) > self.numbers.jump)
@@ -94,9 +94,13 @@ class Reference:
         axes.way = np.where(moved, way, 0)
         axes.position = axes.position + axes.way
         if self.stages.both:
-            axes.fault = axes.fault | (np.abs(axes.position) > END)
+            axes.fault = axes.fault | (np.abs(axes.position) > self.end)
+
+    def _recentre(self, axes: Axes) -> None:
+        """Move the origin along where it is far; two encoders share one that does not move."""
+        if self.stages.both:
             return
-        by = np.where(moved & (np.abs(axes.position) > FAR), axes.position, 0)
+        by = np.where(~axes.fault & (np.abs(axes.position) > FAR), axes.position, 0)
         axes.origin = axes.origin + (by & 0xFFFFFFFF).astype(U)
         axes.position = axes.position - by
         for name in POSITIONS:
@@ -138,6 +142,7 @@ class Reference:
         after = {**seen, **decided}
         kept = ~axes.fault
         axes.state = {n: np.where(kept, after.get(n, x), x) for n, x in axes.state.items()}
+        self._recentre(axes)
         return np.where(kept, decided[COMMAND], 0).astype(self.dtype)
 
 

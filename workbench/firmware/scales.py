@@ -14,7 +14,7 @@ from workbench.firmware.stages import ADDED, COMMAND, INCREMENT
 from workbench.simulation.given import REFERENCE
 from workbench.simulation.sampled import AMPLITUDE
 
-REACH = 2**24  # counts: how far a target, a turn or a second encoder is told from the origin; WB_REACH of wb_fixed.h
+REACH = 2**24  # counts: how far a target, a turn or a second encoder is told from the origin; WB_REACH of wb_runtime.h
 GAIN = 18  # bits of a gain beside its sign. With 15, steps landed 2.3 counts elsewhere than in float64, for small gains far
 # below the largest had 11 left; with more, the way between two knots would have less than the 12 bits that it has beside them
 RINGS = 8.0  # times the limit that a notch's memory holds, as its input is not limited yet; half cuts off a hard start
@@ -55,7 +55,7 @@ class Scales:
         if name.startswith(("law.first", "law.second")):  # memories of a notch
             return fitting(-RINGS * limit, RINGS * limit)
         if self.both and name in ("motor.y", "load.y", "furthest", "turned"):
-            return Format(5, -2.0 * REACH, 2.0 * REACH)
+            return Format(5, -2.0 * REACH, 2.0 * REACH) if "." in name else Format(4, -4.0 * REACH, 4.0 * REACH)
         return Format(0, -REACH, REACH)
 
     @cached_property

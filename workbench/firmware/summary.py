@@ -15,7 +15,7 @@ from workbench.errors import WorkbenchError
 from workbench.firmware import host, quantisation
 from workbench.firmware.loop import run_firmware
 from workbench.firmware.make import Firmware, firmware
-from workbench.firmware.verification import TRAVEL, difference, same_bits
+from workbench.firmware.verification import difference, reach, same_bits
 from workbench.verification.task import Task
 
 MEASURED = Path(__file__).with_name("measured.json")  # held by the tests that run the target
@@ -73,8 +73,12 @@ def ram_of(made: Firmware) -> int:
     n = made.numbers
     factor = 1 if made.source.number_type == "int32_t" and n.knots.size else 0
     knots, rows = max(made.source.knots, 1), max(made.source.rows, 1)
-    table = HEAD + factor + len(n.values) + knots * (1 + rows)
-    return WORD * (table + ENCODER + len(n.stages.states))
+    table = (
+        HEAD + factor + len(n.values) + knots * (1 + rows) + factor * rows
+    )  # in fixed point the last knot stands twice
+    beside = made.compensation
+    more = HEAD + beside.source.size + ENCODER + 1 + len(beside.made.states) if beside else 0  # 1: the part of a count
+    return WORD * (table + ENCODER + len(n.stages.states) + more)
 
 
 def rounding(made: Firmware) -> float:
@@ -100,9 +104,9 @@ def _moved(made: Firmware, controller: Callable[[int], Controller], task: Task) 
 def summary(controller: Callable[[int], Controller], task: Task, arithmetic: str, verdict: int = 0) -> Summary:
     """Return the summary of one controller(lanes); WorkbenchError as `firmware`."""
     one = controller(1)
-    made = firmware(one, task.loop, task.plant, arithmetic, travel=TRAVEL * abs(task.step - task.start), verdict=verdict)  # fmt: skip
+    made = firmware(one, task.loop, task.plant, arithmetic, verdict=verdict, **reach(task))
     gain, most = rounding(made), task.weights.sensitivity
     return Summary(
         made, arithmetic, ram_of(made), gain, gain * most * (most + 1.0),  # |dS| = |S T| |dL/L|, and |T| <= 1 + |S|
-        measured_of(one.law.name, arithmetic), _moved(made, controller, task),
+        measured_of(made.numbers.stages.law.name, arithmetic), _moved(made, controller, task),
     )  # fmt: skip

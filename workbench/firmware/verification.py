@@ -15,7 +15,7 @@ from workbench.firmware.export import files_of
 from workbench.firmware.image import verdict_of
 from workbench.firmware.loop import run_firmware
 from workbench.firmware.make import ARITHMETICS, Firmware, firmware
-from workbench.outputs import whole
+from workbench.outputs import replaceable, whole
 from workbench.robustness import worst
 from workbench.robustness.cases import independent
 from workbench.robustness.vary import applied
@@ -23,6 +23,7 @@ from workbench.robustness.workload import Block, Work
 from workbench.simulation import Metrics, ScenarioArrays
 from workbench.verification.task import Task
 
+FOLDER = "firmware/verified"  # beside what the study itself writes of its recommended controller
 FILE = "verify.json"
 COUNTS = 2.0  # of the encoder, by which final errors may differ
 NUDGE = 1e-7  # of friction, about a unit in the last place of float32: what the law's own landing hangs on
@@ -69,12 +70,22 @@ def same_bits(made: Firmware, run: Metrics, targets: np.ndarray) -> tuple[int, i
     raw = (np.floor(y / made.numbers.count + 0.5).astype(np.int64) & 0xFFFFFFFF).astype(np.uint32)
     aims = (np.floor(targets / made.numbers.count + 0.5).astype(np.int64) & 0xFFFFFFFF).astype(np.uint32)
     other = run.trajectories["other"].astype(np.int64).astype(np.uint32)
-    axes = made.reference.start(raw[0], aims, other[0])
+    axes, beside = made.reference.start(raw[0], aims, other[0]), made.compensation
+    around = beside.reference.start(raw[0]) if beside else None
     same = 0
     for k in range(len(raw)):
-        found = made.reference.real("u_c", made.reference.step(axes, raw[k], aims, 0, other[k]))
+        added = beside.reference.step(around, raw[k] if beside.reads else aims) if beside else 0
+        found = made.reference.real("u_c", made.reference.step(axes, raw[k], aims, added, other[k]))
         same += int(np.count_nonzero(found == u[k]))
     return raw.size, same
+
+
+def reach(task: Task) -> dict:
+    """Return how far from its target an axis is told, and between which places, for `firmware`."""
+    return {
+        "travel": TRAVEL * abs(task.step - task.start),
+        "places": (task.start - abs(task.step), task.start + abs(task.step)),
+    }
 
 
 def _chaotic(task: Task, controller: Controller, scenarios: ScenarioArrays, law: Metrics) -> np.ndarray:
@@ -98,8 +109,7 @@ def _compared(
     scenarios = replace(scenarios, target=count * np.floor(scenarios.target / count + 0.5))  # both go to a whole count
     law = task.on(plants).run(work.controllers[name], scenarios)
     steady = ~_chaotic(task.on(plants), work.controllers[name], scenarios, law)
-    travel = TRAVEL * abs(task.step - task.start)
-    made = firmware(work.controllers[name], task.loop, task.plant, arithmetic, travel=travel, verdict=verdict)
+    made = firmware(work.controllers[name], task.loop, task.plant, arithmetic, verdict=verdict, **reach(task))
     run = run_firmware(made, plants, task.loop, scenarios, task.duration, task.criteria)
     targets = np.broadcast_to(scenarios.target, (len(values),))
     samples, same = same_bits(made, run, targets)
@@ -110,30 +120,23 @@ def _compared(
     )  # fmt: skip
 
 
-def _asked(work: Work, controller: str | None, say: Callable[[str], None]) -> list[str]:
-    """Return the controllers to be verified: one, or all that are one firmware; a compensation is another beside its law's."""
+def _asked(work: Work, controller: str | None) -> list[str]:
+    """Return the controllers to be verified: one, or all."""
     names = list(work.controllers)
     if controller is not None and controller not in names:
         raise WorkbenchError(f"the study ran no controller '{controller}'; {nearest(controller, names)}")
-    twice = [n for n in names if isinstance(work.controllers[n], Compensated)]
-    if controller in twice:
-        raise WorkbenchError(
-            f"controller '{controller}' is two firmwares, its law's and its compensation's, which are not driven together here; "
-            "verify the controller without its compensation."
-        )
-    for n in twice:
-        say(f"{n}: left out, its compensation is a firmware of its own")
-    return [controller] if controller is not None else [n for n in names if n not in twice]
+    return [controller] if controller is not None else names
 
 
 def verify(
     place: Path, draws: int = 20, controller: str | None = None, say: Callable[[str], None] = lambda _: None
 ) -> tuple[Compared, ...]:
-    """Drive the axes of a study's outputs at `place` by firmware, write `place`/firmware, and return what was compared.
+    """Drive the axes of a study's outputs at `place` by firmware, write `place`/FOLDER, and return what was compared.
 
-    draws: axes, besides the worst ones that the study kept. controller: one of the study's; all where absent. Raises
-    WorkbenchError where the study has no robustness, or has not been run.
+    draws: axes, besides the worst ones that the study kept. controller: one of the study's; all where absent, but compensations
+    that have no firmware. Raises WorkbenchError where the study has no robustness, or has not been run.
     """
+    replaceable(place / FOLDER, FILE)
     kept = place / "robustness" / worst.FILE
     if not kept.is_file():
         raise WorkbenchError(
@@ -141,7 +144,7 @@ def verify(
             "the firmware is to drive."
         )
     work, cases = worst.read(kept)
-    names = _asked(work, controller, say)
+    names = _asked(work, controller)
     verdict = judged(place)
     drawn = independent(work.varied, draws, SEED).values
     found, files = [], {}
@@ -150,10 +153,16 @@ def verify(
         values = np.vstack([drawn, *(v[None, :] for v in own)])
         for arithmetic in ARITHMETICS:
             say(f"{name}, {arithmetic}")
-            made, one = _compared(work, name, arithmetic, values, verdict)
+            try:
+                made, one = _compared(work, name, arithmetic, values, verdict)
+            except WorkbenchError as error:
+                if controller is not None or not isinstance(work.controllers[name], Compensated):
+                    raise
+                say(f"{name}, {arithmetic}: left out, {error}")  # the study says so of its compensation, too
+                continue
             found.append(one)
             files[f"{_slug(name)}/{arithmetic}"] = made
-    _write(place / "firmware", tuple(found), files)
+    _write(place / FOLDER, tuple(found), files)
     return tuple(found)
 
 

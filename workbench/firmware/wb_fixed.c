@@ -43,25 +43,3 @@ int32_t wb_root(int32_t a, int up)
 {
     return (a > 0) ? (int32_t)wb_root64((uint64_t)(uint32_t)a << up) : 0;
 }
-
-uint32_t wb_segment_fixed(const wb_head *head, int32_t amplitude, int bits, int32_t *into)
-{
-    const uint32_t step = 23u - head->shift; /* log2 of the knots an octave */
-    uint32_t zeros;
-    uint32_t word;
-    uint32_t i;
-    *into = 0;
-    if (amplitude <= 0) {
-        return 0u;
-    }
-    zeros = wb_leading((uint32_t)amplitude);
-    word = (uint32_t)amplitude << zeros;
-    /* the float's exponent is biased by 127, this integer's by `bits` */
-    i = ((31u - zeros + 127u - (uint32_t)bits) << step) + ((word >> (31u - step)) & ((1u << step) - 1u));
-    i -= head->first;
-    if (i >= head->last) {
-        return (i > 0x7FFFFFFFu) ? 0u : head->last;
-    }
-    *into = (int32_t)((word >> (19u - step)) & 0xFFFu);
-    return i;
-}

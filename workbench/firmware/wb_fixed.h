@@ -31,10 +31,10 @@ static inline int32_t wb_times_most(int32_t a, int32_t b, int by)
 }
 
 /* a 2^up / b, towards zero and no more than 2^30 in size; by the least unit where b is zero. */
-int32_t wb_over(int32_t a, int32_t b, int up);
+WB_CONST int32_t wb_over(int32_t a, int32_t b, int up);
 
 /* The square root of a 2^up, downwards; 0 of what is negative. */
-int32_t wb_root(int32_t a, int up);
+WB_CONST int32_t wb_root(int32_t a, int up);
 
 static inline int32_t wb_min(int32_t a, int32_t b)
 {
@@ -83,14 +83,28 @@ static inline int wb_or(int a, int b)
 
 /*
  * Where an amplitude lies on knots at 2^e (1 + j/m): the segment i, and how far into it, 0 to 2^12 - 1. `amplitude` is in
- * units of 2^-bits; the leading bits of the integer count the knots, as those of a float would.
+ * units of 2^-bits and not negative; its bits are put where a float has them, for the leading bits of a float count the
+ * knots. Its last bit is taken as set, so that nothing is a number too.
  */
-uint32_t wb_segment_fixed(const wb_head *head, int32_t amplitude, int bits, int32_t *into);
+static inline uint32_t wb_segment_fixed(const wb_head *head, int32_t amplitude, int bits, int32_t *into)
+{
+    const uint32_t whole = (uint32_t)amplitude | 1u;
+    const uint32_t zeros = wb_leading(whole);
+    /* a float's exponent is biased by 127, this integer's by `bits`; the leading one adds the last one to 158 */
+    const uint32_t real = ((157u - (uint32_t)bits - zeros) << 23) + ((whole << zeros) >> 8);
+    const uint32_t i = (real >> head->shift) - head->first;
+    if (i < head->last) {
+        *into = (int32_t)((real >> (head->shift - 12u)) & 0xFFFu);
+        return i;
+    }
+    *into = 0;
+    return (i > 0x7FFFFFFFu) ? 0u : head->last;
+}
 
-/* Of a row of 19-bit gains: between two knots along a line. */
+/* Of a row of 19-bit gains: between two knots along a line. The last one stands there twice. */
 static inline int32_t wb_between(const int32_t *row, uint32_t i, int32_t into)
 {
-    return (into == 0) ? row[i] : row[i] + wb_right((row[i + 1u] - row[i]) * into, 12);
+    return row[i] + wb_right((row[i + 1u] - row[i]) * into, 12);
 }
 
 #endif

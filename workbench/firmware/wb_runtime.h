@@ -33,7 +33,7 @@ enum wb_refusal {
     WB_FIELD = 14      /* a field of the head is out of its range */
 };
 
-enum { WB_FLOAT32 = 1, WB_FIXED = 2, WB_DIGEST = 32, WB_FINEST = 12 };
+enum { WB_FLOAT32 = 1, WB_FIXED = 2, WB_DIGEST = 32, WB_FINEST = 11 };
 
 /* What a firmware takes. plant: the digest's 32 bytes, or NULL for any plant. period: s, or 0 for any. */
 typedef struct {
@@ -73,6 +73,7 @@ typedef struct {
 
 #define WB_FAR 4194304u    /* more than 2^22 counts away the origin is moved, so that float32 holds every count (to 2^24) */
 #define WB_END 1073741824u /* more than 2^30 counts from an origin that is not moved, the axis stops */
+#define WB_REACH 16777216u /* in fixed point more than 2^24, so that every position fits with fractions of a count */
 
 uint32_t wb_crc32(const uint8_t *bytes, size_t size);
 enum wb_refusal wb_check(const uint8_t *bytes, size_t size, const wb_wanted *wanted, wb_head *head);
@@ -83,6 +84,13 @@ static inline uint32_t wb_u32(const uint8_t *bytes)
 {
     return (uint32_t)bytes[0] | ((uint32_t)bytes[1] << 8) | ((uint32_t)bytes[2] << 16) | ((uint32_t)bytes[3] << 24);
 }
+
+/* What hangs on its arguments alone: called once where a law asks twice. */
+#if defined(__GNUC__)
+#define WB_CONST __attribute__((const))
+#else
+#define WB_CONST
+#endif
 
 typedef union {
     uint32_t bits;
@@ -145,18 +153,18 @@ static inline int wb_encoder_follow(wb_encoder *encoder, const wb_head *head, ui
     return 1;
 }
 
-/* Stop where 32 bits end, for an origin that is not moved. Return 0 then. */
-static inline int wb_encoder_within(wb_encoder *encoder)
+/* Stop further than `most` from an origin that is not moved. Return 0 then. */
+static inline int wb_encoder_within(wb_encoder *encoder, uint32_t most)
 {
-    if ((uint32_t)encoder->position + WB_END > 2u * WB_END) {
+    if ((uint32_t)encoder->position + most > 2u * most) {
         encoder->below = 0u;
         return 0;
     }
     return 1;
 }
 
-/* Move the origin along. Return by how much every position has to be lowered: 0, or the whole way. */
-static inline int32_t wb_encoder_recentre(wb_encoder *encoder)
+/* Move the origin to where the axis is, once that is far: return 1 then, and every position has to be lowered by this one. */
+static inline int wb_encoder_recentre(wb_encoder *encoder)
 {
     const int32_t by = encoder->position;
     if ((uint32_t)by + WB_FAR <= 2u * WB_FAR) {
@@ -164,7 +172,7 @@ static inline int32_t wb_encoder_recentre(wb_encoder *encoder)
     }
     encoder->origin += (uint32_t)by;
     encoder->position = 0;
-    return by;
+    return 1;
 }
 
 /* A NaN operand is ignored, and of equal operands the first is returned. */
@@ -211,9 +219,9 @@ static inline float wb_givenf(float a)
 }
 
 /* The root of a word that is not 0, downwards. */
-uint32_t wb_root64(uint64_t word);
+WB_CONST uint32_t wb_root64(uint64_t word);
 
-float wb_sqrtf(float a);
+WB_CONST float wb_sqrtf(float a);
 
 /*
  * The segment i of an amplitude on knots at 2^e (1 + j/m), and whether it lies beyond knot i within the table. The leading bits of a

@@ -1,38 +1,22 @@
 """A law's firmware as C99: the generated header and source, from the same programs that the reference runs."""
 
-import zlib
 from collections.abc import Mapping
 from pathlib import Path
 from string import Template
 
 from workbench import control
+from workbench.firmware.identity import law_code
 from workbench.firmware.naming import identifier
 from workbench.firmware.parts import Part, Stages
+from workbench.firmware.shared import interpolated
 from workbench.firmware.stages import COMMAND, POSITIONS
 from workbench.firmware.units import power_of, unit
 from workbench.kernel.c import Writer, bare
-from workbench.kernel.choice import Choice
 from workbench.simulation.sampled import AMPLITUDE
 
 HERE = Path(__file__).parent
 PARAMETERS = {"now.y": "y", "now.motor.y": "motor_counts", "now.load.y": "load_counts"}
 MOST_KNOTS = 64  # memory that a header sets aside where no table says how many
-
-
-def _law_text(stages: Stages, scales: str = "float32") -> str:
-    """Return what identifies a law: every instruction of its stages, every constant's formula, and the scales."""
-    said = [stages.law.name, stages.feedback, scales, *(c.formula for c in stages.constants)]
-    for part in (stages.start, stages.observe, stages.command):
-        said += [part.name, *part.rows, *map(str, part.constants)]
-        for x in part.program.lines:
-            said.append(f"{x.out} {x.op} {x.a} {x.b} {x.condition if isinstance(x, Choice) else ''}")
-        said += [f"{n} {v}" for n, v in zip(part.outputs, part.program.outputs[0], strict=True)]
-    return "\n".join(said)
-
-
-def law_code(stages: Stages, scales: str = "float32") -> int:
-    """Return the CRC-32 by which a firmware and a table know that they belong together."""
-    return zlib.crc32(_law_text(stages, scales).encode())
 
 
 def _formula_of(stages: Stages) -> str:
@@ -57,6 +41,7 @@ class Source:
     template = "law_float.c.in"
     runtime: tuple[str, ...] = ("wb_runtime.h", "wb_runtime.c", "wb_root.c")
     include = "wb_runtime.h"
+    end = "WB_END"  # where an axis of two encoders stops
 
     def __init__(self, stages: Stages, name: str, knots: int = MOST_KNOTS, effort: str = "N*m"):
         self.stages, self.name, self.effort = stages, name, effort
@@ -132,25 +117,36 @@ class Source:
                 "uint32_t i;",
                 *(f"float {n};" for n in self.stages.columns),
             ]
-        within = " || !wb_encoder_within(&state->encoder)" if self.stages.both else ""
+        within = f" || !wb_encoder_within(&state->encoder, {self.end})" if self.stages.both else ""
         follow = "!wb_encoder_follow(&state->encoder, &table->head, now->position, &way)"
         lines += [f"if ({follow}{within}) {{", "    return 0.0f;", "}"]
-        moved = [n for n in self.stages.states if n in POSITIONS]
-        if not self.stages.both:
-            lines += ["{", "    const int32_t by = wb_encoder_recentre(&state->encoder);", "    if (by != 0) {"]
-            lines += [f"        state->{identifier(n)} -= (float)by;" for n in moved] + ["    }", "}"]
         lines += ["y = (float)state->encoder.position;"] * y
         lines += ["reference = (float)wb_signed((uint32_t)now->reference - state->encoder.origin);"]
         if self.stages.columns:
             lines += [f"amplitude = {seen} * table->head.count;", "i = wb_segment(&table->head, amplitude, &within);"]
             lines += ["beyond = within ? amplitude - table->knot[i] : 0.0f;"]
             for j, n in enumerate(self.stages.columns):
-                lines += [f"{n} = table->row[{2 * j}][i] + table->row[{2 * j + 1}][i] * beyond;"]
+                lines += [f"{n} = {interpolated(f'table->row[{2 * j}][i]', f'table->row[{2 * j + 1}][i]')};"]
                 given[f"gain.{n}"] = n
         else:
             lines += [f"{seen};"]
-        lines += [f"return {self.call(self.stages.command, 'command', given)};"]
+        lines += self.ending(given, "{0} - y")
         return "\n".join(f"    {x}" for x in lines) + "\n"
+
+    def ending(self, given: Mapping[str, str], lowered: str) -> list[str]:
+        """Command, and move the origin along; that of two encoders does not move. lowered: text of a position {0} from there."""
+        decided = self.call(self.stages.command, "command", given)
+        if self.stages.both:
+            return [f"return {decided};"]
+        moved = [f"state->{identifier(n)}" for n in self.stages.states if n in POSITIONS]
+        lines = [
+            "if (wb_encoder_recentre(&state->encoder)) {",
+            *(f"    {n} = {lowered.format(n)};" for n in moved),
+            "}",
+        ]
+        if not moved:
+            lines = ["(void)wb_encoder_recentre(&state->encoder);"]
+        return ["{", f"    const {self.kind} u_c = {decided};", *(f"    {x}" for x in lines), "    return u_c;", "}"]
 
     def begin(self) -> str:
         """The arguments of the first stage."""
@@ -184,6 +180,7 @@ class Source:
             "command_said": "",
             "include": self.include,
             "factor": "",
+            "spare": "",
             "enumeration": self.enumeration(),
             "row_index": "    uint32_t j;\n" if stages.columns else "",
             "load_rows": self.load_rows(),

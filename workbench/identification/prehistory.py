@@ -38,7 +38,7 @@ def begun(plant: Plant, passes: Sequence[InverseDynamics]) -> tuple[InverseDynam
 
 
 def _begun(plant: Plant, p: InverseDynamics) -> InverseDynamics:
-    reach = memory(plant)
+    reach = _memory(plant)
     m = p.motion
     if m.record.history is not None or reach < LONG * np.ptp(m.q[m.keep]):
         return p
@@ -50,7 +50,7 @@ def _begun(plant: Plant, p: InverseDynamics) -> InverseDynamics:
     return InverseDynamics(displaced(m, float(best)))
 
 
-def memory(plant: Plant) -> float:
+def _memory(plant: Plant) -> float:
     """Return the length (m or rad) over which forces on the motor's side remember where they turned."""
     lengths = [
         p.value

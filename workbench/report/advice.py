@@ -54,19 +54,33 @@ def _margin(best: Mapping, other: Mapping, a: Advice) -> str:
     """Return how much worse the next one is, in time and in error."""
     name = f"{capital(str(other['name']))}, the next best,"
     time, error = (_ratio(other[k], best[k]) for k in ("time_grid", "error_grid"))
-    if time == error == "":
+    if time == error == 1.0:
         return f"{name} is as good."
-    slower = f"takes {time} times as long" if time else "takes as long"
-    off = f"ends {error} times as far off" if error else "ends as near"
-    return f"{name} {slower} and {off} ({_time(other['time_grid'])}, {_error(other, a)})."
+    slower = _differing(time, "takes as long", "takes {} longer", "takes {} less", "takes {} times as long")
+    off = _differing(error, "ends as near", "ends {} farther off", "ends {} nearer", "ends {} times as far off")
+    link = "and" if (time < 1.0) == (error < 1.0) or 1.0 in (time, error) else "but"
+    return f"{name} {slower} {link} {off} ({_time(other['time_grid'])}, {_error(other, a)})."
 
 
-def _ratio(value: float, than: float) -> str:
-    """Return by what factor a figure differs; "" where two are as good, or no factor says it."""
+def _ratio(value: float, than: float) -> float:
+    """Return by what factor a figure differs; 1 where two are as good, or no factor says it."""
     value, than = float(value), float(than)
     if not (0.0 < value < inf and 0.0 < than < inf) or 1.0 / EQUAL < value / than < EQUAL:
-        return ""
-    return numbers.number(value / than, 2 if value < 100.0 * than else 3)
+        return 1.0
+    return value / than
+
+
+def _differing(ratio: float, same: str, more: str, less: str, times: str) -> str:
+    """Return a ratio in words: per cent below twice as much, a factor from there on."""
+    if ratio == 1.0:
+        return same
+    if ratio < 2.0:
+        return (more if ratio > 1.0 else less).format(numbers.percent(abs(ratio - 1.0)))
+    return times.format(numbers.number(ratio, 2 if ratio < 100.0 else 3))
+
+
+def _within(value: float) -> str:
+    return f"within 1 % after {_time(value)}" if isfinite(float(value)) else "never within 1 %"
 
 
 def _time(value: float) -> str:
@@ -93,7 +107,6 @@ def worth_in_short(tables: Mapping[str, object], displacement: str) -> str:
         return ""
     knowing = next((r for r in tables["comparison"] if r["controller"] == blind["controller"]), blind)
     was, now = (
-        f"{numbers.scaled(r['final_error'], displacement)} off, within 1 % after {_time(r['time_1pct'])}"
-        for r in (blind, knowing)
+        f"{numbers.scaled(r['final_error'], displacement)} off, {_within(r['time_1pct'])}" for r in (blind, knowing)
     )
     return f"To the controller that is worth this: tuned with what was found, {blind['controller']} ends {now}; without, {was}."

@@ -167,12 +167,15 @@ def _smallest(found: Sequence[Smallest]) -> Table:
         (
             title(s.effect),
             s.at,
-            "change of" if s.change else "",
-            s.parameter,
+            "change" if s.change else "whole",
+            s.parameter.replace("_", " "),
             numbers.number(s.value),
             numbers.unit(s.unit),
         )
         for s in found
     )
     caption = "The smallest effect of each kind that these records could have shown beside the declared model."
-    return Table(("effect", "at", "", "parameter", "value", "unit"), rows, caption, "lllprl")
+    columns, letters = ("effect", "at", "whole or change", "parameter", "value", "unit"), "lllprl"
+    if any(s.change for s in found):
+        return Table(columns, rows, caption, letters)
+    return Table(columns[:2] + columns[3:], tuple(r[:2] + r[3:] for r in rows), caption, letters[:2] + letters[3:])

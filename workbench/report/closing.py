@@ -7,7 +7,7 @@ from workbench.plant import TWO_MASS
 from workbench.report import numbers
 from workbench.report.contents import Callout, Chapter, Figure, Items, Paragraph, Table
 from workbench.report.drawing import AFTER, BEFORE, MUTED, STYLES, decades, envelope, svg
-from workbench.report.wording import listed
+from workbench.report.wording import listed, typeset
 from workbench.tracing.result import Trace
 from workbench.verification.cancelling import take
 from workbench.verification.closing import DECLARED, EXTENDED, Closed, Response
@@ -211,8 +211,10 @@ def _compensation(closed: Closed, x: str) -> list:
         row("new gains", vars(closed.knowing), lags[EXTENDED]),
     ]
     for g, one in found.figures.items():
-        rows.append(row("compensation" + (f", {100 * (g - 1):+.0f} %" if g != 1.0 else ""), one, one["following"]))
-    columns = ("", "rise", "1 % time", "overshoot", f"final error ({unit})", f"following ({unit})")
+        rows.append(
+            row("compensation" + (f", {typeset(f'{100 * (g - 1):+.0f}')} %" if g != 1.0 else ""), one, one["following"])
+        )
+    columns = ("what is changed", "rise", "1 % time", "overshoot", f"final error ({unit})", f"following ({unit})")
     names = listed([k.partition("@")[0].replace("_", " ") for k in found.effects])
     caption = f"Compensation of {names} from the measured position, under the gains as they were, beside new gains."
     advice = take(vars(closed.blind), vars(closed.knowing), found)

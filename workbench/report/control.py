@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from workbench.finding import capital
 from workbench.plant import ONE_MASS
 from workbench.report import numbers
 from workbench.report.contents import BAD, GOOD, Callout, Chapter, Figure, Items, Marked, Paragraph, Table
@@ -45,13 +46,13 @@ def schedule_chapter(designed: Designed, rule: str) -> Chapter:
         "Gains over amplitude (top, middle) and the sensitivity peak of the exact sampled loop with the tuned gains.",
         f"Three graphs over amplitude. {heading}.",
     )
+    peak, at = designed.between.worst_sensitivity
     text = (
-        f"At each of {g.amplitude.size} amplitudes the gains are those that the simulated step has over friction and inertia. The "
-        f"table holds {final.knots.size} knots, even in the logarithm to base two; between them gains are linear in the amplitude. "
+        f"One table holds the gains of every amplitude, and between its knots the sensitivity peak is at most {numbers.number(peak)} (at "
+        f"{numbers.scaled(at, plant.displacement)}). At each of {g.amplitude.size} amplitudes the gains are those that the simulated step has over friction and inertia. The "
+        f"table has {final.knots.size} knots, even in the logarithm to base two; between them gains are linear in the amplitude. "
         "Its ratio Kp/Kd over amplitude begins at theirs and is tuned for every move of a ladder; Kp follows as stiff as |S| allows."
     )
-    peak, at = designed.between.worst_sensitivity
-    text += f" Between the knots the sensitivity peak is at most {numbers.number(peak)} (at {numbers.scaled(at, plant.displacement)})."
     said = [f.sentence for f in (*designed.gains.findings, *s.findings, *designed.between.findings, *designed.findings)]
     blocks = [Paragraph(text), figure]
     return Chapter("Gains per amplitude, and the schedule", tuple(blocks + ([Items(tuple(said))] if said else [])))
@@ -97,13 +98,18 @@ def step_chapter(task: Task, controllers: dict, load: str = "") -> Chapter:
         f"A step of {numbers.quantity(step, plant.displacement)} {'with the load' if load else 'without load'}. Dotted: the time-optimal bound.",
         f"Three graphs over time for {len(traces)} controllers. {heading}.",
     )
+    first = min(ran, key=lambda n: float(ran[n].time_1pct[0]))
+    least = min(ran, key=lambda n: float(ran[n].final_error[0]))
     text = (
-        "With the load on the axis all else is as before."
-        if load
-        else (
-            "The simulated loop has all that the drive has: sampling, a quantised encoder, delay, the velocity filter, torque and "
-            "speed limits, torque noise, and the identified friction. Controllers that are tuned were tuned by the same search on the same "
-            "scenarios, with the same limits, also on its sensitivity."
+        f"{capital(first)} is first within 1 % of the target, and {'it' if first == least else least} ends nearest to it. "
+        + (
+            "With the load on the axis all else is as before."
+            if load
+            else (
+                "The simulated loop has all that the drive has: sampling, a quantised encoder, delay, the velocity filter, torque and "
+                "speed limits, torque noise, and the identified friction. Controllers that are tuned were tuned by the same search on the same "
+                "scenarios, with the same limits, also on its sensitivity."
+            )
         )
     )
     return Chapter("The step, loaded" if load else "The step", (Paragraph(text), figure))
@@ -187,7 +193,7 @@ def worth_chapter(declared: Comparison, extended: Comparison, cause: str, task: 
     return Chapter(
         "What the found effect is worth",
         (
-            Callout(_worth_sentence(declared, extended, cause)),
+            Callout(_worth_sentence(declared, extended, cause, task.plant.displacement)),
             Table(
                 columns,
                 tuple(rows),
@@ -198,11 +204,11 @@ def worth_chapter(declared: Comparison, extended: Comparison, cause: str, task: 
     )
 
 
-def _worth_sentence(declared: Comparison, extended: Comparison, cause: str) -> str:
-    """Say what the scheduled PD gains by knowing the effect."""
+def _worth_sentence(declared: Comparison, extended: Comparison, cause: str, x: str) -> str:
+    """Say what the scheduled PD gains by knowing the effect. x: SI unit of position."""
     a, b = declared.rows[0], extended.rows[0]
     time = f"{_time(a.time_1pct)} to {_time(b.time_1pct)}"
     return (
         f"Tuned with {cause} in the model instead of without it, {b.controller} goes from a 1 % time of {time} and a final "
-        f"error of {numbers.number(a.final_error, 2)} to {numbers.number(b.final_error, 2)} without load, on the plant that has it."
+        f"error of {numbers.scaled(a.final_error, x, 2)} to {numbers.scaled(b.final_error, x, 2)} without load, on the plant that has it."
     )

@@ -14,7 +14,7 @@ def description(result: StudyResult) -> Chapter:
     """The curves, and a small table of them."""
     names = listed([title(e.name) for e, _ in result.equivalent])
     text = (
-        f"Under a sinusoidal motion of amplitude A, {names} {'acts' if len(result.equivalent) == 1 else 'act'} in the first "
+        f"{_lossy(result)} Under a sinusoidal motion of amplitude A, {names} {'acts' if len(result.equivalent) == 1 else 'act'} in the first "
         "harmonic like a spring k\u2091 with a damper c\u2091. A is zero to peak, half of the stroke between reversals. The loss "
         "c\u2091\u03c9 does not depend on frequency where the effect does not; the energy lost in a cycle is \u03c0A\u00b2c\u2091\u03c9."
     )
@@ -28,6 +28,22 @@ def _drawn(result: StudyResult) -> Figure:
     caption = f"Equivalent stiffness (top) and loss (bottom) over amplitude, of {listed([n for n, _ in curves])}."
     draw = lambda: figures.description(heading, curves, result.plant.rotary)  # noqa: E731
     return Figure("equivalent", draw, caption, f"Two graphs over amplitude. {heading}.")
+
+
+def _lossy(result: StudyResult) -> str:
+    """Say of the effect that is described first how much of it is spring and how much loss, at both ends of the amplitudes."""
+    effect, q = result.equivalent[0]
+    unit = result.plant.displacement
+    ends = [
+        f"{numbers.number(float(q.loss[i] / q.stiffness[i]), 2)} times its stiffness at {numbers.scaled(float(q.amplitude[i]), unit, 2)}"
+        for i in (0, -1)
+        if q.stiffness[i]
+    ]
+    return (
+        f"The loss of {title(effect.name)} is {listed(ends)}."
+        if ends
+        else f"{capital(title(effect.name))} is no spring, but a loss."
+    )
 
 
 def _falling(result: StudyResult) -> str:

@@ -14,6 +14,7 @@ from textwrap import fill
 
 import numpy as np
 
+from workbench.finding import capital
 from workbench.report import numbers
 from workbench.report.plotted import marked
 from workbench.report.wording import printable
@@ -84,7 +85,7 @@ def svg(
     from matplotlib.backends.backend_svg import FigureCanvasSVG
     from matplotlib.figure import Figure
 
-    title = printable(title)
+    title = capital(printable(title))
     with matplotlib.rc_context(), warnings.catch_warnings():
         # text stays text: a letter that this font lacks is drawn with another one where the figure is shown
         warnings.filterwarnings("ignore", "Glyph .* missing")
@@ -151,8 +152,8 @@ def decades(axis) -> None:
         low, high = np.log10(axis.get_view_interval())
         seen = np.floor(high) - np.ceil(low) + 1
         e = int(np.floor(np.log10(value) + 1e-9))
-        digit = round(value / 10.0**e)
-        shown = numbers.number(value, 1) if -1 <= e <= 2 else f"{digit}·{text(10.0**e, None)}"
+        digit = float(f"{value / 10.0**e:.3g}")  # steps below a decade need not be whole
+        shown = numbers.exact(value, 3) if -1 <= e <= 2 else f"{digit:g}·{text(10.0**e, None)}"
         return shown if seen < 1 or (seen < 2 and digit in (2, 5)) else ""
 
     axis.set_major_formatter(FuncFormatter(text))

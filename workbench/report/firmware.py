@@ -1,6 +1,6 @@
 """The firmware's page: its table, what rounding does to every number and to the loop, size, instructions, and checks."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
@@ -20,20 +20,36 @@ CHECKS = (
 )
 
 
-def firmware_chapter(name: str, made: Sequence[Summary], folder: str) -> Chapter:
-    """Return the chapter on one controller's firmware. made: in each arithmetic. folder: where its files are."""
-    first = made[0].made
+def firmware_chapter(made: Mapping[str, tuple[Sequence[Summary], str]]) -> Chapter:
+    """Return the chapter on firmware. made: controller -> (in each arithmetic, where its files are), the recommended one first."""
+    blocks = []
+    for i, (name, (found, folder)) in enumerate(made.items()):
+        blocks += [Heading(f"Beside it: {name}")] if i else []
+        blocks += _of_one(("The recommended controller, " if i == 0 else "") + name, found, folder)
+    return Chapter(
+        "Firmware", (*blocks, Heading("What the tests of the workbench hold of such firmware"), Items(CHECKS))
+    )
+
+
+def _of_one(name: str, made: Sequence[Summary], folder: str) -> list:
+    """Return the blocks on one controller's firmware."""
+    first, beside = made[0].made, made[0].made.compensation
     text = (
-        f"The recommended controller, {name}, as C: the instructions that were simulated, in float32 and in fixed point, with a table "
+        f"{name}, as C: the instructions that were simulated, in float32 and in fixed point, with a table "
         f"of {len(first.numbers.values)} numbers"
         + (f" and {first.numbers.knots.size} knots" if first.numbers.knots.size else "")
         + f", for a sample time of {numbers.scaled(first.numbers.sample_time, 's')} and an encoder of "
         f"{numbers.number(first.numbers.count)} a count. Sources and tables (C, binary, Intel HEX, JSON, A2L) lie in {folder}."
     )
+    if beside:
+        keys = ", ".join(e.name.replace("_", " ") for e in beside.made.compensator.forces)
+        text += (
+            f" Its compensation of {keys} is a firmware beside it, with a table of {beside.source.size} numbers; the loop is run with "
+            "both. RAM counts both; table, code, instructions and rounding are the law's."
+        )
     blocks = [Paragraph(text), _sizes(made), Heading("What rounding does"), _rounded(made)]
     blocks += [_signals(s) for s in made if quantisation.grains(s.made)]
-    blocks += [Heading("What the tests of the workbench hold of such firmware"), Items(CHECKS)]
-    return Chapter("Firmware", tuple(blocks))
+    return blocks
 
 
 def _sizes(made: Sequence[Summary]) -> Table:
@@ -81,7 +97,7 @@ def _rounded(made: Sequence[Summary]) -> Table:
     """Every number: as wanted, and its relative error in each arithmetic."""
     each = [quantisation.numbers(s.made) for s in made]
     rows = tuple(
-        (q[0].name.replace("_", " "), q[0].unit, numbers.number(q[0].wanted, 4), *(numbers.number(x.error, 2) for x in q))
+        (q[0].name.replace("_", " "), numbers.unit(q[0].unit), numbers.number(q[0].wanted, 4), *(numbers.number(x.error, 2) for x in q))
         for q in _named(each)
     )  # fmt: skip
     columns = ("number", "unit", "wanted", *(f"error, {s.arithmetic}" for s in made))
@@ -96,7 +112,12 @@ def _named(each):
 def _signals(s: Summary) -> Table:
     """The least unit of every signal in fixed point."""
     rows = tuple(
-        (g.name.replace("_", " "), g.unit, numbers.number(g.least, 2), numbers.number(g.largest, 3))
+        (
+            g.name.replace("_", " ").replace(".", ": "),
+            numbers.unit(g.unit),
+            numbers.number(g.least, 2),
+            numbers.number(g.largest, 3),
+        )
         for g in quantisation.grains(s.made)
     )
     return Table(("signal", "unit", "least unit", "largest"), rows, "Signals in fixed point.", "llrr")

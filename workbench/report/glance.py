@@ -10,6 +10,7 @@ from workbench.report.drawing import AFTER, BEFORE, MEASURED, decades, svg
 
 ROW = 0.24  # inches of a bar
 BESIDE = 0.62  # of the lower graph's width: for what stands beside a mark
+LABELS = 6  # of the logarithmic scale, at most: more would touch
 
 
 def glance(result: StudyResult) -> Figure:
@@ -95,4 +96,8 @@ def _judged(axis, advice: Advice) -> None:
     axis.set_ylim(-0.6, len(y) - 0.4)
     axis.set_yticks(y, [r["name"] for r in advice.rows])
     axis.set_xlabel(numbers.label("worst final error", numbers.unit(advice.displacement)))
+    powers = np.arange(np.ceil(np.log10(least / 1.8)), np.log10(3.0 * most))
+    if powers.size > 1:  # what stands beside the marks needs no scale beneath it
+        axis.set_xticks(10.0 ** powers[:: -(-powers.size // LABELS)], minor=False)
+        axis.minorticks_off()
     decades(axis.xaxis)

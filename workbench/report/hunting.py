@@ -1,13 +1,13 @@
 """The chapter on limit cycles: over which gains the loop hunts, as it is predicted and as it is simulated."""
 
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
 from workbench.limit_cycle.gain_region import THIRD, Region
 from workbench.report import numbers
-from workbench.report.contents import Chapter, Equation, Figure, Paragraph, Table
+from workbench.report.contents import Chapter, Equation, Figure, Items, Paragraph, Table
 from workbench.report.drawing import AFTER, BEFORE, GRID, INK, MUTED, svg
 from workbench.verification.task import Task
 
@@ -15,8 +15,8 @@ PICKED = 8  # rows of the table
 FAINT = 0.16  # of a predicted case's shade
 
 
-def chapter(found: Mapping[str, Region], task: Task) -> Chapter:
-    """A figure and a table of each controller."""
+def chapter(found: Mapping[str, Region], task: Task, said: Sequence[str]) -> Chapter:
+    """A figure and a table of each controller. said: what was found, a sentence each."""
     text = (
         "A loop hunts where a motion keeps itself going. Friction with memory is, for a motion of one amplitude, a spring and a "
         "loss; the drive's limit makes the command's share smaller as it grows. Where the loop that is linear for one amplitude "
@@ -36,7 +36,7 @@ def chapter(found: Mapping[str, Region], task: Task) -> Chapter:
         f" The axis has {numbers.exact(r.inertia)} times its inertia and {numbers.exact(r.friction)} times its friction."
     )  # fmt: skip
     balance = Equation("1 + C(A, omega) thin P(omega; k_e (A), c_e (A)) = 0", "one plus C times P is zero")
-    blocks = [Paragraph(text), balance, Paragraph(more + axis)]
+    blocks = [Items(tuple(said)), Paragraph(text), balance, Paragraph(more + axis)]
     for name, one in found.items():
         blocks += [_figure(name, one), _table(name, one, task)]
     return Chapter("Which gains hunt", tuple(blocks))
@@ -113,4 +113,6 @@ def _table(name: str, r: Region, task: Task) -> Table:
     caption = (
         f"Some of the limit cycles of {name}. Where the axis' speed limits the motion, frequency is not predicted."
     )
-    return Table(columns, tuple(rows), caption, "rrrrrrrl")
+    kept = slice(None) if r.limited.any() else slice(-1)
+    caption = caption if r.limited.any() else f"Some of the limit cycles of {name}."
+    return Table(columns[kept], tuple(row[kept] for row in rows), caption, "rrrrrrrl"[kept])

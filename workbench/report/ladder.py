@@ -13,21 +13,21 @@ from workbench.verification.ladder import COUNTS, FEW, timed
 from workbench.verification.regret import Regret
 from workbench.verification.worth import worth_sentence
 
+WIDE = 10.0  # regret from which on a drawing is logarithmic: below, steps of a tenth are to be seen
+
 
 def ladder_chapter(
     climbed: Climbed, held: Regret, plant: Plant, rule: str, fewer: Mapping[str, Regret], others: Mapping[str, Regret]
 ) -> Chapter:
     """What the table takes over a reference for each move alone. held: regret on the plant that judges; fewer: of what has fewer
     levels, tuned alike; others: of controllers that were tuned for one step."""
-    time, error, over = held.worst
     scenarios = len(set(climbed.on.scenarios))
     text = (
-        f"The table of rule {rule} is tuned for {len(climbed.on.moves)} moves at once: steps of ten counts to the full travel, both "
+        f"{_served(held)} It is of rule {rule} and tuned for {len(climbed.on.moves)} moves at once: steps of ten counts to the full travel, both "
         "ways, from rest and after a reversal, without and with a load, a slow sine across zero speed and a step of load, each "
-        f"the worst of {scenarios} cases of friction and inertia. Each move has a reference: a fixed PD that is tuned "
-        "for it alone with the same limits, or this law with numbers for it alone where that is better. Regret is what the "
-        f"table takes over it: at most {numbers.number(time)} in time and {numbers.number(error)} in error (or {COUNTS:g} counts); "
-        f"it overshoots by {numbers.percent(over)} at most. {_runs_sentence(climbed)}"
+        f"the worst of {scenarios} case{'s' * (scenarios > 1)} of friction and inertia. Each move has a reference: a fixed PD that is tuned "
+        "for it alone with the same limits, or this law with numbers for it alone where that is better. Regret is the "
+        f"ratio of what the table takes to what its reference takes. {_runs_sentence(climbed)}"
     )
     return Chapter(
         "One table for every move",
@@ -35,21 +35,29 @@ def ladder_chapter(
             Paragraph(text),
             _figure(climbed, held, plant),
             _references_table(climbed, held, plant),
-            Paragraph(_worst_sentence(climbed, held, plant)),
+            Paragraph(_worst_sentence(climbed, held, plant, rule)),
             Paragraph(worth_sentence(held, fewer)),
             _others_table({climbed.best.family.name: held, **fewer, **others}),
         ),
     )
 
 
+def _served(held: Regret) -> str:
+    """Say what one table takes over gains for each move alone."""
+    if held.restless:
+        return f"One table does not serve every move: it comes to no rest on {held.restless} of {held.time.size}."
+    time, error, over = held.worst
+    return (
+        f"One table serves every move: it takes at most {numbers.number(time)} times as long as gains for one move alone, ends at most "
+        f"{numbers.number(error)} times as far off (or {COUNTS:g} counts), and overshoots by {numbers.percent(over)} at most."
+    )
+
+
 def _others_table(regrets: Mapping[str, Regret]) -> Table:
     """The worst regret of every controller on the same ladder."""
 
-    def cell(value: float) -> str:
-        return numbers.number(value) if np.isfinite(value) else "not at rest"
-
     rows = tuple(
-        (n, cell(r.worst[0]), cell(r.worst[1]), numbers.percent(r.worst[2]) if np.isfinite(r.worst[2]) else "–")
+        (n, _cell(r.worst[0]), _cell(r.worst[1]), numbers.percent(r.worst[2]) if np.isfinite(r.worst[2]) else "–")
         for n, r in regrets.items()
     )
     caption = (
@@ -59,7 +67,7 @@ def _others_table(regrets: Mapping[str, Regret]) -> Table:
     return Table(("controller", "time", "error", "overshoot"), rows, caption, "lrrr")
 
 
-def _worst_sentence(climbed: Climbed, held: Regret, plant: Plant) -> str:
+def _worst_sentence(climbed: Climbed, held: Regret, plant: Plant, rule: str) -> str:
     """Say which move takes most over its reference, and what longer steps take."""
     on = climbed.on
     row, history = np.unravel_index(int(held.time.argmax()), held.time.shape)
@@ -69,12 +77,12 @@ def _worst_sentence(climbed: Climbed, held: Regret, plant: Plant) -> str:
         f"{', loaded' if move.load else ''}; steps of more than {FEW:g} counts take at most {numbers.number(_long(climbed, held))} times "
         "theirs."
     )
-    if not 0.0 < abs(move.size) < FEW * on.task.loop.count:
+    if rule != "error" or not 0.0 < abs(move.size) < FEW * on.task.loop.count:
         return text
     allowed = COUNTS * on.task.loop.count / abs(move.size)
     return text + (
-        f" A step as short may overshoot by {COUNTS:g} counts, {numbers.percent(allowed)} of it, and its reference does. The table's "
-        "gains at that amplitude end every longer step, too, which may not."
+        f" A step as short may overshoot by {COUNTS:g} counts, {numbers.percent(allowed)} of it. Under the rule “error” the table's gains "
+        "at that amplitude end every longer step, too, of which two counts are less; its reference has gains for it alone."
     )
 
 
@@ -83,6 +91,14 @@ def _long(climbed: Climbed, held: Regret) -> float:
     least = FEW * climbed.on.task.loop.count
     long = np.array([r[0].kind == "step" and abs(r[0].size) > least for r in climbed.on.rungs])
     return float(held.time[long].max()) if long.any() else 1.0
+
+
+def _cell(value: float) -> str:
+    return numbers.number(value) if np.isfinite(value) else "not at rest"
+
+
+def _rested(value: float, unit: str) -> str:
+    return numbers.scaled(value, unit) if np.isfinite(value) else "not at rest"
 
 
 def _runs_sentence(climbed: Climbed) -> str:
@@ -95,7 +111,11 @@ def _runs_sentence(climbed: Climbed) -> str:
 def _figure(climbed: Climbed, held: Regret, plant: Plant) -> Figure:
     """Regret over the size of a step."""
     time, error, _ = held.worst
-    heading = f"Over all sizes the table takes at most {numbers.number(time)} times its reference's time, {numbers.number(error)} times its error"
+    heading = (
+        f"Over all sizes the table takes at most {numbers.number(time)} times its reference's time, {numbers.number(error)} times its error"
+        if not held.restless
+        else f"The table comes to rest on {held.time.size - held.restless} of {held.time.size} moves"
+    )
     rows = np.flatnonzero(timed(climbed.on)[:, 0])
     size = np.array([abs(climbed.on.rungs[r][0].size) for r in rows])
     laden = np.array([climbed.on.rungs[r][0].load != 0.0 for r in rows])
@@ -108,6 +128,9 @@ def _figure(climbed: Climbed, held: Regret, plant: Plant) -> Figure:
                     label = f"{'loaded' if loaded else 'no load'}, {('from rest', 'after a reversal')[history]}"
                     axis.semilogx(size[at], values[rows][at, history], mark, ms=4, color=colour, label=label, alpha=0.8)
             axis.axhline(1.0, color=MUTED, lw=0.8)
+            if np.max(values[np.isfinite(values)], initial=1.0) > WIDE:
+                axis.set_yscale("log")
+                decades(axis.yaxis)
             axis.set_ylabel(f"regret in {name}")
             decades(axis.xaxis)
         axes[1].set_xlabel(numbers.label("step", numbers.unit(plant.displacement)))
@@ -130,11 +153,11 @@ def _references_table(climbed: Climbed, held: Regret, plant: Plant) -> Table:
         rows.append(
             (
                 numbers.scaled(size, plant.displacement),
-                *(numbers.scaled(float(f(known.time[at])), "s") for f in (np.min, np.max)),
-                *(numbers.scaled(float(f(known.error[at])), plant.displacement) for f in (np.min, np.max)),
-                numbers.number(float(held.time[at].max())),
-                numbers.number(float(held.error[at].max())),
-                numbers.percent(float(held.overshoot[at].max())),
+                *(_rested(float(f(known.time[at])), "s") for f in (np.min, np.max)),
+                *(_rested(float(f(known.error[at])), plant.displacement) for f in (np.min, np.max)),
+                _cell(float(held.time[at].max())),
+                _cell(float(held.error[at].max())),
+                numbers.percent(over) if np.isfinite(over := float(held.overshoot[at].max())) else "–",
             )
         )
     columns = ("step", "reference: 1 % time from", "to", "error from", "to", "worst regret: time", "error", "overshoot")

@@ -101,12 +101,15 @@ def records(result: StudyResult) -> Chapter:
         if trace.causes
         else "The records, and the error on each"
     )
+    letters = "llprrrr" + "r" * (len(heads) - 7)
+    if not any(r.motion for r in result.records):  # nobody said what they were
+        heads, letters, rows = heads[:2] + heads[3:], letters[:2] + letters[3:], tuple(r[:2] + r[3:] for r in rows)
     return Chapter(
         "The records",
         (
             Paragraph(text),
             _errors(result),
-            Table(tuple(heads), rows, caption + ".", "llprrrr" + "r" * (len(heads) - 7)),
+            Table(tuple(heads), rows, caption + ".", letters),
         ),
     )
 

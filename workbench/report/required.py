@@ -1,5 +1,6 @@
 """What a study required, in words, with what came out."""
 
+import re
 from collections.abc import Sequence
 
 from workbench.report import numbers
@@ -15,6 +16,8 @@ WORDS = {  # of figures that every study of a campaign has; a study's own words 
     "validation_error_before": "error of the declared model on the validation records",
     "validation_error_after": "error of the last model on the validation records",
     "sensitivity_peak": "largest peak of the sensitivity over all amplitudes",
+    "drive_sensitivity_peak": "largest peak of the sensitivity under the gains of the closed drive",
+    "compensation_sensitivity": "largest peak of the sensitivity with the compensation",
     "schedule_interpolation_error": "what interpolation between the knots of the gain table costs",
     "scheduled_time_over_bound": "time to 1 % under the gain table, over the shortest that the drive allows",
     "scheduled_final_error": "final error under the gain table",
@@ -29,6 +32,13 @@ WORDS = {  # of figures that every study of a campaign has; a study's own words 
     "reproduction_met": "printed numbers that were had again",
     "reproduction_unexplained": "printed numbers that were missed without a reason",
 }
+OF = {  # beginnings of such figures, of which there is one for each controller
+    "limit_cycle_wrong_": "cases in which harmonic balance is wrong about a limit cycle under {}",
+    "limit_cycle_frequency_error_": "frequency of limit cycles under {}, predicted off simulated",
+    "share_beyond_final_error_": "share of all such axes that exceed the error limit under {}, at most",
+    "share_beyond_time_1pct_": "share of all such axes that exceed the time limit under {}, at most",
+    "share_beyond_overshoot_": "share of all such axes that exceed the overshoot limit under {}, at most",
+}
 PLAIN = {
     "nothing_missing": "nothing is missing",
     "cause": "an effect is missing",
@@ -39,7 +49,13 @@ PLAIN = {
 def in_words(name: str, own: dict[str, str] | None = None) -> str:
     """Return what a figure is called; its name without underscores where nobody said."""
     name = name.replace(" ", "_")
-    return (own or {}).get(name) or WORDS.get(name) or name.replace("_", " ")
+    of_one = next((t.format(_controller(name.removeprefix(k))) for k, t in OF.items() if name.startswith(k)), None)
+    return (own or {}).get(name) or WORDS.get(name) or of_one or name.replace("_", " ")
+
+
+def _controller(slug: str) -> str:
+    """Return the name of a controller, of which a figure's name has the letters and digits."""
+    return re.sub(r"\b(pd|pi|pid)\b", lambda m: m[0].upper(), slug.replace("_", " "))
 
 
 def judged(checks: Sequence[Check]) -> str:
@@ -79,4 +95,4 @@ def required(result: StudyResult) -> Chapter:
 def _value(value: float | str) -> str:
     if isinstance(value, str):
         return PLAIN.get(value, value.replace("_", " "))
-    return numbers.number(value)
+    return numbers.count(int(value)) if float(value).is_integer() else numbers.number(value)

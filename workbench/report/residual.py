@@ -24,12 +24,20 @@ def residual(result: StudyResult) -> Chapter:
     names = _shown(trace.before)
     return Chapter("The residual before and after" if after else "The residual", (
         Paragraph(
-            "The declared model is wrong where its residual is large: the measured drive less the drive that the model asks for on "
+            f"{_left(result, names)} A model is wrong where its residual is large: the measured drive less the drive that the model asks for on "
             "the measured motion, both behind the same filter."
         ),
         _in_time(result, trace.before, after, names),
         over_motion(result, trace.before, after, names),
     ))  # fmt: skip
+
+
+def _left(result: StudyResult, names: Sequence[str]) -> str:
+    """Say what share of the drive each model leaves on the record where the declared one errs most."""
+    before, after = result.trace.before.nrmse, result.trace.after.nrmse
+    name = max(names, key=lambda n: before[n])
+    also = f", and the extended model {numbers.percent(after[name])}" if result.trace.causes else ""
+    return f"On the record {name} the declared model leaves {numbers.percent(before[name])} of the measured {result.drive}{also}."
 
 
 def _shown(fit: Fit) -> list[str]:

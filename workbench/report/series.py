@@ -3,12 +3,13 @@
 import numpy as np
 
 from workbench.report import numbers
-from workbench.report.contents import CODE, Chapter, Heading, Items, Marked, Paragraph, Table
+from workbench.report.contents import Chapter, Heading, Items, Paragraph, Table
 from workbench.report.series_figures import (
     beyond_figure,
     displacement,
     influence_figure,
     perspectives_figure,
+    varied,
     worst_figure,
 )
 from workbench.robustness.distribution import FIXED, NORMAL, UNIFORM
@@ -22,11 +23,13 @@ METRICS = {"final_error": "a final error", "time_1pct": "a 1 % time", "overshoot
 def chapter(found: Series) -> Chapter:
     """The whole chapter."""
     first = next(iter(found.columns))
+    best = min(found.columns, key=lambda n: found.of_draws[n].maximum)
     return Chapter(
         "On axes that differ",
         (
             Paragraph(
-                "No two axes of a series are alike. The controllers, tuned once, are run on axes whose inertia and friction "
+                f"Of all controllers {best} leaves the least on the worst of the axes that were drawn. No two axes of a series are "
+                "alike. The controllers, tuned once, are run on axes whose inertia and friction "
                 f"are off on a grid, and on {numbers.count(found.cases.count)} axes drawn independently from the "
                 "distributions below. A controller is robust in the first perspective when its largest error is small, in "
                 "the second when its errors differ little; the two can disagree, so both are applied."
@@ -46,8 +49,8 @@ def chapter(found: Series) -> Chapter:
             worst_figure(found),
             _worst_table(found),
             Paragraph(
-                f"robustness/{FILE} holds the exact draws of these axes: `workbench replay` runs one again, to the same bits, "
-                "and draws its motion. robustness/draws.csv holds every draw."
+                f"robustness/{FILE} holds the exact draws of these axes: the command workbench replay runs one again, to the same "
+                "bits, and draws its motion. robustness/draws.csv holds every draw."
             ),
         ),
     )
@@ -69,7 +72,7 @@ def _varied_table(found: Series) -> Table:
             NORMAL: f"normal, {numbers.number(d.mean)} ± {numbers.number(d.deviation)}, within {span}",
             UNIFORM: f"uniform, {span}",
         }.get(d.kind, f"uniform in the logarithm, {span}")
-        rows.append((Marked(v.name, CODE), text, "of nominal" if _of_nominal(v) else unit))
+        rows.append((varied(v.name), text, "of nominal" if _of_nominal(v) else unit))
     return Table(("what differs", "distribution", "unit"), tuple(rows), f"Drawn with seed {found.seed}.", "lpl")
 
 
@@ -122,7 +125,7 @@ def _influence_table(found: Series) -> Table:
     each = {n: {i.name: i for i in of} for n, of in found.influences.items()}
     names = list(dict.fromkeys(i.name for of in found.influences.values() for i in of))
     rows = [
-        (Marked(v, CODE), *(numbers.plus_minus(of[v].correlation, of[v].correlation_error, 1) for of in each.values()))
+        (varied(v), *(numbers.plus_minus(of[v].correlation, of[v].correlation_error, 1) for of in each.values()))
         for v in names
     ]
     caption = "Spearman's rank correlation of parameter and final error, ± its standard error by the jackknife."
@@ -135,7 +138,7 @@ def _worst_table(found: Series) -> Table:
     names = found.cases.names
     units = {v.name: "of nominal" if _of_nominal(v) else numbers.unit(v.unit) for v in found.cases.varied}
     rows = [
-        (Marked(v, CODE), *(numbers.number(float(c.values[i])) for c in cases), units[v]) for i, v in enumerate(names)
+        (varied(v), *(numbers.number(float(c.values[i])) for c in cases), units[v]) for i, v in enumerate(names)
     ]  # fmt: skip
     rows.append(("final error", *(_error(c.metrics["final_error"]) for c in cases), numbers.unit(displacement(found))))
     rows.append(("draw", *(str(c.number) for c in cases), ""))

@@ -4,6 +4,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from workbench.finding import title
 from workbench.report import numbers
 from workbench.report.contents import Figure
 from workbench.report.drawing import AFTER, BEFORE, MUTED, SERIES, STYLES, decades, envelope, svg
@@ -12,12 +13,19 @@ from workbench.robustness.workload import Work
 from workbench.robustness.worst import Replayed, replay
 
 FLOOR = 0.05  # of an encoder count: where a logarithmic axis begins
+OWN = {"phase": "phase of the encoder's counts"}  # what varies and is no effect's
 SHOWN = 8  # parameters of the figure on influence
 
 
 def displacement(found: Series) -> str:
     """SI unit of the position."""
     return found.work.task.plant.displacement
+
+
+def varied(name: str) -> str:
+    """Return what varies, as it is read: "encoder eccentricity: phase" of "encoder_eccentricity.phase"."""
+    effect, _, parameter = name.partition(".")
+    return f"{title(effect)}: {parameter.replace('_', ' ')}" if parameter else OWN.get(name, title(name))
 
 
 def _listed(values) -> str:
@@ -119,7 +127,7 @@ def influence_figure(found: Series, name: str) -> Figure:
     top = found.influences[name][:SHOWN]
     sure = [i.name for i in top if i.sure]
     heading = (
-        f"Of all that varies, {sure[0]} moves the error of {name} most"
+        f"Of all that varies, {varied(sure[0])} moves the error of {name} most"
         if sure
         else f"No single parameter moves the error of {name}"
     )
@@ -131,7 +139,7 @@ def influence_figure(found: Series, name: str) -> Figure:
         error = np.array([2 * i.share_error for i in top])
         axis.barh(y, share, color=AFTER, height=0.6)
         axis.errorbar(share, y, xerr=error, fmt="none", ecolor=BEFORE, capsize=2.5, lw=1)
-        axis.set_yticks(y, [i.name for i in top])
+        axis.set_yticks(y, [varied(i.name) for i in top])
         axis.set_xlabel("first-order share of the scatter of ranks, with two standard errors")
         axis.axvline(0.0, color=MUTED, lw=0.7)
 

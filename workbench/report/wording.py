@@ -12,6 +12,8 @@ from workbench.report.contents import BAD, CODE, QUIET, Items, Marked, Table
 ALARMS = ("below the floor", "joint carries nothing", "something else")  # kinds of findings that the first page says
 
 UNITS = re.compile(r"\b(?:m?N|kg|[JAVms]|rad)(?:\*(?:m|s|rad)|/(?:m|s|rad|A|V|N)|\^\d)+(?![\w*/^])")
+POWER = re.compile(r"(?<![\w.,+-])-?\d+(?:\.\d+)?e[+-]\d{1,2}(?![\w.]\w)")  # as Python writes a number
+NEGATIVE = re.compile(r"(?<![\w.)\]^+-])-(?=\d)")
 KEY = re.compile(r"^([a-z]+(?:_[a-z0-9]+)+):")
 
 Spread = Mapping[str, tuple[float, float]]
@@ -24,9 +26,11 @@ def printable(text: str) -> str:
 
 
 def typeset(text: str) -> str:
-    """Return a sentence with the signs that are printed: "+-0.3 N*m" is "\u00b10.3 N\u00b7m"; an effect that it begins with by its
-    name: "viscous_friction: ..." is "Viscous friction: ...".
+    """Return a sentence with the signs that are printed: "+-0.3 N*m" is "\u00b10.3 N\u00b7m", "-4e-13" is "\u2212400 × 10⁻¹⁵"; an
+    effect that it begins with by its name: "viscous_friction: ..." is "Viscous friction: ...".
     """
+    text = POWER.sub(lambda m: numbers.number(float(m[0]), len(re.sub(r"e.*|\D", "", m[0]))), text)
+    text = NEGATIVE.sub(numbers.MINUS, text)
     text = UNITS.sub(lambda m: numbers.unit(m[0]), text.replace("+-", "\u00b1"))
     return KEY.sub(lambda m: f"{capital(title(m[1]))}:", text)
 
@@ -47,7 +51,8 @@ def span(low: float, high: float, unit: str) -> str:
 
 
 def bound(text: str) -> str:
-    """Return a bound with the signs that are printed: "<= 0.11" is "≤ 0.11"."""
+    """Return a bound with the signs that are printed: "<= 1e-05" is "≤ 10.0 × 10⁻⁶"."""
+    text = POWER.sub(lambda m: numbers.exact(float(m[0])), text)
     return text.replace("<=", "\u2264").replace(">=", "\u2265").replace("!=", "\u2260")
 
 

@@ -132,15 +132,15 @@ def passivity(
     share = fed / damping
     i = int(share.argmax())
     evidence = {"damping": float(damping[i]), "pumping": float(fed[i]), "amplitude": float(amplitude[i])}
-    text = f"{fed[i]:.3g} of {damping[i]:.3g} ({share[i]:.0%}) at amplitude {amplitude[i]:.3g}"
+    text = f"{100 * share[i]:.3g} % of it at an amplitude of {amplitude[i]:.3g} (SI)"
     if share[i] >= 1.0:
-        sentence = f"The gains feed in more than friction and Kd take out: {text}. A limit cycle is to be expected."
+        sentence = f"The gains feed in more than friction and Kd take out, {text}. A limit cycle is to be expected."
         finding = Finding(
             "not passive", "schedule", sentence, evidence, "Freeze the gains between reversals, or bound their slope."
         )
     elif moving:
         finding = Finding(
-            "passive", "schedule", f"Moving gains use up a part of the damping: at most {text}.", evidence
+            "passive", "schedule", f"Moving gains use up a part of the damping, at most {text}.", evidence
         )
     else:
         finding = Finding("passive", "schedule", "Gains are frozen between reversals and feed no energy in.", evidence)

@@ -130,7 +130,10 @@ def _stopped(gains, dense: np.ndarray) -> np.ndarray:
 
 
 def _coarse(error: float, at: float, tolerance: float, knots: int, monotone: bool) -> Finding:
-    sentence = f"Between {knots} knots the gains differ by up to {error:.2%} (at {at:.3g}) from the tuned ones; {tolerance:.2%} was asked for."
+    sentence = (
+        f"Between {knots} knots the gains differ by up to {100 * error:.3g} % from the tuned ones, at an amplitude of {at:.3g} (SI); "
+        f"{100 * tolerance:.3g} % was asked for."
+    )
     remedy = "Use more knots an octave" + (", or allow gains that rise with amplitude." if monotone else ".")
     return Finding(
         "schedule", "interpolation", sentence, {"error": error, "amplitude": at, "tolerance": tolerance}, remedy

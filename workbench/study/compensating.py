@@ -23,7 +23,7 @@ from workbench.plant import Plant
 from workbench.report import numbers
 from workbench.report.contents import Chapter, Figure, Paragraph, Table
 from workbench.report.drawing import AFTER, BEFORE, svg
-from workbench.report.wording import listed
+from workbench.report.wording import listed, typeset
 from workbench.study.configuration import Study
 from workbench.study.outcome import Part
 from workbench.verification.compensated import SUFFIX, contestant
@@ -170,19 +170,22 @@ def _chapter(given: Asked, found: Worth, true: Worth, x: str, ms: Mapping[float,
         if source == REFERENCE
         else "It closes a path of its own around the plant: margins are those of the plant without these effects."
     )
+    off, left = (numbers.scaled(found.errors[g], x) for g in (0.0, 1.0))
     text = (
-        f"The command gets what {names} will take of it, from the {source} position, by the definition that simulation and "
-        f"identification have. The controller is “{given.controller}”, the motion a sine of {numbers.scaled(given.slow.amplitude, x)} "
+        f"The largest following error of a slow motion falls from {off} to {left} once the command gets what {names} will take of it, "
+        f"from the {source} position, by the definition that simulation and identification have. The controller is “{given.controller}”, the motion a sine of {numbers.scaled(given.slow.amplitude, x)} "
         f"at {given.slow.frequency:g} Hz. {feedback}"
     )
-    labels = {0.0: "without", 1.0: "compensated"} | {1.0 + s: f"compensation {100 * s:+.0f} %" for s in (-share, share)}
+    labels = {0.0: "none", 1.0: "as identified"} | {
+        1.0 + s: f"{typeset(f'{100 * s:+.0f}')} % of it" for s in (-share, share)
+    }
     rows = [
         (labels[g], numbers.scaled(found.errors[g], x), _factor(found.errors[0.0] / found.errors[g]) if g else "", _margin(ms, g))
         for g in labels
     ]  # fmt: skip
     if true is not found:
         rows.append(("by the plant's true law", numbers.scaled(true.errors[1.0], x), _factor(true.ratio), ""))
-    columns = ("", "largest following error", "smaller by", "Ms")
+    columns = ("compensation", "largest following error", "smaller by", "Ms")
     caption = (
         "Following error over the last two periods. Ms: the largest |S| of the linearised loop with the compensation in it, "
         "over amplitudes from two counts to gross sliding."

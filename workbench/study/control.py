@@ -15,6 +15,7 @@ from workbench.plant import TWO_MASS, Plant
 from workbench.readers.declaration import Table
 from workbench.record import VALIDATION, Record
 from workbench.report import control as chapters
+from workbench.report import numbers
 from workbench.report.ladder import as_table as ladder_table
 from workbench.report.ladder import figures_of as ladder_figures
 from workbench.report.ladder import ladder_chapter
@@ -22,6 +23,7 @@ from workbench.report.loop import loop_chapter
 from workbench.report.polish import as_table as gains_table
 from workbench.report.polish import polish_chapter
 from workbench.report.recommend import RECOMMENDED, recommended_chapter
+from workbench.report.wording import listed
 from workbench.schedule import Schedule
 from workbench.study.compensating import asked, compensation, with_compensated
 from workbench.study.configuration import Study
@@ -29,7 +31,7 @@ from workbench.study.controlling import Control, Shown, control_of
 from workbench.study.driving import driven
 from workbench.study.hunting import limit_cycles
 from workbench.study.leaving import leave
-from workbench.study.metal import metal
+from workbench.study.metal import as_firmware, metal
 from workbench.study.outcome import NOT_TUNED, Outcome, Part, with_part
 from workbench.study.series import robustness, slug
 from workbench.tracing.result import Trace
@@ -122,8 +124,7 @@ def run(
         part = with_part(part, limit_cycles(study, task, makers, say))
     if "compensation" in study.table:
         part = with_part(part, compensation(study, task, makers, say, margins=partial(margins, made, task)))
-    firm = metal(choice.name, made.tuned[choice.name].controller, task, found.verdict, say)
-    part = with_part(part, firm)
+    part = with_part(part, metal(as_firmware(made.tuned, choice.name), task, found.verdict, say))
     if "drive" in study.table:
         part = with_part(part, driven(study, task, made, records, bandwidth, control.rule, say))
     return part
@@ -227,7 +228,7 @@ def _assumptions(top: Table, control: Control, shown: Shown | None) -> tuple[Fin
     sentence = (
         f"The gains are for a loop of {1e3 * loop.sample_time:.4g} ms with {1e3 * loop.delay:.4g} ms of delay, an encoder of "
         f"{loop.resolution:.3g} {x}, and a step of {task.step:.3g} {x} at no more than {control.speed_limit:.3g} {x}/s; of "
-        f"these, {', '.join(left)} are assumed from record '{shown.record}'."
+        f"these, {listed(left)} are assumed from record '{shown.record}'."
     )
     return (Finding(ASSUMED, "gains", sentence, {}, "State what is known of them in study.toml."),)
 
@@ -238,8 +239,8 @@ def _raised(control: Control, made: Designed) -> tuple[Finding, ...]:
     if lowest <= control.amplitudes[0]:
         return ()
     sentence = (
-        f"Below {lowest:.3g} {x} no gains keep |S| below {control.goal.sensitivity:g} and the overshoot against the axis's own "
-        f"stiffness in a loop of {1e3 * control.loop.sample_time:.4g} ms; those of {lowest:.3g} {x} are held there."
+        f"Below {numbers.scaled(lowest, x)} no gains keep |S| below {control.goal.sensitivity:g} and the overshoot against the axis's own "
+        f"stiffness in a loop of {1e3 * control.loop.sample_time:.4g} ms; those of {numbers.scaled(lowest, x)} are held there."
     )
     return (Finding("constraint dropped", "gains", sentence, {"lowest": lowest}, "Sample faster, or delay less."),)
 

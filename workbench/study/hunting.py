@@ -77,7 +77,7 @@ def limit_cycles(study: Study, task: Task, makers, say: Callable[[str], None]) -
     figures = {f"{k}_{slug(n)}": v for n, r in found.items() for k, v in _figures_of(r).items()}
     findings = tuple(f for n, r in found.items() for f in _findings_of(n, r))
     tables = {"limit_cycle": {n: _table_of(r) for n, r in found.items()}}
-    return Part(figures, {}, (chapter(found, task),), findings, tables)
+    return Part(figures, {}, (chapter(found, task, [f.sentence for f in findings]),), findings, tables)
 
 
 def _figures_of(r: Region) -> dict[str, float]:

@@ -1,10 +1,12 @@
-"""The recommended controller as firmware: its files, its page, and its figures."""
+"""The recommended controller as firmware, and what is compensated: files, page, and figures."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 
+from workbench.compensation import Compensated
 from workbench.control import Controller
 from workbench.errors import WorkbenchError
+from workbench.exporting.numbers import slug
 from workbench.finding import Finding
 from workbench.firmware.export import export_firmware
 from workbench.firmware.image import verdict_of
@@ -18,28 +20,42 @@ FOLDER = "firmware"
 NONE = "no firmware"
 
 
-def metal(name: str, controller: Callable[[int], Controller], task: Task, traced: str, say) -> Part:
+def as_firmware(tuned: Mapping[str, object], first: str) -> dict[str, Callable[[int], Controller]]:
+    """Return name -> controller(lanes) of what becomes firmware: the recommended one first, and what is compensated."""
+    paired = [n for n, t in tuned.items() if n != first and isinstance(t.controller(1), Compensated)]
+    return {n: tuned[n].controller for n in (first, *paired)}
+
+
+def metal(named: Mapping[str, Callable[[int], Controller]], task: Task, traced: str, say) -> Part:
     """Return the firmware's part of a study; a finding where it has none (a drive without a limit, no counts).
 
-    controller(lanes). traced: the trace's verdict, which the table keeps; whether requirements are met is not known before the study ends.
+    named: name -> controller(lanes), the recommended one first; beside it those whose compensation is firmware too. traced: the
+    trace's verdict, which the table keeps; whether requirements are met is not known before the study ends.
     """
     say("writing the firmware")
-    made, refused = [], []
-    for kind in ARITHMETICS:
-        try:
-            made.append(summary(controller, task, kind, verdict_of(None, traced)))
-        except WorkbenchError as error:
-            refused.append(Finding(NONE, kind, f"There is no firmware in {kind}: {error}", {}, ""))
+    made, refused = {}, []
+    for name, controller in named.items():
+        for kind in ARITHMETICS:
+            try:
+                made.setdefault(name, []).append(summary(controller, task, kind, verdict_of(None, traced)))
+            except WorkbenchError as error:
+                refused.append(Finding(NONE, kind, f"There is no firmware of {name} in {kind}: {error}", {}, ""))
+    made = {n: tuple(found) for n, found in made.items() if found}
     if not made:
         return Part(findings=tuple(refused))
+    first = next(iter(named))
+    folders = {n: FOLDER if n == first else f"{FOLDER}/{slug(n)}" for n in made}
 
     def write(folder: Path) -> None:
-        for s in made:
-            export_firmware(s.made, folder / FOLDER / s.arithmetic)
+        for name, found in made.items():
+            for s in found:
+                export_firmware(s.made, folder / folders[name] / s.arithmetic)
 
+    each = [s for found in made.values() for s in found]
     figures = {}
-    if all(s.moved for s in made):
-        figures["firmware_error_counts"] = max(s.moved.error for s in made)
-        figures["firmware_bits_equal"] = min(s.moved.same / s.moved.samples for s in made)
-    chapter = firmware_chapter(name, made, FOLDER)
-    return Part(figures, {}, (chapter,), tuple(refused), {"firmware": as_table(name, made)}, (write,))
+    if all(s.moved for s in each):
+        figures["firmware_error_counts"] = max(s.moved.error for s in each)
+        figures["firmware_bits_equal"] = min(s.moved.same / s.moved.samples for s in each)
+    chapter = firmware_chapter({n: (found, folders[n]) for n, found in made.items()})
+    tables = [as_table(n, found) for n, found in made.items()]
+    return Part(figures, {}, (chapter,), tuple(refused), {"firmware": tables[0] | {"beside": tables[1:]}}, (write,))

@@ -27,6 +27,7 @@ from workbench.verification.closing import as_dict as loop_as_dict
 Say = Callable[[str], None]
 
 FILE = "trace.json"
+FOLDER = "campaign"  # a study's records, by whose name nobody knows them: the study's stands for it
 QUESTION = "Does the declared model lack an effect, and if so, which, where does it show, and what is it worth?"
 
 
@@ -83,8 +84,9 @@ def _page(
     chapters = ()
     if closed is not None:
         chapters = (absent(closed) if isinstance(closed, str) else closing_chapter(found, closed),)
+    folder = campaign.folder.resolve()
     return StudyResult(
-        name=campaign.folder.resolve().name,
+        name=folder.parent.name if folder.name == FOLDER else folder.name,
         title=campaign.title,
         question=QUESTION,
         campaign=campaign.title,
@@ -96,6 +98,6 @@ def _page(
         chapters=chapters,
         where=where(passes, found),
         kind="Trace of campaign",
-        command=f"workbench trace {campaign.folder.name}",
+        command=f"workbench trace {f'{folder.parent.name}/{FOLDER}' if folder.name == FOLDER else folder.name}",
         answer=f"{heading(found, closed)}." if isinstance(closed, Closed) else "",
     )

@@ -20,6 +20,10 @@ from workbench.tracing.state import Refitted, State
 LEADING = 6  # candidates that are fitted again with everything free
 BEHIND = 0.4  # of the best one's gain, below which a candidate is not
 NEUTRAL = 0.05  # relative distance within which a parameter stands at the value of a simpler law
+# Orders of one mechanism are those of its shafts and teeth: two stand as small numbers. What lives in position without being
+# periodic is dressed by waves whose orders do not. Halved, orders 5 and 6 of a shaft are strangers; doubled, nearly none are.
+SMALL = 6
+MEETS = 0.01  # relative error of a ratio of orders: their intervals are a few per mille
 EQUAL = 0.1  # standard errors of a gain within which two effects as simple explain the same
 
 
@@ -87,6 +91,9 @@ def _plainest_first(judgements: Sequence[ScoredCandidate], criteria: Criteria, s
     present = {e.key for e in state.plant.effects}
     for _ in range(min(LEADING, len(judgements))):
         first = judgements[0]
+        if _stranger(first):
+            judgements = _pushed_back(judgements, criteria, state)
+            continue
         name = _reduced(first, state)
         if name is None:
             break
@@ -104,6 +111,21 @@ def _plainest_first(judgements: Sequence[ScoredCandidate], criteria: Criteria, s
             break
         judgements = _pushed_back(judgements, criteria, state)
     return judgements
+
+
+def _stranger(j: ScoredCandidate) -> bool:
+    """Whether a fitted candidate is a further wave of an effect whose order stands to none of its waves as small numbers."""
+    if not j.refitted or j.suspect.kind != ADDITION:
+        return False
+    effect, plant = j.refitted.plant[j.suspect.key], j.refitted.plant
+    others = [e for e in plant.effects if (e.name, e.at) == (effect.name, effect.at) and e.key != effect.key]
+    name = next((n for n, p in effect.parameters.items() if p.scale == "order"), None)
+    if name is None or not others:
+        return False
+    order = effect.parameters[name].value
+    ratios = [order / e.parameters[name].value for e in others if e.parameters[name].value > 0.0]
+    small = [p / q for p in range(1, SMALL + 1) for q in range(1, SMALL + 1)]
+    return bool(ratios) and not any(abs(r / s - 1.0) < MEETS for r in ratios for s in small)
 
 
 def _pushed_back(judgements: Sequence[ScoredCandidate], criteria: Criteria, state: State) -> list[ScoredCandidate]:

@@ -71,6 +71,10 @@ def named(found: Sequence[Smallest], most: int = 3) -> str:
     whole = [s for s in found if not s.change]
     if not whole:
         return ""
-    told = [f"{title(s.effect)} ({s.parameter}) of {s.value:.2g}{'' if s.unit == '1' else ' ' + s.unit}" for s in whole]
+    told = [
+        f"{title(s.effect)} ({s.parameter.replace('_', ' ')}) of {s.value:.2g}{'' if s.unit == '1' else ' ' + s.unit}"
+        for s in whole
+    ]
     step = max(1, len(told) // most)
-    return f" The smallest of {len(whole)} effects that these records could have shown: {', '.join(told[::step][:most])}, and others."
+    more = f", and {len(told) - most} others" if len(told) > most else ""
+    return f" The least that these records would have shown: {', '.join(told[::step][:most])}{more}."

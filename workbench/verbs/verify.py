@@ -32,7 +32,7 @@ def _outputs(study: str) -> Path:
 
 def do(given: argparse.Namespace) -> int:
     from workbench.errors import WorkbenchError
-    from workbench.firmware.verification import FILE, verify
+    from workbench.firmware.verification import FILE, FOLDER, verify
 
     if given.draws < 1:
         raise WorkbenchError(f"--draws is {given.draws}; at least one axis is needed.")
@@ -47,5 +47,5 @@ def do(given: argparse.Namespace) -> int:
         )
     if any(c.chaotic for c in found):
         print("Chaotic: float64 itself lands elsewhere where friction is changed by its seventh place; not compared.")
-    print(f"Largest differences from float64 over the axes; sources, tables and figures: {place / 'firmware' / FILE}")
+    print(f"Largest differences from float64 over the axes; sources, tables and figures: {place / FOLDER / FILE}")
     return 0 if all(c.good for c in found) else NOT_MET

@@ -50,6 +50,11 @@ class Regret:
     def worst(self) -> tuple[float, float, float]:
         return float(self.time.max()), float(self.error.max()), float(self.overshoot.max())
 
+    @property
+    def restless(self) -> int:
+        """How many moves have no regret: the controller, or the reference, comes to no rest on them."""
+        return int((~np.isfinite(self.time + self.error + self.overshoot)).sum())
+
 
 def prices(on: Ladder, figures: np.ndarray, scale: np.ndarray) -> np.ndarray:
     """Return what figures (..., 2, 3) of moves cost by themselves; scale (..., 2): the time that counts as one, s."""

@@ -37,14 +37,18 @@ def worth_sentence(ours: Regret, others: Mapping[str, Regret]) -> str:
 
     def worst(r: Regret) -> str:
         time, error, over = r.worst
-        return f"{time:.2f} in time, {error:.2f} in error, an overshoot of {over:.1%}"
+        if r.restless:
+            return f"no rest on {r.restless} of {r.time.size} moves"
+        return f"{time:.2f} in time, {error:.2f} in error, an overshoot of {100.0 * over:.1f} %"
 
     text = "; ".join(f"{n} {worst(r)}" for n, r in others.items())
     mine = max(ours.worst[:2])
     behind = [
         n
         for n, r in others.items()
-        if max(r.worst[:2]) > mine * (1.0 + EQUAL) or r.worst[2] > max(OVERSHOOT, ours.worst[2])
+        if r.restless > ours.restless
+        or max(r.worst[:2]) > mine * (1.0 + EQUAL)
+        or r.worst[2] > max(OVERSHOOT, ours.worst[2])
     ]
     rest = [n for n in others if n not in behind]
     said = f"The schedule of the description comes to {worst(ours)}; by the same search, {text}."

@@ -4,7 +4,7 @@
  *   consumer lookup     amplitude                  -> kp kd
  *   consumer drive      amplitude                  -> kp kd in the drive's units
  *   consumer schedule   target position            -> amplitude kp kd; the first line starts a move
- *   consumer stroke     position                   -> amplitude turn; the first line starts from rest
+ *   consumer stroke     position                   -> amplitude turn, of a table that follows; the first line starts from rest
  *   consumer check                                 -> CRC-32 of "123456789", whether the tables are whole
  *
  * Numbers are the bits of a float32 in hexadecimal, one line a sample, so that nothing is rounded on the way.
@@ -12,6 +12,7 @@
 #include "gains.h"
 
 #include <stdio.h>
+#include <string.h>
 
 static float from_bits(unsigned int bits)
 {
@@ -23,7 +24,7 @@ static float from_bits(unsigned int bits)
 
 static unsigned int to_bits(float value)
 {
-    return (unsigned int)wb_float_bits(value);
+    return (unsigned int)wb_table_bits(value);
 }
 
 static int gains(int drive)
@@ -66,20 +67,20 @@ static int schedule(void)
 
 static int stroke(void)
 {
-    wb_stroke_state state;
+#if WB_GAINS_FROZEN || WB_GAINS_ERROR
+    return 3;
+#else
+    wb_gains_state state;
     unsigned int y;
     int first = 1;
     while (scanf("%x", &y) == 1) {
-        float amplitude = 0.0f;
-        if (first != 0) {
-            wb_stroke_start(&state, WB_GAINS_REVERSAL, from_bits(y));
-        } else {
-            amplitude = wb_stroke_update(&state, from_bits(y));
-        }
+        const float amplitude = (first != 0) ? wb_gains_start(&state, 0.0f, from_bits(y))
+                                             : wb_gains_update(&state, 0.0f, from_bits(y));
         first = 0;
-        printf("%08x %08x\n", to_bits(amplitude), to_bits(state.turn));
+        printf("%08x %08x\n", to_bits(amplitude), to_bits(state.turned));
     }
     return 0;
+#endif
 }
 
 static int check(void)

@@ -140,6 +140,25 @@ def rubbed(position, bristles):
 
 
 @numba.njit(cache=True)
+def met(z, bristles, side, room, moved, half):
+    """Move a contact that lies behind play by `moved`; return its force of height one, which flank touches, and the way left.
+
+    side: 1 or -1 where a flank touches, 0 in between; room: way to the rear flank. A flank pushes and never pulls: it lets go
+    where the bristles would have to be pulled, and nothing is felt until the other one has crossed the play.
+    """
+    if side == 0.0:
+        room = room + moved
+        if 0.0 < room < 2.0 * half:
+            return 0.0, 0.0, room
+        side = 1.0 if room >= 2.0 * half else -1.0
+        moved = room - 2.0 * half if side > 0.0 else room
+    f = rub(z, bristles, moved)
+    if f * side >= 0.0:
+        return f, side, 2.0 * half if side > 0.0 else 0.0
+    return 0.0, 0.0, 2.0 * half if side > 0.0 else 0.0
+
+
+@numba.njit(cache=True)
 def played(position, half):
     """What follows a position (n,) behind play of this half width."""
     out, at = np.empty(position.size), position[0]
@@ -212,10 +231,11 @@ def simulate(
         np.zeros(lists.joint_bristles.shape[0]),
     )
     feet = np.zeros(lists.creeping.shape[0])
-    q = v = ql = vl = applied = before = carried = pull = last = loose = joint_last = 0.0
+    q = v = ql = vl = applied = before = carried = pull = last = joint_last = 0.0
+    side, room = 0.0, a.series_gap
     sunk = part = part_v = forgot = filtered = integral = command = 0.0
     q = reference[0]
-    ql = last = loose = part = q
+    ql = last = part = q
     feet[:] = q
     load_last = ql
     at_rest = waves(lists.tooth, q)
@@ -251,9 +271,11 @@ def simulate(
         else:
             applied = late
         # friction at the mover
-        loose = min(max(loose, q - a.series_gap), q + a.series_gap)
-        d = rub(z, lists.bristles, loose - last)
-        last = loose
+        if a.series_gap > 0.0:
+            d, side, room = met(z, lists.bristles, side, room, q - last, a.series_gap)
+        else:
+            d = rub(z, lists.bristles, q - last)
+        last = q
         height = a.h0 * level[k]
         if a.drop != 0.0:
             height += a.drop * peak(a.drop_shape, abs(v) / a.drop_speed)
