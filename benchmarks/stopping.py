@@ -24,11 +24,9 @@ from workbench.interruption import PATIENCE
 ROOT = Path(__file__).resolve().parent.parent
 LATEST = 1.0  # s from the stop to the end of the process
 EARLY = {-signal.SIGINT, -signal.SIGTERM}  # exit codes of a stop before the command itself has begun
-MOMENTS = (
-    0.5,
-    12.0,
-)  # s of a processor after a start: more than the longest step takes, or no run would come to its end
-POLL = 0.05  # s between two looks at how much was used
+# s of a processor after a start: up to more than the longest step takes, or no run would come to its end
+MOMENTS = (0.5, 25.0)
+POLL = 0.2  # s between two looks at how much was used
 
 
 def started(study: Path, out: Path) -> subprocess.Popen:
@@ -83,8 +81,8 @@ class Stop:
 
     @property
     def quiet(self) -> float:
-        """What it takes where nothing else runs: no longer than it took, and than the patience with Python and the work."""
-        return min(self.seconds, PATIENCE + self.work)
+        """The most that it takes where nothing else runs: what it took here, or its work, or where it waits the patience with it."""
+        return min(self.seconds, max(PATIENCE, self.work))
 
 
 def stopped(study: Path, out: Path, after: float = float("inf"), number: int = signal.SIGINT) -> Stop:

@@ -196,9 +196,9 @@ def worst_cases() -> str:
     )
     task = Task(plant, Loop(1e-3, resolution=1e-5), step=0.5, duration=0.2)
     fixed = law_named("fixed_pd")
-    makers = {"fixed PD": lambda lanes: Controller("fixed PD", fixed, dict.fromkeys(fixed.parameters, 5.0))}
+    factories = {"fixed PD": lambda lanes: Controller("fixed PD", fixed, dict.fromkeys(fixed.parameters, 5.0))}
     varied = (Varied("inertia", Distribution("uniform", 0.8, 1.2), False, "1"),)
-    given = work(task, makers, varied)
+    given = work(task, factories, varied)
     values = np.array([[0.9], [1.1]])
     columns = given.columns(Block(0, values))
     cases = tuple(

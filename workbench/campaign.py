@@ -10,7 +10,7 @@ from types import MappingProxyType
 
 from workbench import definition as fx
 from workbench.errors import UnsoundRecord, WorkbenchError
-from workbench.finding import Finding
+from workbench.finding import SAMPLING_RATE, Finding
 from workbench.plant import KINDS, TWO_MASS, Geometry, Limits, Plant
 from workbench.readers import declaration
 from workbench.readers.declaration import Table
@@ -73,7 +73,7 @@ def load(folder: Path | str, *, resample: bool = False) -> Campaign:
         raise UnsoundRecord(
             f"{top.path('evaluation_bandwidth')} is {bandwidth:g} Hz, but record '{slowest}' is sampled at {rate:g} Hz; "
             f"give less than {BAND * rate:g} Hz, or log faster.",
-            "sampling rate",
+            SAMPLING_RATE,
             slowest,
         )
     tolerance = top.number("tolerance", above=0.0) if "tolerance" in top.values else None

@@ -50,7 +50,7 @@ MADE = (
 )
 
 
-def maker(effect: Effect) -> Callable:
+def factory(effect: Effect) -> Callable:
     """Return the function of `workbench.effects` that makes an effect."""
     return getattr(sys.modules[effect.step.__module__], effect.name)
 
@@ -106,7 +106,7 @@ def section(effect: Effect) -> list[str]:
         "",
         effect.cause.capitalize() + ".",
         "",
-        law(maker(effect)),
+        law(factory(effect)),
         "",
     ]
     facts = [f"{PORTS[effect.port]}, at {', '.join(effect.places)}"]
@@ -124,8 +124,8 @@ def section(effect: Effect) -> list[str]:
         lines += table(effect.parameters, lambda n, p: found(effect, n, p)) + [""]
     if effect.border is not None:
         lines += ["As a campaign writes it:", "", *table(effect.border.parameters), ""]
-    if inspect.signature(maker(effect)).parameters:
-        lines += [f"Built as `{call(maker(effect))}`.", ""]
+    if inspect.signature(factory(effect)).parameters:
+        lines += [f"Built as `{call(factory(effect))}`.", ""]
     return [*lines, f"Source: {effect.source}.", ""]
 
 

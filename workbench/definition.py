@@ -216,14 +216,14 @@ def namespace(**values) -> SimpleNamespace:
     return SimpleNamespace(**values)
 
 
-_makers: dict[str, Callable[[], Effect]] = {}
+_factories: dict[str, Callable[[], Effect]] = {}
 
 
 def effect(make: Callable[..., Effect]) -> Callable[..., Effect]:
     """Decorator: put the effect that `make()` returns, named as the function, into the catalogue."""
-    if make.__name__ in _makers and _makers[make.__name__].__module__ != make.__module__:
+    if make.__name__ in _factories and _factories[make.__name__].__module__ != make.__module__:
         raise WorkbenchError(f"effect '{make.__name__}' is defined twice in the catalogue.")
-    _makers[make.__name__] = make
+    _factories[make.__name__] = make
     return make
 
 
@@ -234,7 +234,7 @@ def catalogue() -> Mapping[str, Effect]:
 
     for module in pkgutil.iter_modules(package.__path__):
         importlib.import_module(f"workbench.effects.{module.name}")
-    return MappingProxyType({name: _makers[name]() for name in sorted(_makers)})
+    return MappingProxyType({name: _factories[name]() for name in sorted(_factories)})
 
 
 def find(name: str, where: str = "effect") -> Effect:

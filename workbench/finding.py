@@ -6,6 +6,20 @@ from dataclasses import dataclass, field
 PROPER = {"stribeck": "Stribeck", "coulomb": "Coulomb", "lugre": "LuGre"}
 ORDINAL = {"2": "second ", "3": "third "}  # of effects that are there several times, told apart by a number
 
+# Kinds of findings that somebody asks for; a kind that is only shown stands where it is made.
+ASSUMED_SCALE = "assumed scale"
+BELOW_FLOOR = "below the floor"
+CARRIES_NOTHING = "joint carries nothing"
+ENCODER_RESOLUTION = "encoder resolution"
+GLITCH = "glitch"
+NOT_TUNED = "not tuned"
+OTHER_UNIT = "unit"
+RESAMPLED = "resampled"
+RESPONSE_LIMITS = "response limits"
+SAMPLING_RATE = "sampling rate"
+SOMETHING_ELSE = "something else"
+START_TIME = "start time"
+
 
 def title(effect: str) -> str:
     """Return the name of an effect as it is read: "Stribeck friction" of "stribeck_friction", "second cogging" of "cogging 2"."""

@@ -13,9 +13,9 @@ from workbench.study.controlling import numbers as numbers_of
 from workbench.verification.checks import Checks, checked
 from workbench.verification.compare import PHASES
 from workbench.verification.contest import Contest, contest, entered
+from workbench.verification.controllers import REACHED, Controllers, controllers_of
 from workbench.verification.design import Designed, two_modes
 from workbench.verification.families import Family
-from workbench.verification.line_up import REACHED, LineUp, line_up
 from workbench.verification.margin import AgainstMargin, Asked
 from workbench.verification.polish import Polished, polish
 from workbench.verification.promise import Promise
@@ -37,7 +37,7 @@ SHORT = (PAPER, ERROR, CASCADE, BEST)  # of the second actuator
 
 
 def soft(study: Study, plant: Plant, speed: float):
-    """Return the maker of the stated cascade: kv, ki and kvp as study.toml says."""
+    """Return the factory of the stated cascade: kv, ki and kvp as study.toml says."""
     one = study.table.table("contest", optional=("seeds", "tuning_time", "margins", "soft_cascade", "fits")).table(
         "soft_cascade", ("kv", "ki", "ratio")
     )
@@ -46,7 +46,7 @@ def soft(study: Study, plant: Plant, speed: float):
     return lambda lanes: pi_cascade(kv, kvp, ki * kvp, speed)
 
 
-def fitted(study: Study, made: LineUp, found: Contest) -> dict[str, dict[str, float]]:
+def fitted(study: Study, made: Controllers, found: Contest) -> dict[str, dict[str, float]]:
     """Return what the stated fits to Table I come to: "scheduled" and "cascade" -> figure of a standing.
 
     Each has its actuator, one factor on friction, and the numbers of its law; the scheduled one those of two modes.
@@ -59,14 +59,14 @@ def fitted(study: Study, made: LineUp, found: Contest) -> dict[str, dict[str, fl
     def cascade(lanes):
         return pi_cascade(*both.table("cascade", (*FIT_KEYS, "numbers")).values["numbers"])
 
-    makers = {"scheduled": lambda lanes: family.controller(point, lanes), "cascade": cascade}
+    factories = {"scheduled": lambda lanes: family.controller(point, lanes), "cascade": cascade}
     out = {}
-    for name, maker in makers.items():
+    for name, factory in factories.items():
         one = both.table(name, (*FIT_KEYS, "numbers"))
         friction = one.number("friction", above=0.0)
         task = found.task.on(assumed(study, one.text("actuator")))
         seen = [
-            task.run(maker(PHASES), task.scenarios((load,), (friction,), (1.0,), PHASES))
+            task.run(factory(PHASES), task.scenarios((load,), (friction,), (1.0,), PHASES))
             for load in (task.load_inertias[0], task.load_inertias[-1])
         ]
         out[name] = {
@@ -79,12 +79,14 @@ def fitted(study: Study, made: LineUp, found: Contest) -> dict[str, dict[str, fl
 
 def held(
     study: Study, control: Control, model: Plant, known: Plant, names=None, say=lambda _: None
-) -> tuple[LineUp, Contest]:
+) -> tuple[Controllers, Contest]:
     """Make every controller from the model, and tune and judge it on the known plant. names: of families, all where absent."""
     asked = study.table.table("contest", ("seeds", "tuning_time"), ("margins", "soft_cascade", "fits"))
     goal = replace(control.goal, drive=known.limits.drive, speed=known.limits.speed)
     task = control.task.on(known)
-    made = line_up(model, control.amplitudes, goal, task, per_octave=control.per_octave, tolerance=control.tolerance)
+    made = controllers_of(
+        model, control.amplitudes, goal, task, per_octave=control.per_octave, tolerance=control.tolerance
+    )
     families = tuple(f for f in made.families if names is None or f.name in names)
     seeds = [int(s) for s in numbers_of(asked, "seeds", (1.0,))]
     time = asked.quantity("tuning_time", "s", above=0.0)
@@ -107,12 +109,14 @@ def for_margin(control: Control, model: Plant, task: Task, limit: float, names: 
     """Return families with gains per amplitude tuned anew for a limit on Ms."""
     limits = model.limits
     goal = replace(control.goal, drive=limits.drive, speed=limits.speed, sensitivity=limit)
-    made = line_up(model, control.amplitudes, goal, task, per_octave=control.per_octave, tolerance=control.tolerance)
+    made = controllers_of(
+        model, control.amplitudes, goal, task, per_octave=control.per_octave, tolerance=control.tolerance
+    )
     return {n: made.family(n) for n in names}
 
 
 def designed(
-    made: LineUp, found: Contest, control: Control, plant: Plant, say=lambda _: None
+    made: Controllers, found: Contest, control: Control, plant: Plant, say=lambda _: None
 ) -> tuple[Designed, dict[str, Checks], Tabled]:
     """Return the table of the study's rule as the chapter on gains and the export take it, rule -> checks of a schedule, and the
     search that the table comes from: gains and table are those of `plant`, which was identified.

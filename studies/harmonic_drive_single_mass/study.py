@@ -26,10 +26,10 @@ from workbench.study import standard
 from workbench.study.configuration import Study
 from workbench.study.control import write_gains
 from workbench.study.controlling import Control, control_of, numbers
-from workbench.study.hunting import limit_cycles
 from workbench.study.leaving import leave
+from workbench.study.limit_cycle import limit_cycles
 from workbench.study.outcome import Outcome, Part, with_part
-from workbench.study.series import robustness
+from workbench.study.robustness import robustness
 from workbench.tracing.tracing import trace
 from workbench.verification.contest import as_table as contest_table
 from workbench.verification.margin import against_margin
@@ -105,8 +105,10 @@ def contested(study: Study, control: Control, model: Plant, known: Plant, say) -
     figures, units = controllers.figures_of(held)
     loaded = replace(held.task, load_inertias=(disc,))
     steps = (
-        control_chapters.step_chapter(held.task, {n: held[n].maker for n in SHOWN}),
-        control_chapters.step_chapter(loaded, {n: held[n].maker for n in (PAPER, SOFT, CASCADE, PROFILE_PI)}, "loaded"),
+        control_chapters.step_chapter(held.task, {n: held[n].factory for n in SHOWN}),
+        control_chapters.step_chapter(
+            loaded, {n: held[n].factory for n in (PAPER, SOFT, CASCADE, PROFILE_PI)}, "loaded"
+        ),
     )
     against = contest_chapter(
         held, (PAPER, ERROR, PROFILE_PI), BASELINES, tuple(n for n in held.standings if n not in (SOFT, NOMINAL, TRADE))
@@ -158,9 +160,9 @@ def contested(study: Study, control: Control, model: Plant, known: Plant, say) -
         ),
     )
     if "robustness" in study.table:
-        part = with_part(part, robustness(study, held.task, held.makers, say))
+        part = with_part(part, robustness(study, held.task, held.factories, say))
     if "limit_cycle" in study.table:
-        part = with_part(part, limit_cycles(study, held.task, held.makers, say))
+        part = with_part(part, limit_cycles(study, held.task, held.factories, say))
     return part
 
 

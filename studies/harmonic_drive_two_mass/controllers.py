@@ -17,6 +17,7 @@ from workbench.study.controlling import numbers as numbers_of
 from workbench.verification.compensated import SUFFIX
 from workbench.verification.compensated import entered as compensating
 from workbench.verification.contest import Contest, contest, entered
+from workbench.verification.controllers import BRAKING, REACHED, controllers_of
 from workbench.verification.families import (
     Family,
     cascade_family,
@@ -32,7 +33,6 @@ from workbench.verification.joint import (
     joint_passivity,
     joint_schedule,
 )
-from workbench.verification.line_up import BRAKING, REACHED, line_up
 from workbench.verification.linear import TwoMasses
 from workbench.verification.shaped import shaped, stiffest
 
@@ -98,7 +98,7 @@ def families(study: Study, control: Control, model: Assumed, loop: Loop, over: O
     """Every controller: speeds are the motor's, positions the output's, except in the two cascades of one encoder."""
     rigid = model.rigid
     one = replace(loop, resolution=loop.load_resolution, load_resolution=0.0, feedback="position")
-    first = line_up(
+    first = controllers_of(
         rigid, control.amplitudes, goal_of(control, model), replace(control.task.on(rigid), loop=one),
         per_octave=control.per_octave, tolerance=control.tolerance,
     )  # fmt: skip

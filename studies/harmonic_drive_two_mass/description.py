@@ -129,7 +129,7 @@ def variable_figure(found: Contest, back: float) -> tuple[Figure, dict[str, floa
     seen = {}
     for load, said in zip(task.load_inertias, ("no load", "loaded"), strict=True):
         scenarios = task.scenarios(load_inertias=(load,), frictions=(1.0,), inertias=(1.0,), phases=1)
-        seen[said] = task.run(found[JOINT].maker(1), scenarios, ("motor.y", "load.y", "q", "load.q")).trajectories
+        seen[said] = task.run(found[JOINT].factory(1), scenarios, ("motor.y", "load.y", "q", "load.q")).trajectories
     gear = task.plant["kinematic_error"].parameters["sine"].value / count
     wound = {said: float(np.max(np.abs(t["q"][:, 0] - t["load.q"][:, 0]))) / count for said, t in seen.items()}
     heading = (

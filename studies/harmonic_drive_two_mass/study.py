@@ -27,7 +27,7 @@ from workbench.study.control import write_table
 from workbench.study.controlling import control_of
 from workbench.study.leaving import leave
 from workbench.study.outcome import Outcome, Part, with_part
-from workbench.study.series import robustness
+from workbench.study.robustness import robustness
 from workbench.tracing.tracing import trace
 from workbench.verification.contest import Contest, verdict
 from workbench.verification.contest import as_table as contest_table
@@ -82,10 +82,10 @@ def run(study: Study, say) -> Outcome:
     over = controllers.over_joint(study, control, fit.plant, model, loop)
     held = controllers.held(study, control, known, model, loop, over, say)
     outcome = with_part(outcome, contested(study, held, model, full, over))
-    outcome = with_part(outcome, robustness(study, held.task, held.makers, say))
+    outcome = with_part(outcome, robustness(study, held.task, held.factories, say))
     options = {"model": model.plant, "margins": partial(margins_of, held)}
-    outcome = with_part(outcome, compensation(study, held.task, held.makers, say, **options))
-    return with_part(outcome, compensation(study, held.task, held.makers, say, of="gear", **options))
+    outcome = with_part(outcome, compensation(study, held.task, held.factories, say, **options))
+    return with_part(outcome, compensation(study, held.task, held.factories, say, of="gear", **options))
 
 
 def margins_of(held: Contest, name: str, compensator: Compensator, gains: Sequence[float]) -> dict[float, float]:
@@ -127,8 +127,8 @@ def contested(study: Study, held: Contest, model: Assumed, full: Fit, over: Over
             recommended_chapter(choice, plant, task.loop.count),
             description.joint_chapter(full, over, held, final, variable),
             hunting.chapter(hunts, pumping),
-            control_chapters.step_chapter(task, {n: held[n].maker for n in SHOWN}),
-            control_chapters.step_chapter(loaded, {n: held[n].maker for n in SHOWN}, "loaded"),
+            control_chapters.step_chapter(task, {n: held[n].factory for n in SHOWN}),
+            control_chapters.step_chapter(loaded, {n: held[n].factory for n in SHOWN}, "loaded"),
             contest_chapter(held, (JOINT,), (OUTPUT, WIDE, FIXED, BOTH, BEST), tuple(held.standings)),
             encoders_chapter(held),
             paper.chapter(printed, held),

@@ -140,7 +140,7 @@ def operators_chapter(fits: Identified) -> Chapter:
     )
     rows = tuple(r for one in (fits.amplitude, fits.peak, fits.noisy) for r in ladder_rows(one))
     table = Table(
-        ("amplitudes read as", "fit", "mV/V", ""), rows,
+        ("amplitudes read as", "fit", "mV/V", "of what, and else"), rows,
         "Energy gain of every way to the weights, at 10 Hz. “3 + 3”: plays and creep operators.", "wwrp",
     )  # fmt: skip
     blocks = (Paragraph(text), drawn.operators(), table, drawn.friction_loops(fits.noisy), drawn.rivals(fits.peak))

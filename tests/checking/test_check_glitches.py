@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from declared import declared
 
 from workbench.checking.checking import check
 from workbench.checking.glitches import lone
@@ -12,26 +13,6 @@ from workbench.cli import main
 from workbench.intake.new import new
 
 LOGS = Path(__file__).resolve().parents[2] / "docs" / "tutorial"
-HEAD = """title = "made"
-plant = "one mass"
-evaluation_bandwidth = { value = 60, unit = "Hz" }
-[channels]
-time = { column = "t", unit = "s" }
-torque = { column = "u", unit = "N*m" }
-position = { column = "q", unit = "rad", resolution = 1e-5 }
-[[effects]]
-effect = "inertia"
-at = "axis"
-[[effects]]
-effect = "viscous_friction"
-at = "axis"
-[[records]]
-file = "a.csv"
-role = "identification"
-[[records]]
-file = "b.csv"
-role = "validation"
-"""
 
 
 @pytest.fixture(scope="module")
@@ -96,7 +77,7 @@ def test_a_position_that_no_axis_has_is_a_sentence_in_every_verb(fast, tmp_path,
 def made(place: Path, spike_felt: bool, size: float) -> Path:
     """Write a campaign of a rigid axis, J dv/dt = u - b v, whose drive has one sample of `size` in its log, felt or not."""
     place.mkdir()
-    (place / "campaign.toml").write_text(HEAD)
+    (place / "campaign.toml").write_text(declared("made", 60, 1e-5))
     t, dt = np.arange(3000) * 1e-3, 1e-3
     for name, seed in (("a", 1), ("b", 2)):
         phases = np.random.default_rng(seed).uniform(0, 6, 6)

@@ -6,33 +6,15 @@ gravity and cable are not declared.
 
 import numpy as np
 import pytest
+from declared import declared
 
 from workbench.checking.checking import check
 from workbench.checking.excitation import rough
 
-HEAD = """title = "gimbal"
-plant = "one mass"
-evaluation_bandwidth = {{ value = 40, unit = "Hz" }}
-[channels]
-time = {{ column = "t", unit = "s" }}
-torque = {{ column = "u", unit = "N*m" }}
-position = {{ column = "q", unit = "rad", resolution = 1.75e-4 }}
-[[effects]]
-effect = "inertia"
-at = "axis"
-[[effects]]
-effect = "viscous_friction"
-at = "axis"
-[[effects]]
+DRY = """[[effects]]
 effect = "coulomb_friction"
 at = "axis"
 parameters.coulomb = {{ value = {coulomb}, unit = "N*m" }}
-[[records]]
-file = "a.csv"
-role = "identification"
-[[records]]
-file = "b.csv"
-role = "validation"
 """
 INERTIA, VISCOUS, COULOMB, WEIGHT, SPRING = 0.02, 0.05, 0.12, 1.4, 0.25
 
@@ -40,7 +22,7 @@ INERTIA, VISCOUS, COULOMB, WEIGHT, SPRING = 0.02, 0.05, 0.12, 1.4, 0.25
 def gimbal(place, coulomb: float = 0.14):
     """Write its campaign: two records of smooth motion that reverses all the time, the drive by inverse dynamics."""
     place.mkdir()
-    (place / "campaign.toml").write_text(HEAD.format(coulomb=coulomb))
+    (place / "campaign.toml").write_text(declared("gimbal", 40, 1.75e-4, DRY.format(coulomb=coulomb)))
     t = np.arange(8000) * 1e-3
     for name, seed in (("a", 1), ("b", 2)):
         rng = np.random.default_rng(seed)

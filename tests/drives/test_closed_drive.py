@@ -23,7 +23,7 @@ from workbench.plant import ONE_MASS, Limits, Plant
 from workbench.readers.declaration import Table
 from workbench.report.drive import drive_chapter
 from workbench.simulation import Loop, Scenario, simulate
-from workbench.study.driving import OPTIONAL, cascades, driven, stated
+from workbench.study.drive import OPTIONAL, cascades, driven, stated
 from workbench.verification import drive_search
 from workbench.verification.drive_beside import beside, following
 from workbench.verification.drive_cases import Lagged, slowed

@@ -14,7 +14,7 @@ from workbench.firmware import firmware, host
 from workbench.firmware.image import read
 from workbench.firmware.summary import known, ram_of, rounding, summary
 from workbench.report.firmware import firmware_chapter
-from workbench.study.metal import metal
+from workbench.study.firmware import firmware_part
 from workbench.verification.task import Task
 
 EFFECTS = (
@@ -31,7 +31,7 @@ def silent(_):
 
 def test_a_study_leaves_firmware_and_its_page(tmp_path):
     need_compiler()
-    part = metal({"scheduled PD": lambda lanes: scheduled_pd(Gains)}, TASK, "cause", silent)
+    part = firmware_part({"scheduled PD": lambda lanes: scheduled_pd(Gains)}, TASK, "cause", silent)
     assert part.figures["firmware_error_counts"] <= 2.0 and part.figures["firmware_bits_equal"] == 1.0
     (chapter,) = part.chapters
     assert chapter.title == "Firmware" and len([b for b in chapter.blocks if hasattr(b, "columns")]) == 3
@@ -46,7 +46,7 @@ def test_the_page_holds_a_compensated_controller_beside_the_recommended_one(tmp_
     need_compiler()
     named = compensated(fixed_pd(900.0, 5.0), Compensator.of(TASK.plant, ["presliding_hysteresis"], source="reference"))
     both = {"scheduled PD": lambda lanes: scheduled_pd(Gains), named.name: lambda lanes: named}
-    part = metal(both, TASK, "cause", silent)
+    part = firmware_part(both, TASK, "cause", silent)
     assert part.figures["firmware_error_counts"] <= 2.0 and part.figures["firmware_bits_equal"] == 1.0
     assert "presliding hysteresis is a firmware beside it" in str(part.chapters[0].blocks)
     assert [t["controller"] for t in part.tables["firmware"]["beside"]] == [named.name]
@@ -60,14 +60,14 @@ def test_the_page_holds_a_compensated_controller_beside_the_recommended_one(tmp_
 
 def test_without_a_compiler_the_page_says_so(monkeypatch):
     monkeypatch.setattr(host.shutil, "which", lambda name: None)
-    part = metal({"fixed PD": lambda lanes: fixed_pd(900.0, 5.0)}, TASK, "unknown", silent)
+    part = firmware_part({"fixed PD": lambda lanes: fixed_pd(900.0, 5.0)}, TASK, "unknown", silent)
     assert "firmware_error_counts" not in part.figures
     assert "no C compiler here" in str(part.chapters[0].blocks)
 
 
 def test_an_axis_without_counts_has_no_firmware():
     task = replace(TASK, loop=replace(LOOP, resolution=0.0))
-    assert metal({"fixed PD": lambda lanes: fixed_pd(900.0, 5.0)}, task, "cause", silent).chapters == ()
+    assert firmware_part({"fixed PD": lambda lanes: fixed_pd(900.0, 5.0)}, task, "cause", silent).chapters == ()
 
 
 @pytest.mark.parametrize("arithmetic", ["float32", "fixed"])

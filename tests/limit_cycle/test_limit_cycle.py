@@ -296,7 +296,7 @@ def study(tmp_path, text=TOML):
 
 
 def run(tmp_path, text=TOML):
-    from workbench.study.hunting import limit_cycles
+    from workbench.study.limit_cycle import limit_cycles
 
     task = Task(axis(), FAST, 0.5, 0.1)
     return limit_cycles(study(tmp_path, text), task, {"fixed PD": lambda n: fixed_pd(400.0, 1.5)}, lambda _: None)

@@ -226,3 +226,17 @@ def test_a_test_stands_in_the_folder_of_the_package_that_it_is_of():
     folders = {p.parent.relative_to(ROOT / "tests").parts[0] for p in (ROOT / "tests").glob("*/**/test_*.py")}
     wrong += sorted(folders - packages - {"project", "studies"})
     assert not wrong, f"move into tests/PACKAGE, tests/project (the checkout) or tests/studies (one study): {wrong}"
+
+
+def test_a_kind_of_finding_that_somebody_asks_for_is_written_once():
+    from workbench import finding
+
+    kinds = {v for k, v in vars(finding).items() if k.isupper() and isinstance(v, str)}
+    wrong = []
+    for path in sorted(PACKAGE.rglob("*.py")):
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            made = isinstance(node, ast.Call) and getattr(node.func, "id", "") == "Finding"
+            asked = isinstance(node, ast.Compare) and getattr(node.left, "attr", "") == "kind"
+            said = node.args[:1] if made else node.comparators if asked else []
+            wrong += [f"{path.name}, line {s.lineno}" for s in said if isinstance(s, ast.Constant) and s.value in kinds]
+    assert not wrong, f"write the constant of workbench.finding: {wrong}"

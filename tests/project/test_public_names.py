@@ -2,6 +2,7 @@
 
 import ast
 from functools import cache
+from importlib import import_module
 from pathlib import Path
 
 import pytest
@@ -77,3 +78,19 @@ def test_names_of_the_front_are_those_that_import_workbench_hands_on():
 
     public = {name.rpartition(".")[2] for name in lonely("front")}
     assert public <= set(workbench.HELD)
+
+
+@pytest.mark.parametrize("package", [p for p in PACKAGES if p not in ("effects", "front", "verbs")])
+def test_the_front_of_a_package_says_what_it_is_and_hands_on_its_names(package):
+    front = import_module(f"workbench.{package}")
+    modules = {path.stem for path in (ROOT / "workbench" / package).glob("*.py")}
+    names = getattr(
+        front, "__all__", [n for n, v in vars(front).items() if getattr(v, "__module__", "") == front.__name__]
+    )
+    assert front.__doc__ and names
+    assert not modules & set(names)  # a name that is a module, too, would hide it
+    for name in names:
+        assert getattr(front, name) is not None and name in dir(front)
+    if hasattr(front, "HELD"):
+        with pytest.raises(AttributeError, match="hands on"):
+            front.no_such_name  # noqa: B018

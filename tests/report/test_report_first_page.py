@@ -1,5 +1,6 @@
 """Page 1 says what was found, how much of what could be is explained, and which controller to take; nothing is said twice."""
 
+import ast
 import json
 import tomllib
 from dataclasses import replace
@@ -21,6 +22,8 @@ from workbench.report.opening import records
 from workbench.report.required import in_words, judged
 from workbench.report.wording import bound, typeset
 from workbench.tracing.evidence import Evidence, Explainable
+
+ROOT = Path(__file__).resolve().parents[2]
 
 
 def row(name: str, time: float, error: float, overshoot: float = 0.0) -> dict:
@@ -140,11 +143,26 @@ def test_requirements_are_named_in_words():
 
 def test_every_requirement_of_every_study_is_named_in_words():
     raw = {}
-    for file in sorted(Path(__file__).resolve().parents[2].glob("studies/*/study.toml")):
+    for file in sorted(ROOT.glob("studies/*/study.toml")):
         declared = tomllib.loads(file.read_text(encoding="utf-8"))
         own = declared.get("words", {})
         raw[file.parent.name] = [n for n in declared.get("requirements", {}) if in_words(n, own) == n.replace("_", " ")]
     assert len(raw) >= 7 and not any(raw.values()), raw
+
+
+def test_every_column_of_every_table_has_a_head():
+    """Who hears a table knows a column by its head."""
+    empty = []
+    for file in (f for top in ("workbench", "studies") for f in sorted((ROOT / top).rglob("*.py"))):
+        for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
+            table = isinstance(node, ast.Call) and getattr(node.func, "id", "") == "Table" and node.args
+            heads = isinstance(node, ast.Assign) and getattr(node.targets[0], "id", "") == "columns"
+            columns = node.args[0] if table else node.value if heads else None
+            if isinstance(columns, ast.Tuple) and any(
+                isinstance(c, ast.Constant) and c.value == "" for c in columns.elts
+            ):
+                empty.append(f"{file.name}:{node.lineno}")
+    assert empty == []
 
 
 def test_units_of_sentences_are_printed_as_those_of_tables():

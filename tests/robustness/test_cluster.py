@@ -104,7 +104,7 @@ def test_a_worker_with_other_bits_is_refused_by_name_and_the_numbers_are_the_sam
 
 def test_a_study_is_the_same_on_a_cluster(cluster, given, tmp_path):
     from workbench.study import configuration
-    from workbench.study.series import robustness
+    from workbench.study.robustness import robustness
 
     w, *_ = given
     (tmp_path / "study.toml").write_text(

@@ -36,7 +36,7 @@ from workbench.robustness.local import on_threads
 from workbench.robustness.perspective import ranking, share_beyond_worst, statement
 from workbench.robustness.workload import Block, digest, probe
 from workbench.simulation import Loop
-from workbench.study.series import declared, robustness
+from workbench.study.robustness import declared, robustness
 from workbench.verification.task import Task
 
 LOOP = Loop(2.5e-4, 2, 2.5e-4, 2.5e-4, 4.848e-6)
@@ -63,7 +63,7 @@ def task(**changed) -> Task:
     return Task(**{"plant": axis(), "loop": LOOP, "step": 0.05, "duration": 0.06, "noise": 2e-3} | changed)
 
 
-def makers():
+def factories():
     return {
         "fixed PD": lambda lanes: fixed_pd(np.full(lanes, 60.0), np.full(lanes, 1.3)),
         "PI cascade": lambda lanes: pi_cascade(np.full(lanes, 45.0), np.full(lanes, 1.3), np.full(lanes, 6.0), 12.0),
@@ -73,7 +73,7 @@ def makers():
 @pytest.fixture(scope="module")
 def drawn():
     """96 axes, run in one block."""
-    w, cases = work(task(), makers(), VARIED), independent(VARIED, 96, seed=7)
+    w, cases = work(task(), factories(), VARIED), independent(VARIED, 96, seed=7)
     return w, cases, joined(on_threads(w, blocks(cases)))
 
 
@@ -146,7 +146,7 @@ def test_a_grid_is_every_combination_and_quasi_random_points_fill_every_strip():
 )
 def test_what_cannot_vary_is_refused_by_name(name, distribution, words):
     with pytest.raises(WorkbenchError) as caught:
-        work(task(), makers(), (Varied(name, distribution),))
+        work(task(), factories(), (Varied(name, distribution),))
     assert all(w in str(caught.value) for w in words)
 
 
@@ -327,7 +327,7 @@ def test_a_document_is_the_work_it_was_made_of(drawn):
         knots, kp, kd, rule, reversal = 2.0 ** np.arange(-14, 0), np.geomspace(200, 20, 14), np.geomspace(2, 0.6, 14), "error", None  # fmt: skip
 
     w = work(
-        task(), {**makers(), "scheduled": lambda n: scheduled_pd([Schedule], table=np.zeros(n, dtype=int))}, VARIED
+        task(), {**factories(), "scheduled": lambda n: scheduled_pd([Schedule], table=np.zeros(n, dtype=int))}, VARIED
     )
     block = Block(0, independent(VARIED, 8, 3).values)
     again = work_of(json.loads(json.dumps(of_work(w), allow_nan=False)))
@@ -345,7 +345,7 @@ def test_a_file_that_holds_no_worst_cases_is_refused_by_name(text, tmp_path):
 def test_an_effect_of_ones_own_is_refused_where_it_must_be_known_by_name():
     from workbench.effects.hysteresis import maxwell_slip
 
-    w = work(task(plant=axis() + maxwell_slip((1e-4, 1e-3))), makers(), VARIED[:1])
+    w = work(task(plant=axis() + maxwell_slip((1e-4, 1e-3))), factories(), VARIED[:1])
     with pytest.raises(WorkbenchError, match="maxwell_slip"):
         of_work(w)
 
@@ -408,7 +408,7 @@ def test_a_study_gets_figures_statements_and_cases_that_the_command_replays(tmp_
     from workbench.cli import main
 
     text = TOML.replace('"PI cascade", "fixed PD"', '"fixed PD"').replace("worst = 1", "worst = 2")
-    part = robustness(study(tmp_path, text), task(), makers(), lambda _: None)
+    part = robustness(study(tmp_path, text), task(), factories(), lambda _: None)
     assert {"grid_error_fixed_pd", "drawn_error_99_percent_fixed_pd", "share_beyond_final_error_fixed_pd"} <= set(
         part.figures
     )
@@ -455,4 +455,4 @@ def test_of_two_masses_the_load_is_what_is_judged_and_replayed(tmp_path):
     r = kept.replay(again, case)
     assert r.same and not (r.position == r.trajectories["q"][:, 0]).all()
     with pytest.raises(WorkbenchError, match="motor, load"):
-        work(task(plant=plant, loop=loop), makers(), (Varied("inertia.inertia", uniform(0.1, 0.2)),))
+        work(task(plant=plant, loop=loop), factories(), (Varied("inertia.inertia", uniform(0.1, 0.2)),))

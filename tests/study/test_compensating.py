@@ -92,9 +92,9 @@ def test_a_loop_that_friction_alone_holds_up_is_found():
 
 def test_its_margin_stands_beside_its_worth(tmp_path):
     task = Task(PLANT, LOOP, 0.1, 0.1)
-    makers = {"fixed PD": lambda lanes: PD}
+    factories = {"fixed PD": lambda lanes: PD}
     part = compensation(
-        study(tmp_path), task, makers, lambda _: None, margins=lambda *given: dict.fromkeys(given[2], 1.5)
+        study(tmp_path), task, factories, lambda _: None, margins=lambda *given: dict.fromkeys(given[2], 1.5)
     )
     assert part.figures["compensation_sensitivity"] == part.figures["compensation_sensitivity_off"] == 1.5
     (chapter,) = part.chapters

@@ -7,12 +7,13 @@ import numpy as np
 import pytest
 
 from workbench.errors import WorkbenchError
+from workbench.finding import NOT_TUNED
 from workbench.plant import Limits, Plant
 from workbench.report.gains import course, step_heading
 from workbench.study import control
 from workbench.study.configuration import Requirement
 from workbench.study.controlling import Control
-from workbench.study.outcome import NOT_TUNED, Outcome
+from workbench.study.outcome import Outcome
 from workbench.tuning import OutOfReach
 
 FEASIBLE = 1e-3  # the lowest amplitude that allows any gains

@@ -9,7 +9,8 @@ from made_joints import BAND, K, joint, jointed
 
 from workbench.campaign import load
 from workbench.definition import find
-from workbench.identification.carrying import NOTHING, idle
+from workbench.finding import CARRIES_NOTHING
+from workbench.identification.carrying import idle
 from workbench.identification.clocks import plain
 from workbench.identification.fit import identify, inverse_dynamics
 from workbench.tracing.candidates import ADDITION, CORRECTION, suspects
@@ -75,7 +76,7 @@ def test_a_joint_without_stiffness_carries_nothing_and_a_sound_one_carries():
     assert sound["linear_stiffness@joint"].parameters["stiffness"].value == pytest.approx(K, rel=0.02)
     still = sound.with_values({"linear_stiffness@joint": {"stiffness": 0.0}, "linear_damping@joint": {"damping": 0.0}})
     found = idle(passes, still)
-    assert found.kind == NOTHING and "no torque" in found.sentence
+    assert found.kind == CARRIES_NOTHING and "no torque" in found.sentence
     loose = idle(passes, sound.with_values({"linear_stiffness@joint": {"stiffness": 1e-3 * K}}))
     assert "of the load's balance" in loose.sentence and loose.evidence["error"] > 0.9
 
@@ -95,7 +96,7 @@ def test_the_clock_of_a_robots_link_encoder_is_the_first_suspect(name):
 def test_of_a_stiff_robot_axis_the_fit_says_that_its_joint_carries_nothing(name):
     campaign = load(measured("measured", name))
     passes = inverse_dynamics(campaign.records, campaign.bandwidth)
-    assert idle(passes, identify(campaign.plant, passes).plant).kind == NOTHING
+    assert idle(passes, identify(campaign.plant, passes).plant).kind == CARRIES_NOTHING
 
 
 def test_of_two_masses_only_the_campaign_that_lacks_a_clock_gets_one(data):

@@ -9,10 +9,10 @@ from report_example import trace as example
 from test_closing import plant, record
 
 from workbench.definition import find
-from workbench.report.closing import closing
+from workbench.report.closed_loop import closing
 from workbench.report.contents import Paragraph, Table
 from workbench.verification.cancelling import Cancelled, causes, take
-from workbench.verification.closing import as_dict, close
+from workbench.verification.closed_loop import as_dict, close
 
 GOOD = {"rise": 0.1, "time_1pct": 0.1, "overshoot": 0.0, "final_error": 1e-5, "following": 1e-4}
 
@@ -26,7 +26,7 @@ def wavy():
 def test_cancelling_a_cogging_takes_its_error_away_and_half_of_it_does_not(wavy):
     found = wavy.cancelled
     assert found.effects == ("cogging@axis",) and not found.left
-    assert found.exact["final_error"] <= wavy.blind.final_error
+    assert found.exact["final_error"] <= wavy.tuned_on_declared.final_error
     assert found.exact["following"] < found.worst["following"]
     assert np.isfinite(list(found.exact.values())).all()
 

@@ -13,11 +13,11 @@ from workbench.definition import find
 from workbench.errors import WorkbenchError
 from workbench.plant import ONE_MASS, TWO_MASS, Limits, Plant
 from workbench.record import VALIDATION, Record, Source
-from workbench.report.closing import absent, closing, heading
+from workbench.report.closed_loop import absent, closing, heading
 from workbench.report.contents import Callout, Figure, Table
 from workbench.study.traced import closed_loop
 from workbench.verification.assumed import judge, loop_of
-from workbench.verification.closing import DECLARED, EXTENDED, as_dict, close, lacking, rise_of
+from workbench.verification.closed_loop import DECLARED, EXTENDED, as_dict, close, lacking, rise_of
 
 FRICTION = (find("viscous_friction")(viscous=0.01), find("coulomb_friction")(coulomb=0.1))
 
@@ -41,10 +41,10 @@ def heavier():
 
 
 def test_gains_tuned_on_a_lighter_axis_overshoot_and_those_that_know_do_not(heavier):
-    assert heavier.promised.overshoot < 0.0025 and heavier.knowing.overshoot < 0.0025
-    assert heavier.blind.overshoot > 0.01
-    assert heavier.change["overshoot"] == heavier.knowing.overshoot - heavier.blind.overshoot < 0
-    assert heavier.knowing.time_1pct < heavier.blind.time_1pct
+    assert heavier.promised.overshoot < 0.0025 and heavier.tuned_on_extended.overshoot < 0.0025
+    assert heavier.tuned_on_declared.overshoot > 0.01
+    assert heavier.change["overshoot"] == heavier.tuned_on_extended.overshoot - heavier.tuned_on_declared.overshoot < 0
+    assert heavier.tuned_on_extended.time_1pct < heavier.tuned_on_declared.time_1pct
     assert heavier.followed.position > 0 and heavier.followed.drive > 0.01
 
 
@@ -96,7 +96,10 @@ def test_of_two_masses_the_load_goes_the_step():
     one = record()
     channels = {**one.channels, "load_position": one.channels["position"]}
     found = close(elastic(1e-3), elastic(), replace(one, channels=channels))
-    assert found.promised.overshoot < 0.0025 and found.knowing.overshoot < 0.0025 < found.blind.overshoot
+    assert (
+        found.promised.overshoot < 0.0025
+        and found.tuned_on_extended.overshoot < 0.0025 < found.tuned_on_declared.overshoot
+    )
     q = found.signals[EXTENDED, EXTENDED][0]
     assert q[-1] == pytest.approx(found.start + found.step, abs=1e-3)
 
@@ -114,15 +117,20 @@ def test_rise_is_from_a_tenth_to_nine_tenths():
 
 
 def test_where_nothing_changes_the_title_says_so(heavier):
-    level = replace(heavier, responses=(heavier.promised, heavier.blind, heavier.blind))
+    level = replace(heavier, responses=(heavier.promised, heavier.tuned_on_declared, heavier.tuned_on_declared))
     assert heading(example(), level) == "Gains tuned with Stribeck friction in the model step as those tuned without"
-    never = replace(heavier, responses=(heavier.promised, replace(heavier.blind, time_1pct=np.inf), heavier.knowing))
+    never = replace(
+        heavier,
+        responses=(heavier.promised, replace(heavier.tuned_on_declared, time_1pct=np.inf), heavier.tuned_on_extended),
+    )
     assert "1 % time" in heading(example(), never) and heading(example(), never).endswith("instead of never")
 
 
 def test_it_is_json_whatever_comes_of_it(heavier):
-    never = replace(heavier.blind, time_1pct=float("inf"))
-    text = json.dumps(as_dict(replace(heavier, responses=(heavier.promised, never, heavier.knowing))), allow_nan=False)
+    never = replace(heavier.tuned_on_declared, time_1pct=float("inf"))
+    text = json.dumps(
+        as_dict(replace(heavier, responses=(heavier.promised, never, heavier.tuned_on_extended))), allow_nan=False
+    )
     content = json.loads(text)
     assert content["responses"][1]["time_1pct"] is None and content["change"]["time_1pct"] is None
     assert content["gains"]["extended"]["kvp"] > 0 and content["followed"]["record"] == "moves"

@@ -16,9 +16,9 @@ from workbench.report.contest import asked_table
 from workbench.report.reproduction import Printed, counted, reproduction_table
 from workbench.simulation import Loop
 from workbench.verification.bound import time_optimal
-from workbench.verification.contest import Contest, Standing, contest, verdict
+from workbench.verification.contest import Contest, Result, contest, verdict
+from workbench.verification.controllers import feed_forward_of
 from workbench.verification.families import Blend, cascade_family, pd_family, scheduled_family, soft_gains
-from workbench.verification.line_up import feed_forward_of
 from workbench.verification.linear import Linear, TwoMasses
 from workbench.verification.margin import Asked, against_margin
 from workbench.verification.optimise import first_members
@@ -86,9 +86,9 @@ def test_the_bound_of_two_masses_is_that_of_the_rigid_axis():
     assert time_optimal(parted(), STEP) == pytest.approx(time_optimal(rigid(), STEP), rel=1e-3)
 
 
-def standing(name, time, error, costs=(1.0, 3.0, 2.0)) -> Standing:
+def standing(name, time, error, costs=(1.0, 3.0, 2.0)) -> Result:
     values = {f"{n}{w}": np.array(v) for n, v in (("time", time), ("error", error)) for w in ("", "_loaded", "_grid")}
-    return Standing(name, values, (1, 2, 3), None)
+    return Result(name, values, (1, 2, 3), None)
 
 
 def test_a_verdict_says_who_is_beaten_on_what_nominally_and_over_the_grid():

@@ -7,7 +7,7 @@ import numpy as np
 
 from workbench.checking.scale import pooled
 from workbench.checking.seen import ENCODERS, Seen
-from workbench.finding import Finding
+from workbench.finding import RESAMPLED, Finding
 from workbench.record import Record
 
 STANDS = 5  # samples of one value, from which an encoder may stand
@@ -159,7 +159,7 @@ def _clipped_drive(r: Record, channel: str, word: str, value: float, count: int,
 def resampled(seen: Seen) -> Iterator[Finding]:
     """Say where samples are missing by the time channel; what lies between is interpolated, so that the record may serve."""
     for f in seen.campaign.findings:
-        if f.kind == "resampled":
+        if f.kind == RESAMPLED:
             yield replace(f, kind="dropped samples")
 
 

@@ -9,12 +9,12 @@ from workbench.checking import alignment, channels, clocks, excitation, modes, s
 from workbench.checking.glitches import impossible
 from workbench.checking.seen import Seen
 from workbench.errors import UnsoundRecord
-from workbench.finding import Finding
+from workbench.finding import ASSUMED_SCALE, ENCODER_RESOLUTION, GLITCH, OTHER_UNIT, SAMPLING_RATE, START_TIME, Finding
 from workbench.threads import one_thread
 
 # What reading itself finds, and which findings leave the records fit for use.
-CARRIED = ("start time", "unit", "assumed scale")
-HARMLESS = ("glitch", "unit", "assumed scale", "sampling rate", "encoder resolution")
+CARRIED = (START_TIME, OTHER_UNIT, ASSUMED_SCALE)
+HARMLESS = (GLITCH, OTHER_UNIT, ASSUMED_SCALE, SAMPLING_RATE, ENCODER_RESOLUTION)
 # (check, whether the records it speaks of are left out of the next): a late drive is put right instead
 STAGES = (
     (scale.encoders, True),

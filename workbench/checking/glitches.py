@@ -7,7 +7,7 @@ import numpy as np
 
 from workbench.checking.scale import pooled
 from workbench.checking.seen import ENCODERS, Seen
-from workbench.finding import Finding
+from workbench.finding import GLITCH, Finding
 from workbench.record import Record
 
 BESIDE = 8  # samples on either side that a sample is compared with
@@ -182,7 +182,7 @@ def _said(seen: Seen, found: Mapping[tuple[str, str], np.ndarray]) -> Iterator[F
         others = f" So are samples {', '.join(str(s + 1) for s in samples[1:])}." if samples.size > 1 else ""
         why = "no drive moves an axis there and back" if channel != seen.drive else "the axis did not feel it"
         yield Finding(
-            "glitch", f"{name}.{channel}",
+            GLITCH, f"{name}.{channel}",
             f"In record '{name}' sample {k + 1} of {channel} (at {r.time[k]:.4f} s) is {x[k]:.6g} {unit}, between neighbours at "
             f"{beside:.6g} {unit}: a glitch of one sample, for {why}.{others}",
             {"sample": float(k + 1), "time": float(r.time[k]), "value": float(x[k]), "beside": float(beside)},

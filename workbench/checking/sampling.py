@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 
 from workbench.checking.seen import Seen
-from workbench.finding import Finding
+from workbench.finding import ENCODER_RESOLUTION, SAMPLING_RATE, Finding
 from workbench.motion import MOTION_BAND, TRIM
 
 PERIODS = 20  # of the bandwidth that a record must last
@@ -17,7 +17,7 @@ def rates(seen: Seen) -> Iterator[Finding]:
     for r in seen.campaign.records:
         if 1.0 / r.dt < need * (1 - 1e-9):
             yield Finding(
-                "sampling rate", f"{r.name}.time",
+                SAMPLING_RATE, f"{r.name}.time",
                 f"Record '{r.name}' is sampled at {1 / r.dt:.4g} Hz; an evaluation bandwidth of "
                 f"{seen.campaign.bandwidth:g} Hz needs {need:g} Hz, since motion is filtered at twice the bandwidth.",
                 {"rate": 1.0 / r.dt, "needed": need},
@@ -32,7 +32,7 @@ def lengths(seen: Seen) -> Iterator[Finding]:
         lasts = float(r.time[-1] - max(r.time[0], r.counts_from))
         if lasts < need:
             yield Finding(
-                "sampling rate", f"{r.name}.time",
+                SAMPLING_RATE, f"{r.name}.time",
                 f"Record '{r.name}' lasts {lasts:.3g} s at {1 / r.dt:.4g} Hz; {need:.3g} s are needed to see "
                 f"{seen.campaign.bandwidth:g} Hz.",
                 {"seconds": lasts, "rate": 1.0 / r.dt},
@@ -49,7 +49,7 @@ def strokes(seen: Seen) -> Iterator[Finding]:
         if stroke is not None and steps and stroke.value < FINE * max(steps):
             x = seen.campaign.plant.displacement
             yield Finding(
-                "encoder resolution", e.key,
+                ENCODER_RESOLUTION, e.key,
                 f"{e.name} at {e.at} builds up over {stroke.value:.3g} {x}, which is {stroke.value / max(steps):.2g} counts of "
                 f"{channel}; {FINE} are needed to see it.",
                 {"stroke": stroke.value, "resolution": max(steps)},

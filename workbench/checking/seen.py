@@ -7,6 +7,7 @@ from functools import cached_property
 from workbench.campaign import Campaign
 from workbench.checking.balance import Balance, balance, freed
 from workbench.checking.shift import delay, realigned
+from workbench.finding import RESAMPLED
 from workbench.identification.fit import inverse_dynamics
 from workbench.identification.passes import InverseDynamics
 from workbench.intake.signals import quantum
@@ -53,7 +54,7 @@ class Seen:
     @property
     def measured(self) -> tuple[Record, ...]:
         """Records whose samples are those that were logged: none were made between them."""
-        made = {f.subject for f in self.campaign.findings if f.kind == "resampled"}
+        made = {f.subject for f in self.campaign.findings if f.kind == RESAMPLED}
         return tuple(r for r in self.campaign.records if r.name not in made)
 
     def only(self, names: Collection[str]) -> "Seen":

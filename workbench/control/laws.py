@@ -15,7 +15,7 @@ from workbench.effects.elementary import absolute, clip, maximum, minimum, sign0
 from workbench.errors import WorkbenchError, nearest
 
 FOLLOWING, FROZEN, ERROR = "following", "frozen", "error"
-RULES = (FOLLOWING, FROZEN, ERROR)
+RULES = (FOLLOWING, FROZEN, ERROR)  # a binary gain file numbers them in this order: add at the end
 
 MOTOR = ("motor_vh",)  # what a law reads whose speed is the motor's
 

@@ -42,6 +42,7 @@ from workbench.effects._arithmetic import (
     sqrt,
     symbolic,
 )
+from workbench.effects._coefficients import COS, EXP, LOG, SIN, TANH
 
 __all__ = "absolute clip cos exp expm1 log maximum minimum power sign0 sin square tanh where".split()
 
@@ -49,56 +50,6 @@ _LN2_HIGH, _LN2_LOW = 0.6931471803691238, 1.9082149292705877e-10  # high: 32 bit
 _LOG2_E = 1.4426950408889634
 _PI_HIGH, _PI_LOW = 3.1415926534682512, 1.2154201013012384e-10  # high: 32 bits
 _ONE_OVER_PI = 0.3183098861837907
-
-# (r*coth(r/2) - 2)/r**2 in r**2, for |r| <= ln(3/2): relative error of 2r/(2 + (r**2 Q - r)) = expm1(r) below 6e-18.
-_EXP = (
-    0.16666666666666358,
-    -0.00277777777751129,
-    6.613755866949925e-05,
-    -1.6533477746561568e-06,
-    4.124531899682314e-08,
-)
-# (r*coth(r) - 1)/r**2 in r**2, for |r| <= 0.6: error of 1 + r**2 Q 2e-18.
-_TANH = (
-    0.33333333333333287,
-    -0.0222222222221817,
-    0.0021164021151493764,
-    -0.0002116401928931543,
-    2.1377643694891198e-05,
-    -2.1636507531678604e-06,
-    2.1712751140358164e-07,
-    -1.8919925065681736e-08,
-)
-# In z = r**2 on [0, (pi/2)**2]: (sin(r) - r)/r**3, error of sin 2e-19, and (cos(r) - 1 + z/2)/z**2, of cos 6e-18.
-_SIN = (
-    -0.16666666666666666,
-    0.008333333333333212,
-    -0.00019841269841215352,
-    2.755731921214361e-06,
-    -2.5052106961290822e-08,
-    1.6058943987721576e-10,
-    -7.643098978461492e-13,
-    2.7222687618561966e-15,
-)
-_COS = (
-    0.04166666666666583,
-    -0.001388888888883005,
-    2.4801587285783923e-05,
-    -2.7557317068512745e-07,
-    2.087659259260441e-09,
-    -1.1463635440086631e-11,
-    4.616135077009849e-14,
-)
-# log((1 + s)/(1 - s)) = 2 s + s R(s**2), of fdlibm's e_log.c (Sun Microsystems, 1993).
-_LOG = (
-    0.6666666666666735,
-    0.3999999999940942,
-    0.2857142874366239,
-    0.22222198432149784,
-    0.1818357216161805,
-    0.15313837699209373,
-    0.14798198605116586,
-)
 
 
 @arithmetic
@@ -153,7 +104,7 @@ def where(condition, a, b):
 def _small(r):
     """expm1(r) = 2r/(r*coth(r/2) - r) for |r| <= ln(3/2): the division halves the polynomial (as fdlibm's e_exp.c)."""
     z = square(r)
-    return 2.0 * r / (2.0 + (z * polynomial(_EXP, z) - r))
+    return 2.0 * r / (2.0 + (z * polynomial(EXP, z) - r))
 
 
 @arithmetic
@@ -200,7 +151,7 @@ def tanh(x):
     k = floor((a + 0.09314718055991) * _LOG2_E)
     r = a - k * _LN2_HIGH - k * _LN2_LOW
     z = square(r)
-    d = 1.0 + z * polynomial(_TANH, z)
+    d = 1.0 + z * polynomial(TANH, z)
     h = power_of_two(k, FOURS) - 0.5
     one = less(0.0, k)
     return (one + (r - one * d) / (d + h * (d + r)) + high) * sign
@@ -221,7 +172,7 @@ def sin(x):
     """
     r, sign = _half_turns(x)
     z = square(r)
-    return sign * (r + r * z * polynomial(_SIN, z))
+    return sign * (r + r * z * polynomial(SIN, z))
 
 
 @arithmetic
@@ -232,7 +183,7 @@ def cos(x):
     """
     r, sign = _half_turns(x)
     z = square(r)
-    return sign * (1.0 - 0.5 * z + square(z) * polynomial(_COS, z))
+    return sign * (1.0 - 0.5 * z + square(z) * polynomial(COS, z))
 
 
 @arithmetic
@@ -259,7 +210,7 @@ def log(x):
     s = f / (2.0 + f)
     z = square(s)
     h = 0.5 * square(f)
-    return e * _LN2_HIGH - ((h - (s * (h + z * polynomial(_LOG, z)) + e * _LN2_LOW)) - f)
+    return e * _LN2_HIGH - ((h - (s * (h + z * polynomial(LOG, z)) + e * _LN2_LOW)) - f)
 
 
 @arithmetic

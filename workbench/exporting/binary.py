@@ -29,8 +29,9 @@ from pathlib import Path
 
 import numpy as np
 
+from workbench.control import RULES
 from workbench.errors import WorkbenchError, regular
-from workbench.exporting.document import FORMAT_VERSION, RULES
+from workbench.exporting.document import FORMAT_VERSION
 from workbench.exporting.tables import DRIVE_ROWS, ROWS, Tables
 
 MAGIC = b"WBGAINS\0"

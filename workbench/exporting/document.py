@@ -14,7 +14,6 @@ from workbench.exporting.tables import Tables, tables
 SCHEMA = Path(__file__).with_name("gains.schema.json")
 FORMAT = "servo-workbench gains"
 FORMAT_VERSION = 1
-RULES = ("following", "frozen", "error")
 
 
 def document(schedule, plant, held: Tables, scale, name: str) -> dict:

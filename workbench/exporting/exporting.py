@@ -8,10 +8,11 @@ from pathlib import Path
 
 import numpy as np
 
+from workbench.control import RULES
 from workbench.errors import WorkbenchError, nearest
 from workbench.exporting.binary import pack
 from workbench.exporting.changes import insist_same
-from workbench.exporting.document import RULES, SCHEMA, document, text
+from workbench.exporting.document import SCHEMA, document, text
 from workbench.exporting.header import header
 from workbench.exporting.scale import GAINS, scales
 from workbench.exporting.tables import tables

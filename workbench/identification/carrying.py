@@ -9,7 +9,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from workbench.finding import Finding
+from workbench.finding import CARRIES_NOTHING, Finding
 from workbench.identification.passes import InverseDynamics
 from workbench.plant import TWO_MASS, Plant
 from workbench.record import IDENTIFICATION
@@ -18,7 +18,6 @@ from workbench.record import IDENTIFICATION
 # that carry have 0.01 to 0.5, those that do not 0.98 and more: half of it would take a joint whose law is wrong for an idle one,
 # twice of it nothing.
 IDLE = 0.9
-NOTHING = "joint carries nothing"
 
 
 def load_errors(passes: Sequence[InverseDynamics], plant: Plant) -> dict[str, float]:
@@ -54,7 +53,7 @@ def idle(passes: Sequence[InverseDynamics], plant: Plant) -> Finding | None:
         return None
     left = f"leaves {100 * error:.0f} % of the load's balance" if np.isfinite(error) else "has no torque"
     return Finding(
-        NOTHING, "joint",
+        CARRIES_NOTHING, "joint",
         f"The fit lets the joint carry nothing: its law at the measured angle {left}. What the load does then says nothing of "
         f"the joint, and no cause can be told from these balances.",
         {"error": error},

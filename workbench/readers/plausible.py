@@ -3,6 +3,7 @@
 import numpy as np
 
 from workbench.errors import UnsoundRecord
+from workbench.finding import GLITCH
 
 LARGEST = 1e12  # in any SI unit: far beyond every axis, and its fourth power is far below what overflows
 HUGE = 1e200  # what is larger overflows in some scales, and is as far beyond LARGEST in all of them
@@ -21,6 +22,6 @@ def plausible(record: str, channel: str, c, values: np.ndarray, sheet, first: in
             f"{sheet.place(k + first)}: sample {k + 1} of {channel} in record '{record}' is "
             f"{sheet.channels[channel][k + first]:.6g} {c.unit}, "
             f"more than {LARGEST:g} {c.si}{many}: no axis has that; mend the sample, or the scale of column '{c.column}'.",
-            "glitch" if beyond.size == 1 else "scale",
+            GLITCH if beyond.size == 1 else "scale",
             record,
         )

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from workbench.errors import WorkbenchError
-from workbench.finding import Finding
+from workbench.finding import ASSUMED_SCALE, RESAMPLED, START_TIME, Finding
 from workbench.readers import load, reader, stem
 from workbench.readers.declaration import Table
 from workbench.readers.plausible import HUGE, plausible
@@ -118,7 +118,7 @@ def assumptions(channels: Mapping[str, Channel]) -> tuple[Finding, ...]:
     """Say which scales are guesses: figures in torque or angle are only as right as these numbers."""
     return tuple(
         Finding(
-            "assumed scale", name,
+            ASSUMED_SCALE, name,
             f"The scale of channel '{name}' (column '{c.column}', '{c.unit}' to '{c.si}') is assumed, not known.",
             {"factor": c.factor},
             f"Put the data sheet's number into channels.{name}.scale of campaign.toml, or the right unit beside it, and remove 'assumed'.",
@@ -168,7 +168,7 @@ def _record(one: Table, folder: Path, name: str, channels: Mapping[str, Channel]
     counts_from = _counted(one, time)
     findings = [f for n, c in measured.items() if (f := stated(name, c.column, sheet.units.get(n, ""), c.unit))]
     findings += [resampled] if resampled else []
-    findings += [Finding("resampled", name, f"In record '{name}' {note}") for note in sheet.notes]
+    findings += [Finding(RESAMPLED, name, f"In record '{name}' {note}") for note in sheet.notes]
     start = one.number("start_time_s", float(time[0]))
     if abs(start - time[0]) > time[1] - time[0]:
         findings.append(_clock(name, start, time))
@@ -227,7 +227,7 @@ def _payload(one: Table, rotary: bool) -> Payload | None:
 def _clock(name: str, start: float, time: np.ndarray) -> Finding:
     sentence = f"Record '{name}' is declared to start at {start:g} s, and its time starts at {time[0]:g} s; the latter is used."
     evidence = {"declared": start, "measured": float(time[0])}
-    return Finding("start time", name, sentence, evidence, "Log the clock of the bench, or mend start_time_s.")
+    return Finding(START_TIME, name, sentence, evidence, "Log the clock of the bench, or mend start_time_s.")
 
 
 def _inside(folder: Path, one: Table) -> Path:

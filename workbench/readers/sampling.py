@@ -5,7 +5,7 @@ from collections.abc import Callable, Mapping
 import numpy as np
 
 from workbench.errors import UnsoundRecord
-from workbench.finding import Finding
+from workbench.finding import RESAMPLED, Finding
 
 FEWEST = 100  # samples
 TOLERANCE = 0.01  # of the median step
@@ -78,5 +78,5 @@ def _resampled(name, time, channels, step, off):
         f"were more than 1 % off the median; the longest was {gap:.6g} s."
     )
     evidence = {"steps_off": float(off), "steps": float(time.size - 1), "longest_gap": gap, "step": step}
-    finding = Finding("resampled", name, sentence, evidence, "Log at one rate, with the clock of the drive.")
+    finding = Finding(RESAMPLED, name, sentence, evidence, "Log at one rate, with the clock of the drive.")
     return even, {n: np.interp(even, time, c) for n, c in channels.items()}, finding

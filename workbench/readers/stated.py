@@ -3,7 +3,7 @@
 from math import isclose
 
 from workbench.errors import WorkbenchError
-from workbench.finding import Finding
+from workbench.finding import OTHER_UNIT, Finding
 from workbench.units import to_si
 from workbench.units.registry import legible, tidy
 
@@ -21,7 +21,7 @@ def stated(record: str, column: str, unit: str, declared: str) -> Finding | None
     except WorkbenchError:  # of another dimension
         pass
     return Finding(
-        "unit",
+        OTHER_UNIT,
         record,
         f"Record '{record}' states column '{column}' in '{unit}', and it is declared in '{declared}'; the latter is used.",
         remedy="Mend the unit of this channel in campaign.toml, or export the record again.",

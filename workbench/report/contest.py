@@ -8,14 +8,14 @@ from workbench.report import numbers, wording
 from workbench.report.contents import Chapter, Figure, Items, Paragraph, Table
 from workbench.report.drawing import MUTED, SERIES, STYLES, decades, svg
 from workbench.verification.compare import ms
-from workbench.verification.contest import Contest, Standing, verdict
+from workbench.verification.contest import Contest, Result, verdict
 from workbench.verification.margin import AgainstMargin, Asked
 
 COUNTS = 2.0  # of the encoder: what counts as exact
 MARKS = ("o", "s", "^", "D", "v", "P", "X", "<", ">")
 
 
-def _spanned(standing: Standing, figure: str, scale: float = 1.0) -> str:
+def _spanned(standing: Result, figure: str, scale: float = 1.0) -> str:
     """Median over the seeds, with what they span where that shows."""
     middle = numbers.number(scale * standing.median(figure))
     low, high = (numbers.number(scale * v) for v in standing.span(figure))

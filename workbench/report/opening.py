@@ -1,6 +1,6 @@
 """The finding, and the records that it rests on."""
 
-from workbench.finding import capital, title
+from workbench.finding import ASSUMED_SCALE, NOT_TUNED, capital, title
 from workbench.record import IDENTIFICATION, ROLES, VALIDATION
 from workbench.report import numbers
 from workbench.report.advice import headline
@@ -24,7 +24,7 @@ from workbench.report.required import judged
 from workbench.report.wording import ALARMS, listed
 from workbench.tracing.result import NOTHING, UNKNOWN
 
-CAUTIONS = ("assumed scale", "not tuned")  # what the numbers rest on and nobody knows; why there are no gains
+CAUTIONS = (ASSUMED_SCALE, NOT_TUNED)  # what the numbers rest on and nobody knows; why there are no gains
 TONES = {NOTHING: GOOD, UNKNOWN: BAD}
 
 

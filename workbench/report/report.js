@@ -326,6 +326,7 @@ function sortable(table) {
   const body = table.tBodies[0];
   if (!body || body.rows.length < 2) return;
   [...table.tHead.rows[0].cells].forEach((head, column) => {
+    if (!head.textContent.trim()) return; // a button without a name says nothing to those who hear it
     const made = button("", () => sorted(table, head, column));
     made.append(...head.childNodes);
     head.append(made);

@@ -3,13 +3,13 @@
 import re
 from collections.abc import Collection, Iterable, Mapping, Sequence
 
-from workbench.finding import Finding, capital, title
+from workbench.finding import BELOW_FLOOR, CARRIES_NOTHING, SOMETHING_ELSE, Finding, capital, title
 from workbench.identification.findings import DISAGREE
 from workbench.identification.result import Estimate, Fit
 from workbench.report import numbers
 from workbench.report.contents import BAD, CODE, QUIET, Items, Marked, Table
 
-ALARMS = ("below the floor", "joint carries nothing", "something else")  # kinds of findings that the first page says
+ALARMS = (BELOW_FLOOR, CARRIES_NOTHING, SOMETHING_ELSE)  # kinds of findings that the first page says
 
 UNITS = re.compile(r"\b(?:m?N|kg|[JAVms]|rad)(?:\*(?:m|s|rad)|/(?:m|s|rad|A|V|N)|\^\d)+(?![\w*/^])")
 POWER = re.compile(r"(?<![\w.,+-])-?\d+(?:\.\d+)?e[+-]\d{1,2}(?![\w.]\w)")  # as Python writes a number

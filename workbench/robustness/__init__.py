@@ -8,6 +8,7 @@ from workbench.robustness.cases import Cases, Varied, even, grid, independent
 from workbench.robustness.distribution import Distribution, fixed, log_uniform, normal, uniform
 from workbench.robustness.influence import Influence, influences
 from workbench.robustness.perspective import Perspectives, Share, perspectives, share_beyond
+from workbench.robustness.series import Options, series_of
 from workbench.robustness.workload import Block, Work, blocks, joined, work
 
 __all__ = [
@@ -15,6 +16,7 @@ __all__ = [
     "Cases",
     "Distribution",
     "Influence",
+    "Options",
     "Perspectives",
     "Share",
     "Varied",
@@ -29,6 +31,7 @@ __all__ = [
     "log_uniform",
     "normal",
     "perspectives",
+    "series_of",
     "share_beyond",
     "uniform",
     "work",

@@ -84,15 +84,15 @@ def single(controller: Controller) -> Controller:
     return replace(controller, parameters=values, tables=tables, table=None, velocity_filter=filtered, **more)
 
 
-def work(task: Task, makers: Mapping[str, Callable[[int], Controller]], varied: Iterable[Varied]) -> Work:
-    """Return the work of a task. makers: controller name -> maker(lanes), as workbench.verification.compare takes them.
+def work(task: Task, factories: Mapping[str, Callable[[int], Controller]], varied: Iterable[Varied]) -> Work:
+    """Return the work of a task. factories: controller name -> factory(lanes), as workbench.verification.compare takes them.
 
     Raises WorkbenchError for a name that does not exist or a distribution beyond what is physical.
     """
     varied = tuple(varied)
     checked(task.plant, varied)
     plant = extended(task.plant, varied)
-    return Work(task.on(plant), {n: single(make(1)) for n, make in makers.items()}, varied)
+    return Work(task.on(plant), {n: single(make(1)) for n, make in factories.items()}, varied)
 
 
 def blocks(cases: Cases, size: int = BLOCK) -> list[Block]:

@@ -8,20 +8,18 @@ from workbench import definition as fx
 from workbench.control.law import JOINT, Controller
 from workbench.control.table import stacked
 from workbench.errors import WorkbenchError, nearest
-from workbench.kernel import arrays
 from workbench.plant import ONE_MASS, Plant
 from workbench.simulation import noise
-from workbench.simulation.bodies import LAST, SOFT
+from workbench.simulation.beginning import at_rest, evaluated, initial, per_mass
+from workbench.simulation.bodies import SOFT
 from workbench.simulation.criteria import Criteria
-from workbench.simulation.design import Design, Piece, design
+from workbench.simulation.design import Design, design
 from workbench.simulation.dynamics import constants_of
 from workbench.simulation.given import REFERENCE, Given, given_of
-from workbench.simulation.sampled import Sensing, followed
+from workbench.simulation.sampled import Sensing
 from workbench.simulation.scenario import Loop, ScenarioArrays
 
 BACK = 2.5  # encoder counts: three back are a reversal; between counts, so that no rounding decides
-REST = 60  # fixed-point steps to the motor's position at rest
-NEVER = -2.0  # k_settled before anything is settled; -1 is the sample before the first
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,18 +48,6 @@ class Bound:
     @property
     def lanes(self) -> int:
         return self.scenarios.lanes
-
-
-def _evaluated(piece: Piece, values: dict) -> tuple:
-    """Return what a piece takes from constants; WorkbenchError where it is not a number."""
-    result = arrays.evaluate(piece.before, [values[n] for n in piece.constants])[0]
-    for value in result:
-        if np.isnan(value).any():
-            raise WorkbenchError(
-                "the plant's or the controller's numbers combine to something that is not a number: look for "
-                "a parameter that is zero where another is divided by it."
-            )
-    return tuple(result)
 
 
 def samples_of(duration: float, loop: Loop) -> int:
@@ -187,8 +173,8 @@ def bind(plant, loop: Loop, controller: Controller | None, scenarios: ScenarioAr
         "band": criteria.band * np.abs(aim - scenarios.start),
         "step_sign": np.sign(step) + 0.0,
     }
-    rest = _at_rest(made, values, scenarios)
-    values |= _per_mass(made, values, rest, scenarios)
+    rest = at_rest(made, values, scenarios)
+    values |= per_mass(made, values, rest, scenarios)
     table, base, grid = _tables_of(controller, lanes)
     delays = _delays_of(plants[0], loop, scenarios)
     window = max(int(round(criteria.window / loop.sample_time)), 1)
@@ -196,8 +182,8 @@ def bind(plant, loop: Loop, controller: Controller | None, scenarios: ScenarioAr
         design=made,
         loop=loop,
         scenarios=scenarios,
-        frontier=tuple(_evaluated(p, values) for p in made.pieces),
-        initial=_initial(made, controller, values, scenarios, rest),
+        frontier=tuple(evaluated(p, values) for p in made.pieces),
+        initial=initial(made, controller, values, scenarios, rest),
         delays=delays,
         strength=np.broadcast_to(scenarios.noise / noise.SIGMA, (lanes,)),
         table=table,
@@ -230,63 +216,3 @@ def _widths_of(loop: Loop) -> dict[str, float]:
 
 def _joined(values: list[float]):
     return values[0] if all(v == values[0] for v in values) else np.array(values)
-
-
-def _at(made: Piece, values: dict, rows: dict):
-    """Return name -> value of a piece at these rows; rows that are not named are zero."""
-    given = [rows.get(n, 0.0) for n in made.rows]
-    return dict(zip(made.outputs, arrays.evaluate(made.after, given, _evaluated(made, values))[0], strict=True))
-
-
-def _at_rest(made: Design, values: dict, scenarios: ScenarioArrays) -> dict:
-    """Return row -> position and speed of each body, where the loop begins: at the start, with the joint not wound up.
-
-    The motor stands where the gear's error leaves no deflection; its slope is well below one, so fixed-point steps do.
-    """
-    if made.joint is None:
-        return {"q": scenarios.start, "v": scenarios.speed}
-    rows = {"q": scenarios.start, "load.q": scenarios.start}
-    for _ in range(REST):
-        x = _at(made.joint, values, rows)[LAST]
-        rows["q"] = rows["q"] - x
-    if not np.max(np.abs(x)) < 1e-9:
-        raise WorkbenchError(
-            "the joint has no deflection of zero near a scenario's start: the slope of its angle maps is too large."
-        )
-    return rows | {LAST: _at(made.joint, values, rows)[LAST], "v": scenarios.speed, "load.v": scenarios.speed}
-
-
-def _per_mass(made: Design, values: dict, rest: dict, scenarios: ScenarioArrays) -> dict:
-    """Return one over each body's mass at the start, zero for a load that is held; WorkbenchError where it is not positive."""
-    found = {}
-    for name, mass in _at(made.mass, values, rest).items():
-        load = name == "load.mass"
-        if not (np.min(mass) > 0.0):
-            body = "load" if load else "plant" if made.joint is None else "motor"
-            raise WorkbenchError(
-                f"the mass of the {body} is {np.min(mass):g} in at least one scenario; it must be positive: "
-                "set the effect 'inertia', or the scenario's load_inertia."
-            )
-        free = 1.0 - scenarios.locked if load else 1.0
-        value = free / mass
-        found[f"{name.removesuffix('mass')}per_mass"] = np.float64(value) if np.ndim(value) == 0 else value
-    return found
-
-
-def _initial(made: Design, controller: Controller | None, values: dict, scenarios: ScenarioArrays, rest: dict) -> dict:
-    """Return row -> value at the start: every memory empty, the reading that of the start position."""
-    first = _at(made.start, values, rest)
-    y, turned = first["y"], followed(made.law, first)
-    rows = rest | {
-        **first,
-        "furthest": turned,
-        "turned": turned,
-        "share": 1.0,
-        "k_outside": -1.0,
-        "k_astray": -1.0,
-        "k_settled": NEVER,
-        "peak": scenarios.start * values["step_sign"],
-    }
-    if controller is not None and controller.law.start is not None:
-        rows |= {f"law.{n}": v for n, v in controller.law.start(values["target"], y).items()}
-    return rows

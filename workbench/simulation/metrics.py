@@ -5,7 +5,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from workbench.simulation.binding import NEVER, Bound
+from workbench.simulation.beginning import NEVER
+from workbench.simulation.binding import Bound
 from workbench.simulation.bodies import OUTPUT
 from workbench.simulation.sampled import FOLLOWING
 

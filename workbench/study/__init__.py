@@ -1,1 +1,22 @@
 """A study: a campaign, what is asked of it, and what it must reach; run, cached and written whole."""
+
+from workbench.public import handed_on
+
+HELD = {
+    "MissingData": "configuration",
+    "Outcome": "outcome",
+    "Part": "outcome",
+    "Requirement": "configuration",
+    "Study": "configuration",
+    "campaign_of": "running",
+    "limit_cycles": "limit_cycle",
+    "run": "running",
+    "steps_of": "running",
+    "trace_campaign": "standard",
+    "with_part": "outcome",
+    "write_gains": "control",
+    "write_table": "control",
+}
+
+__all__ = [*HELD]
+__getattr__, __dir__ = handed_on(__name__, HELD)

@@ -76,7 +76,7 @@ def asked(study: Study, plant: Plant, of: str = "") -> Asked:
 
 
 def compensation(
-    study: Study, task: Task, makers: Mapping[str, Callable[[int], Controller]], say, model: Plant | None = None,
+    study: Study, task: Task, factories: Mapping[str, Callable[[int], Controller]], say, model: Plant | None = None,
     margins: Callable[[str, Compensator, Sequence[float]], Mapping[float, float]] | None = None, of: str = "",
 ) -> Part:  # fmt: skip
     """Return what compensation of named effects is worth on the plant of a task, to the controller with the gains that it has.
@@ -88,9 +88,9 @@ def compensation(
     name of the table [compensation.of], after which its figures are then called.
     """
     given = asked(study, task.plant, of)
-    chosen(given, makers)
+    chosen(given, factories)
     say("compensating what was named")
-    controller = makers[given.controller](len(FOUR))
+    controller = factories[given.controller](len(FOUR))
     found = worth(task.plant, task.loop, controller, given.on(model or task.plant), given.slow, given.mismatch)
     true = found
     if model is not None and model.digest != task.plant.digest:
@@ -109,7 +109,7 @@ def compensation(
     x = task.plant.displacement
     units = dict.fromkeys(("following_error_alone", "following_error_compensated"), x)
     rows = [{"gain": g, "following_error": e, "sensitivity": ms.get(g)} for g, e in found.errors.items()]
-    said = _fallen(given, task, makers[given.controller](1))
+    said = _fallen(given, task, factories[given.controller](1))
     chapter = _chapter(given, found, true, x, ms, of)
     return Part(
         _named(figures, of), _named(units, of), (chapter,), said, {f"compensation{f'_{of}' if of else ''}": rows}

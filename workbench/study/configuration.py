@@ -27,7 +27,7 @@ SERIES = (
     "limit_cycle",
     "compensation",
     "drive",
-)  # read by study.series, .hunting, .compensating, .driving
+)  # read by study.robustness, .limit_cycle, .compensating, .drive
 
 
 class MissingData(WorkbenchError):

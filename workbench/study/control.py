@@ -8,14 +8,12 @@ from math import isfinite
 import numpy as np
 
 from workbench.errors import WorkbenchError
-from workbench.finding import Finding, title
+from workbench.finding import NOT_TUNED, RESPONSE_LIMITS, Finding, title
 from workbench.frequency import Response
 from workbench.identification.passes import InverseDynamics
 from workbench.plant import TWO_MASS, Plant
-from workbench.readers.declaration import Table
 from workbench.record import VALIDATION, Record
 from workbench.report import control as chapters
-from workbench.report import numbers
 from workbench.report.ladder import as_table as ladder_table
 from workbench.report.ladder import figures_of as ladder_figures
 from workbench.report.ladder import ladder_chapter
@@ -23,17 +21,17 @@ from workbench.report.loop import loop_chapter
 from workbench.report.polish import as_table as gains_table
 from workbench.report.polish import polish_chapter
 from workbench.report.recommend import RECOMMENDED, recommended_chapter
-from workbench.report.wording import listed
 from workbench.schedule import Schedule
 from workbench.study.compensating import asked, compensation, with_compensated
 from workbench.study.configuration import Study
+from workbench.study.control_results import assumptions, controllers_table, figures_of, raised, recommended_figures
 from workbench.study.controlling import Control, Shown, control_of
-from workbench.study.driving import driven
-from workbench.study.hunting import limit_cycles
+from workbench.study.drive import driven
+from workbench.study.firmware import as_firmware, firmware_part
 from workbench.study.leaving import leave
-from workbench.study.metal import as_firmware, metal
-from workbench.study.outcome import NOT_TUNED, Outcome, Part, with_part
-from workbench.study.series import robustness, slug
+from workbench.study.limit_cycle import limit_cycles
+from workbench.study.outcome import Outcome, Part, with_part
+from workbench.study.robustness import robustness, slug
 from workbench.tracing.result import Trace
 from workbench.tuning import OutOfReach
 from workbench.verification.assumed import loop_of, move_of
@@ -41,7 +39,7 @@ from workbench.verification.compare import Comparison, compare, verdicts
 from workbench.verification.compensated import SUFFIX, margins
 from workbench.verification.design import Designed, design
 from workbench.verification.promise import promise
-from workbench.verification.recommend import Recommended, recommend
+from workbench.verification.recommend import recommend
 from workbench.verification.regret import Regret
 from workbench.verification.task import Task
 from workbench.verification.worth import regret_of
@@ -49,7 +47,6 @@ from workbench.verification.worth import regret_of
 BASELINES = ("fixed PD", "PI cascade", "profile with PI")
 BLIND = (1, 2)  # seeds of the search on the declared model, one from each arrival
 RAISED = 6  # attempts with the lowest amplitude raised: friction is described anew at each
-ASSUMED = "assumed loop"
 
 
 def run(
@@ -70,8 +67,8 @@ def run(
     made = with_compensated(made, given, task, control.seeds, say)
     say("comparing the controllers")
     ours = f"scheduled PD ({control.rule})"
-    makers = {name: tuned.controller for name, tuned in made.tuned.items()}
-    comparison = verdicts(compare(task, makers), ours, BASELINES, plant.displacement)
+    factories = {name: tuned.controller for name, tuned in made.tuned.items()}
+    comparison = verdicts(compare(task, factories), ours, BASELINES, plant.displacement)
     choice = recommend(task, made.tuned, plant.displacement)
     kept, held = promise(plant, made.polished, task), made.climbed.regret
     against, tuned_too = _on_ladder(made)
@@ -81,11 +78,11 @@ def run(
         loop_chapter(made.polished, plant, made.equivalent, control.goal, control.loop),
         chapters.schedule_chapter(made, control.rule),
         ladder_chapter(made.climbed, held, plant, control.rule, against, tuned_too),
-        chapters.step_chapter(task, makers),
+        chapters.step_chapter(task, factories),
         chapters.comparison_chapter(comparison, task),
     ]
-    figures, units = _figures_of(made, comparison, ours, plant.displacement)
-    figures |= ladder_figures(made.climbed, held) | _recommended_figures(choice, task, ours)
+    figures, units = figures_of(made, comparison, ours, plant.displacement)
+    figures |= ladder_figures(made.climbed, held) | recommended_figures(choice, task, ours)
     figures["promised_time_deviation"] = kept.deviation
     units |= {"promised_time_deviation": "s", "scheduled_error_grid": plant.displacement}
     tables = {
@@ -94,7 +91,7 @@ def run(
             "why": choice.sentence,
             "candidates": [vars(r) for r in choice.rows],
         },
-        "controllers": _controllers(made),
+        "controllers": controllers_table(made),
         "gains": gains_table(made.polished),
         "ladder": ladder_table(made.climbed, held, against | tuned_too),
         "comparison": [vars(r) for r in comparison.rows],
@@ -112,19 +109,19 @@ def run(
         lambda folder: write_gains(made, control, folder),
         lambda folder: leave(made.tuned, choice.name, plant, task.loop.sample_time, folder / "gains", ours, task),
     )
-    limits = tuple(f for f in made.findings if f.kind == "response limits")
+    limits = tuple(f for f in made.findings if f.kind == RESPONSE_LIMITS)
     advice = Finding(RECOMMENDED, "gains", choice.sentence, {}, "")
-    said = (advice, *_assumptions(study.table, control, shown), *_raised(control, made), *limits, *comparison.findings)
+    said = (advice, *assumptions(study.table, control, shown), *raised(control, made), *limits, *comparison.findings)
     part = Part(figures, units, tuple(parts), said, tables, files)
     if "robustness" in study.table:
-        part = with_part(part, robustness(study, task, makers, say))
+        part = with_part(part, robustness(study, task, factories, say))
         share = part.figures.get(f"share_beyond_final_error_{slug(choice.name)}")
         part = part if share is None else replace(part, figures={**part.figures, "recommended_share_beyond": share})
     if "limit_cycle" in study.table:
-        part = with_part(part, limit_cycles(study, task, makers, say))
+        part = with_part(part, limit_cycles(study, task, factories, say))
     if "compensation" in study.table:
-        part = with_part(part, compensation(study, task, makers, say, margins=partial(margins, made, task)))
-    part = with_part(part, metal(as_firmware(made.tuned, choice.name), task, found.verdict, say))
+        part = with_part(part, compensation(study, task, factories, say, margins=partial(margins, made, task)))
+    part = with_part(part, firmware_part(as_firmware(made.tuned, choice.name), task, found.verdict, say))
     if "drive" in study.table:
         part = with_part(part, driven(study, task, made, records, bandwidth, control.rule, say))
     return part
@@ -179,70 +176,6 @@ def write_table(schedule: Schedule, plant: Plant, place, scale: dict | None = No
 
     place.mkdir()
     export(schedule, plant, place, scale=scale)
-
-
-def _controllers(made: Designed) -> list[dict]:
-    """Every tuned controller as results.json holds it."""
-    return [
-        {"controller": n, "numbers": t.numbers, "cost": t.value, "points_tried": t.evaluations, "seed": t.seed}
-        for n, t in made.tuned.items()
-    ]
-
-
-def _figures_of(made: Designed, comparison: Comparison, ours: str, x: str) -> tuple[dict, dict]:
-    """Return (figures, units) by which a study may be judged."""
-    first = comparison.rows[0].load_inertia
-    mine = [r for r in comparison.rows if r.controller == ours]
-    fixed = comparison.row("fixed PD", first)
-    free = comparison.row(ours, first)
-    figures = {
-        "sensitivity_peak": float(np.max(made.gains.sensitivity_peak)),
-        "schedule_interpolation_error": float(made.schedule.interpolation_error),
-        "schedule_knots": float(made.schedule.knots.size),
-        "scheduled_time_over_bound": free.over_bound,
-        "scheduled_time_over_bound_worst": max(r.over_bound for r in mine),
-        "scheduled_final_error": free.final_error,
-        "scheduled_final_error_worst": max(r.final_error for r in mine),
-        "scheduled_error_over_fixed": free.final_error / fixed.final_error,
-    }
-    return figures, {n: x for n in figures if n.startswith("scheduled_final_error")}
-
-
-def _recommended_figures(choice: Recommended, task: Task, ours: str) -> dict[str, float]:
-    """Return what the recommended controller leaves nominally, in counts, and the schedule's worst over the grid."""
-    mine = next(r for r in choice.rows if r.name == ours)
-    return {
-        "recommended_error_counts": choice.row.error / task.loop.count if task.loop.count else float("nan"),
-        "scheduled_error_grid": mine.error_grid,
-        "scheduled_overshoot_grid": mine.overshoot_grid,
-    }
-
-
-def _assumptions(top: Table, control: Control, shown: Shown | None) -> tuple[Finding, ...]:
-    """Return what the gains rest on that the study does not state and the records had to say, one finding or none."""
-    keys = (("loop", "sample_time"), ("loop", "resolution"), ("task", "step"))
-    left = [f"{table}.{key}" for table, key in keys if key not in top.values.get(table, {})]
-    if shown is None or not left:
-        return ()
-    loop, task, x = control.loop, control.task, control.task.plant.displacement
-    sentence = (
-        f"The gains are for a loop of {1e3 * loop.sample_time:.4g} ms with {1e3 * loop.delay:.4g} ms of delay, an encoder of "
-        f"{loop.resolution:.3g} {x}, and a step of {task.step:.3g} {x} at no more than {control.speed_limit:.3g} {x}/s; of "
-        f"these, {listed(left)} are assumed from record '{shown.record}'."
-    )
-    return (Finding(ASSUMED, "gains", sentence, {}, "State what is known of them in study.toml."),)
-
-
-def _raised(control: Control, made: Designed) -> tuple[Finding, ...]:
-    """Return a finding where no gains keep the goal at amplitudes that would have been tuned."""
-    lowest, x = float(made.gains.amplitude[0]), made.plant.displacement
-    if lowest <= control.amplitudes[0]:
-        return ()
-    sentence = (
-        f"Below {numbers.scaled(lowest, x)} no gains keep |S| below {control.goal.sensitivity:g} and the overshoot against the axis's own "
-        f"stiffness in a loop of {1e3 * control.loop.sample_time:.4g} ms; those of {numbers.scaled(lowest, x)} are held there."
-    )
-    return (Finding("constraint dropped", "gains", sentence, {"lowest": lowest}, "Sample faster, or delay less."),)
 
 
 def shown_by(plant: Plant, passes: Sequence[InverseDynamics]) -> Shown:

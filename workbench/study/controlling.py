@@ -5,6 +5,7 @@ from math import isfinite
 
 import numpy as np
 
+from workbench.control.laws import ERROR, RULES
 from workbench.errors import WorkbenchError
 from workbench.plant import Plant
 from workbench.readers.declaration import Table
@@ -15,7 +16,6 @@ from workbench.verification.assumed import COUNTS, lasting
 from workbench.verification.tabled import RUNS
 from workbench.verification.task import Task, Weights
 
-RULES = ("error", "following", "frozen")
 RANGE = ("lowest", "highest", "count")  # of [tuning]
 AMPLITUDES = 24  # at which gains are tuned, where a study states no other number
 LEAST = 1e-5  # of the step: the lowest amplitude where the encoder has no counts
@@ -90,7 +90,7 @@ def control_of(top: Table, plant: Plant, shown: Shown | None = None) -> Control:
         raised="lowest" not in tuning,
         per_octave=int(schedule.number("per_octave", 2, above=0)),
         tolerance=schedule.number("tolerance", 0.02, above=0.0),
-        rule=schedule.choice("rule", RULES, "rule") if "rule" in schedule else RULES[0],
+        rule=schedule.choice("rule", RULES, "rule") if "rule" in schedule else ERROR,
         task=replace(task, weights=replace(task.weights, sensitivity=goal.sensitivity)),
         speed_limit=speed,
         scale=dict(top.values["export"]).get("scale") if "export" in top else None,

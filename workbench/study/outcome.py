@@ -13,8 +13,6 @@ from workbench.report.contents import Chapter
 from workbench.tracing.result import Trace
 from workbench.tracing.where import Where
 
-NOT_TUNED = "not tuned"  # kind of the finding that says why there are no gains
-
 
 @dataclass(frozen=True, eq=False)
 class Outcome:

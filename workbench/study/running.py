@@ -183,7 +183,7 @@ def _all_passed(place: Path) -> bool:
 
 def _lines(place: Path) -> tuple[str, ...]:
     """What the command line says: the finding first, then the checks, then where to look."""
-    from workbench.study.outcome import NOT_TUNED
+    from workbench.finding import NOT_TUNED
 
     content = _results(place)
     lines = [

@@ -79,7 +79,7 @@ def run(study: Study, say: Say) -> Outcome:
         early(check_plant, campaign.plant, say)
         asked = control_of(study.table, campaign.plant, shown)  # what is misspelt is said before anything long starts
         if "drive" in study.table:
-            from workbench.study.driving import stated
+            from workbench.study.drive import stated
 
             stated(study.table, campaign.plant, asked.loop.count)
     found = trace(campaign.plant, passes, say)

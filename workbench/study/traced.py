@@ -13,16 +13,16 @@ from workbench.outputs import replaceable, whole
 from workbench.plant import Plant
 from workbench.record import VALIDATION
 from workbench.report import write as write_page
-from workbench.report.closing import absent, heading
-from workbench.report.closing import closing as closing_chapter
+from workbench.report.closed_loop import absent, heading
+from workbench.report.closed_loop import closing as closing_chapter
 from workbench.report.contents import Recorded, StudyResult
 from workbench.tracing.calibration import as_dict, calibrations, finding
 from workbench.tracing.output import write
 from workbench.tracing.result import Trace
 from workbench.tracing.tracing import trace
 from workbench.tracing.where import as_list, load_as_dict, where
-from workbench.verification.closing import Closed, close, lacking
-from workbench.verification.closing import as_dict as loop_as_dict
+from workbench.verification.closed_loop import ClosedLoop, close, lacking
+from workbench.verification.closed_loop import as_dict as loop_as_dict
 
 Say = Callable[[str], None]
 
@@ -65,7 +65,7 @@ def _in_order(plant: Plant) -> Plant:
     return replace(plant, effects=tuple(sorted(plant.effects, key=lambda e: e.key)))
 
 
-def closed_loop(campaign: Campaign, found: Trace, say: Say) -> Closed | str:
+def closed_loop(campaign: Campaign, found: Trace, say: Say) -> ClosedLoop | str:
     """Return the loop closed with what a trace found, on the validation record whose name comes first, or the sentence why it is not."""
     record = min(campaign.with_role(VALIDATION), key=lambda r: r.name, default=None)
     if missing := lacking(campaign.plant, record):
@@ -78,7 +78,7 @@ def closed_loop(campaign: Campaign, found: Trace, say: Say) -> Closed | str:
 
 
 def _page(
-    campaign: Campaign, passes: Sequence[InverseDynamics], found: Trace, closed: Closed | str | None = None
+    campaign: Campaign, passes: Sequence[InverseDynamics], found: Trace, closed: ClosedLoop | str | None = None
 ) -> StudyResult:
     """Return what the page of a trace is made of. closed: the loop, a sentence why there is none, or None."""
     chapters = ()
@@ -99,5 +99,5 @@ def _page(
         where=where(passes, found),
         kind="Trace of campaign",
         command=f"workbench trace {f'{folder.parent.name}/{FOLDER}' if folder.name == FOLDER else folder.name}",
-        answer=f"{heading(found, closed)}." if isinstance(closed, Closed) else "",
+        answer=f"{heading(found, closed)}." if isinstance(closed, ClosedLoop) else "",
     )

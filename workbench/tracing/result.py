@@ -108,8 +108,8 @@ class Trace:
 
     @property
     def added(self) -> tuple[str, ...]:
-        """Names of the effects in the extended model that the declared one lacks, as the catalogue has them."""
-        return tuple(c.effect.partition(" ")[0] for c in self.causes)
+        """Names of the effects in the extended model that the declared one lacks, as the catalogue has them, each once."""
+        return tuple(dict.fromkeys(c.effect.partition(" ")[0] for c in self.causes))
 
     @property
     def plant(self) -> Plant:

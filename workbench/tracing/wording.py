@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 from workbench.definition import find
 from workbench.effects.families import family_of
-from workbench.finding import Finding, capital, title
+from workbench.finding import BELOW_FLOOR, SOMETHING_ELSE, Finding, capital, title
 from workbench.identification.result import Fit
 from workbench.plant import Plant
 from workbench.record import IDENTIFICATION, VALIDATION
@@ -92,7 +92,7 @@ def findings_of(verdict: Verdict, evidence: Evidence, causes: Sequence[Cause], p
     """Yield the findings that stand beside a verdict: alarms first."""
     if "below floor" in verdict.alarms:
         yield Finding(
-            "below the floor", "",
+            BELOW_FLOOR, "",
             "The error with what was added is less than noise and counts alone would leave: what was added explains noise, "
             "or the noise is not what it was read to be; do not rely on it before a second validation record.",
             {r: evidence.floor[r] for r in evidence.floor},
@@ -117,7 +117,7 @@ def findings_of(verdict: Verdict, evidence: Evidence, causes: Sequence[Cause], p
             )  # fmt: skip
     if verdict.something_else:
         yield Finding(
-            "something else", evidence.after.kind,
+            SOMETHING_ELSE, evidence.after.kind,
             f"Beside this, something else is missing: {100 * evidence.after.size:.1f} % of the drive's rms stays predictable from "
             f"{FROM[evidence.after.kind]}.",
             {"before": evidence.before.size, "after": evidence.after.size},

@@ -4,7 +4,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from workbench.finding import Finding
+from workbench.finding import RESPONSE_LIMITS, Finding
 from workbench.frequency import Response, sensitivity_peak
 from workbench.tuning import sampled
 from workbench.tuning.gains import Gains
@@ -103,5 +103,5 @@ def _finding(free: Gains, gains: Gains, capped: np.ndarray, response: Response) 
     )
     evidence = {"amplitudes": float(capped.sum()), "share": float(share)}
     return Finding(
-        "response limits", "gains", sentence, evidence, "Put a notch on the mode, delay less, or stiffen the joint."
+        RESPONSE_LIMITS, "gains", sentence, evidence, "Put a notch on the mode, delay less, or stiffen the joint."
     )

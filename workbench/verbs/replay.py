@@ -54,7 +54,7 @@ def _write(work, again, out: Path) -> None:
     import numpy as np
 
     from workbench.outputs import whole
-    from workbench.report.series_figures import motion
+    from workbench.report.robustness_figures import motion
 
     t = again.trajectories
     names = list(t.signals)

@@ -54,12 +54,12 @@ def causes(declared: Plant, extended: Plant) -> tuple[tuple[str, ...], tuple[str
 
 
 def cancelled(
-    task: Task, maker: Callable[[int], Controller], effects: Sequence[str], left: Sequence[str], rise, phases: int,
+    task: Task, factory: Callable[[int], Controller], effects: Sequence[str], left: Sequence[str], rise, phases: int,
     reference: np.ndarray | None = None,
 ) -> Cancelled:  # fmt: skip
     """Return what cancelling the effects of the task's plant comes to. rise(time, q, start, target): (lanes,) s.
 
-    maker: lanes -> controller. reference (n,): of a record, to be followed besides.
+    factory: lanes -> controller. reference (n,): of a record, to be followed besides.
     """
     compensator = Compensator.of(task.plant, tuple(effects))
     output = "q" if task.plant.kind == "one mass" else "load.q"
@@ -70,7 +70,7 @@ def cancelled(
         n: (v[spread] if np.ndim(v) and np.size(v) == one.lanes else v) for n, v in vars(one).items() if n != "lanes"
     }
     scenarios = replace(one, lanes=lanes, **fields)
-    made = with_gains(maker(lanes), compensator, np.repeat(GAINS, one.lanes))
+    made = with_gains(factory(lanes), compensator, np.repeat(GAINS, one.lanes))
 
     def run(r: np.ndarray, start: float) -> Metrics:
         return simulate(

@@ -48,13 +48,13 @@ class Comparison:
 
 @kept
 def compare(task: Task, controllers: Mapping[str, object]) -> Comparison:
-    """Run every controller (name -> maker(lanes) of a Controller) under every load of the task."""
+    """Run every controller (name -> factory(lanes) of a Controller) under every load of the task."""
     rows = []
     for load in task.load_inertias:
         scenarios = task.scenarios(load_inertias=(load,), frictions=(1.0,), inertias=(1.0,), phases=PHASES)
         bound = task.bound(load)
-        for name, maker in controllers.items():
-            rows.append(_row(task, name, load, bound, task.run(maker(scenarios.lanes), scenarios)))
+        for name, factory in controllers.items():
+            rows.append(_row(task, name, load, bound, task.run(factory(scenarios.lanes), scenarios)))
     return Comparison(tuple(rows), ())
 
 

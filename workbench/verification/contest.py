@@ -19,11 +19,11 @@ from workbench.verification.families import Family
 from workbench.verification.optimise import SEEDS, Seeded, optimise_seeds
 from workbench.verification.task import Task
 
-Maker = Callable[[int], Controller]
+Factory = Callable[[int], Controller]
 
 
 @dataclass(frozen=True, eq=False)
-class Standing:
+class Result:
     """What one controller does. values: figure -> (runs,), one a seed, SI:
 
     time, error, overshoot: without load, the worst of PHASES encoder phases; time_loaded, error_loaded: with it; time_grid,
@@ -33,7 +33,7 @@ class Standing:
 
     name: str
     values: Mapping[str, np.ndarray]
-    makers: tuple[Maker, ...]
+    factories: tuple[Factory, ...]
     tuned: Seeded | None = None
 
     def median(self, figure: str) -> float:
@@ -53,9 +53,9 @@ class Standing:
         return {k: v for k, v in own.items() if k not in ("sensitivity", "cost")}
 
     @property
-    def maker(self) -> Maker:
+    def factory(self) -> Factory:
         """The controller that stands for all: of the seed with the middling cost."""
-        return self.makers[0] if self.tuned is None else self.makers[self.tuned.runs.index(self.tuned.median)]
+        return self.factories[0] if self.tuned is None else self.factories[self.tuned.runs.index(self.tuned.median)]
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,17 +63,17 @@ class Contest:
     """standings: by name, in order. bound, bound_loaded: time-optimal 1 % times, s. task: by which they were judged."""
 
     task: Task
-    standings: Mapping[str, Standing]
+    standings: Mapping[str, Result]
     bound: float
     bound_loaded: float
 
-    def __getitem__(self, name: str) -> Standing:
+    def __getitem__(self, name: str) -> Result:
         return self.standings[name]
 
     @property
-    def makers(self) -> dict[str, Maker]:
-        """Name -> maker of the controller that stands for it."""
-        return {n: s.maker for n, s in self.standings.items()}
+    def factories(self) -> dict[str, Factory]:
+        """Name -> factory of the controller that stands for it."""
+        return {n: s.factory for n, s in self.standings.items()}
 
     def over_bound(self, name: str) -> float:
         """Median 1 % time without load over the bound."""
@@ -83,7 +83,7 @@ class Contest:
 def contest(
     task: Task,
     families: Sequence[Family],
-    stated: Mapping[str, Maker] | None = None,
+    stated: Mapping[str, Factory] | None = None,
     *,
     tuning_time: float,
     seeds: Sequence[int] = SEEDS,
@@ -102,42 +102,42 @@ def contest(
     for family in families:
         say(f"tuning {family.name} from {len(seeds)} seeds")
         standings[family.name] = entered(task, training, family, seeds)
-    for name, maker in (stated or {}).items():
-        standings[name] = Standing(name, judged(task, (maker,)), (maker,))
+    for name, factory in (stated or {}).items():
+        standings[name] = Result(name, judged(task, (factory,)), (factory,))
     loads = task.load_inertias
     return Contest(task, standings, task.bound(loads[0]), task.bound(loads[-1]))
 
 
 @kept
-def entered(task: Task, training: Task, family: Family, seeds: Sequence[int] = SEEDS, name: str = "") -> Standing:
+def entered(task: Task, training: Task, family: Family, seeds: Sequence[int] = SEEDS, name: str = "") -> Result:
     """Tune a family from every seed on the scenarios of `training`, and judge it on `task`. name: the family's where empty."""
     tuned = optimise_seeds(training, family, seeds)
-    makers = tuple(run.controller for run in tuned.runs)
-    values = judged(task, makers) | {
+    factories = tuple(run.controller for run in tuned.runs)
+    values = judged(task, factories) | {
         "sensitivity": np.array([float(family.sensitivity(run.point[None, :])[0]) for run in tuned.runs]),
         "cost": np.array([run.value for run in tuned.runs]),
     }
-    return Standing(name or family.name, values, makers, tuned)
+    return Result(name or family.name, values, factories, tuned)
 
 
 @kept
-def judged(task: Task, makers: Sequence[Maker]) -> dict[str, np.ndarray]:
-    """Return figure -> (runs,) of controllers; see Standing."""
+def judged(task: Task, factories: Sequence[Factory]) -> dict[str, np.ndarray]:
+    """Return figure -> (runs,) of controllers; see Result."""
     rows = [
         {
-            **_named(_nominal(task, maker, task.load_inertias[0]), "", ("time", "error", "overshoot")),
-            **_named(_nominal(task, maker, task.load_inertias[-1]), "_loaded", ("time", "error")),
-            **_over_grid(task, maker),
+            **_named(_nominal(task, factory, task.load_inertias[0]), "", ("time", "error", "overshoot")),
+            **_named(_nominal(task, factory, task.load_inertias[-1]), "_loaded", ("time", "error")),
+            **_over_grid(task, factory),
         }
-        for maker in makers
+        for factory in factories
     ]
     return {n: np.array([row[n] for row in rows]) for n in rows[0]}
 
 
-def _nominal(task: Task, maker: Maker, load: float) -> Metrics:
+def _nominal(task: Task, factory: Factory, load: float) -> Metrics:
     """Run the nominal plant with one load at PHASES encoder phases."""
     scenarios = task.scenarios(load_inertias=(load,), frictions=(1.0,), inertias=(1.0,), phases=PHASES)
-    return task.run(maker(scenarios.lanes), scenarios)
+    return task.run(factory(scenarios.lanes), scenarios)
 
 
 def _named(metrics: Metrics, suffix: str, names: Sequence[str]) -> dict[str, float]:
@@ -146,15 +146,15 @@ def _named(metrics: Metrics, suffix: str, names: Sequence[str]) -> dict[str, flo
     return {f"{n}{suffix}": float(np.max(worst[n])) for n in names}
 
 
-def _over_grid(task: Task, maker: Maker) -> dict[str, float]:
+def _over_grid(task: Task, factory: Factory) -> dict[str, float]:
     """Return the worst over the task's grid of frictions and inertias without load, at three phases a point."""
     scenarios = task.scenarios(load_inertias=task.load_inertias[:1], phases=3)
-    metrics = task.run(maker(scenarios.lanes), scenarios)
+    metrics = task.run(factory(scenarios.lanes), scenarios)
     spread = float(np.ptp(metrics.final_error)) if np.isfinite(metrics.final_error).all() else float("inf")
     return _named(metrics, "_grid", ("time", "error", "overshoot")) | {"error_spread": spread}
 
 
-def _sides(ours: Standing, other: Standing, where: str = "") -> tuple[int, int]:
+def _sides(ours: Result, other: Result, where: str = "") -> tuple[int, int]:
     """Return (time, error): 1 where ours is better by more than compare.LEVEL, -1 where it is worse, else 0.
 
     where: "" for the nominal plant, "_loaded" or "_grid".

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from workbench.description import Equivalent
-from workbench.finding import Finding
+from workbench.finding import RESPONSE_LIMITS, Finding
 from workbench.frequency import Response
 from workbench.plant import Plant
 from workbench.schedule import BetweenKnots, Schedule, between_knots, passivity
@@ -24,7 +24,6 @@ from workbench.verification.tabled import RUNS, tabled
 from workbench.verification.task import Task
 from workbench.verification.worth import Rivals
 
-RULES = ("error", "following", "frozen")
 BRAKING = 0.65  # of the torque that the drive has: where a search for the deceleration of a profile begins
 REACHED = 0.98  # of the speed limit: what laws ask for, so that the drive keeps some torque there
 ROUNDS = 2  # of describing and tuning: friction that depends on speed is described at the loop's own frequency
@@ -142,7 +141,7 @@ def design(
     if baselines:
         tuned |= {f.name: best(own, f, seeds, say) for f in baseline_families(plant, linear, gains, task)}
     pumping = passivity(replace(made.schedule, rule="following"), at, inertia, viscous=viscous)
-    limits = (f for f in gains.findings if f.kind == "response limits")
+    limits = (f for f in gains.findings if f.kind == RESPONSE_LIMITS)
     findings = (*limits, *between.findings, *pumping.findings)
     final = {rule: made.schedule}
     return Designed(

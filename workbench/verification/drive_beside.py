@@ -40,8 +40,8 @@ def beside(gains: DriveGains, scheduled: Callable[[int], Controller]) -> tuple[B
     """Run every size of move under all three, behind the same current loop. scheduled(lanes): the PD schedule."""
     scenarios, n = steps_of(gains.task, gains.sizes)
     last = np.repeat(gains.points[-1:], gains.sizes.size, axis=0)
-    makers = (scheduled(scenarios.lanes), gains.controller(last, n), gains.controller(gains.points, n))
-    found = [_worst(gains.task.run(c, scenarios), gains.task, gains.sizes, n) for c in makers]
+    factories = (scheduled(scenarios.lanes), gains.controller(last, n), gains.controller(gains.points, n))
+    found = [_worst(gains.task.run(c, scenarios), gains.task, gains.sizes, n) for c in factories]
     return tuple(Beside(float(s), *row) for s, *row in zip(gains.sizes, *found, strict=True))
 
 

@@ -13,7 +13,7 @@ from workbench.verification.task import Task
 
 @dataclass(frozen=True, eq=False)
 class AgainstMargin:
-    """limits (n,): on Ms. values: name of a controller -> figure (as verify.contest.Standing) -> (n,)."""
+    """limits (n,): on Ms. values: name of a controller -> figure (as verification.contest.Result) -> (n,)."""
 
     limits: np.ndarray
     values: dict[str, dict[str, np.ndarray]]

@@ -13,7 +13,7 @@ from workbench.robustness.workload import single
 from workbench.study.configuration import Study
 from workbench.study.controlling import numbers
 from workbench.study.outcome import Part
-from workbench.study.series import chosen, slug
+from workbench.study.robustness import chosen, slug
 from workbench.verification.task import Task
 
 OPTIONAL = ("first", "second", "count", "largest", "duration", "inertia", "friction")
@@ -60,15 +60,15 @@ def _asked_of(top: Table, task: Task) -> Asked:
     )
 
 
-def limit_cycles(study: Study, task: Task, makers, say: Callable[[str], None]) -> Part:
-    """Run what [limit_cycle] of a study declares, for controllers name -> maker(lanes)."""
-    from workbench.report.hunting import chapter
+def limit_cycles(study: Study, task: Task, factories, say: Callable[[str], None]) -> Part:
+    """Run what [limit_cycle] of a study declares, for controllers name -> factory(lanes)."""
+    from workbench.report.limit_cycle import chapter
 
     asked = _asked_of(study.table, task)
-    makers = chosen(makers, asked.controllers, f"{study.table.path('limit_cycle')}.controllers")
+    factories = chosen(factories, asked.controllers, f"{study.table.path('limit_cycle')}.controllers")
     first, second = (np.geomspace(*span, asked.count) for span in (asked.first, asked.second))
     found = {}
-    for name, make in makers.items():
+    for name, make in factories.items():
         say(f"limit cycles of {name}")
         found[name] = region(
             task.plant, task.loop, single(make(1)), first, second, asked.largest, asked.duration,

@@ -10,7 +10,7 @@ from workbench.report.drawing import AFTER, BEFORE, MUTED, STYLES, decades, enve
 from workbench.report.wording import listed, typeset
 from workbench.tracing.result import Trace
 from workbench.verification.cancelling import take
-from workbench.verification.closing import DECLARED, EXTENDED, Closed, Response
+from workbench.verification.closed_loop import DECLARED, EXTENDED, ClosedLoop, Response
 
 LEAST = 0.05  # of an encoder count, that an error is drawn down to
 NEGLIGIBLE = 0.005  # overshoot: what is less is equal
@@ -19,7 +19,7 @@ COLOURS = {(DECLARED, DECLARED): MUTED, (DECLARED, EXTENDED): BEFORE, (EXTENDED,
 GAINS = {"kv": "1/s", "kvp": "{f}*s/{x}", "ki": "{f}/{x}"}
 
 
-def closing(found: Trace, closed: Closed) -> Chapter:
+def closing(found: Trace, closed: ClosedLoop) -> Chapter:
     """What the found effect is worth to a controller, in figures and as motion."""
     plant = found.after.plant
     blocks = [
@@ -49,10 +49,10 @@ def _hundredths(ratio: float) -> str:
     return f"{numbers.placed(100 * ratio, 2)}\u00a0%" if np.isfinite(ratio) else numbers.named(ratio)
 
 
-def figures(found: Trace, closed: Closed) -> list[tuple]:
+def figures(found: Trace, closed: ClosedLoop) -> list[tuple]:
     """Return (figure, without, with what was found, how it is shown), of the step on the extended plant."""
     x = found.after.plant.displacement
-    a, b = closed.blind, closed.knowing
+    a, b = closed.tuned_on_declared, closed.tuned_on_extended
     return [
         ("rise time", a.rise, b.rise, _seconds),
         ("1 % time", a.time_1pct, b.time_1pct, _seconds),
@@ -61,7 +61,7 @@ def figures(found: Trace, closed: Closed) -> list[tuple]:
     ]
 
 
-def _worth(found: Trace, closed: Closed) -> str:
+def _worth(found: Trace, closed: ClosedLoop) -> str:
     """Return what tuning with the found effect changes, on the plant that has it."""
     texts = [
         f"{article} {name} of {shown(now)} instead of {shown(was)}"
@@ -72,7 +72,7 @@ def _worth(found: Trace, closed: Closed) -> str:
     return f"On the plant with {_causes(found)}, gains tuned with it in the model give {listed(texts)}."
 
 
-def heading(found: Trace, closed: Closed) -> str:
+def heading(found: Trace, closed: ClosedLoop) -> str:
     """Return the figure in which tuning with the found effect changes most."""
 
     def size(figure: tuple) -> float:
@@ -99,7 +99,7 @@ def _changed(was: float, now: float) -> bool:
     return abs(now - was) > LEVEL * max(abs(was), abs(now))
 
 
-def _assumed(found: Trace, closed: Closed) -> str:
+def _assumed(found: Trace, closed: ClosedLoop) -> str:
     """Return what loop and what step this is."""
     plant = found.after.plant
     loop, x = closed.loop, plant.displacement
@@ -121,7 +121,7 @@ def _named(r: Response) -> str:
     return f"{r.tuned_on} model"
 
 
-def _responses(closed: Closed, x: str) -> Table:
+def _responses(closed: ClosedLoop, x: str) -> Table:
     """Every combination that matters, in figures."""
     factor, unit = numbers.prefixed(max(r.final_error for r in closed.responses if np.isfinite(r.final_error)), x)
     rows = tuple(
@@ -140,7 +140,7 @@ def _responses(closed: Closed, x: str) -> Table:
     return Table(columns, rows, caption, "llrrrr")
 
 
-def _step(found: Trace, closed: Closed) -> Figure:
+def _step(found: Trace, closed: ClosedLoop) -> Figure:
     """The error that is left, and the command."""
     plant = found.after.plant
     title = heading(found, closed)
@@ -167,7 +167,7 @@ def _step(found: Trace, closed: Closed) -> Figure:
     return Figure("closed_step", draws, caption, f"Two graphs over time for three loops. {title}.")
 
 
-def _gains(closed: Closed, f: str, x: str) -> Table:
+def _gains(closed: ClosedLoop, f: str, x: str) -> Table:
     """The tuned numbers."""
     names = list(closed.gains[DECLARED])
     units = [numbers.unit(GAINS[n].format(f=f, x=x)) for n in names]
@@ -176,7 +176,7 @@ def _gains(closed: Closed, f: str, x: str) -> Table:
     return Table(columns, rows, "The gains of the cascade.", "l" + "r" * len(names))
 
 
-def _followed(closed: Closed, x: str) -> str:
+def _followed(closed: ClosedLoop, x: str) -> str:
     """Return how far the two models part when they follow the record's reference."""
     f = closed.followed
     was, now = (numbers.scaled(f.largest[n], x) for n in (DECLARED, EXTENDED))
@@ -195,10 +195,10 @@ ADVICE = {
 }
 
 
-def _compensation(closed: Closed, x: str) -> list:
+def _compensation(closed: ClosedLoop, x: str) -> list:
     """Return what cancelling the causes is worth beside new gains, and which of the two to take."""
     found = closed.cancelled
-    factor, unit = numbers.prefixed(max(closed.blind.final_error, found.exact["final_error"], 1e-12), x)
+    factor, unit = numbers.prefixed(max(closed.tuned_on_declared.final_error, found.exact["final_error"], 1e-12), x)
 
     def row(name, one, following):
         cells = (_seconds(one["rise"]), _seconds(one["time_1pct"]), _hundredths(one["overshoot"]))
@@ -207,8 +207,8 @@ def _compensation(closed: Closed, x: str) -> list:
 
     lags = closed.followed.largest if closed.followed else {DECLARED: np.nan, EXTENDED: np.nan}
     rows = [
-        row("gains as they were", vars(closed.blind), lags[DECLARED]),
-        row("new gains", vars(closed.knowing), lags[EXTENDED]),
+        row("gains as they were", vars(closed.tuned_on_declared), lags[DECLARED]),
+        row("new gains", vars(closed.tuned_on_extended), lags[EXTENDED]),
     ]
     for g, one in found.figures.items():
         rows.append(
@@ -217,7 +217,7 @@ def _compensation(closed: Closed, x: str) -> list:
     columns = ("what is changed", "rise", "1 % time", "overshoot", f"final error ({unit})", f"following ({unit})")
     names = listed([k.partition("@")[0].replace("_", " ") for k in found.effects])
     caption = f"Compensation of {names} from the measured position, under the gains as they were, beside new gains."
-    advice = take(vars(closed.blind), vars(closed.knowing), found)
+    advice = take(vars(closed.tuned_on_declared), vars(closed.tuned_on_extended), found)
     return [Table(columns, tuple(rows), caption, "lrrrrr"), Paragraph(ADVICE[advice])]
 
 

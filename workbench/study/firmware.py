@@ -26,7 +26,7 @@ def as_firmware(tuned: Mapping[str, object], first: str) -> dict[str, Callable[[
     return {n: tuned[n].controller for n in (first, *paired)}
 
 
-def metal(named: Mapping[str, Callable[[int], Controller]], task: Task, traced: str, say) -> Part:
+def firmware_part(named: Mapping[str, Callable[[int], Controller]], task: Task, traced: str, say) -> Part:
     """Return the firmware's part of a study; a finding where it has none (a drive without a limit, no counts).
 
     named: name -> controller(lanes), the recommended one first; beside it those whose compensation is firmware too. traced: the

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from workbench.control import FeedForward, grid
+from workbench.control.laws import ERROR, FOLLOWING, FROZEN
 from workbench.description import Equivalent
 from workbench.plant import Plant
 from workbench.schedule import Schedule, fit_schedule
@@ -26,11 +27,10 @@ from workbench.verification.shaped import shaped
 from workbench.verification.task import Task
 
 SLOWEST = 1e-3  # of the speed limit: first knot of the friction that is fed forward
-RULES = ("frozen", "following", "error")
 
 
 @dataclass(frozen=True, eq=False)
-class LineUp:
+class Controllers:
     """equivalent, gains: at the tuned amplitudes. schedule: through the gains. linear: what sensitivities are asked of.
     feed_forward: of the model. families: of every controller that is tuned."""
 
@@ -54,9 +54,9 @@ def feed_forward_of(plant: Plant, counts: float) -> FeedForward:
     return FeedForward(mass, speeds, sliding_torque(plant, speeds, counts))
 
 
-def line_up(
+def controllers_of(
     plant: Plant, amplitudes: np.ndarray, goal: TuningGoal, task: Task, *, per_octave: int = 2, tolerance: float = 0.1
-) -> LineUp:
+) -> Controllers:
     """Describe the plant, tune gains at amplitudes (n,), fit the schedule, and make the families of all controllers."""
     loop, step = task.loop, task.step
     equivalent, gains = gains_of(plant, amplitudes, goal, loop)
@@ -80,7 +80,10 @@ def line_up(
     soft = soft_gains(linear.inertia, plant.limits.drive, plant.limits.speed)
     known = feed_forward_of(plant, loop.resolution)
     makers = (
-        *(lambda j, rule=rule: scheduled_family(j, schedule, rule, (kp, kd), soft=soft) for rule in RULES),
+        *(
+            lambda j, rule=rule: scheduled_family(j, schedule, rule, (kp, kd), soft=soft)
+            for rule in (FROZEN, FOLLOWING, ERROR)
+        ),
         lambda j: scheduled_family(j, schedule, "error", (kp, kd), braking, speed),
         lambda j: pd_family(j, (kp, kd)),
         lambda j: cascade_family(j, (kv, kd, ki), speed),
@@ -90,4 +93,4 @@ def line_up(
     families = tuple(
         shaped(make, linear, BEGUN * loop.sample_time) for make in makers
     )  # a rigid axis gives a notch nothing
-    return LineUp(plant, goal, equivalent, gains, schedule, linear, known, families)
+    return Controllers(plant, goal, equivalent, gains, schedule, linear, known, families)

@@ -1,8 +1,7 @@
 """[robustness] of study.toml: what a series of axes differs in, and what its controllers come to on them."""
 
 import re
-from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
 from functools import partial
 
 import numpy as np
@@ -11,14 +10,14 @@ from workbench.control import Controller
 from workbench.errors import WorkbenchError, nearest
 from workbench.readers.declaration import Table
 from workbench.robustness import worst
-from workbench.robustness.cases import Cases, Varied, independent
+from workbench.robustness.cases import Cases, Varied
 from workbench.robustness.distribution import FIXED, KINDS, NORMAL, Distribution
-from workbench.robustness.influence import influences
 from workbench.robustness.local import on_threads
-from workbench.robustness.perspective import CONFIDENCE, perspectives, ranking, share_beyond
-from workbench.robustness.result import OfGrid, Series
+from workbench.robustness.perspective import CONFIDENCE, ranking
+from workbench.robustness.result import Series
+from workbench.robustness.series import Options, Run, series_of
 from workbench.robustness.vary import FIELDS, checked, target
-from workbench.robustness.workload import KEPT, Block, Columns, Work, blocks, joined, work
+from workbench.robustness.workload import KEPT, Columns
 from workbench.study.configuration import Study
 from workbench.study.controlling import numbers
 from workbench.study.outcome import Part
@@ -27,29 +26,11 @@ from workbench.verification.task import Task
 
 FOLDER = "robustness"
 LEVELS = (0.5, 1.0, 1.5)
-PHASES = 8  # encoder phases and noise seeds that a point of the grid is the worst of
 OPTIONAL = ("draws", "seed", "confidence", "worst", "controllers", "inertias", "frictions", "limits", "vary")
 METRICS = {"final_error": "x", "time_1pct": "s", "overshoot": "1"}  # that may have a limit, and their unit
 
-Run = Callable[[Work, list[Block], Callable[[str], None]], Iterator[Columns]]
 
-
-@dataclass(frozen=True)
-class Declared:
-    """[robustness]. controllers: their names, the one that matters first; none: all. limits: metric -> SI."""
-
-    varied: tuple[Varied, ...]
-    draws: int
-    seed: int
-    confidence: float
-    kept: int
-    controllers: tuple[str, ...]
-    inertias: tuple[float, ...]
-    frictions: tuple[float, ...]
-    limits: Mapping[str, float]
-
-
-def declared(top: Table, task: Task) -> Declared:
+def declared(top: Table, task: Task) -> Options:
     """Return what study.toml says of a series; WorkbenchError names file and key."""
     one = top.table("robustness", ("vary",), OPTIONAL)
     confidence = one.number("confidence", CONFIDENCE, above=0.0)
@@ -60,7 +41,7 @@ def declared(top: Table, task: Task) -> Declared:
     names = one.values.get("controllers", [])
     if not isinstance(names, list) or not all(isinstance(n, str) for n in names):
         raise WorkbenchError(f"{one.path('controllers')} must be a list of names in quotes.")
-    return Declared(
+    return Options(
         varied=_varied(one, task),
         draws=int(one.number("draws", 10_000, above=0)),
         seed=int(one.number("seed", 1, above=-1)),
@@ -123,49 +104,12 @@ def slug(name: str) -> str:
     return re.sub(r"[^a-z0-9]+", "_", name.lower()).strip("_")
 
 
-def chosen(makers: Mapping[str, Callable[[int], Controller]], wanted: tuple[str, ...], where: str):
+def chosen(factories: Mapping[str, Callable[[int], Controller]], wanted: tuple[str, ...], where: str):
     """Return the controllers that are asked for, in that order; WorkbenchError with the nearest names."""
     for name in wanted:
-        if name not in makers:
-            raise WorkbenchError(f"{where}: there is no controller '{name}'; {nearest(name, makers)}")
-    return {n: makers[n] for n in wanted or makers}
-
-
-def _on_grid(task: Task, makers, asked: Declared) -> OfGrid:
-    """Return each controller's errors over factors on inertia and friction, the worst of PHASES encoder phases."""
-    scenarios = task.scenarios((0.0,), asked.frictions, asked.inertias, PHASES)
-    shape = (len(asked.frictions), len(asked.inertias), PHASES)
-    errors, times = {}, {}
-    for name, make in makers.items():
-        m = task.run(make(scenarios.lanes), scenarios)
-        errors[name] = m.final_error.reshape(shape).max(axis=2)
-        times[name] = m.time_1pct.reshape(shape).max(axis=2)
-    return OfGrid(asked.inertias, asked.frictions, errors, times)
-
-
-def _series(task: Task, makers, asked: Declared, run: Run, say: Callable[[str], None]) -> Series:
-    """Return all that is found of a series of axes. run: who runs the blocks."""
-    say("robustness: the grid")
-    grid = _on_grid(task, makers, asked)
-    say(f"robustness: {asked.draws} axes")
-    given, cases = work(task, makers, asked.varied), independent(asked.varied, asked.draws, asked.seed)
-    columns = joined(run(given, blocks(cases), say))
-    return Series(
-        work=given,
-        cases=cases,
-        columns=columns,
-        grid=grid,
-        of_grid={n: perspectives(e) for n, e in grid.errors.items()},
-        of_draws={n: perspectives(c["final_error"]) for n, c in columns.items()},
-        shares={
-            n: {k: share_beyond(cases, c[k], limit, asked.confidence) for k, limit in asked.limits.items()}
-            for n, c in columns.items()
-        },
-        influences={n: influences(cases, c["final_error"]) for n, c in columns.items()},
-        worst=worst.worst(cases, columns, asked.kept),
-        confidence=asked.confidence,
-        seed=asked.seed,
-    )
+        if name not in factories:
+            raise WorkbenchError(f"{where}: there is no controller '{name}'; {nearest(name, factories)}")
+    return {n: factories[n] for n in wanted or factories}
 
 
 def _figures_of(found: Series) -> dict[str, float]:
@@ -184,13 +128,13 @@ def _figures_of(found: Series) -> dict[str, float]:
     return out
 
 
-def robustness(study: Study, task: Task, makers, say: Callable[[str], None]) -> Part:
-    """Run what [robustness] of a study declares, on the plant of the task, for controllers name -> maker(lanes)."""
-    from workbench.report.series import chapter
+def robustness(study: Study, task: Task, factories, say: Callable[[str], None]) -> Part:
+    """Run what [robustness] of a study declares, on the plant of the task, for controllers name -> factory(lanes)."""
+    from workbench.report.robustness import chapter
 
     asked = declared(study.table, task)
-    makers = chosen(makers, asked.controllers, f"{study.table.path('robustness')}.controllers")
-    found = _series(task, makers, asked, _runner(study.scheduler), say)
+    factories = chosen(factories, asked.controllers, f"{study.table.path('robustness')}.controllers")
+    found = series_of(task, factories, asked, _runner(study.scheduler), say)
     x = task.plant.displacement
     figures = _figures_of(found)
     units = {n: x for n in figures if n.startswith(("grid_error", "drawn_error"))}

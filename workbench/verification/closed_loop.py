@@ -62,7 +62,7 @@ class Followed:
 
 
 @dataclass(frozen=True, eq=False)
-class Closed:
+class ClosedLoop:
     """responses: declared on declared (what is promised), declared on extended, extended on extended. time (n,) and
     signals[tuned_on, run_on] = (q, u), (n,) each, of one of the phases. gains: tuned on -> name -> value, SI."""
 
@@ -82,19 +82,19 @@ class Closed:
         return self.responses[0]
 
     @property
-    def blind(self) -> Response:
+    def tuned_on_declared(self) -> Response:
         """What becomes of it on the extended plant."""
         return self.responses[1]
 
     @property
-    def knowing(self) -> Response:
+    def tuned_on_extended(self) -> Response:
         """Tuned and run on the extended plant."""
         return self.responses[2]
 
     @property
     def change(self) -> dict[str, float]:
         """What tuning on the extended plant instead of the declared one changes on the extended plant, SI."""
-        return {n: getattr(self.knowing, n) - getattr(self.blind, n) for n in FIGURES}
+        return {n: getattr(self.tuned_on_extended, n) - getattr(self.tuned_on_declared, n) for n in FIGURES}
 
 
 def lacking(plant: Plant, record: Record | None) -> str:
@@ -169,16 +169,16 @@ def _following(plants: Sequence[Plant], record: Record, loop: Loop, controllers:
         duration = reference.size * loop.sample_time
         return simulate(plant, loop, controller, one, duration, (output, "u"), reference=reference, lanes=1)
 
-    declared, extended, knowing = (run(plants[p], controllers[c]) for p, c in ((0, 0), (1, 0), (1, 1)))
+    declared, extended, tuned_on_extended = (run(plants[p], controllers[c]) for p, c in ((0, 0), (1, 0), (1, 1)))
     (q, u), (q1, u1) = ((m.trajectories[output], m.trajectories["u"]) for m in (declared, extended))
-    largest = {DECLARED: float(extended.following_error[0]), EXTENDED: float(knowing.following_error[0])}
+    largest = {DECLARED: float(extended.following_error[0]), EXTENDED: float(tuned_on_extended.following_error[0])}
     with np.errstate(all="ignore"):
         position = float(np.sqrt(np.mean((q - q1) ** 2)))
         drive = float(np.linalg.norm(u - u1) / np.linalg.norm(u1))
     return Followed(record.name, position, drive, largest)
 
 
-def close(declared: Plant, extended: Plant, record: Record) -> Closed:
+def close(declared: Plant, extended: Plant, record: Record) -> ClosedLoop:
     """Return the loop of a record's axis with the declared and with the extended plant, tuned on each.
 
     Needs a limit of the drive (see `lacking`). Raises WorkbenchError for a plant without forward dynamics.
@@ -200,7 +200,7 @@ def close(declared: Plant, extended: Plant, record: Record) -> Closed:
     gains = {name: one.numbers for name, one in made.items()}
     task = tasks[DECLARED]
     compensation = _compensated(declared, tasks[EXTENDED], made[DECLARED], record)
-    return Closed(loop, task.start, task.step, gains, tuple(responses), followed, time, signals, compensation)
+    return ClosedLoop(loop, task.start, task.step, gains, tuple(responses), followed, time, signals, compensation)
 
 
 def _compensated(declared: Plant, task: Task, one: Tuned, record: Record) -> Cancelled | None:
@@ -211,7 +211,7 @@ def _compensated(declared: Plant, task: Task, one: Tuned, record: Record) -> Can
     return cancelled(task, one.controller, can, left, rise_of, PHASES, record.channels.get("reference"))
 
 
-def as_dict(closed: Closed) -> dict:
+def as_dict(closed: ClosedLoop) -> dict:
     """Return what trace.json holds of a closed loop, SI; infinite times (a loop that does not settle) are None."""
 
     def number(x: float) -> float | None:
@@ -220,12 +220,12 @@ def as_dict(closed: Closed) -> dict:
     def plain(one: Mapping[str, object]) -> dict:
         return {n: number(x) if isinstance(x, float) else x for n, x in one.items()}
 
-    def compensation(closed: Closed) -> dict | None:
+    def compensation(closed: ClosedLoop) -> dict | None:
         found = closed.cancelled
         if found is None:
             return None
         figures = [{"gain": g, **plain(v)} for g, v in found.figures.items()]
-        advice = take(vars(closed.blind), vars(closed.knowing), found)
+        advice = take(vars(closed.tuned_on_declared), vars(closed.tuned_on_extended), found)
         return {"effects": list(found.effects), "left": list(found.left), "figures": figures, "take": advice}
 
     followed = closed.followed

@@ -4,7 +4,7 @@ import numpy as np
 
 from workbench.report import numbers
 from workbench.report.contents import Chapter, Heading, Items, Paragraph, Table
-from workbench.report.series_figures import (
+from workbench.report.robustness_figures import (
     beyond_figure,
     displacement,
     influence_figure,
