@@ -137,7 +137,9 @@ def memories(draw, made, position: np.ndarray, size: np.ndarray) -> dict[str, np
         "law.asked": position, "law.asked_rate": 1e-3 * speed,
     }  # fmt: skip
     states = made.reference.stages.states
-    found |= {m: limit * draw.uniform(-1, 1, n) for m in states if m.startswith(("law.first", "law.second"))}
+    found |= {
+        m: limit * draw.uniform(-1, 1, n) for m in states if m.startswith(("law.first", "law.second", "law.notch"))
+    }
     return {m: found[m] for m in states}
 
 

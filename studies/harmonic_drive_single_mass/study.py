@@ -26,6 +26,7 @@ from workbench.study import standard
 from workbench.study.configuration import Study
 from workbench.study.control import write_gains
 from workbench.study.controlling import Control, control_of, numbers
+from workbench.study.firmware import as_firmware, firmware_part
 from workbench.study.leaving import leave
 from workbench.study.limit_cycle import limit_cycles
 from workbench.study.outcome import Outcome, Part, with_part
@@ -73,12 +74,12 @@ def run(study: Study, say) -> Outcome:
         chapters=(curve, described),
         findings=(*found.findings, *found.after.findings),
     )
-    outcome = with_part(outcome, contested(study, control, model, known, say))
+    outcome = with_part(outcome, contested(study, control, model, known, found.verdict, say))
     return with_part(outcome, second(study, control, say))
 
 
-def contested(study: Study, control: Control, model: Plant, known: Plant, say) -> Part:
-    """Everything about controllers on the first actuator."""
+def contested(study: Study, control: Control, model: Plant, known: Plant, traced: str, say) -> Part:
+    """Everything about controllers on the first actuator. traced: the trace's verdict, which firmware keeps."""
     made, held = controllers.held(study, control, model, known, say=say)
     designed, checks, table = controllers.designed(made, held, control, model, say)
     polished, regret = designed.polished, table.regret_on(held.task)
@@ -163,7 +164,7 @@ def contested(study: Study, control: Control, model: Plant, known: Plant, say) -
         part = with_part(part, robustness(study, held.task, held.factories, say))
     if "limit_cycle" in study.table:
         part = with_part(part, limit_cycles(study, held.task, held.factories, say))
-    return part
+    return with_part(part, firmware_part(as_firmware(tuned, choice.name), held.task, traced, say))
 
 
 def second(study: Study, control: Control, say) -> Part:

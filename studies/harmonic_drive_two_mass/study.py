@@ -25,6 +25,7 @@ from workbench.study.compensating import compensation
 from workbench.study.configuration import Study
 from workbench.study.control import write_table
 from workbench.study.controlling import control_of
+from workbench.study.firmware import as_firmware, firmware_part
 from workbench.study.leaving import leave
 from workbench.study.outcome import Outcome, Part, with_part
 from workbench.study.robustness import robustness
@@ -81,7 +82,7 @@ def run(study: Study, say) -> Outcome:
     say("gains over the relative displacement")
     over = controllers.over_joint(study, control, fit.plant, model, loop)
     held = controllers.held(study, control, known, model, loop, over, say)
-    outcome = with_part(outcome, contested(study, held, model, full, over))
+    outcome = with_part(outcome, contested(study, held, model, full, over, found.verdict, say))
     outcome = with_part(outcome, robustness(study, held.task, held.factories, say))
     options = {"model": model.plant, "margins": partial(margins_of, held)}
     outcome = with_part(outcome, compensation(study, held.task, held.factories, say, **options))
@@ -97,8 +98,8 @@ def margins_of(held: Contest, name: str, compensator: Compensator, gains: Sequen
     return dict.fromkeys(gains, held[name].median("sensitivity"))
 
 
-def contested(study: Study, held: Contest, model: Assumed, full: Fit, over: Over) -> Part:
-    """Everything about controllers. model: that they were tuned on, from the fit `full`."""
+def contested(study: Study, held: Contest, model: Assumed, full: Fit, over: Over, traced: str, say) -> Part:
+    """Everything about controllers. model: that they were tuned on, from the fit `full`. traced: verdict, which firmware keeps."""
     variable, counts = description.variable_figure(held, over.schedule.reversal)
     printed = paper.rows(held)
     figures, units = controllers.figures_of(held)
@@ -109,7 +110,7 @@ def contested(study: Study, held: Contest, model: Assumed, full: Fit, over: Over
     final = two_modes(over.schedule, tuned[JOINT], "following")
     hunts = hunting.looked_at(task, over, final, tuned[JOINT])
     pumping = max(float(np.max(p.pumping / p.damping)) for p in over.passivity(final))
-    return Part(
+    part = Part(
         figures={
             **figures,
             **counts,
@@ -141,6 +142,7 @@ def contested(study: Study, held: Contest, model: Assumed, full: Fit, over: Over
             "reproduction": as_table(printed),
         },
     )
+    return with_part(part, firmware_part(as_firmware(tuned, choice.name), task, traced, say))
 
 
 def encoders_chapter(held: Contest) -> Chapter:

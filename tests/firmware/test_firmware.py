@@ -1,6 +1,7 @@
 """The law as firmware: Python's reference arithmetic and the compiled C give the same bits, whatever comes in."""
 
 from functools import cache
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -167,3 +168,6 @@ def test_what_firmware_cannot_be_made_of_is_refused_by_name():
         firmware(fixed_pd(np.array([1.0, 2.0]), 1.0), LOOP, AXIS)
     with pytest.raises(WorkbenchError, match="float32"):
         firmware(fixed_pd(1.0, 1.0), LOOP, AXIS, "flaot32")
+    fine = SimpleNamespace(knots=1.0 + np.arange(3) / 4096.0, kp=np.ones(3), kd=np.ones(3))
+    with pytest.raises(WorkbenchError, match="4096 knots an octave"):
+        firmware(scheduled_pd(fine, "following"), LOOP, AXIS)

@@ -19,6 +19,8 @@ from workbench.firmware.write import Source
 from workbench.plant import Plant
 from workbench.simulation.scenario import Loop
 
+FINEST = 2048  # knots an octave, 2^WB_FINEST: 12 bits of a float's 23 are left for the way between two
+
 
 @dataclass(frozen=True, eq=False)
 class Firmware:
@@ -65,7 +67,12 @@ def firmware(
         controller = controller.base
     made = numbers(controller, loop, plant, bits=bits, travel=travel)
     if made.knots.size:
-        grid(made.knots, made.per_octave, f"controller '{controller.name}'")
+        where = f"controller '{controller.name}'"
+        grid(made.knots, made.per_octave, where)
+        if made.per_octave > FINEST:
+            raise WorkbenchError(
+                f"{where}: {made.per_octave} knots an octave are more than the {FINEST} of a firmware."
+            )
     if arithmetic == "fixed":
         reference = FixedReference(made)
         source = FixedSource(made, reference.scales, name, plant.effort)

@@ -52,7 +52,7 @@ class Scales:
             return self.column(name.removeprefix("gain."))
         if name.split(".")[-1] in ("vh", "asked_rate"):
             return fitting(-speed, speed)
-        if name.startswith(("law.first", "law.second")):  # memories of a notch
+        if name.startswith(("law.first", "law.second", "law.notch_")):  # memories of a notch
             return fitting(-RINGS * limit, RINGS * limit)
         if self.both and name in ("motor.y", "load.y", "furthest", "turned"):
             return Format(5, -2.0 * REACH, 2.0 * REACH) if "." in name else Format(4, -4.0 * REACH, 4.0 * REACH)

@@ -1,11 +1,29 @@
 """Linear least squares over blocks of records, from the blocks' Gram matrices: solved, left out one by one, held out."""
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from scipy.special import stdtrit
 
 DETERMINED = 1e-10  # eigenvalue of the scaled normal equations, over the largest, above which a direction counts
+
+
+@dataclass(frozen=True)
+class Interval:
+    """A value with its 95 % interval."""
+
+    value: float
+    low: float
+    high: float
+
+    @property
+    def sure(self) -> bool:
+        """Whether zero lies outside."""
+        return self.low > 0.0 or self.high < 0.0
+
+    def __add__(self, more: float) -> "Interval":
+        return Interval(self.value + more, self.low + more, self.high + more)
 
 
 class Blocks:

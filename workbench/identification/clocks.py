@@ -3,7 +3,8 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from workbench.identification.deflection import Deflection, Interval, deflection_of
+from workbench.identification.blocks import Interval
+from workbench.identification.deflection import Deflection, deflection_of
 from workbench.identification.passes import InverseDynamics
 from workbench.plant import Plant
 

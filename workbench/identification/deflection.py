@@ -15,7 +15,7 @@ import numpy as np
 
 from workbench.definition import catalogue
 from workbench.identification.angle import Angle, Ends, Rates, angles, ends
-from workbench.identification.blocks import Blocks
+from workbench.identification.blocks import Blocks, Interval
 from workbench.identification.passes import InverseDynamics
 from workbench.identification.shift import shifted
 from workbench.motion import increments
@@ -31,23 +31,6 @@ FARTHEST = 0.05  # s: what a clock may be late by, as the effect has it
 # A quarter or three quarters decide alike on a clock that gains a few counts over the records; less is no lasting trend.
 PLAIN = 0.5
 LATE, GAINING = 0, 1  # columns
-
-
-@dataclass(frozen=True)
-class Interval:
-    """A value with its 95 % interval."""
-
-    value: float
-    low: float
-    high: float
-
-    @property
-    def sure(self) -> bool:
-        """Whether zero lies outside."""
-        return self.low > 0.0 or self.high < 0.0
-
-    def __add__(self, more: float) -> "Interval":
-        return Interval(self.value + more, self.low + more, self.high + more)
 
 
 @dataclass(frozen=True)

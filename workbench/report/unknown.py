@@ -8,7 +8,6 @@ from workbench.report import numbers
 from workbench.report.contents import Items, StudyResult
 from workbench.report.wording import listed, span
 from workbench.tracing.maps import BACKWARD, BOTH, TIME, WAYS
-from workbench.tracing.output import located
 
 SPANS = 12  # told in words
 
@@ -36,7 +35,7 @@ class Shade:
 
 def shade(result: StudyResult) -> Shade | None:
     """Return what is shaded; None where nothing is unexplained, or where it lives nowhere in particular."""
-    unknown = located(result.trace)
+    unknown = result.trace.located
     if not unknown.get("spans"):
         return None
     of = "what the extended model leaves" if result.trace.causes else "the residual's power"
@@ -59,7 +58,7 @@ def _whereabouts(unknown: Mapping[str, object]) -> str:
 
 def lives(result: StudyResult) -> Items:
     """Where an unexplained residual lives, in words."""
-    unknown = located(result.trace)
+    unknown = result.trace.located
     facts = []
     if spans := unknown.get("spans"):
         facts.append(f"{capital(_whereabouts(unknown))} ({unknown['coordinate']}){_moments(unknown)}.")

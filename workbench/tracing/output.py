@@ -75,13 +75,6 @@ def _by_name(fit: Fit) -> list[Estimate]:
     return sorted(fit.estimates, key=lambda e: (e.effect, e.at))
 
 
-def located(trace: Trace) -> dict:
-    """Return what is unknown and where it lives, with the unit of its coordinate."""
-    x = trace.before.plant.displacement
-    unit = {"position": x, "velocity": f"{x}/s", "time": "s", "frequency": "Hz"}.get(trace.unknown.get("coordinate"))
-    return {**trace.unknown, **({"unit": unit} if unit else {})}
-
-
 def as_dict(trace: Trace, predictions: dict[str, str]) -> dict:
     """Return the content of trace.json. predictions: record stem -> path of its CSV relative to trace.json."""
     before, after = trace.before, trace.after
@@ -128,7 +121,7 @@ def as_dict(trace: Trace, predictions: dict[str, str]) -> dict:
             {"kind": f.kind, "subject": f.subject, "sentence": f.sentence, "remedy": f.remedy}
             for f in (*trace.findings, *after.findings)
         ],
-        "unknown": located(trace),
+        "unknown": trace.located,
         "smallest_shown": [
             {"effect": s.effect, "at": s.at, "parameter": s.parameter, "value": _number(s.value), "unit": s.unit}
             | {"of": "a change of the declared value" if s.change else "the effect"}

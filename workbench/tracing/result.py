@@ -107,6 +107,13 @@ class Trace:
     criteria: Criteria = Criteria()
 
     @property
+    def located(self) -> dict[str, object]:
+        """What is unknown and where it lives, with the unit of its coordinate."""
+        x = self.before.plant.displacement
+        unit = {"position": x, "velocity": f"{x}/s", "time": "s", "frequency": "Hz"}.get(self.unknown.get("coordinate"))
+        return {**self.unknown, **({"unit": unit} if unit else {})}
+
+    @property
     def added(self) -> tuple[str, ...]:
         """Names of the effects in the extended model that the declared one lacks, as the catalogue has them, each once."""
         return tuple(dict.fromkeys(c.effect.partition(" ")[0] for c in self.causes))
