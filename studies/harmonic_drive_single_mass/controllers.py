@@ -6,6 +6,7 @@ import numpy as np
 
 from workbench.control import pi_cascade
 from workbench.plant import Plant
+from workbench.simulation import loop_under
 from workbench.study.configuration import Study
 from workbench.study.controlling import Control
 from workbench.study.controlling import numbers as numbers_of
@@ -129,12 +130,14 @@ def designed(
         load=control.load, seeds=control.seeds, say=say,
     )  # fmt: skip
     paper = two_modes(made.schedule, found[PAPER].tuned.median, "following")
+    laws = {"following": (paper, found[PAPER].tuned.median), control.rule: (table.schedule, table.climbed.best)}
     checks = {
         rule: checked(
-            plant, made.equivalent, made.gains, replace(schedule, rule="following"), control.goal, control.loop
+            plant, made.equivalent, made.gains, replace(schedule, rule="following"), control.goal,
+            loop_under(law.controller(), control.loop),
         )
-        for rule, schedule in (("following", paper), (control.rule, table.schedule))
-    }
+        for rule, (schedule, law) in laws.items()
+    }  # fmt: skip
     tuned = {n: s.tuned.median for n, s in found.standings.items() if s.tuned}
     final, between = {control.rule: table.schedule}, checks[control.rule].between
     return Designed(

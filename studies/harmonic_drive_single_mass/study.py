@@ -17,6 +17,7 @@ from workbench.report.contest import asked_table, contest_chapter, margin_figure
 from workbench.report.ladder import as_table as ladder_table
 from workbench.report.ladder import figures_of as ladder_figures
 from workbench.report.ladder import ladder_chapter
+from workbench.report.loop import loop_chapter
 from workbench.report.polish import as_table as gains_table
 from workbench.report.polish import polish_chapter
 from workbench.report.recommend import RECOMMENDED, recommended_chapter
@@ -135,6 +136,7 @@ def contested(study: Study, control: Control, model: Plant, known: Plant, traced
             recommended_chapter(choice, model, control.loop.count),
             control_chapters.schedule_chapter(designed, control.rule),
             polish_chapter(polished, kept, model),
+            loop_chapter(polished, model, designed.equivalent, control.goal, control.loop),
             ladder_chapter(table.climbed, regret, model, control.rule, fewer, tuned_too),
             *(checks_chapter(c, control.goal.sensitivity, model, rule) for rule, c in checks.items()),
             *steps,

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
@@ -33,6 +34,7 @@ from workbench.verification.joint import (
     joint_schedule,
 )
 from workbench.verification.linear import TwoMasses
+from workbench.verification.shaped import shaped, stiffest
 
 from .plant import Assumed
 
@@ -44,6 +46,8 @@ PER_OCTAVE, AMPLITUDES = (
     2,
     20,
 )  # of the schedule over the joint: knots an octave, and amplitudes that gains are tuned at
+KV = 50.0  # 1/s: Kp/Kd where the searches begin, near 2 drive/(mass speed), the slope at which full speed is braked
+STIFFER = (3.0, 8.0)  # most of the tuned gains, Kp and Kd: with a notch |S| allows twice what they were tuned to
 KEYS = ("seeds", "tuning_time", "amplitudes", "reversal")  # of [contest]
 
 
@@ -105,19 +109,31 @@ def families(study: Study, control: Control, model: Assumed, loop: Loop, over: O
     def linear(motor_position: bool, motor_speed: bool) -> TwoMasses:
         return TwoMasses(loop, motor, loads, stiff, model.damping, motor_position, motor_speed)
 
-    pd, kv = (250.0, 5.0), 50.0
-    cascade, speed = (kv, pd[1], 0.1 * kv * pd[1]), REACHED * rigid.limits.speed
-    braking = BRAKING * rigid.limits.drive / (motor + model.load)
-    both, soft = linear(False, True), soft_gains(motor + model.load, rigid.limits.drive, rigid.limits.speed)
-    return (
-        scheduled_family(both, first.schedule, "following", pd, motor_speed=True, soft=soft),
-        scheduled_family(both, over.schedule, "following", pd, motor_speed=True, follows="joint", soft=soft),
-        pd_family(both, pd, motor_speed=True),
-        cascade_family(both, cascade, speed, motor_speed=True, name=BOTH),
-        cascade_family(linear(True, True), cascade, speed, motor_position=True, name=ON_MOTOR),
-        cascade_family(linear(False, False), cascade, speed, filtered=True, name=ON_LOAD),
-        profile_family(both, (*cascade, braking), speed, control.task.step, motor_speed=True),
-    )
+    speed, braking = REACHED * rigid.limits.speed, BRAKING * rigid.limits.drive / (motor + model.load)
+    soft = soft_gains(motor + model.load, rigid.limits.drive, rigid.limits.speed)
+
+    def pd(begin):
+        return begin["kp"], begin["kp"] / KV
+
+    def cascade(begin):
+        return KV, begin["kp"] / KV, 0.1 * begin["kp"]
+
+    own, moves = {"motor_speed": True}, control.task.step
+    both, on_motor, on_load = linear(False, True), linear(True, True), linear(False, False)
+    makers = (
+        (both, lambda j, b: scheduled_family(j, first.schedule, "following", pd(b), soft=soft, most=STIFFER, **own)),
+        (both, lambda j, b: scheduled_family(j, over.schedule, "following", pd(b), follows="joint", soft=soft, most=STIFFER, **own)),
+        (both, lambda j, b: pd_family(j, pd(b), **own)),
+        (both, lambda j, b: cascade_family(j, cascade(b), speed, name=BOTH, **own)),
+        (on_motor, lambda j, b: cascade_family(j, cascade(b), speed, motor_position=True, name=ON_MOTOR)),
+        (on_load, lambda j, b: cascade_family(j, cascade(b), speed, name=ON_LOAD)),
+        (both, lambda j, b: profile_family(j, (*cascade(b), braking), speed, moves, **own)),
+    )  # fmt: skip
+    begins = {j: stiffest(j, KV, control.goal.sensitivity) for j in (both, on_motor, on_load)}
+    return tuple(
+        shaped(partial(make, b=begins[j]), j, begins[j]["velocity_filter"], (begins[j]["notch"], begins[j]["notch depth"]))
+        for j, make in makers
+    )  # fmt: skip
 
 
 def held(study: Study, control: Control, known: Assumed, model: Assumed, loop: Loop, over: Over, say) -> Contest:
@@ -131,7 +147,7 @@ def held(study: Study, control: Control, known: Assumed, model: Assumed, loop: L
     every = {f.name: f for f in families(study, control, model, loop, over)}
     time = contested.quantity("tuning_time", "s", above=0.0)
     seeds = [int(s) for s in numbers_of(contested, "seeds", (1.0,))]
-    rest = [f for n, f in every.items() if n not in (OUTPUT, JOINT)] + [cancelling(study, known, every)]
+    rest = [f for n, f in every.items() if n not in (OUTPUT, JOINT)] + [cancelling(study, model, every)]
     found = contest(task, rest, tuning_time=time, seeds=seeds, loaded=True, known=model.plant, say=say)
     wide = replace(task, duration=time).on(model.plant)
     narrow = replace(wide, nominal=True, frictions=between(task.frictions), inertias=between(task.inertias))
@@ -147,12 +163,12 @@ def between(factors: tuple[float, ...]) -> tuple[float, ...]:
     return tuple(sorted({*factors, 1.0}))
 
 
-def cancelling(study: Study, known: Assumed, every: Mapping[str, Family]) -> Family:
-    """Return the controller of [compensation] with its compensation, which is tuned and judged as any other."""
-    given = asked(study, known.plant)
+def cancelling(study: Study, model: Assumed, every: Mapping[str, Family]) -> Family:
+    """Return the controller of [compensation] with its compensation, of what was identified; it is tuned and judged as any other."""
+    given = asked(study, model.plant)
     chosen(given, every)
     base = every[given.controller]
-    return compensating(base, given.on(known.plant), base.start)
+    return compensating(base, given.on(model.plant), base.start)
 
 
 def figures_of(found: Contest) -> tuple[dict[str, float], dict[str, str]]:

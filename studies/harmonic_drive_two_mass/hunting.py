@@ -1,15 +1,18 @@
 """Whether the schedule over the relative displacement hunts: predicted from the equivalents of the joint, and simulated."""
 
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
-from workbench.control import scheduled_pd
 from workbench.limit_cycle.simulation import simulated
 from workbench.report import numbers
 from workbench.report.contents import Chapter, Paragraph, Table
+from workbench.robustness.workload import single
 from workbench.schedule import Schedule
 from workbench.verification.joint import unstable
+from workbench.verification.optimise import Tuned
+from workbench.verification.shaped import judged
 from workbench.verification.task import Task
 
 from .controllers import Over
@@ -34,14 +37,14 @@ class Hunting:
         return int(np.count_nonzero(self.predicted != self.model))
 
 
-def looked_at(task: Task, over: Over, schedule: Schedule) -> Hunting:
-    """Return what a schedule does with its gains times FACTORS, without the load."""
+def looked_at(task: Task, over: Over, schedule: Schedule, tuned: Tuned) -> Hunting:
+    """Return what a schedule does with its gains times FACTORS, without the load. tuned: the law that has it, with its filter and
+    notch."""
     load = over.loads[0]
-    predicted = unstable(schedule, over.spring, over.motor, load, over.damping, task.loop, FACTORS).any(axis=1)
-    laws = [
-        scheduled_pd(replace(schedule, kp=f * schedule.kp, kd=f * schedule.kd), "following", follows="joint", motor_speed=True)
-        for f in FACTORS
-    ]  # fmt: skip
+    met = partial(judged, numbers=tuned.numbers)
+    predicted = unstable(schedule, over.spring, over.motor, load, over.damping, task.loop, FACTORS, met).any(axis=1)
+    law = single(tuned.controller(1))
+    laws = [replace(law, parameters={**law.parameters, "scale": float(f)}) for f in FACTORS]
     starts = np.full(FACTORS.size, START)
     damped = over.plant + task.plant["linear_damping"]
     model, plant = (simulated(p, task.loop, laws, starts, DURATION).lasts for p in (damped, task.plant))

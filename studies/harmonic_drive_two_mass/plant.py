@@ -76,9 +76,13 @@ def rigid_of(plant: Plant, ground) -> Plant:
 def identified(fitted: Plant, known: Assumed) -> Assumed:
     """Return what was identified, with the joint's damping as assumed: torque up to 1 Hz does not show it."""
     spring, joint = fitted["piecewise_stiffness"].parameters, fitted["presliding_hysteresis@joint"].parameters
-    ground = fitted["presliding_hysteresis@motor"].parameters
+    ground = [fitted[f"presliding_hysteresis@{at}"].parameters for at in ("motor", "load")]
     plant = fitted + known.plant["linear_damping"]
-    friction = find("presliding_hysteresis")(h0=ground["h0"].value, x0=ground["x0"].value, d=ground["d"].value)
+    whole = sum(g["h0"].value for g in ground)
+    stroke = whole / sum(
+        g["h0"].value / g["x0"].value for g in ground
+    )  # both in parallel, as stiff as the two at first
+    friction = find("presliding_hysteresis")(h0=whole, x0=stroke, d=ground[0]["d"].value)
     soft = spring["k1"].value
     stiff = soft + max(spring["k2"].value, 0.0) + joint["h0"].value / joint["x0"].value
     return Assumed(plant, rigid_of(plant, friction), known.damping, (soft, stiff), known.load)
@@ -106,6 +110,15 @@ def random_torque(seed: int, rms: float, band: float, dt: float, samples: int) -
 def with_ground(fitted: Plant) -> Plant:
     """Return a plant of one hysteretic spring with friction on the motor's side beside it, values unknown."""
     return fitted + find("presliding_hysteresis")(h0=0.1, x0=1.0 / 400.0, at="motor")
+
+
+def with_gear(fitted: Plant) -> Plant:
+    """Return a plant with friction on both sides and the gear's error beside, values unknown but two waves a turn: what an output
+    that is free shows."""
+    load = find("presliding_hysteresis")(h0=0.02, x0=1.0 / 400.0, at="load")
+    waves = find("kinematic_error")(order=2.0 * fitted.geometry.gear_ratio, at="joint")
+    order = replace(waves.parameters["order"], fixed=True)
+    return with_ground(fitted) + load + replace(waves, parameters={**waves.parameters, "order": order})
 
 
 def free(study: Study, loop: Loop, known: Plant) -> Record:

@@ -37,7 +37,7 @@ from workbench.verification.recommend import recommend
 
 from . import controllers, description, hunting, paper
 from .controllers import BEST, BOTH, FIXED, JOINT, ON_LOAD, ON_MOTOR, OUTPUT, WIDE, Over
-from .plant import Assumed, assumed, declared, free, identified, locked, with_ground
+from .plant import Assumed, assumed, declared, free, identified, locked, with_gear, with_ground
 
 FURTHER = ("plant", "records", "encoders", "contest")
 SUSPECTS = (
@@ -63,7 +63,7 @@ def run(study: Study, say) -> Outcome:
     fit = found.before  # the paper's one spring
     apart = identify(with_ground(fit.plant), passes)
     say("identifying with the output free")
-    full = identify(with_ground(fit.plant), inverse_dynamics((*records, free(study, loop, known.plant)), bandwidth))
+    full = identify(with_gear(fit.plant), inverse_dynamics((*records, free(study, loop, known.plant)), bandwidth))
     model = identified(full.plant, known)
     amplitudes = standard.amplitudes(study)
     outcome = Outcome(
@@ -84,7 +84,9 @@ def run(study: Study, say) -> Outcome:
     held = controllers.held(study, control, known, model, loop, over, say)
     outcome = with_part(outcome, contested(study, held, model, full, over, found.verdict, say))
     outcome = with_part(outcome, robustness(study, held.task, held.factories, say))
-    return with_part(outcome, compensation(study, held.task, held.factories, say, margins=partial(margins_of, held)))
+    options = {"model": model.plant, "margins": partial(margins_of, held)}
+    outcome = with_part(outcome, compensation(study, held.task, held.factories, say, **options))
+    return with_part(outcome, compensation(study, held.task, held.factories, say, of="gear", **options))
 
 
 def margins_of(held: Contest, name: str, compensator: Compensator, gains: Sequence[float]) -> dict[float, float]:
@@ -106,7 +108,7 @@ def contested(study: Study, held: Contest, model: Assumed, full: Fit, over: Over
     tuned = {n: s.tuned.median for n, s in held.standings.items() if s.tuned}
     choice = recommend(task, tuned, "rad")
     final = two_modes(over.schedule, tuned[JOINT], "following")
-    hunts = hunting.looked_at(task, over, final)
+    hunts = hunting.looked_at(task, over, final, tuned[JOINT])
     pumping = max(float(np.max(p.pumping / p.damping)) for p in over.passivity(final))
     part = Part(
         figures={
@@ -150,8 +152,9 @@ def encoders_chapter(held: Contest) -> Chapter:
     text = (
         "The same cascade, tuned alike, on the motor's encoder, on the output's, and with the position of the output and the speed "
         "of the motor. Between torque and the output's encoder lies the joint, whose resonance turns the phase: speed from there "
-        "needs a filter, and its time constant is tuned with the gains. With "
-        f"{1e3 * numbers['velocity_filter']:.2g} ms and a gain of {numbers['kvp']:.2g} N·m·s/rad the output's encoder alone comes to "
+        "needs a filter, and its time constant and a notch are tuned with the gains, as of every law here. With "
+        f"{1e3 * numbers['velocity_filter']:.2g} ms, a notch at {numbers['notch']:.0f} Hz to {numbers['notch depth']:.2g} and a gain of "
+        f"{numbers['kvp']:.2g} N·m·s/rad the output's encoder alone comes to "
         f"{held.over_bound(ON_LOAD):.3f} of the bound, {1e6 * one.median('error'):.0f} µrad nominally and "
         f"{1e6 * one.median('error_grid'):.0f} µrad over the grid. What the second encoder is worth is what the others gain on that."
     )

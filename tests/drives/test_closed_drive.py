@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from workbench.control import drive_cascade, pi_cascade
-from workbench.control.drive import coefficients, response
+from workbench.control.notched import coefficients, response
 from workbench.definition import find
 from workbench.description import Equivalent
 from workbench.drives import Units, elmo

@@ -341,3 +341,10 @@ def test_a_motion_of_which_too_few_periods_were_seen_is_looked_at_for_longer(mon
     found = simulated(None, SLOW, [None, None], np.ones(2), 2.0)
     assert asked == [(2, 2.0), (1, LONGER * 2.0)]
     assert found.lasts.tolist() == [True, False]
+
+
+def test_a_fast_cycle_is_seen_beneath_a_mean_that_wanders_by_as_much():
+    t = 2.5e-4 * np.arange(2000)
+    q = 5e-5 * np.sin(3150.0 * t) + 6e-5 * np.sin(20.0 * t) + 3e-5 * np.sin(7.3 * t + 1.0)
+    amplitude, omega, _ = harmonics(q, 2.5e-4)
+    assert amplitude == pytest.approx(5e-5, rel=0.05) and omega == pytest.approx(3150.0, rel=0.01)

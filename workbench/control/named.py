@@ -2,7 +2,7 @@
 
 from functools import cache
 
-from workbench.control import drive, laws, profile
+from workbench.control import drive, laws, notched, profile
 from workbench.control.law import FEEDBACK, FOLLOWED, Law
 from workbench.errors import WorkbenchError, nearest
 
@@ -21,8 +21,9 @@ def every() -> dict[str, Law]:
         for motor_speed in either
         if follows == FEEDBACK or rule == laws.FOLLOWING
     )
+    plain = (*fixed, *profiles, *scheduled)
     drives = (drive._law(count) for count in range(drive.MOST + 1))
-    return {one.name: one for one in (*fixed, *profiles, *scheduled, *drives)}
+    return {one.name: one for one in (*plain, *(notched.law_of(p) for p in plain), *drives)}
 
 
 def law_named(name: str) -> Law:

@@ -1,6 +1,6 @@
 """A controller's numbers as its firmware holds them: constants, knots and gains, positions counted in encoder counts."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from math import frexp, isfinite
 
 import numpy as np
@@ -13,7 +13,7 @@ from workbench.firmware.units import power_of
 from workbench.kernel import arrays
 from workbench.plant import Plant
 from workbench.simulation.binding import BACK
-from workbench.simulation.scenario import Loop
+from workbench.simulation.scenario import Loop, loop_under
 
 FAR = 2**22  # counts from which the firmware moves its origin along: WB_FAR of wb_runtime.h
 MARGIN = 4.0  # times the axis' speed that one sample may show before it is taken for a broken encoder
@@ -108,8 +108,7 @@ def _in_counts(name: str, value, count: float):
 
 def _smoothing_of(controller: Controller, loop: Loop) -> float:
     """Return the share of a new difference in the filtered velocity: the law's own filter's, else the loop's."""
-    own = controller.velocity_filter
-    return loop.smoothing if own is None else replace(loop, velocity_filter=float(np.ravel(own)[0])).smoothing
+    return loop_under(controller, loop).smoothing
 
 
 def _given_of(controller: Controller, loop: Loop, plant: Plant, made: Stages) -> dict[str, float]:

@@ -7,7 +7,8 @@ from collections.abc import Mapping
 
 import casadi as ca
 
-from workbench.control.drive import COEFFICIENTS, MOST
+from workbench.control.drive import MOST
+from workbench.control.notched import COEFFICIENTS
 from workbench.errors import WorkbenchError
 from workbench.kernel.choice import Choice
 from workbench.kernel.program import Program
@@ -40,6 +41,9 @@ POWERS: dict[str, Power] = {
     "law.forward": NONE,
     "law.asked": POSITION,
     "law.asked_rate": SPEED,
+    **{f"law.notch_{n}": NONE for n in COEFFICIENTS},
+    "law.notch_first": FORCE,
+    "law.notch_second": FORCE,
     **{f"law.{n}_{i}": NONE for n in COEFFICIENTS for i in range(1, MOST + 1)},
     **{f"law.{n}_{i}": FORCE for n in ("first", "second") for i in range(1, MOST + 1)},
     "gain.kp": (1.0, -1.0, 0.0),

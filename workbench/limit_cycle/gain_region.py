@@ -12,7 +12,7 @@ from workbench.limit_cycle.further import Cycle
 from workbench.limit_cycle.harmonic_balance import balance
 from workbench.limit_cycle.simulation import as_simulated, simulated
 from workbench.plant import Plant
-from workbench.simulation import Loop
+from workbench.simulation import Loop, loop_under
 from workbench.threads import one_thread
 
 THIRD = 0.05  # largest third harmonic at which one harmonic says enough
@@ -104,7 +104,7 @@ def region(
     rest at a third of the predicted amplitude, at it and at three times it; where no cycle is predicted, at 50 encoder counts
     and at `largest`/50. Raises WorkbenchError for a law or a plant whose cycles are not predicted.
     """
-    of = dials(controller)
+    of, loop = dials(controller), loop_under(controller, loop)
     solved = balance(axis_of(plant, as_simulated(loop), largest, inertia=inertia, friction=friction), largest)
     limit = plant.limits.drive
     laws = {(i, j): turned(controller, a, b) for i, a in enumerate(first) for j, b in enumerate(second)}

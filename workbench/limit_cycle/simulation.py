@@ -101,15 +101,27 @@ def _lane(q: np.ndarray, n: int, loop: Loop) -> tuple[bool, float, float, float,
 def harmonics(q: np.ndarray, dt: float) -> tuple[float, float, float]:
     """Return (amplitude, w in rad/s, third harmonic over the first) of an oscillation q (n,); zeros where there is none.
 
-    The frequency is that of passages upward through the mean; harmonics are means over pieces of a few periods, since a cycle
-    that the encoder disturbs does not keep its phase.
+    The frequency is that of passages upward through the mean, or of its turns where these give the larger motion: beneath a fast
+    cycle the mean may wander by as much, and passages are missed. Harmonics are means over pieces of a few periods, since a cycle that
+    the encoder disturbs does not keep its phase.
     """
     x = q - (q.max() + q.min()) / 2.0
+    return max(_harmonics(x, _frequency(seen, dt), dt) for seen in (x, np.diff(q)))
+
+
+def _frequency(x: np.ndarray, dt: float) -> float:
+    """Return the frequency, rad/s, of passages of x (n,) upward through zero; 0 where there are none."""
     up = np.flatnonzero((x[:-1] < 0.0) & (x[1:] >= 0.0))
     if up.size < 2:
-        return 0.0, 0.0, 0.0
+        return 0.0
     passage = up + x[up] / (x[up] - x[up + 1])
-    omega = 2.0 * np.pi * (up.size - 1) / (passage[-1] - passage[0]) / dt
+    return float(2.0 * np.pi * (up.size - 1) / (passage[-1] - passage[0]) / dt)
+
+
+def _harmonics(x: np.ndarray, omega: float, dt: float) -> tuple[float, float, float]:
+    """Return what `harmonics` does, of x (n,) at a frequency omega."""
+    if omega == 0.0:
+        return 0.0, 0.0, 0.0
     length = min(int(round(PIECE * 2.0 * np.pi / (omega * dt))), x.size)
     pieces = x[: x.size // length * length].reshape(-1, length)
     first, third = (np.abs(pieces @ np.exp(-1j * h * omega * dt * np.arange(length))).mean() for h in (1, 3))

@@ -9,7 +9,7 @@ from workbench.report import numbers
 from workbench.report.contents import Chapter, Figure, Paragraph, Table
 from workbench.report.drawing import AFTER, BEFORE, MUTED, decades, svg
 from workbench.verification.climb import Climbed
-from workbench.verification.ladder import COUNTS, timed
+from workbench.verification.ladder import COUNTS, FEW, timed
 from workbench.verification.regret import Regret
 from workbench.verification.worth import worth_sentence
 
@@ -35,6 +35,7 @@ def ladder_chapter(
             Paragraph(text),
             _figure(climbed, held, plant),
             _references_table(climbed, held, plant),
+            Paragraph(_worst_sentence(climbed, held, plant, rule)),
             Paragraph(worth_sentence(held, fewer)),
             _others_table({climbed.best.family.name: held, **fewer, **others}),
         ),
@@ -66,6 +67,32 @@ def _others_table(regrets: Mapping[str, Regret]) -> Table:
     return Table(("controller", "time", "error", "overshoot"), rows, caption, "lrrr")
 
 
+def _worst_sentence(climbed: Climbed, held: Regret, plant: Plant, rule: str) -> str:
+    """Say which move takes most over its reference, and what longer steps take."""
+    on = climbed.on
+    row, history = np.unravel_index(int(held.time.argmax()), held.time.shape)
+    move, size = on.rungs[row][0], f"{numbers.scaled(abs(on.rungs[row][0].size), plant.displacement)}"
+    text = (
+        f"The most time over its reference is taken by a step of {size} {('from rest', 'after a reversal')[history]}"
+        f"{', loaded' if move.load else ''}; steps of more than {FEW:g} counts take at most {numbers.number(_long(climbed, held))} times "
+        "theirs."
+    )
+    if rule != "error" or not 0.0 < abs(move.size) < FEW * on.task.loop.count:
+        return text
+    allowed = COUNTS * on.task.loop.count / abs(move.size)
+    return text + (
+        f" A step as short may overshoot by {COUNTS:g} counts, {numbers.percent(allowed)} of it. Under the rule “error” the table's gains "
+        "at that amplitude end every longer step, too, of which two counts are less; its reference has gains for it alone."
+    )
+
+
+def _long(climbed: Climbed, held: Regret) -> float:
+    """Return the worst regret in time of steps of more than FEW counts."""
+    least = FEW * climbed.on.task.loop.count
+    long = np.array([r[0].kind == "step" and abs(r[0].size) > least for r in climbed.on.rungs])
+    return float(held.time[long].max()) if long.any() else 1.0
+
+
 def _cell(value: float) -> str:
     return numbers.number(value) if np.isfinite(value) else "not at rest"
 
@@ -76,7 +103,7 @@ def _rested(value: float, unit: str) -> str:
 
 def _runs_sentence(climbed: Climbed) -> str:
     return (
-        f"Of {len(climbed.runs)} searches from soft and stiff arrivals none ends more than {numbers.percent(climbed.spread - 1.0)} above "
+        f"Of {len(climbed.runs)} searches from other seeds none ends more than {numbers.percent(climbed.spread - 1.0)} above "
         "the best."
     )
 
@@ -159,6 +186,7 @@ def figures_of(climbed: Climbed, held: Regret) -> dict[str, float]:
     time, error, over = held.worst
     return {
         "ladder_regret_time": time,
+        "ladder_regret_time_long": _long(climbed, held),
         "ladder_regret_error": error,
         "ladder_overshoot": over,
         "search_spread": climbed.spread,

@@ -3,6 +3,16 @@
 from workbench.simulation.closed import open_loop, simulate
 from workbench.simulation.criteria import Criteria
 from workbench.simulation.metrics import Metrics, Trajectories
-from workbench.simulation.scenario import Loop, Scenario, ScenarioArrays
+from workbench.simulation.scenario import Loop, Scenario, ScenarioArrays, loop_under
 
-__all__ = ["Criteria", "Loop", "Metrics", "Scenario", "ScenarioArrays", "Trajectories", "open_loop", "simulate"]
+__all__ = [
+    "Criteria",
+    "Loop",
+    "Metrics",
+    "Scenario",
+    "ScenarioArrays",
+    "Trajectories",
+    "loop_under",
+    "open_loop",
+    "simulate",
+]

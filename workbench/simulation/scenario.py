@@ -1,7 +1,7 @@
 """What the controller runs on, and the scenarios that one run puts side by side."""
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from math import isfinite
 
 import numpy as np
@@ -56,6 +56,12 @@ class Loop:
     def smoothing(self) -> float:
         """1 - exp(-Ts/tf), the share of a new difference in the filtered velocity."""
         return 1.0 - exp(-self.sample_time / self.velocity_filter) if self.velocity_filter > 0.0 else 1.0
+
+
+def loop_under(controller, loop: Loop) -> Loop:
+    """Return the loop with the velocity filter that a controller of one lane has of its own, where it has one."""
+    own = controller.velocity_filter
+    return loop if own is None else replace(loop, velocity_filter=float(np.ravel(own)[0]))
 
 
 @dataclass(frozen=True)

@@ -55,9 +55,11 @@ class Asked:
         return Compensator.of(plant, self.effects, **options)
 
 
-def asked(study: Study, plant: Plant) -> Asked:
-    """Return what [compensation] asks for; WorkbenchError names file and key."""
-    one = study.table.table("compensation", KEYS, (*KEYS, *MORE))
+def asked(study: Study, plant: Plant, of: str = "") -> Asked:
+    """Return what [compensation] asks for, or its table of a name, which may have one of its own; WorkbenchError names file and key."""
+    further = tuple(n for n, v in study.table.values["compensation"].items() if isinstance(v, dict) and "effects" in v)
+    one = study.table.table("compensation", KEYS, (*KEYS, *MORE, *further))
+    one = one.table(of, KEYS, (*KEYS, *MORE)) if of else one
     x = plant.displacement
     effects = one.values["effects"]
     if not (isinstance(effects, list) and effects and all(isinstance(e, str) for e in effects)):
@@ -75,16 +77,17 @@ def asked(study: Study, plant: Plant) -> Asked:
 
 def compensation(
     study: Study, task: Task, factories: Mapping[str, Callable[[int], Controller]], say, model: Plant | None = None,
-    margins: Callable[[str, Compensator, Sequence[float]], Mapping[float, float]] | None = None,
+    margins: Callable[[str, Compensator, Sequence[float]], Mapping[float, float]] | None = None, of: str = "",
 ) -> Part:  # fmt: skip
     """Return what compensation of named effects is worth on the plant of a task, to the controller with the gains that it has.
 
     model: the plant whose effects are taken, that of the task where absent. Where the two differ the task's is the rig's true
     law, and what compensation by that attains stands beside. Figures: compensation_following_ratio, its share of that
     attained by the true law (compensation_over_true), and the ratio with the mismatch. margins: (controller, compensator,
-    gains) -> gain -> Ms of the loop with the compensation; the figures compensation_sensitivity, and _off with the mismatch.
+    gains) -> gain -> Ms of the loop with the compensation; the figures compensation_sensitivity, and _off with the mismatch. of:
+    name of the table [compensation.of], after which its figures are then called.
     """
-    given = asked(study, task.plant)
+    given = asked(study, task.plant, of)
     chosen(given, factories)
     say("compensating what was named")
     controller = factories[given.controller](len(FOUR))
@@ -107,7 +110,15 @@ def compensation(
     units = dict.fromkeys(("following_error_alone", "following_error_compensated"), x)
     rows = [{"gain": g, "following_error": e, "sensitivity": ms.get(g)} for g, e in found.errors.items()]
     said = _fallen(given, task, factories[given.controller](1))
-    return Part(figures, units, (_chapter(given, found, true, x, ms),), said, {"compensation": rows})
+    chapter = _chapter(given, found, true, x, ms, of)
+    return Part(
+        _named(figures, of), _named(units, of), (chapter,), said, {f"compensation{f'_{of}' if of else ''}": rows}
+    )
+
+
+def _named(values: dict, of: str) -> dict:
+    """Return values by name, of a further compensation with its name behind."""
+    return {f"{n}_{of}" if of else n: v for n, v in values.items()}
 
 
 def chosen(given: Asked, controllers: Mapping[str, object]) -> None:
@@ -148,8 +159,8 @@ def _fallen(given: Asked, task: Task, controller: Controller) -> tuple[Finding, 
 FOUR = range(4)  # lanes: without, with, and off either way
 
 
-def _chapter(given: Asked, found: Worth, true: Worth, x: str, ms: Mapping[float, float]) -> Chapter:
-    """What it is worth, in a table and over time. ms: gain -> Ms."""
+def _chapter(given: Asked, found: Worth, true: Worth, x: str, ms: Mapping[float, float], of: str = "") -> Chapter:
+    """What it is worth, in a table and over time. ms: gain -> Ms. of: name of a further compensation."""
     names = listed([title(e.partition("@")[0]) for e in given.effects])
     source = given.options["source"]
     share = given.mismatch
@@ -195,9 +206,12 @@ def _chapter(given: Asked, found: Worth, true: Worth, x: str, ms: Mapping[float,
         a.legend(loc="upper right")
 
     figure = Figure(
-        "compensation", lambda: svg(heading, draw, height=2.6), "Error over time.", f"Two traces. {heading}."
+        f"compensation_{of}" if of else "compensation",
+        lambda: svg(heading, draw, height=2.6),
+        "Error over time.",
+        f"Two traces. {heading}.",
     )
-    return Chapter("Compensation of what was named", (Paragraph(text), table, figure))
+    return Chapter("Compensation of what was named" + (f": the {of}" if of else ""), (Paragraph(text), table, figure))
 
 
 def _margin(ms: Mapping[float, float], gain: float) -> str:

@@ -17,6 +17,7 @@ from workbench.report import control as chapters
 from workbench.report.ladder import as_table as ladder_table
 from workbench.report.ladder import figures_of as ladder_figures
 from workbench.report.ladder import ladder_chapter
+from workbench.report.loop import loop_chapter
 from workbench.report.polish import as_table as gains_table
 from workbench.report.polish import polish_chapter
 from workbench.report.recommend import RECOMMENDED, recommended_chapter
@@ -74,6 +75,7 @@ def run(
     parts = [
         recommended_chapter(choice, plant, task.loop.count),
         polish_chapter(made.polished, kept, plant),
+        loop_chapter(made.polished, plant, made.equivalent, control.goal, control.loop),
         chapters.schedule_chapter(made, control.rule),
         ladder_chapter(made.climbed, held, plant, control.rule, against, tuned_too),
         chapters.step_chapter(task, factories),

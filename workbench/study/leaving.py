@@ -7,6 +7,8 @@ from pathlib import Path
 import numpy as np
 
 from workbench.compensation import Compensated, Compensator
+from workbench.control import Controller
+from workbench.control.notched import OWN as NOTCH
 from workbench.errors import WorkbenchError
 from workbench.exporting.numbers import export_numbers
 from workbench.exporting.whole import write_together
@@ -17,16 +19,18 @@ from workbench.verification.task import Task
 
 UNITS = {  # of the numbers of every law; F and x are the plant's own
     "kp": "F/x", "kd": "F*s/x", "kv": "1/s", "kvp": "F*s/x", "ki": "F/x", "speed_limit": "x/s", "deceleration": "x/s^2",
-    "gate": "x", "mass": "F*s^2/x", "per_first": "s/x",
+    "gate": "x", "mass": "F*s^2/x", "per_first": "s/x", "scale": "1", **dict.fromkeys(NOTCH, "1"),
 }  # fmt: skip
 LAWS = {
     "fixed_pd": "u = kp (r - y) - kd vh",
+    "scheduled_pd": "u = scale (kp (r - y) - kd vh), kp and kd of the table beside",
     "pi_cascade": "v_r = clip(kv (r - y), speed_limit); u = kvp (v_r - vh) + ki integral of (v_r - vh) dt",
     "profile_pi": (
         "v_r = sgn(r - y) min(kv |r - y|, sqrt(2 deceleration |r - y| - (deceleration/kv)^2), speed_limit); "
         "u = kvp (v_r - vh) + ki integral of (v_r - vh) dt where |r - y| <= gate"
     ),
 }
+BEHIND = "; behind it (notch_b0 + notch_b1/z + notch_b2/z^2)/(1 + notch_b1/z + notch_a2/z^2)"
 FED = ("feed_forward.h", "feed_forward.json")  # the friction that a law feeds forward, by speed
 CONTENTS = "contents.json"
 TABLE = "gains"
@@ -45,13 +49,14 @@ def leave(
     entries = []
     for name in sorted(tuned, key=lambda n: n != first):
         controller = tuned[name].controller(1)
-        if "kp" in controller.law.columns:
-            files = [f"{TABLE}.h", f"{TABLE}.json", f"{TABLE}.bin"] if name == table else []
-        else:
+        tabled = "kp" in controller.law.columns
+        files = [f"{TABLE}.h", f"{TABLE}.json", f"{TABLE}.bin"] if tabled and name == table else []
+        if not tabled or (
+            files and controller.velocity_filter is not None
+        ):  # a table's own filter and notch stand beside it
             numbers = _numbers_of(controller, plant)
-            law = LAWS.get(controller.law.name.split(",")[0], controller.law.name)
-            files = [p.name for p in export_numbers(name, law, numbers, sample_time, plant, folder)]
-            files += list(FED) if controller.tables else []
+            files += [p.name for p in export_numbers(name, _law_of(controller), numbers, sample_time, plant, folder)]
+            files += list(FED) if controller.tables and not tabled else []
         entry = {"controller": name, "recommended": name == first, "law": controller.law.name, "files": files}
         if isinstance(controller, Compensated) and task is not None:
             entry["compensation"] = _leave_compensation(controller.compensator, plant, task, folder)
@@ -63,6 +68,12 @@ def leave(
         "plant": {"digest": plant.digest, "lines": list(plant.digest_lines())},
     }
     write_together(Path(folder), {CONTENTS: (json.dumps(content, indent=1) + "\n").encode()})
+
+
+def _law_of(controller: Controller) -> str:
+    """Return a law in words, with the notch behind it."""
+    law = LAWS.get(controller.law.name.split(",")[0], controller.law.name)
+    return law + (BEHIND if set(NOTCH) <= set(controller.law.parameters) else "")
 
 
 def _leave_compensation(compensator: Compensator, plant: Plant, task: Task, folder: Path) -> dict[str, object]:

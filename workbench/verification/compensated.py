@@ -73,10 +73,13 @@ class Returned(Judge):
     def _at(self, k: int, c: np.ndarray, integrators: int = 0) -> np.ndarray:
         return returned(c, self.linear.position[k], self.fed[k], self.linear.own[k] + integrators)
 
-    def scheduled_peak(self, knots: np.ndarray, kp: np.ndarray, kd: np.ndarray) -> np.ndarray:
+    def scheduled_peak(
+        self, knots: np.ndarray, kp: np.ndarray, kd: np.ndarray, velocity_filter: np.ndarray | None = None
+    ) -> np.ndarray:
         """Return Ms (points,) of schedules: the gains at some knots beside the friction of that amplitude, and of gross sliding."""
         near = [int(np.argmin(np.abs(np.log(self.amplitude / knots[i])))) for i in checked(knots)]
-        laws = [kp[:, i, None] + kd[:, i, None] * self.rate for i in checked(knots)]
+        rate = self.rate if velocity_filter is None else self.rate_of(velocity_filter)
+        laws = [kp[:, i, None] + kd[:, i, None] * rate for i in checked(knots)]
         return np.max([self._at(k, c) for n, c in zip(near, laws, strict=True) for k in (n, -1)], axis=0)
 
 
@@ -173,9 +176,10 @@ def _tabled(family: Family, judged: Judge) -> Callable[[np.ndarray], np.ndarray]
     """Return points -> Ms (points,) of a family of gain tables."""
 
     def sensitivity(points):
-        tables = family.controller(points, 1).tables
-        kp, kd = (np.stack([t.columns[n] for t in tables]) for n in ("kp", "kd"))
-        return judged.scheduled_peak(tables[0].knots, kp, kd)
+        made = family.controller(points, 1)
+        kp, kd = (np.stack([t.columns[n] for t in made.tables]) for n in ("kp", "kd"))
+        own = None if made.velocity_filter is None else np.reshape(made.velocity_filter, (-1, 1))
+        return judged.scheduled_peak(made.tables[0].knots, kp, kd, own)
 
     return sensitivity
 

@@ -21,7 +21,9 @@ from workbench.verification.families import (
     scheduled_family,
     soft_gains,
 )
+from workbench.verification.gain_table import BEGUN
 from workbench.verification.linear import Linear
+from workbench.verification.shaped import shaped
 from workbench.verification.task import Task
 
 SLOWEST = 1e-3  # of the speed limit: first knot of the friction that is fed forward
@@ -77,12 +79,18 @@ def controllers_of(
     braking = BRAKING * plant.limits.drive / linear.inertia
     soft = soft_gains(linear.inertia, plant.limits.drive, plant.limits.speed)
     known = feed_forward_of(plant, loop.resolution)
-    families = (
-        *(scheduled_family(linear, schedule, rule, (kp, kd), soft=soft) for rule in (FROZEN, FOLLOWING, ERROR)),
-        scheduled_family(linear, schedule, "error", (kp, kd), braking, speed),
-        pd_family(linear, (kp, kd)),
-        cascade_family(linear, (kv, kd, ki), speed),
-        profile_family(linear, (kv, kd, ki, braking), speed, step),
-        profile_family(linear, (kv, kd, ki, braking), speed, step, known),
+    makers = (
+        *(
+            lambda j, rule=rule: scheduled_family(j, schedule, rule, (kp, kd), soft=soft)
+            for rule in (FROZEN, FOLLOWING, ERROR)
+        ),
+        lambda j: scheduled_family(j, schedule, "error", (kp, kd), braking, speed),
+        lambda j: pd_family(j, (kp, kd)),
+        lambda j: cascade_family(j, (kv, kd, ki), speed),
+        lambda j: profile_family(j, (kv, kd, ki, braking), speed, step),
+        lambda j: profile_family(j, (kv, kd, ki, braking), speed, step, known),
     )
+    families = tuple(
+        shaped(make, linear, BEGUN * loop.sample_time) for make in makers
+    )  # a rigid axis gives a notch nothing
     return Controllers(plant, goal, equivalent, gains, schedule, linear, known, families)

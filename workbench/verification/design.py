@@ -10,14 +10,16 @@ from workbench.finding import RESPONSE_LIMITS, Finding
 from workbench.frequency import Response
 from workbench.plant import Plant
 from workbench.schedule import BetweenKnots, Schedule, between_knots, passivity
-from workbench.simulation import Loop
+from workbench.simulation import Loop, loop_under
 from workbench.tuning import Gains, TuningGoal, tune, tune_within
 from workbench.verification.climb import Climb, Climbed
 from workbench.verification.equivalent import equivalent_of, friction_of
 from workbench.verification.families import Family, blended, cascade_family, pd_family, profile_family
+from workbench.verification.gain_table import BEGUN
 from workbench.verification.linear import Linear
 from workbench.verification.optimise import Tuned, optimise_seeds
 from workbench.verification.polish import Polished, polish
+from workbench.verification.shaped import shaped
 from workbench.verification.tabled import RUNS, tabled
 from workbench.verification.task import Task
 from workbench.verification.worth import Rivals
@@ -131,7 +133,10 @@ def design(
     say("checking the gains between the knots")
     _, inertia, viscous = friction_of(plant)
     at = described_at(plant, equivalent, gains, loop)
-    between = between_knots(made.schedule, at, inertia, loop, viscous=viscous, sensitivity=goal.sensitivity, points=3)
+    own_loop = loop_under(made.climbed.best.controller(), loop)
+    between = between_knots(
+        made.schedule, at, inertia, own_loop, viscous=viscous, sensitivity=goal.sensitivity, points=3
+    )
     tuned: dict[str, Tuned | Climb] = {f"scheduled PD ({rule})": made.climbed.best}
     if baselines:
         tuned |= {f.name: best(own, f, seeds, say) for f in baseline_families(plant, linear, gains, task)}
@@ -155,17 +160,18 @@ def design(
 
 
 def baseline_families(plant: Plant, linear: Linear, gains: Gains, task: Task) -> tuple[Family, ...]:
-    """Return the families that a scheduled PD is held against."""
+    """Return the families that a scheduled PD is held against, each with its velocity filter; a rigid axis gives a notch nothing."""
     middle = int(np.argmin(np.abs(np.log(gains.amplitude / (1e-2 * task.step)))))
     kp, kd = float(gains.kp[middle]), float(gains.kd[middle])
     kv, speed = kp / kd, REACHED * plant.limits.speed
     start = (kv, kd, 0.1 * kv * kd)
     braking = BRAKING * plant.limits.drive / linear.inertia
-    return (
-        pd_family(linear, (kp, kd)),
-        cascade_family(linear, start, speed),
-        profile_family(linear, (*start, braking), speed, task.step),
+    makers = (
+        lambda judge: pd_family(judge, (kp, kd)),
+        lambda judge: cascade_family(judge, start, speed),
+        lambda judge: profile_family(judge, (*start, braking), speed, task.step),
     )
+    return tuple(shaped(make, linear, BEGUN * task.loop.sample_time) for make in makers)
 
 
 def best(task: Task, family: Family, seeds: Sequence[int], say: Callable[[str], None]) -> Tuned:

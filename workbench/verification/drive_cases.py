@@ -10,7 +10,7 @@ from functools import cached_property
 
 import numpy as np
 
-from workbench.control.drive import response as notched
+from workbench.control.notched import response as notched
 from workbench.frequency import Response
 from workbench.frequency.limit import COHERENT
 from workbench.simulation import Loop

@@ -16,7 +16,6 @@ from workbench.frequency import Response
 from workbench.frequency.notch import Notch
 from workbench.simulation import Metrics, ScenarioArrays
 from workbench.threads import one_thread
-from workbench.verification.climb import GROW, SHRINK, WIDTH
 from workbench.verification.drive_cases import Lagged, slowed
 from workbench.verification.equivalent import friction_of
 from workbench.verification.task import Task, cost
@@ -24,6 +23,11 @@ from workbench.verification.task import Task, cost
 NUMBERS = ("kv", "kvp", "ki")
 COUNTS = 2.0  # of the encoder: what neither a band nor an overshoot is asked to be below, as on the ladder
 LEAST = 200.0  # counts of the smallest move that has a set: 1 % of a smaller one is less than COUNTS
+WIDTH, GROW, SHRINK = (
+    0.25,
+    1.15,
+    0.85,
+)  # of the first steps, of a logarithm; with success and without (Rechenberg's rule)
 OFFSPRING, GENERATIONS = (
     6,
     20,

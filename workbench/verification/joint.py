@@ -7,7 +7,7 @@ At each relative amplitude A the joint is its equivalent spring and loss. The wo
 Brussel (IEEE/ASME AIM 2013), section IV; like theirs, the model has no friction to ground.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -20,7 +20,7 @@ from workbench.schedule import Passivity, Schedule, fit_schedule, passivity
 from workbench.simulation import Loop
 from workbench.tuning import TuningGoal
 from workbench.tuning.response import enter_time, overshoot
-from workbench.verification.linear import TwoMasses
+from workbench.verification.linear import Judge, TwoMasses
 
 LINES, RATIOS = 64, (8.0, 800.0)  # of Kp/Kd, 1/s; then as many between the best one's neighbours: 0.2 % apart
 STIFF, HALVINGS = (1e-3, 1e3), 14  # of Kp over J ratio^2, on each line: zeta from 0.016 to 16; found to 0.1 %
@@ -136,13 +136,15 @@ def unstable(
     damping: float,
     loop: Loop,
     factors: np.ndarray,
+    met: Callable[[Judge], Judge] = lambda judge: judge,
 ) -> np.ndarray:
     """Return where the linear loop is unstable, (factors, amplitudes): gains of a schedule times a factor, the joint's spring and
-    loss at each amplitude of `equivalent`. Where it is unstable at some amplitudes and stable at larger ones, it hunts."""
+    loss at each amplitude of `equivalent`. Where it is unstable at some amplitudes and stable at larger ones, it hunts. met: the
+    linearisation as the law's own filter and notch make it."""
     kp, kd = schedule.gains(equivalent.amplitude)
     out = []
     for p, d, k, loss in zip(kp, kd, equivalent.stiffness, equivalent.loss, strict=True):
         resonance = np.sqrt(k * (1.0 / motor + 1.0 / load))
-        judge = TwoMasses(loop, motor, np.array([load]), np.array([k]), damping + loss / resonance)
+        judge = met(TwoMasses(loop, motor, np.array([load]), np.array([k]), damping + loss / resonance))
         out.append(np.isinf(judge.peak(factors[:, None] * p, factors[:, None] * d)))
     return np.array(out).T

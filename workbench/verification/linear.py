@@ -74,9 +74,12 @@ class Judge:
         back = np.exp(-1j * self.theta)
         return share * (1.0 - back) / (1.0 - (1.0 - share) * back) / self.loop.sample_time
 
-    def scheduled_peak(self, knots: np.ndarray, kp: np.ndarray, kd: np.ndarray) -> np.ndarray:
-        """Return Ms (points,) of schedules kp, kd (points, n) over knots (n,), at CHECKED of them."""
-        return np.max([self.peak(kp[:, i, None], kd[:, i, None]) for i in checked(knots)], axis=0)
+    def scheduled_peak(
+        self, knots: np.ndarray, kp: np.ndarray, kd: np.ndarray, velocity_filter: np.ndarray | None = None
+    ) -> np.ndarray:
+        """Return Ms (points,) of schedules kp, kd (points, n) over knots (n,), at CHECKED of them. velocity_filter: as of `peak`."""
+        own = {"velocity_filter": velocity_filter}
+        return np.max([self.peak(kp[:, i, None], kd[:, i, None], **own) for i in checked(knots)], axis=0)
 
 
 def checked(knots: np.ndarray) -> np.ndarray:
@@ -125,11 +128,14 @@ class Linear(Judge):
         known = self.equivalent
         return np.interp(np.log(amplitude), np.log(known.amplitude), known.stiffness)
 
-    def scheduled_peak(self, knots: np.ndarray, kp: np.ndarray, kd: np.ndarray) -> np.ndarray:
+    def scheduled_peak(
+        self, knots: np.ndarray, kp: np.ndarray, kd: np.ndarray, velocity_filter: np.ndarray | None = None
+    ) -> np.ndarray:
         """Return Ms (points,) of schedules: at CHECKED knots the gains there with the spring of that amplitude, and with none,
         as when the axis still slides."""
         pick = checked(knots)
-        c = kp[:, pick, None] + kd[:, pick, None] * self.rate
+        rate = self.rate if velocity_filter is None else self.rate_of(velocity_filter)[:, None]
+        c = kp[:, pick, None] + kd[:, pick, None] * rate
         sliding, sticking = self.responses(np.zeros(1)), self.responses(self.spring_at(knots[pick]))
         free = 1 if self.viscous > 0.0 else 2
         return np.maximum(peak_of(c * sliding, free).max(axis=1), peak_of(c * sticking, 0).max(axis=1))

@@ -18,7 +18,7 @@ POPULATION = 12  # members a searched number
 GENERATIONS = 60
 UNSTABLE = 10.0  # what an unstable linearisation counts as, of sensitivity over its limit
 LOCAL = 240  # evaluations of the local search
-SOFT, NEAR = 10, 0.1  # members about a soft start, and how far from it, of a logarithm
+CLOSE, NEAR = 10, 0.1  # members about each start, and how far from it, of a logarithm
 ROUNDED = 1.001  # by what a limit may be missed and still counts as kept
 
 
@@ -139,21 +139,20 @@ def optimise(task: Task, family: Family, seed: int = 1) -> Tuned:
 
 
 def first_members(task: Task, family: Family, seed: int, bounds: np.ndarray) -> dict[str, np.ndarray]:
-    """Return how a search begins: evenly over the space and at the family's start. bounds (2, numbers): logarithms.
+    """Return how a search begins: evenly over the space, at the family's start and CLOSE members about it. bounds (2, numbers):
+    logarithms.
 
-    Where the nominal axis is what counts, SOFT members lie about the family's soft start: that optimum is narrow, and no even start
+    Where the nominal axis is what counts, CLOSE members lie about the family's soft start: that optimum is narrow, and no even start
     finds it. Over the worst case it is none, since a soft arrival leaves millimetres or milliradians in some corner.
     """
-    start = np.clip(np.log(family.start), *bounds)
-    if not task.nominal or family.soft is None:
-        return {"x0": start}
     from scipy.stats import qmc
 
-    draw, n = np.random.default_rng(seed), start.size
+    start, draw = np.clip(np.log(family.start), *bounds), np.random.default_rng(seed)
     low, high = bounds
-    made = low + (high - low) * qmc.LatinHypercube(n, rng=draw).random(POPULATION * n)
-    made[0] = start
-    made[1 : 1 + SOFT] = np.log(family.soft) + NEAR * draw.standard_normal((SOFT, n))
+    even = low + (high - low) * qmc.LatinHypercube(start.size, rng=draw).random(POPULATION * start.size)
+    first = [start, np.log(family.soft)] if task.nominal and family.soft is not None else [start]
+    made = [one + NEAR * np.vstack([0.0 * one, draw.standard_normal((CLOSE - 1, one.size))]) for one in first]
+    made = np.vstack([*made, even])[: len(even)]
     return {"init": np.clip(made, low, high)}
 
 

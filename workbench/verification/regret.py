@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from workbench.verification.families import Family
-from workbench.verification.gain_table import GainTable
+from workbench.verification.gain_table import FILTERS, GainTable
 from workbench.verification.ladder import COUNTS, Ladder, all_rungs, climbed, timed
 
 MEAN = 0.3  # share of the mean regret beside the worst, so that the others count where one move cannot be bettered: without it
@@ -21,18 +21,21 @@ BEATEN = 0.02  # by which a contestant may be better than a reference
 OVERSHOOT = 0.01  # of a step, beyond two counts
 STEEP, WORST = 20.0, 50.0  # what an overshoot costs, and the most that a regret counts
 LINES, SHARES = 22, (1.0, 0.6, 0.3)  # of the references' first grid: ratios, and shares of the stiffest Kp
+QUICK, SLOW = 0.4, 1.0  # samples: velocity filters of that grid, the second at the stiffest Kp alone
 OWN, ROUNDS, SPREAD = 6, 3, 0.07  # candidates a move, rounds and spread (half the grid's step) of its own search
 
 
 @dataclass(frozen=True, eq=False)
 class References:
-    """Of each rung (r,) and its moves (2,): time s, error rad or m, what it costs, and the law it is of."""
+    """Of each rung (r,) and its moves (2,): time s, error rad or m, what it costs, and the law it is of. points (r, 2, numbers): of the
+    fixed law that was tuned for each move first, before another one beat it."""
 
     time: np.ndarray
     error: np.ndarray
     cost: np.ndarray
     law: np.ndarray
     scale: np.ndarray
+    points: np.ndarray
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,10 +68,16 @@ def prices(on: Ladder, figures: np.ndarray, scale: np.ndarray) -> np.ndarray:
 
 
 def first_grid(table: GainTable) -> np.ndarray:
-    """Return points (p, 2), kp and kd in SI, over the whole range of a table's ratios and SHARES of the stiffest Kp."""
-    ratio = np.geomspace(table.ratio[0], table.ratio[-1], LINES)
-    stiff = np.exp(np.interp(np.log(ratio), np.log(table.ratio), np.log(table.stiff)))
-    return np.concatenate([np.stack([share * stiff, share * stiff / ratio], axis=1) for share in SHARES])
+    """Return points (p, 3), kp, kd and velocity filter in SI, over the whole range of a table's ratios and SHARES of the stiffest Kp."""
+    sample = table.filters[0] / FILTERS[0]
+    out = []
+    for samples, shares in ((QUICK, SHARES), (SLOW, SHARES[:1])):
+        own = np.array([samples * sample])
+        most = np.exp(np.interp(np.log(own), np.log(table.filters), np.log(table.most)))
+        ratio = np.geomspace(table.ratio[0], most[0], LINES)
+        stiff = table.stiffest(ratio[None], own)[0]
+        out += [np.stack([s * stiff, s * stiff / ratio, 0.0 * stiff + own], axis=1) for s in shares]
+    return np.concatenate(out)
 
 
 def references(on: Ladder, family: Family, points: np.ndarray, seed: int = 1) -> References:
@@ -81,14 +90,31 @@ def references(on: Ladder, family: Family, points: np.ndarray, seed: int = 1) ->
     cost = prices(on, figures, scale)
     pick = cost.argmin(axis=0)
     best = np.take_along_axis(figures, pick[None, :, :, None], axis=0)[0]
-    found = References(best[..., 0], best[..., 1], cost.min(axis=0), np.full(pick.shape, family.name), scale)
-    return _searched(on, family, found, points[pick], np.ones(pick.shape, dtype=bool), seed)
+    found = References(
+        best[..., 0], best[..., 1], cost.min(axis=0), np.full(pick.shape, family.name), scale, points[pick]
+    )
+    known, at = _searched(on, family, found, points[pick], np.ones(pick.shape, dtype=bool), seed)
+    return replace(known, points=at)
+
+
+def from_references(family: Family, table: GainTable, on: Ladder, seen: float, known: References) -> Family:
+    """Return a family of tables that begins at the references' own ratios and filter: of each size the mean over its moves, at the
+    amplitude seen times the size."""
+    steps = timed(on)[:, 0]
+    size = np.abs([r[0].size for r, step in zip(on.rungs, steps, strict=True) if step])
+    kp, kd, filtered = (np.log(known.points[steps, :, k]).mean(axis=1) for k in range(3))
+    sizes = np.unique(size)
+    ratio = [np.mean((kp - kd)[size == s]) for s in sizes]
+    start = np.exp(np.interp(np.log(table.nodes), np.log(seen * sizes), ratio))
+    start = np.append(np.minimum.accumulate(start), np.exp(filtered.mean()))
+    return replace(family, start=np.clip(start, family.lower, family.upper))
 
 
 def _searched(
     on: Ladder, family: Family, known: References, at: np.ndarray, which: np.ndarray, seed: int
-) -> References:
-    """Search about points (rungs, 2, numbers) of a family for each move where `which` (rungs, 2), and keep what is better."""
+) -> tuple[References, np.ndarray]:
+    """Search about points (rungs, 2, numbers) of a family for each move where `which` (rungs, 2), and keep what is better; return
+    that with its points."""
     draw, spread = np.random.default_rng(seed), SPREAD
     rows, history = np.nonzero(which)
     time, error, cost, law, at = (a.copy() for a in (known.time, known.error, known.cost, known.law, at))
@@ -108,7 +134,7 @@ def _searched(
         time[r, h], error[r, h], cost[r, h], law[r, h] = own[:, 0], own[:, 1], price[pick, each][ok], family.name
         at[r, h] = points.reshape(OWN, -1, near.shape[1])[pick, each][ok]
         spread *= 0.6
-    return replace(known, time=time, error=error, cost=cost, law=law)
+    return replace(known, time=time, error=error, cost=cost, law=law), at
 
 
 def raised(on: Ladder, known: References, family: Family, point: np.ndarray, seed: int = 1) -> References:
@@ -121,7 +147,7 @@ def raised(on: Ladder, known: References, family: Family, point: np.ndarray, see
     time, error = (np.where(beaten, figures[..., k], v) for k, v in ((0, known.time), (1, known.error)))
     law = np.where(beaten, family.name, known.law)
     first = replace(known, time=time, error=error, cost=np.where(beaten, own, known.cost), law=law)
-    return _searched(on, family, first, np.broadcast_to(point, (*beaten.shape, point.size)).copy(), beaten, seed)
+    return _searched(on, family, first, np.broadcast_to(point, (*beaten.shape, point.size)).copy(), beaten, seed)[0]
 
 
 def regret(on: Ladder, figures: np.ndarray, against: References) -> Regret:

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
@@ -11,15 +12,21 @@ from workbench.schedule.fit import REVERSAL
 from workbench.tuning import TuningGoal
 from workbench.verification.climb import GENERATIONS, Climbed, climb
 from workbench.verification.families import pd_family
-from workbench.verification.gain_table import fixed_family, gain_table, switched_family, table_family
+from workbench.verification.gain_table import BEGUN, fixed_family, gain_table, switched_family, table_family
 from workbench.verification.ladder import ladder
 from workbench.verification.linear import Linear
 from workbench.verification.polish import Polished
-from workbench.verification.regret import Regret, first_grid
+from workbench.verification.regret import Regret, first_grid, from_references
+from workbench.verification.shaped import shaped
 from workbench.verification.task import Task
 from workbench.verification.worth import Rivals, regret_of, rivals
 
 AHEAD = {"error": (4.0, 2.0), "following": (2.0, 1.0), "frozen": (1.0, 0.5)}  # soft and stiff arrivals of each rule
+SEEN = {
+    "error": 0.5,
+    "following": 1.0,
+    "frozen": 0.5,
+}  # of a step from rest: the largest amplitude that its gains are looked up at
 # An arrival is soft where gains are those tuned for a longer step than the one that is left. Under "error" a step that ends a
 # motion is seen by its last part; after a reversal the amplitude is half the stroke.
 RUNS = (1, 2, 3)  # seeds, where a study states none: both arrivals in turn
@@ -77,9 +84,11 @@ def tabled(
     table = gain_table(linear, amplitude, REVERSAL * task.loop.count, goal.sensitivity, per_octave)
     starts = [table_family(table, robust, linear, rule, ahead) for ahead in AHEAD[rule]]
     middle = int(np.argmin(np.abs(np.log(amplitude / (1e-2 * task.step)))))
-    fixed = pd_family(linear, (float(robust.kp[middle]), float(robust.kd[middle])))
+    pair = float(robust.kp[middle]), float(robust.kd[middle])
+    fixed = shaped(lambda judge: pd_family(judge, pair), linear, BEGUN * task.loop.sample_time)
     on = ladder(task, load) if sizes is None else ladder(task, load, sizes=sizes)
-    found = climb(on, starts, (fixed, first_grid(table)), seeds=seeds, generations=generations, say=say)
+    informed = partial(from_references, starts[0], table, on, SEEN[rule])
+    found = climb(on, starts, (fixed, first_grid(table)), informed, seeds=seeds, generations=generations, say=say)
     kp, kd = table.gains(found.best.point[None, :])
     schedule = replace(interpolated, knots=table.knots, kp=kp[0], kd=kd[0], rule=rule, findings=())
     fewer = (fixed_family(table, robust, linear, rule, 1e-2 * task.step), switched_family(table, robust, linear, rule))
