@@ -6,7 +6,7 @@ import numpy as np
 
 from workbench.control import Controller
 from workbench.keeping import kept
-from workbench.limit_cycle.axis import axis_of
+from workbench.limit_cycle.axis import COUNTS, axis_of
 from workbench.limit_cycle.describing import Dials, command, dials, turned
 from workbench.limit_cycle.further import Cycle
 from workbench.limit_cycle.harmonic_balance import balance
@@ -17,6 +17,9 @@ from workbench.threads import one_thread
 
 THIRD = 0.05  # largest third harmonic at which one harmonic says enough
 SMALL = 50.0  # encoder counts of a start where no cycle is predicted
+# Of COUNTS encoder counts, up to which a predicted cycle is not looked for in simulation: beneath them no motion there is called
+# one, and amplitudes agree to 5 %. Halved or doubled, cases at the edge of stability change sides.
+FAINT = 1.1
 APART = 1.0 / 3.0  # of a predicted amplitude: another start, and its inverse
 
 
@@ -26,7 +29,7 @@ class Region:
 
     exists, amplitude, omega, third (n, m): simulated; of all starts that on a predicted cycle where its motion lasts, since a
     motion may lock to the sampling in several ways; else that which is steadiest. controller: what the factors are on.
-    inertia, friction: of the axis, factors. speed: its limit.
+    inertia, friction: of the axis, factors. speed: its limit. least: amplitude from which a predicted cycle can be seen.
     """
 
     dials: Dials
@@ -41,6 +44,7 @@ class Region:
     inertia: float
     friction: float
     speed: float
+    least: float = 0.0
 
     @property
     def predicted(self) -> np.ndarray:
@@ -53,11 +57,13 @@ class Region:
     @property
     def judged(self) -> np.ndarray:
         """Cases that count, (n, m): the third harmonic is at most 5 %, of the simulated cycle, and where none is simulated, of
-        those that are predicted."""
-        foretold = np.zeros(self.exists.shape)
+        those that are predicted; and these are not so small that the encoder shapes them."""
+        foretold, faint = np.zeros(self.exists.shape), np.zeros(self.exists.shape, dtype=bool)
         for at, cycles in self.cycles.items():
-            foretold[at] = min((c.third for c in cycles if c.stable), default=0.0)
-        return np.where(self.exists, self.third, foretold) <= THIRD
+            stable = [c for c in cycles if c.stable]
+            foretold[at] = min((c.third for c in stable), default=0.0)
+            faint[at] = bool(stable) and max(c.amplitude for c in stable) < self.least
+        return (np.where(self.exists, self.third, foretold) <= THIRD) & (self.exists | ~faint)
 
     @property
     def right(self) -> np.ndarray:
@@ -124,7 +130,7 @@ def region(
             exists[at] = True
             out["amplitude"][at], out["omega"][at], out["third"][at] = m.amplitude[k], m.omega[k], m.third[k]
     return Region(of, first, second, cycles, exists, **out, controller=controller, inertia=inertia,
-                  friction=friction, speed=plant.limits.speed)  # fmt: skip
+                  friction=friction, speed=plant.limits.speed, least=FAINT * COUNTS * loop.count)  # fmt: skip
 
 
 def _starts(cycles: tuple[Cycle, ...], loop: Loop, largest: float) -> tuple[float, ...]:

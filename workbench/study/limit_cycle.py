@@ -82,7 +82,7 @@ def limit_cycles(study: Study, task: Task, factories, say: Callable[[str], None]
 
 def _figures_of(r: Region) -> dict[str, float]:
     """Return how often prediction and simulation agree, and how well the frequency is met; cases with a third harmonic of at
-    most 5 %, frequencies of those that the axis' speed does not limit."""
+    most 5 % and above ten encoder counts, frequencies of those that the axis' speed does not limit."""
     error = np.abs(r.frequency_error)
     return {
         "limit_cycle_wrong": float(np.sum(r.judged & ~r.right)),
@@ -100,8 +100,8 @@ def _findings_of(name: str, r: Region) -> tuple[Finding, ...]:
     agreed = "in all of them" if not wrong else f"in all but {wrong}"
     sentence = (
         f"With its {r.dials.first} times {r.first[at[0]]:.2g} and {r.dials.second} times {r.second[at[1]]:.2g}, {name} {hunts}. "
-        f"Of {r.exists.size} cases {int(r.exists.sum())} hunt in simulation; in {cases} the third harmonic is at most 5 %, and "
-        f"{agreed} harmonic balance says rightly whether there is a limit cycle, its frequency within "
+        f"Of {r.exists.size} cases {int(r.exists.sum())} hunt in simulation; in {cases} the third harmonic is at most 5 % and "
+        f"the cycle above ten encoder counts, and {agreed} harmonic balance says rightly whether there is a limit cycle, its frequency within "
         f"{100 * figures['limit_cycle_frequency_error']:.2g} %."
     )
     return (Finding("limit cycle", name, sentence, figures),)
