@@ -1,5 +1,7 @@
 """The one figure of the first page: what the model errs by without and with what was found, and how good each controller is."""
 
+from textwrap import fill
+
 import numpy as np
 
 from workbench.record import ROLES, VALIDATION
@@ -7,9 +9,12 @@ from workbench.report import numbers
 from workbench.report.advice import Advice
 from workbench.report.contents import Figure, StudyResult
 from workbench.report.drawing import AFTER, BEFORE, MEASURED, decades, svg
+from workbench.tracing.wording import UNSEEN
 
 ROW = 0.24  # inches of a bar
 BESIDE = 0.62  # of the lower graph's width: for what stands beside a mark
+MOST = 5  # controllers that are drawn: with more the figure leaves the first page
+WIDE = 26  # characters of a name in a line
 LABELS = 6  # of the logarithmic scale, at most: more would touch
 
 
@@ -18,7 +23,8 @@ def glance(result: StudyResult) -> Figure:
     bars, advice = _errors(result), result.advice
     title = _heading(result)
     rows = 1 + (advice is not None)
-    heights = [len(bars), *([len(advice.rows)] if advice else [])]
+    drawn = len(advice.rows[:MOST]) if advice else 0
+    heights = [len(bars), *([1.3 * drawn] if advice else [])]
 
     def draw(axes):
         for axis in axes:
@@ -33,7 +39,15 @@ def glance(result: StudyResult) -> Figure:
         "can err by less than encoder steps and noise leave; how much more is unavoidable is not known."
     )
     if advice:
-        caption += " Below: the worst that each controller does over half to one and a half times inertia and friction."
+        which = (
+            f"the best {drawn} of {len(advice.rows)} controllers do"
+            if len(advice.rows) > drawn
+            else "each controller does"
+        )
+        caption += (
+            f" Below: the worst that {which} over half to one and a half times inertia and friction, and when they are within "
+            "1 % of the target."
+        )
     said = "; ".join(f"{name}: {numbers.percent(value)}" for name, value, _ in bars)
     height = 0.75 + ROW * sum(heights) + 0.45 * (rows - 1)
     return Figure(
@@ -53,7 +67,7 @@ def _errors(result: StudyResult) -> list[tuple[str, float, str]]:
     if trace.causes:
         found.append(("with what was found", float(getattr(trace.after, of)), AFTER))
     least = float(trace.floor.get(of, np.nan))
-    return [*found, ("noise leaves at least", least, MEASURED)] if np.isfinite(least) else found
+    return [*found, ("noise leaves at least", least, MEASURED)] if np.isfinite(least) and least > UNSEEN else found
 
 
 def _heading(result: StudyResult) -> str:
@@ -79,22 +93,23 @@ def _drawn(axis, bars, drive: str) -> None:
 
 def _judged(axis, advice: Advice) -> None:
     """Mark the worst error of each controller, the recommended one filled, with its worst time."""
-    y = np.arange(len(advice.rows))[::-1]
-    errors = np.array([float(r["error_grid"]) for r in advice.rows])
+    rows = advice.rows[:MOST]
+    y = np.arange(len(rows))[::-1]
+    errors = np.array([float(r["error_grid"]) for r in rows])
     seen = errors[np.isfinite(errors) & (errors > 0.0)]
     least, most = (float(np.min(seen)), float(np.max(seen))) if seen.size else (1e-6, 1e-6)
-    for at, value, row in zip(y, errors, advice.rows, strict=True):
+    for at, value, row in zip(y, errors, rows, strict=True):
         place = min(max(value, least), most) if np.isfinite(value) else most
         first = row["name"] == advice.controller
         axis.plot(place, at, "o", ms=6, color=AFTER, markerfacecolor=AFTER if first else "none")
         time = float(row["time_grid"])
-        when = f"within 1 % after {numbers.scaled(time, 's')}" if np.isfinite(time) else "never within 1 %"
+        when = f"after {numbers.scaled(time, 's')}" if np.isfinite(time) else "never within 1 %"
         axis.text(place, at, f"\u2003{numbers.scaled(value, advice.displacement)}, {when}", va="center", ha="left")
     axis.set_xscale("log")
     span = (np.log10(most / least) + 0.4) / (1.0 - BESIDE)  # so that what stands beside the last mark is in sight
     axis.set_xlim(least / 1.8, least / 1.8 * 10.0**span)
     axis.set_ylim(-0.6, len(y) - 0.4)
-    axis.set_yticks(y, [r["name"] for r in advice.rows])
+    axis.set_yticks(y, [fill(str(r["name"]), WIDE) for r in rows])
     axis.set_xlabel(numbers.label("worst final error", numbers.unit(advice.displacement)))
     powers = np.arange(np.ceil(np.log10(least / 1.8)), np.log10(3.0 * most))
     if powers.size > 1:  # what stands beside the marks needs no scale beneath it

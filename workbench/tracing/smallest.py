@@ -76,5 +76,6 @@ def named(found: Sequence[Smallest], most: int = 3) -> str:
         for s in whole
     ]
     step = max(1, len(told) // most)
-    more = f", and {len(told) - most} others" if len(told) > most else ""
+    others = len(told) - most
+    more = f", and {others} other{'s' * (others > 1)}" if others > 0 else ""
     return f" The least that these records would have shown: {', '.join(told[::step][:most])}{more}."

@@ -17,6 +17,7 @@ from workbench.tracing.skew import Skew
 from workbench.tracing.unexplained import Unexplained
 
 SPANS = 6  # that are told in words
+UNSEEN = 1e-4  # of the drive, a floor below which the records show no noise that could be told
 # what each kind of what is explainable could be predicted from
 FROM = {
     "exogenous": "what is outside the loop: the reference's place, speed and direction",
@@ -189,6 +190,11 @@ def _name_of(c: Cause, plant: Plant) -> str:
     """Return the name of a cause, with its place where the plant has another effect of this name."""
     alike = [e for e in plant.effects if e.named == c.effect]
     return f"{title(c.effect)} at the {c.at}" if len(alike) > 1 else title(c.effect)
+
+
+def _at_least(floor: float) -> str:
+    """Return what noise leaves, in brackets; "" where the records show none."""
+    return f" (noise alone would leave {100 * floor:.2g} % or more)" if floor > UNSEEN else ""
 
 
 def verdict_sentence(
