@@ -24,6 +24,11 @@ def test_help_names_every_verb(capsys):
         assert verb in said
 
 
+def test_the_package_can_be_run_as_a_module():
+    said = subprocess.run([sys.executable, "-m", "workbench", "--version"], capture_output=True, text=True, check=True)
+    assert said.stdout.startswith("workbench ")
+
+
 def test_without_a_verb_the_help_is_shown_and_the_exit_code_is_2(capsys):
     assert main([]) == 2 and "usage" in capsys.readouterr().out
 

@@ -32,6 +32,7 @@ def silent(_):
 def test_a_study_leaves_firmware_and_its_page(tmp_path):
     need_compiler()
     part = firmware_part({"scheduled PD": lambda lanes: scheduled_pd(Gains)}, TASK, "cause", silent)
+    assert part.figures["firmware_error_counts_float32"] <= 2.0
     assert part.figures["firmware_error_counts"] <= 2.0 and part.figures["firmware_bits_equal"] == 1.0
     (chapter,) = part.chapters
     assert chapter.title == "Firmware" and len([b for b in chapter.blocks if hasattr(b, "columns")]) == 3
@@ -47,6 +48,7 @@ def test_the_page_holds_a_compensated_controller_beside_the_recommended_one(tmp_
     named = compensated(fixed_pd(900.0, 5.0), Compensator.of(TASK.plant, ["presliding_hysteresis"], source="reference"))
     both = {"scheduled PD": lambda lanes: scheduled_pd(Gains), named.name: lambda lanes: named}
     part = firmware_part(both, TASK, "cause", silent)
+    assert part.figures["firmware_error_counts_float32"] <= 2.0
     assert part.figures["firmware_error_counts"] <= 2.0 and part.figures["firmware_bits_equal"] == 1.0
     assert "presliding hysteresis is a firmware beside it" in str(part.chapters[0].blocks)
     assert [t["controller"] for t in part.tables["firmware"]["beside"]] == [named.name]

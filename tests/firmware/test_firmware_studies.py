@@ -14,8 +14,8 @@ need("elftools", "no emulator here")
 from firmware_target import CPUS, Target  # noqa: E402
 
 from workbench.firmware import firmware  # noqa: E402
+from workbench.firmware.comparison import COUNTS, reach, same_bits  # noqa: E402
 from workbench.firmware.loop import run_firmware  # noqa: E402
-from workbench.firmware.verification import COUNTS, reach, same_bits  # noqa: E402
 from workbench.robustness import worst  # noqa: E402
 from workbench.simulation import ScenarioArrays  # noqa: E402
 

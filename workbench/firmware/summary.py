@@ -4,18 +4,15 @@ the loop, and how an axis moves under the compiled C beside the law in float64.
 
 import json
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
-
-import numpy as np
 
 from workbench.control import Controller
 from workbench.errors import WorkbenchError
 from workbench.firmware import host, quantisation
-from workbench.firmware.loop import run_firmware
+from workbench.firmware.comparison import Comparison, comparison, reach
 from workbench.firmware.make import Firmware, firmware
-from workbench.firmware.verification import difference, reach, same_bits
 from workbench.verification.task import Task
 
 MEASURED = Path(__file__).with_name("measured.json")  # held by the tests that run the target
@@ -31,16 +28,6 @@ class Measured:
     code: int
 
 
-@dataclass(frozen=True)
-class Moved:
-    """The task's scenarios under the compiled C beside float64. error: counts; time: s, the largest differences. samples, same: of bits."""
-
-    error: float
-    time: float
-    samples: int
-    same: int
-
-
 @dataclass(frozen=True, eq=False)
 class Summary:
     """made: the firmware. ram: bytes of table and state. gain: largest relative error of the loop's gain by rounding.
@@ -54,7 +41,7 @@ class Summary:
     gain: float
     sensitivity: float
     measured: Measured | None
-    moved: Moved | None
+    moved: Comparison | None
 
 
 @cache
@@ -86,19 +73,14 @@ def rounding(made: Firmware) -> float:
     return max((q.error for q in quantisation.numbers(made) if q.wanted), default=0.0)
 
 
-def _moved(made: Firmware, controller: Callable[[int], Controller], task: Task) -> Moved | None:
+def _moved(made: Firmware, controller: Callable[[int], Controller], task: Task) -> Comparison | None:
     """Run the task under both; None where this machine has no C compiler."""
     try:
         host.compiler()
     except WorkbenchError:
         return None
-    count, scenarios = task.loop.count, task.scenarios()
-    whole = count * np.floor(scenarios.target / count + 0.5)
-    scenarios = replace(scenarios, target=whole)
-    law = task.run(controller(scenarios.lanes), scenarios)
-    run = run_firmware(made, task.plant, task.loop, scenarios, task.duration, task.criteria)
-    samples, same = same_bits(made, run, np.broadcast_to(whole, scenarios.lanes))
-    return Moved(difference(law.final_error, run.final_error) / count, difference(law.time_1pct, run.time_1pct), samples, same)  # fmt: skip
+    scenarios = task.scenarios()
+    return comparison(made, controller(scenarios.lanes), task, scenarios)
 
 
 def summary(controller: Callable[[int], Controller], task: Task, arithmetic: str, verdict: int = 0) -> Summary:
