@@ -11,22 +11,29 @@ import json
 import sys
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from functools import cache
 from pathlib import Path
 
 FACTORS = (0.5, 2.0)
-PACKAGE = "workbench.tracing"
+PACKAGES = ("workbench.tracing", "workbench.residual")
+BESIDE = ("workbench.identification.cross_validation",)
 # What a description on the page, a plan or a file is made of: no search and no verdict reads it.
-DESCRIBES = ("maps", "output", "places", "repeats", "spectra", "wording", "where")
+DESCRIBES = ("criteria", "maps", "output", "repeats", "residual_maps", "spectra", "windows", "wording")
+
+
+@cache
+def modules() -> dict[str, str]:
+    """Short name -> module, of what a search or a verdict reads its numbers from."""
+    found = [f"{p}.{f.stem}" for p in PACKAGES for f in Path(importlib.import_module(p).__file__).parent.glob("*.py")]
+    named = {name.rpartition(".")[2]: name for name in sorted((*found, *BESIDE))}
+    return {stem: name for stem, name in named.items() if stem not in ("__init__", *DESCRIBES)}
 
 
 def numbers() -> Iterator[tuple[str, str, float]]:
     """(module, name, value) of every private number of the trace, in the order of their files."""
-    root = Path(importlib.import_module(PACKAGE).__file__).parent
-    for path in sorted(root.glob("*.py")):
-        if path.stem in DESCRIBES or path.stem == "criteria":
-            continue
-        module = importlib.import_module(f"{PACKAGE}.{path.stem}")
-        for node in ast.parse(path.read_text(encoding="utf-8")).body:
+    for stem, name in modules().items():
+        module = importlib.import_module(name)
+        for node in ast.parse(Path(module.__file__).read_text(encoding="utf-8")).body:
             targets = node.targets if isinstance(node, ast.Assign) else []
             names = [
                 x for t in targets for x in (t.elts if isinstance(t, ast.Tuple) else [t]) if isinstance(x, ast.Name)
@@ -34,13 +41,13 @@ def numbers() -> Iterator[tuple[str, str, float]]:
             for x in names:
                 value = getattr(module, x.id, None)
                 if x.id.isupper() and isinstance(value, int | float) and not isinstance(value, bool):
-                    yield path.stem, x.id, value
+                    yield stem, x.id, value
 
 
 @contextmanager
 def changed(module: str, name: str, value: float) -> Iterator[None]:
     """While it lasts the number has another value, in its module and wherever it was imported by that name."""
-    home = sys.modules[f"{PACKAGE}.{module}"]
+    home = importlib.import_module(modules()[module])
     before = getattr(home, name)
     held = [m for key, m in sys.modules.items() if key.startswith("workbench.") and getattr(m, name, None) is before]
     own = [m for m in held if m is home or comes_from(m, module, name)]
@@ -58,7 +65,7 @@ def comes_from(module, home: str, name: str) -> bool:
     source = Path(module.__file__).read_text(encoding="utf-8")
     return any(
         isinstance(node, ast.ImportFrom)
-        and node.module == f"{PACKAGE}.{home}"
+        and node.module == modules()[home]
         and name in {a.asname or a.name for a in node.names}
         for node in ast.walk(ast.parse(source))
     )

@@ -18,9 +18,9 @@ from workbench.record import VALIDATION
 from workbench.report import drawing
 from workbench.report.contents import Chapter, Figure, Marked, Paragraph, Table
 from workbench.report.numbers import percent, plus_minus
+from workbench.residual.orders import order_spectrum
 from workbench.study import standard
 from workbench.study.outcome import Outcome
-from workbench.tracing.starts import order_spectrum
 from workbench.tracing.tracing import trace
 
 ONLY = (

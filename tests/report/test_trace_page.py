@@ -10,15 +10,16 @@ from report_example import records, study, trace
 from workbench.cli import main
 from workbench.errors import WorkbenchError
 from workbench.identification.fit import inverse_dynamics
-from workbench.report import where_figures, write
+from workbench.report import residual_figures, write
 from workbench.report.chapters import standard
 from workbench.report.contents import Figure, Heading, Items, Table
+from workbench.report.residual_maps import where_it_lives as chapter
 from workbench.report.unknown import Shade
-from workbench.report.where import where as chapter
+from workbench.residual.residual_maps import as_list, map_residual
+from workbench.residual.window import BACKWARD, EITHER, FORWARD
 from workbench.study import traced
 from workbench.tracing.output import as_dict
 from workbench.tracing.result import NOTHING, UNKNOWN
-from workbench.tracing.where import as_list, where
 
 
 @pytest.fixture(scope="module")
@@ -28,7 +29,11 @@ def passes():
 
 @pytest.fixture(scope="module")
 def found(passes):
-    return where(passes, trace())
+    return mapped(passes, trace())
+
+
+def mapped(passes, found):
+    return map_residual(passes, found.before, found.extended)
 
 
 def figures(found) -> dict[str, Figure]:
@@ -58,7 +63,7 @@ def test_axes_have_names_and_units_and_models_a_legend(found):
 
 
 def test_of_a_model_with_nothing_missing_there_is_one_curve(passes):
-    found = where(passes, trace(NOTHING))
+    found = mapped(passes, trace(NOTHING))
     assert found[0].after is None
     assert "extended model" not in figures(found)["where_torque_time"].svg().decode()
     table = next(b for b in chapter(found).blocks if isinstance(b, Table))
@@ -70,7 +75,7 @@ def test_the_title_over_time_is_a_finding(found, passes):
     said = figures(found)["where_torque_time"].alt
     assert re.search(r"is [\d.]+ to [\d.]+ times smaller with the extended model|times larger between", said)
     assert re.search(
-        r"is [\d.]+ to [\d.]+ mN·m rms|times larger", figures(where(passes, trace(NOTHING)))["where_torque_time"].alt
+        r"is [\d.]+ to [\d.]+ mN·m rms|times larger", figures(mapped(passes, trace(NOTHING)))["where_torque_time"].alt
     )
 
 
@@ -82,7 +87,7 @@ def test_places_of_both_models_are_plain_numbers(found):
 
 
 def test_the_page_of_a_trace_has_its_own_name_and_its_chapters_once(found, tmp_path):
-    result = replace(study(), where=found, kind="Trace of campaign")
+    result = replace(study(), residual_maps=found, kind="Trace of campaign")
     titles = [c.title for c in standard(result)]
     assert titles.count("Where the residual lives") == 1 and len(set(titles)) == len(titles)
     write(result, tmp_path, "trace")
@@ -103,7 +108,7 @@ def unexplained(passes, found, **place):
         "times_calm_outside": 1.1,
         "direction": "either direction",
     } | place
-    return replace(result, trace=replace(result.trace, unknown=known), where=where(passes, result.trace))
+    return replace(result, trace=replace(result.trace, unknown=known), residual_maps=mapped(passes, result.trace))
 
 
 @pytest.mark.parametrize(
@@ -124,13 +129,13 @@ def test_where_something_unknown_lives_is_said_shaded_and_the_title_of_its_figur
 ):
     result = unexplained(passes, found, **place)
     drawn = []
-    shading = where_figures.shaded
-    monkeypatch.setattr(where_figures, "shaded", lambda a, spans, *f: (drawn.extend(spans), shading(a, spans, *f)))
+    shading = residual_figures.shaded
+    monkeypatch.setattr(residual_figures, "shaded", lambda a, spans, *f: (drawn.extend(spans), shading(a, spans, *f)))
     chapter = next(c for c in standard(result) if c.title == "Where the residual lives")
     assert isinstance(chapter.blocks[0], Heading) and chapter.blocks[0].text == "Where it lives"
     for block in (b for b in chapter.blocks if isinstance(b, Figure)):
         svg = block.svg().decode()
-        assert (where_figures.LIVES in svg) == (block.name == figure)
+        assert (residual_figures.LIVES in svg) == (block.name == figure)
         if block.name == figure:
             assert (
                 re.sub(r"\s+", " ", re.search("<title>(.*?)</title>", svg, re.DOTALL)[1])
@@ -142,11 +147,9 @@ def test_where_something_unknown_lives_is_said_shaded_and_the_title_of_its_figur
 
 
 def test_speeds_are_shaded_on_both_sides_of_zero():
-    speeds = Shade("velocity", ((1.0, 2.0),), "both ways", "")
-    assert speeds.over("velocity", "forward") == ((1.0, 2.0),) and speeds.over("velocity", "backward") == (
-        (-2.0, -1.0),
-    )
-    assert replace(speeds, way="forward").over("velocity", "backward") == () == speeds.over("position", "forward")
+    speeds = Shade("velocity", ((1.0, 2.0),), EITHER, "")
+    assert speeds.over("velocity", FORWARD) == ((1.0, 2.0),) and speeds.over("velocity", BACKWARD) == ((-2.0, -1.0),)
+    assert replace(speeds, direction=FORWARD).over("velocity", BACKWARD) == () == speeds.over("position", FORWARD)
 
 
 def test_the_unit_of_an_unknown_place_is_told(passes, found):

@@ -278,10 +278,10 @@ def test_a_private_number_is_changed_wherever_it_was_imported_to_and_put_back():
 
 
 def test_numbers_of_one_name_in_two_modules_are_two():
-    from workbench.tracing import jumps, localise
+    from workbench.residual import change_points, localisation
 
-    with changed("jumps", "MOST", 1):
-        assert jumps.MOST == 1 != localise.MOST
+    with changed("change_points", "MOST", 1):
+        assert change_points.MOST == 1 != localisation.MOST
     named = [(module, name) for module, name, _ in numbers()]
     assert len(set(named)) == len(named) > 50 and ("ranking", "LEADING") in named
 

@@ -10,12 +10,12 @@ import rig
 
 from workbench.campaign import Campaign, load
 from workbench.definition import find
+from workbench.identification.cross_validation import HeldOut, gain
 from workbench.identification.fit import identify, inverse_dynamics
 from workbench.plant import ONE_MASS, TWO_MASS, Plant
 from workbench.tracing.candidates import suspects
 from workbench.tracing.output import as_dict, write
 from workbench.tracing.result import CAUSE, NOTHING, UNKNOWN, Trace
-from workbench.tracing.score import HeldOut, gain
 from workbench.tracing.tracing import trace
 from workbench.tracing.whole import borne_out
 

@@ -10,6 +10,7 @@ import rig
 
 from workbench.campaign import Campaign, load
 from workbench.definition import find
+from workbench.identification.cross_validation import HeldOut, followed
 from workbench.identification.fit import fitted_on, inverse_dynamics
 from workbench.identification.passes import InverseDynamics
 from workbench.identification.problem import Problem
@@ -22,7 +23,6 @@ from workbench.tracing.greedy import Step, earned, promised
 from workbench.tracing.judge import STANDARD, ScoredCandidate, judged
 from workbench.tracing.ranking import simplest_first
 from workbench.tracing.result import CAUSE, NOTHING, CandidateScore
-from workbench.tracing.score import HeldOut, followed
 from workbench.tracing.selection import Answer
 from workbench.tracing.state import State
 from workbench.tracing.tracing import trace

@@ -13,8 +13,8 @@ from workbench.report.opening import CAUTIONS, finding, records
 from workbench.report.recommend import RECOMMENDED
 from workbench.report.required import required
 from workbench.report.residual import residual
-from workbench.report.unknown import lives, shade
-from workbench.report.where import where
+from workbench.report.residual_maps import where_it_lives
+from workbench.report.unknown import localised, shade
 from workbench.report.wording import said, typeset
 
 __all__ = [
@@ -28,7 +28,7 @@ __all__ = [
     "records",
     "residual",
     "standard",
-    "where",
+    "where_it_lives",
 ]
 OF_GAINS = ("gains", "schedule")  # subjects of findings that belong to the chapters of the study
 
@@ -37,9 +37,9 @@ def standard(result: StudyResult) -> tuple[Chapter, ...]:
     """Return all chapters; those of the study itself stand between the description and the requirements. No sentence of a list
     or a paragraph is there twice."""
     chapters = [finding(result), records(result), declared(result), residual(result)]
-    unknown = (Heading("Where it lives"), lives(result)) if result.trace.unknown else ()
-    if result.where:
-        chapters.append(where(result.where, unknown, shade(result)))
+    unknown = (Heading("Where it lives"), localised(result)) if result.trace.unknown else ()
+    if result.residual_maps:
+        chapters.append(where_it_lives(result.residual_maps, unknown, shade(result)))
     elif unknown:
         chapters.append(Chapter("Where the residual lives", unknown))
     chapters.append(cause(result))

@@ -16,8 +16,8 @@ from workbench.finding import Finding
 from workbench.plant import Plant
 from workbench.record import Record
 from workbench.report.advice import Advice
+from workbench.residual.residual_maps import ResidualMaps
 from workbench.tracing.result import Trace
-from workbench.tracing.where import Where
 
 GOOD, BAD, QUIET, STRONG, CODE, PLAIN = "good", "bad", "quiet", "strong", "code", "plain"
 
@@ -171,7 +171,7 @@ class Chapter:
 class StudyResult:
     """All that one study found, or one trace.
 
-    kind: "Study", or what else the report is of. where: what the residuals follow; nothing where it was not looked at.
+    kind: "Study", or what else the report is of. residual_maps: what the residuals follow; nothing where it was not looked at.
 
     name: of the study; title: of the report; question: one line, what the study asks. campaign: its title. plant: as
     declared. bandwidth: of the evaluation filter, Hz. equivalent: effects with their description over amplitude.
@@ -192,7 +192,7 @@ class StudyResult:
     checks: tuple[Check, ...] = ()
     findings: tuple[Finding, ...] = ()
     chapters: Sequence[Chapter] = ()
-    where: tuple[Where, ...] = ()
+    residual_maps: tuple[ResidualMaps, ...] = ()
     kind: str = "Study"
     tuned: str = ""
     advice: Advice | None = None

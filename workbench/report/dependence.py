@@ -9,7 +9,7 @@ from workbench.identification.result import Fit, Series
 from workbench.report import figures, numbers
 from workbench.report.contents import Figure, StudyResult
 from workbench.report.wording import listed
-from workbench.tracing.maps import BINS, borders
+from workbench.residual.maps import BINS, borders
 
 LEAST = 0.1  # share of the residual power from which a coordinate is said to explain it
 SHOWN = 2  # coordinates in the figure

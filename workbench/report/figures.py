@@ -9,7 +9,7 @@ from workbench.identification.result import Series
 from workbench.report import drawing, numbers
 from workbench.report.drawing import AFTER, BEFORE, GRID, INK, MEASURED, MUTED, SERIES, STYLES, envelope
 from workbench.report.wording import title as title_of
-from workbench.tracing.maps import borders
+from workbench.residual.maps import borders
 from workbench.tracing.result import CandidateScore
 
 WITH, WITHOUT = {"color": AFTER, "linestyle": "-"}, {"color": BEFORE, "linestyle": (0, (4, 1.5))}

@@ -20,7 +20,7 @@ STILL = 0.2  # of the velocity's rms
 def residual(result: StudyResult) -> Chapter:
     """The residual in time, and against the coordinate that it follows."""
     trace = result.trace
-    after = trace.after if trace.causes else None
+    after = trace.extended
     names = _shown(trace.before)
     return Chapter("The residual before and after" if after else "The residual", (
         Paragraph(

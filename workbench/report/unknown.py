@@ -7,28 +7,29 @@ from workbench.finding import capital
 from workbench.report import numbers
 from workbench.report.contents import Items, StudyResult
 from workbench.report.wording import listed, span
-from workbench.tracing.maps import BACKWARD, BOTH, TIME, WAYS
+from workbench.residual.maps import TIME
+from workbench.residual.window import BACKWARD, DIRECTIONS, EITHER
 
 SPANS = 12  # told in words
 
 
 @dataclass(frozen=True)
 class Shade:
-    """What is shaded: spans (low, high) of a coordinate, SI, of speed where that is velocity; in graphs of one way or of both.
+    """What is shaded: spans (low, high) of a coordinate, SI, of speed where that is velocity; in graphs of one direction or of both.
 
     title: the finding of the figure in which it is.
     """
 
     coordinate: str
     spans: tuple[tuple[float, float], ...]
-    way: str
+    direction: int
     title: str
 
-    def over(self, coordinate: str, way: str = BOTH) -> tuple[tuple[float, float], ...]:
-        """Return the spans to be shaded in a graph over this coordinate, of this way of motion."""
-        if coordinate != self.coordinate or (BOTH not in (way, self.way) and way != self.way):
+    def over(self, coordinate: str, direction: int = EITHER) -> tuple[tuple[float, float], ...]:
+        """Return the spans to be shaded in a graph over this coordinate, of this direction of motion."""
+        if coordinate != self.coordinate or (EITHER not in (direction, self.direction) and direction != self.direction):
             return ()
-        if coordinate == "velocity" and way == BACKWARD:
+        if coordinate == "velocity" and direction == BACKWARD:
             return tuple((-high, -low) for low, high in self.spans)
         return self.spans
 
@@ -43,8 +44,7 @@ def shade(result: StudyResult) -> Shade | None:
         f"{numbers.percent(unknown['share'])} of {of} above what noise leaves at least lives {_whereabouts(unknown)}"
     )
     spans = tuple((low, high) for low, high in unknown["spans"])
-    way = unknown["direction"] if unknown["direction"] in WAYS else BOTH
-    return Shade(unknown["coordinate"], spans, way, title)
+    return Shade(unknown["coordinate"], spans, _direction(unknown), title)
 
 
 def _whereabouts(unknown: Mapping[str, object]) -> str:
@@ -52,11 +52,17 @@ def _whereabouts(unknown: Mapping[str, object]) -> str:
     spans, unit = unknown["spans"], unknown["unit"]
     if unknown["coordinate"] == TIME and len(spans) > 1:
         return f"at {len(spans)} moments"
-    way = f", moving {unknown['direction']}" if unknown["direction"] in WAYS else ""
+    direction = _direction(unknown)
+    way = f", moving {DIRECTIONS[direction]}" if direction else ""
     return listed([span(low, high, unit) for low, high in spans]) + way
 
 
-def lives(result: StudyResult) -> Items:
+def _direction(unknown: Mapping[str, object]) -> int:
+    """Return the direction of motion in which it lives, from the word for it."""
+    return next(d for d, word in DIRECTIONS.items() if word == unknown["direction"])
+
+
+def localised(result: StudyResult) -> Items:
     """Where an unexplained residual lives, in words."""
     unknown = result.trace.located
     facts = []

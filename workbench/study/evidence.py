@@ -14,7 +14,7 @@ from workbench.identification.result import Fit
 from workbench.plant import Plant
 from workbench.record import IDENTIFICATION, ROLES, VALIDATION
 from workbench.report.contents import Table
-from workbench.tracing.repeats import between, repeats
+from workbench.residual.repeats import between, repeats
 from workbench.tracing.result import Trace
 from workbench.tracing.tracing import trace
 

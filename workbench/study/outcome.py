@@ -10,14 +10,14 @@ from workbench.finding import Finding
 from workbench.plant import Plant
 from workbench.record import Record
 from workbench.report.contents import Chapter
+from workbench.residual.residual_maps import ResidualMaps
 from workbench.tracing.result import Trace
-from workbench.tracing.where import Where
 
 
 @dataclass(frozen=True, eq=False)
 class Outcome:
     """plant: as declared. campaign: its title. bandwidth: of the evaluation filter, Hz. trace: with the fits before and
-    after. where: what its residuals follow. equivalents: described effects. figures: name -> number or word, by which
+    after. residual_maps: what its residuals follow. equivalents: described effects. figures: name -> number or word, by which
     requirements are judged; units: name -> unit of a figure ("1" where absent). chapters: further chapters of the report.
     tables: further content of results.json. files: writers of further outputs, called with the study's output folder.
     """
@@ -34,7 +34,7 @@ class Outcome:
     findings: tuple[Finding, ...] = ()
     tables: Mapping[str, object] = field(default_factory=dict)
     files: tuple[Callable[[Path], None], ...] = ()
-    where: tuple[Where, ...] = ()
+    residual_maps: tuple[ResidualMaps, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)

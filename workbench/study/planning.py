@@ -79,9 +79,9 @@ def basis(campaign: Campaign, say: Callable[[str], None] = lambda _: None) -> Ba
 
 def _excess_of(fit: Fit, passes: tuple[InverseDynamics, ...]) -> float:
     """Return the rms that a fit leaves of the drive over what noise and encoder counts alone would leave."""
-    from workbench.tracing.floor import levels
+    from workbench.residual.noise_floor import noise_rms
 
-    alone = levels(fitted_on(passes), fit.plant)
+    alone = noise_rms(fitted_on(passes), fit.plant)
     least = float(np.sqrt(np.mean(np.array(list(alone.values())) ** 2)))
     return fit.rms[IDENTIFICATION] / least if least > 0.0 else 1.0
 
@@ -123,7 +123,7 @@ def _suspect(basis: Basis, text: str) -> tuple[Plant, Effect, float]:
     declared = Problem(plant, records)
     beside, found = fitted(chosen, declared, solve(declared), _residuals(basis.fit, records))
     problem = beside.free
-    solution = solve(problem, beside.onward(found))
+    solution = solve(problem, beside.free_start(found))
     effect = problem.with_linear(problem.with_shape(solution.theta), solution.c)[chosen.key]
     return plant, effect, float(np.sqrt(solution.cost / solution.y.size))
 

@@ -31,7 +31,7 @@ def report_of(
         checks=tuple(judged),
         findings=outcome.findings,
         chapters=outcome.chapters,
-        where=outcome.where,
+        residual_maps=outcome.residual_maps,
         tuned=outcome.tables.get("tuned_plant", {}).get("digest", ""),
         advice=advice_of(outcome.tables, _recommended_files(folder), outcome.plant.displacement),
         answer=answer(study, outcome) or worth_in_short(outcome.tables, outcome.plant.displacement),

@@ -154,13 +154,13 @@ def _written(study: Study, outcome, place: Path, digest: str, say: Callable[[str
 
     judged = results.checks(study, outcome)
     from workbench.report import write as write_report
+    from workbench.residual.residual_maps import as_list
     from workbench.study.reporting import headline, list_again, report_of
     from workbench.tracing.output import write as write_trace
-    from workbench.tracing.where import as_list
 
     say("writing the report")
     with whole(place, stamp.FILE) as beside:
-        write_trace(outcome.trace, beside, {"where": as_list(outcome.where)} if outcome.where else {})
+        write_trace(outcome.trace, beside, {"where": as_list(outcome.residual_maps)} if outcome.residual_maps else {})
         for writer in outcome.files:
             writer(beside)
         report = report_of(study, outcome, judged, beside, _input_files(study))

@@ -11,11 +11,11 @@ from workbench.errors import WorkbenchError
 from workbench.identification.fit import inverse_dynamics
 from workbench.plant import Plant
 from workbench.record import IDENTIFICATION, VALIDATION
+from workbench.residual.residual_maps import map_residual
 from workbench.study.configuration import Study
 from workbench.study.outcome import Outcome
 from workbench.tracing.result import Trace
 from workbench.tracing.tracing import trace
-from workbench.tracing.where import where
 
 Say = Callable[[str], None]
 
@@ -92,7 +92,7 @@ def run(study: Study, say: Say) -> Outcome:
         trace=found,
         records=campaign.records,
         equivalents=equivalents,
-        where=where(passes, found),
+        residual_maps=map_residual(passes, found.before, found.extended),
         figures=trace_figures(found),
         findings=(*campaign.findings, *found.findings, *found.after.findings),
     )

@@ -16,11 +16,11 @@ from workbench.report import write as write_page
 from workbench.report.closed_loop import absent, heading
 from workbench.report.closed_loop import closing as closing_chapter
 from workbench.report.contents import Recorded, StudyResult
+from workbench.residual.residual_maps import as_list, load_as_dict, map_residual
 from workbench.tracing.calibration import as_dict, calibrations, finding
 from workbench.tracing.output import write
 from workbench.tracing.result import Trace
 from workbench.tracing.tracing import trace
-from workbench.tracing.where import as_list, load_as_dict, where
 from workbench.verification.closed_loop import ClosedLoop, close, lacking
 from workbench.verification.closed_loop import as_dict as loop_as_dict
 
@@ -49,8 +49,8 @@ def run(campaign: Campaign, out: Path, say: Say = lambda _: None, closing: bool 
     say("writing the page")
     result = _page(campaign, passes, found, closed)
     more = {
-        "nrmse_load": load_as_dict(result.where),
-        "where": as_list(result.where),
+        "nrmse_load": load_as_dict(result.residual_maps),
+        "where": as_list(result.residual_maps),
         "calibrations": [as_dict(c) for c in phases],
         "closed_loop": {"missing": closed} if isinstance(closed, str) else closed and loop_as_dict(closed),
     }
@@ -96,7 +96,7 @@ def _page(
         trace=found,
         findings=(*campaign.findings, *found.findings, *found.after.findings),
         chapters=chapters,
-        where=where(passes, found),
+        residual_maps=map_residual(passes, found.before, found.extended),
         kind="Trace of campaign",
         command=f"workbench trace {f'{folder.parent.name}/{FOLDER}' if folder.name == FOLDER else folder.name}",
         answer=f"{heading(found, closed)}." if isinstance(closed, ClosedLoop) else "",

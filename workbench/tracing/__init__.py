@@ -8,7 +8,6 @@ HELD = {
     "Evidence": "evidence",
     "Trace": "result",
     "Verdict": "decide",
-    "Where": "where",
     "calibrations": "calibration",
     "trace": "tracing",
     "write": "output",

@@ -15,9 +15,9 @@ from workbench.identification.passes import InverseDynamics, balances, predicted
 from workbench.identification.solve import NoValue
 from workbench.motion import motion
 from workbench.plant import Plant
+from workbench.residual.noise_floor import read_again
 from workbench.tracing.candidates import Candidate
 from workbench.tracing.decimation import thin_one
-from workbench.tracing.floor import read_again
 from workbench.tracing.result import CandidateScore
 from workbench.tracing.search import fitted, within_reach
 from workbench.tracing.state import State

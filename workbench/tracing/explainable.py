@@ -16,11 +16,11 @@ from math import sqrt
 
 import numpy as np
 
+from workbench.identification.cross_validation import Deviations, parted
 from workbench.identification.passes import InverseDynamics
 from workbench.motion import MOTION_BAND, LowPass
 from workbench.tracing.criteria import Criteria
 from workbench.tracing.evidence import Explainable
-from workbench.tracing.score import Deviations, parted
 from workbench.tracing.state import State
 
 BLOCK = 0.7  # s, left out together: longer than the memory of filters and of trees over neighbouring samples

@@ -13,8 +13,9 @@ from workbench.errors import WorkbenchError
 from workbench.identification.bodies import POSITION, VELOCITY
 from workbench.identification.passes import InverseDynamics
 from workbench.plant import Plant, places
+from workbench.residual.orders import order_spectrum, peaks
 from workbench.tracing.candidates import ADDITION, Candidate, needless
-from workbench.tracing.starts import order_spectrum, peaks, resolved
+from workbench.tracing.starts import resolved
 
 MEMORY = "friction with memory"
 PERIODIC = ("force over position", "friction over position")

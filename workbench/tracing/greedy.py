@@ -4,10 +4,10 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 from workbench.identification.passes import InverseDynamics
+from workbench.residual.noise_floor import noise_rms, with_stationary
 from workbench.tracing.candidates import Offer
 from workbench.tracing.counted import by_counts, quantisation_bias
 from workbench.tracing.criteria import Criteria
-from workbench.tracing.floor import levels, steadied
 from workbench.tracing.free_law import free_law
 from workbench.tracing.judge import Progress, ScoredCandidate, lighter
 from workbench.tracing.ranking import step
@@ -42,10 +42,10 @@ def extended(
     freshly: a state with its free virgin curves found anew.
     """
     found: list[Step] = []
-    quiet = levels(whole, state.plant)
+    quiet = noise_rms(whole, state.plant)
     credit: ScoredCandidate | None = None
     for _ in range(criteria.steps):
-        level = steadied(quiet, whole, state.steady)
+        level = with_stationary(quiet, whole, state.steady)
         judgements = step(state, progress, offer, criteria)
         least = criteria.plain if noise_alone(state, level, PLAIN) else 0.0
         best = leading(judgements, least)
@@ -64,7 +64,7 @@ def extended(
         if best is None:
             break
         state = freshly(best.state)
-        quiet = levels(whole, state.plant)
+        quiet = noise_rms(whole, state.plant)
     return earned(found)
 
 

@@ -7,13 +7,13 @@ import numpy as np
 
 from workbench.effects.free_bank import NAME as FREE_CURVE
 from workbench.finding import capital, title
+from workbench.identification.cross_validation import HeldOut, gain, held_out
 from workbench.identification.problem import Problem
 from workbench.identification.solve import NoValue
 from workbench.plant import Plant
 from workbench.tracing.candidates import ADDITION, Candidate
 from workbench.tracing.criteria import Criteria
 from workbench.tracing.result import CandidateScore
-from workbench.tracing.score import HeldOut, gain, held_out
 from workbench.tracing.search import fitted, suspected
 from workbench.tracing.smallest import Smallest, smallest
 from workbench.tracing.state import Refitted, State
@@ -61,7 +61,7 @@ def judged(state: State, suspect: Candidate, criteria: Criteria) -> dict:
         "candidate": _scored(state, suspect, errors, solution.cost, criteria),
         "errors": errors,
         "freedom": _freedom(suspect.plant),
-        "theta": problem.onward(solution),
+        "theta": problem.free_start(solution),
         "shows": smallest(suspect.key, suspect.kind != ADDITION, problem, solution, state.absorbed, criteria.share),
     }
 

@@ -10,10 +10,10 @@ from functools import cached_property
 import numpy as np
 
 from workbench.definition import FORCE
+from workbench.identification.cross_validation import from_normal, shape_room
 from workbench.identification.problem import Problem, needed_by, stacked
 from workbench.identification.solve import Solution, solved_at
 from workbench.plant import Plant
-from workbench.tracing.score import from_normal, shape_room
 
 
 class Linearised(Problem):
@@ -120,7 +120,7 @@ class Linearised(Problem):
         """The problem with everything free."""
         return Problem(_freed(self.plant, self.base), self.passes)
 
-    def onward(self, found: Solution) -> np.ndarray:
+    def free_start(self, found: Solution) -> np.ndarray:
         """Return where `found` says that the search with everything free should start."""
         deviation = found.c[len(self.free_linear) :]
         start = dict(zip(self.base.free_shape, self.solution.theta + deviation, strict=True))

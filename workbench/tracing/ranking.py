@@ -8,13 +8,13 @@ from dataclasses import replace
 
 from workbench.definition import TIME, catalogue, simpler
 from workbench.effects.free_bank import NAME as FREE_CURVE
+from workbench.identification.cross_validation import gain
 from workbench.plant import TWO_MASS
 from workbench.processes import shared
 from workbench.tracing.candidates import ADDITION, WHOLE, Offer
 from workbench.tracing.criteria import Criteria
 from workbench.tracing.judge import STANDARD, Progress, ScoredCandidate, free_of, judged, refitted, refitted_as
 from workbench.tracing.plausible import implausible
-from workbench.tracing.score import gain
 from workbench.tracing.state import Refitted, State
 
 LEADING = 6  # candidates that are fitted again with everything free

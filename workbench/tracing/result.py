@@ -114,6 +114,11 @@ class Trace:
         return {**self.unknown, **({"unit": unit} if unit else {})}
 
     @property
+    def extended(self) -> Fit | None:
+        """Fit of the extended plant; None where nothing was added."""
+        return self.after if self.causes else None
+
+    @property
     def added(self) -> tuple[str, ...]:
         """Names of the effects in the extended model that the declared one lacks, as the catalogue has them, each once."""
         return tuple(dict.fromkeys(c.effect.partition(" ")[0] for c in self.causes))

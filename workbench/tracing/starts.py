@@ -15,33 +15,12 @@ from workbench.identification.deflection import deflection_of
 from workbench.identification.passes import InverseDynamics
 from workbench.identification.problem import to_search
 from workbench.plant import Plant
+from workbench.residual.orders import order_spectrum, peaks
 
-BINS = 1 << 14  # of position, for the spectrum over angle
-PEAKS = 4  # orders tried, the largest first, beside the known ones
 MOST = 64  # starts a candidate
 SHORTEST = 4.0  # counts, of the shortest stroke that is tried
 STROKES, APART = 6, 8.0  # strokes tried at most, and the factor between two of them
 SLOW = 0.05  # share of the distance travelled at a speed at which a wave must pass the evaluation filter
-
-
-def order_spectrum(passes: Sequence[InverseDynamics], residuals: Sequence[np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
-    """Return (orders, amplitude): |sum r exp(-i k q)| 2/N over all records, k in 1/x up to half the bins.
-
-    residuals: (n,) each, zero where nothing counts. Padded four times, so that a peak is found within a quarter of the
-    resolution 2 pi/travel.
-    """
-    low = min(float(p.motion.q.min()) for p in passes)
-    high = max(float(p.motion.q.max()) for p in passes)
-    width = max(high - low, 1e-300) / BINS
-    total = np.zeros(BINS)
-    for p, r in zip(passes, residuals, strict=True):
-        index = np.clip(((p.motion.q - low) / width).astype(int), 0, BINS - 1)
-        # a dwell would put many samples into one bin: weigh samples by the distance they cover
-        weight = np.abs(p.motion.v) * p.motion.dt / width
-        total += np.bincount(index, weights=r * np.minimum(weight, 1.0), minlength=BINS)
-    spectrum = np.abs(np.fft.rfft(total, 4 * BINS))
-    orders = 2 * np.pi * np.arange(spectrum.size) / (4 * BINS * width)
-    return orders, 2 * spectrum / max(np.count_nonzero(total), 1)
 
 
 def resolved(passes: Sequence[InverseDynamics]) -> float:
@@ -58,23 +37,6 @@ def resolved(passes: Sequence[InverseDynamics]) -> float:
         slow = float(speed[np.searchsorted(distance, SLOW * distance[-1])])
         least = min(least, slow / (2 * np.pi * p.motion.filter.bandwidth))
     return min(1.0 / max(least, 1e-300), np.pi / max(counts, 1e-300))
-
-
-def peaks(orders: np.ndarray, amplitude: np.ndarray, travel: float, most: float = np.inf) -> list[float]:
-    """Return the orders of the largest local maxima with at least one period in the travel, and no higher than `most`."""
-    middle = orders[1:-1]
-    inside = np.flatnonzero(
-        (amplitude[1:-1] > amplitude[:-2])
-        & (amplitude[1:-1] >= amplitude[2:])
-        & (middle * travel > 2 * np.pi)
-        & (middle <= most)
-    )
-    best = sorted(inside + 1, key=lambda i: -amplitude[i])[: 4 * PEAKS]
-    chosen: list[float] = []
-    for i in best:  # a lobe of a larger peak is no order of its own
-        if all(abs(orders[i] - c) * travel > 4 * np.pi for c in chosen):
-            chosen.append(float(orders[i]))
-    return chosen[:PEAKS]
 
 
 def strokes(passes: Sequence[InverseDynamics], plant: Plant, at: str) -> list[float]:

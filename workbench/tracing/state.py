@@ -7,12 +7,12 @@ from math import isclose
 
 import numpy as np
 
+from workbench.identification.cross_validation import HeldOut, held_out
 from workbench.identification.passes import InverseDynamics
 from workbench.identification.problem import Problem
 from workbench.identification.solve import ITERATIONS, scales, solve
 from workbench.plant import Plant
-from workbench.tracing.floor import calm
-from workbench.tracing.score import HeldOut, held_out
+from workbench.residual.noise_floor import stationary_rms
 
 ALIKE_RATES = 1e-6  # relative difference of two sample times that are one: a record's comes from its stamps
 POLISHED = 3  # steps from a fit that led to one that others are judged beside
@@ -66,7 +66,7 @@ class State:
         """Rms of the residual's steady part."""
         first = self.passes[0].motion
         parts = zip(self.passes, self.problem.drive_part(self.solution.residual), strict=True)
-        return calm(
+        return stationary_rms(
             [r for p, r in parts if isclose(p.motion.dt, first.dt, rel_tol=ALIKE_RATES)],
             first.dt,
             first.filter.bandwidth,

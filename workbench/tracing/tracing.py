@@ -12,6 +12,8 @@ from workbench.identification.result import Fit
 from workbench.identification.solve import NoValue
 from workbench.keeping import kept
 from workbench.plant import TWO_MASS, Plant
+from workbench.residual.noise_floor import floor as noise_floor
+from workbench.residual.noise_floor import noise_rms
 from workbench.threads import one_thread
 from workbench.tracing.candidates import Offer, within_tolerance
 from workbench.tracing.criteria import Criteria
@@ -19,8 +21,6 @@ from workbench.tracing.decide import CAUSE, NOT_BORNE_OUT, REFINEMENT, Verdict, 
 from workbench.tracing.decimation import decimate
 from workbench.tracing.evidence import CORRECTION, Evidence, Weighed
 from workbench.tracing.explainable import explainable
-from workbench.tracing.floor import floor as noise_floor
-from workbench.tracing.floor import levels
 from workbench.tracing.judge import STANDARD, Progress, ScoredCandidate
 from workbench.tracing.near_law import as_declared
 from workbench.tracing.reporting import Confirmed, Declared, Outcome, reported
@@ -68,7 +68,7 @@ def trace(
     progress("fitting the extended model")
     found = as_declared(selected.answer.last.plant, selected.laws)
     added, fits = in_turn(late.plant, selected.answer.added, found, passes)
-    confirmed = Confirmed(added, fits, levels(passes, fits[-1].plant))
+    confirmed = Confirmed(added, fits, noise_rms(passes, fits[-1].plant))
     progress("weighing the evidence")
     evidence, place = _evidence_of(selected, confirmed, passes, criteria)
     evidence = replace(evidence, clock=late.skew is not None, idle=late.idle is not None)

@@ -5,11 +5,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from workbench.identification.cross_validation import Deviations
+from workbench.residual.change_points import with_change_points
+from workbench.residual.localisation import change_windows, localise, plainer
+from workbench.residual.samples import Samples, excess_of, left_in, samples
+from workbench.residual.window import DIRECTIONS, Window, local
 from workbench.tracing.evidence import Evidence
-from workbench.tracing.jumps import beside
-from workbench.tracing.localise import jumped, lives, plainer
-from workbench.tracing.place import WAYS, Place, Samples, excess_of, local, samples, score, weighed
-from workbench.tracing.score import Deviations
 from workbench.tracing.state import State
 
 PLAIN = 2.0  # residual over floor from which something is plainly left
@@ -25,11 +26,11 @@ ALONE = 4.0  # rms inside a place over rms outside, from which there is little b
 class Unexplained:
     """place: where it lives, None where nowhere in particular. times: residual over what is calm of it."""
 
-    place: Place | None
+    place: Window | None
     times: float
 
 
-def instead(declared: State, last: State, level: Mapping[str, float]) -> Place | None:
+def instead(declared: State, last: State, level: Mapping[str, float]) -> Window | None:
     """Return the place that says more of the declared model's residual than the added effects do, or None.
 
     level: record -> rms of what is calm with the effects in place. Where most of the excess lives in one place and the effects
@@ -46,8 +47,8 @@ def instead(declared: State, last: State, level: Mapping[str, float]) -> Place |
     alone = brief and place.inside > ALONE * place.outside
     if not alone:
         return None
-    left = weighed(place, last.solution.residual, known).inside
-    return place if left > max(LEFT, STAYS * weighed(place, declared.solution.residual, known).inside) else None
+    left = left_in(place, last.solution.residual, known).inside
+    return place if left > max(LEFT, STAYS * left_in(place, declared.solution.residual, known).inside) else None
 
 
 def unexplained(state: State, level: Mapping[str, float]) -> Unexplained:
@@ -72,39 +73,41 @@ def _times(state: State, known: Samples) -> float:
     return (power / floor) ** 0.5 if floor > 0 else 0.0
 
 
-def _say_more(declared: State, last: State, known: Samples) -> Place | None:
+def _say_more(declared: State, last: State, known: Samples) -> Window | None:
     """Return the jumps of the level that say more than the added effects do, or None.
 
     Jumps that are nearly all that the declared model leaves; or nearly all that is left with the effects, if they take away
     more beside the effects than the effects take away beside them.
     """
-    alone = _living(declared, known, jumped)
+    alone = _living(declared, known, change_windows)
     if alone and alone.share > EXPLAINED:
         return alone
-    rest = _living(last, known, jumped)
+    rest = _living(last, known, change_windows)
     if not rest or rest.share <= EXPLAINED:
         return None
     moments = [(low + high) / 2 for low, high in rest.spans]
 
     def left(state: State) -> float:
         model = Deviations(state.problem, state.solution)
-        return float(excess_of(beside(state.solution.residual, known.t, known.drive, model, moments), known).sum())
+        return float(
+            excess_of(with_change_points(state.solution.residual, known.t, known.drive, model, moments), known).sum()
+        )
 
     both = left(last)
     by_jumps = float(excess_of(last.solution.residual, known).sum()) - both
     return rest if by_jumps > left(declared) - both else None
 
 
-def _living(state: State, known: Samples, how: Callable[..., Place | None] = lives) -> Place | None:
+def _living(state: State, known: Samples, how: Callable[..., Window | None] = localise) -> Window | None:
     return how(state.solution.residual, known, Deviations(state.problem, state.solution))
 
 
-def _named(place: Place | None, state: State, known: Samples) -> Place | None:
+def _named(place: Window | None, state: State, known: Samples) -> Window | None:
     """Return the place that is named: a window, else the moments, or the jumps of the level, that hold more for their size."""
     if local(place) and place.coordinate != "time":
         return place
-    moments = [p for p in (place if local(place) else None, _living(state, known, jumped)) if p]
-    return max(moments, key=score, default=None)
+    moments = [p for p in (place if local(place) else None, _living(state, known, change_windows)) if p]
+    return max(moments, key=lambda w: w.contrast, default=None)
 
 
 def described(found: Unexplained | None, evidence: Evidence) -> dict[str, object]:
@@ -122,7 +125,7 @@ def described(found: Unexplained | None, evidence: Evidence) -> dict[str, object
         "low": min(low for low, _ in p.spans),
         "high": max(high for _, high in p.spans),
         "spans": [list(s) for s in p.spans],
-        "direction": WAYS[p.direction],
+        "direction": DIRECTIONS[p.direction],
         "share": p.share,
         "size": size.size,
         "times_calm": found.times,

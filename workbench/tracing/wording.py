@@ -8,10 +8,10 @@ from workbench.finding import BELOW_FLOOR, SOMETHING_ELSE, Finding, capital, tit
 from workbench.identification.result import Fit
 from workbench.plant import Plant
 from workbench.record import IDENTIFICATION, VALIDATION
+from workbench.residual.window import DIRECTIONS, Window, local
 from workbench.tracing.decide import CAUSE, DRESSING, NOT_BORNE_OUT, UNKNOWN, Verdict
 from workbench.tracing.evidence import ADDITION, CORRECTION, Evidence, Weighed
 from workbench.tracing.judge import ScoredCandidate
-from workbench.tracing.place import WAYS, Place, local
 from workbench.tracing.result import CandidateScore, Cause, Refinement
 from workbench.tracing.skew import Skew
 from workbench.tracing.unexplained import Unexplained
@@ -143,7 +143,7 @@ def not_carried(causes: Sequence[Cause]):
             )  # fmt: skip
 
 
-def _lives(place: Place, displacement: str) -> str:
+def _lives(place: Window, displacement: str) -> str:
     """Return "at positions from 0.1 to 0.2 rad, moving forward": where something lives, in SI units. displacement: rad or m."""
     name, unit = {
         "position": ("at positions", displacement),
@@ -152,7 +152,7 @@ def _lives(place: Place, displacement: str) -> str:
     }[place.coordinate]
     spans = ", ".join(f"{low:.4g} to {high:.4g}" for low, high in place.spans[:SPANS])
     more = f" and {len(place.spans) - SPANS} more" if len(place.spans) > SPANS else ""
-    way = f", moving {WAYS[place.direction]}" if place.direction else ""
+    way = f", moving {DIRECTIONS[place.direction]}" if place.direction else ""
     return f"{name} from {spans}{unit and f' {unit}'}{more}{way}"
 
 

@@ -112,8 +112,8 @@ def _coloured(passes: Sequence[InverseDynamics]) -> bool:
     return not falls or min(falls) > COLOURED
 
 
-def calm(residuals: Sequence[np.ndarray], dt: float, bandwidth: float) -> float:
-    """Return the rms of a residual's steady part: in each band of frequency, what its calmest quarter of time holds.
+def stationary_rms(residuals: Sequence[np.ndarray], dt: float, bandwidth: float) -> float:
+    """Return the rms of a residual's steady part: in each band of frequency, what its quietest quarter of time holds.
 
     residuals: (n,) each, behind the evaluation filter. Power in segments of SEGMENT s; of the segments the lower quartile,
     over that of as many degrees of freedom of white noise (Wilson and Hilferty 1931). What comes and goes with place, speed
@@ -137,22 +137,22 @@ def calm(residuals: Sequence[np.ndarray], dt: float, bandwidth: float) -> float:
     return float(np.sqrt(2 * total / (n * np.sum(taper**2))))
 
 
-def levels(passes: Sequence[InverseDynamics], plant: Plant, steady: float = 0.0) -> dict[str, float]:
+def noise_rms(passes: Sequence[InverseDynamics], plant: Plant, steady: float = 0.0) -> dict[str, float]:
     """Return record -> the rms of the filtered residual, in N*m or N, that drive noise and encoder counts alone would leave.
 
     The noise belongs to the drive, not to the motion: the quietest record tells it, because steps of the command look like
-    noise above the band. steady: as `steadied` takes it.
+    noise above the band. steady: as `with_stationary` takes it.
     """
     heard = [n for n in (_drive_noise(p) for p in passes) if n > 0]
     quietest = min(heard, default=0.0)
     found = {p.motion.record.name: float(np.hypot(quietest, _encoder_noise(p, plant))) for p in passes}
-    return steadied(found, passes, steady)
+    return with_stationary(found, passes, steady)
 
 
-def steadied(level: dict[str, float], passes: Sequence[InverseDynamics], steady: float) -> dict[str, float]:
+def with_stationary(level: dict[str, float], passes: Sequence[InverseDynamics], steady: float) -> dict[str, float]:
     """Return levels that are no lower than the steady part of a residual, where the drive's noise is coloured.
 
-    steady: `calm` of the residual of the model with what was added. Coloured noise (or a signal that was filtered before it
+    steady: `stationary_rms` of the residual of the model with what was added. Coloured noise (or a signal that was filtered before it
     was logged) says nothing above the band of what is inside.
     """
     if steady > 0.0 and _coloured(passes):

@@ -7,7 +7,7 @@ import pytest
 
 from workbench.motion import Motion, motion
 from workbench.record import IDENTIFICATION, Record, Source
-from workbench.tracing.repeats import between, repeats
+from workbench.residual.repeats import between, repeats
 
 DT, PERIOD, TURNS = 2e-3, 2.0, 8
 T = DT * np.arange(int(TURNS * PERIOD / DT))

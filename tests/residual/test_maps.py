@@ -13,23 +13,21 @@ from workbench.identification.carrying import load_errors
 from workbench.identification.fit import identify, inverse_dynamics
 from workbench.plant import ONE_MASS, TWO_MASS, Geometry, Plant
 from workbench.record import IDENTIFICATION, Record, Source
-from workbench.tracing.maps import (
-    BACKWARD,
+from workbench.residual.maps import (
     BINS,
-    BOTH,
-    FORWARD,
+    DIRECTION,
     STROKE,
-    WAY,
     Coordinate,
     Pooled,
     binned,
+    directions,
     maps,
     pooled,
-    ways,
 )
-from workbench.tracing.places import explained, place, places, sentence
-from workbench.tracing.spectra import half, over_frequency, over_order
-from workbench.tracing.where import angle_residual, drives, identifying, joint_stiffness
+from workbench.residual.residual_maps import angle_residual, drives, identifying, joint_stiffness
+from workbench.residual.spectra import half, over_frequency, over_order
+from workbench.residual.window import BACKWARD, DIRECTIONS, EITHER, FORWARD
+from workbench.residual.windows import explained, likeliest, sentence, windows
 
 RATE, BAND = 1000.0, 100.0
 MASS = find("inertia")(inertia=1e-3)
@@ -72,7 +70,7 @@ def noise(pool: Pooled, seed: int = 5) -> np.ndarray:
 def test_every_coordinate_is_there_with_its_unit(pool):
     assert {c.name: c.unit for c in pool.coordinates} == {
         "position": "rad", "place in a turn": "rad", "place in a motor turn": "rad", "velocity": "rad/s",
-        "acceleration": "rad/s^2", "load": "N*m", STROKE: "rad", WAY: "1",
+        "acceleration": "rad/s^2", "load": "N*m", STROKE: "rad", DIRECTION: "1",
     }  # fmt: skip
 
 
@@ -89,7 +87,7 @@ def test_mean_and_rms_of_a_known_law_are_in_its_bins(pool):
 
 def test_the_ways_part_the_samples(pool):
     velocity = of(pool, "velocity")
-    found = [binned(velocity, velocity.values, pool, way) for way in (BOTH, FORWARD, BACKWARD)]
+    found = [binned(velocity, velocity.values, pool, way) for way in (EITHER, FORWARD, BACKWARD)]
     assert found[1].count.sum() + found[2].count.sum() == pytest.approx(found[0].count.sum(), rel=1e-3)
     forward = found[1].count[found[1].centre < -0.05].sum() / found[1].count.sum()
     assert forward < 0.01  # what moves forward has a positive velocity
@@ -123,55 +121,55 @@ def test_a_bin_visited_once_has_no_standard_error():
 
 def test_stroke_is_counted_from_the_reversal():
     q = np.concatenate([np.linspace(0, 1, 101), np.linspace(1, 0.4, 61)[1:]])
-    way, stroke = ways(q, 1e-4)
+    way, stroke = directions(q, 1e-4)
     assert way[50] == 1.0 and way[-1] == -1.0
     assert stroke[100] == pytest.approx(1.0, abs=1e-3) and stroke[-1] == pytest.approx(0.6, abs=0.02)
 
 
 def test_an_axis_between_two_counts_does_not_reverse():
     q = 1e-3 * np.round(np.linspace(0, 20, 2001) + 0.4 * np.sin(np.arange(2001)))  # one count to and fro
-    way, stroke = ways(q, 1e-3)
+    way, stroke = directions(q, 1e-3)
     assert set(way[200:]) == {1.0} and np.all(np.diff(stroke) >= 0)
 
 
-# --- places ------------------------------------------------------------------------------------------------------------
+# --- windows -----------------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("way", [FORWARD, BACKWARD])
 def test_a_window_of_position_and_direction_is_found(pool, way):
     q = of(pool, "position").values
-    there = (q > 0.5) & (q < 0.9) & (pool.way == (1 if way == FORWARD else -1))
-    found = place([m for m in maps(pool, noise(pool) * np.where(there, 4.0, 1.0)) if m.coordinate == "position"])
-    assert found.way == way and found.stands_out
+    there = (q > 0.5) & (q < 0.9) & (pool.direction == way)
+    found = likeliest([m for m in maps(pool, noise(pool) * np.where(there, 4.0, 1.0)) if m.coordinate == "position"])
+    assert found.direction == way and found.stands_out
     reach = 0.1 * np.ptp(q)
     assert abs(found.low - 0.5) < reach and abs(found.high - 0.9) < reach
     assert found.times == pytest.approx(4.0, rel=0.15)
-    said = f"times larger between {found.low:.3g} and {found.high:.3g} rad when moving {way}"
+    said = f"times larger between {found.low:.3g} and {found.high:.3g} rad when moving {DIRECTIONS[way]}"
     assert sentence(found) == f"the residual is {found.times:.2g} {said}"
 
 
 def test_noise_has_no_place_and_follows_nothing(pool):
     found = maps(pool, noise(pool))
-    assert not any(p.stands_out for p in places(found))
+    assert not any(p.stands_out for p in windows(found))
     for name in ("position", "velocity", STROKE):
         assert explained([m for m in found if m.coordinate == name]) < 0.01
-    assert "about the same" in sentence(places(found)[0])
+    assert "about the same" in sentence(windows(found)[0])
 
 
 def test_friction_in_one_window_and_one_direction_of_the_rig_is_found_there(tmp_path):
     truth = rig.campaign(tmp_path, 7, ("window_friction",), 2.0, short=True)
     campaign = load(tmp_path)
     passes = identifying(inverse_dynamics(campaign.records, campaign.bandwidth))
-    found = drives(passes, identify(campaign.plant, passes), None).before.places[0]
+    found = drives(passes, identify(campaign.plant, passes), None).before.windows[0]
     (low, high), (coordinate, _) = truth["where"][1][0], truth["where"]
     reach = 0.1 * max(np.ptp(p.motion.q) for p in passes)
-    assert found.coordinate == coordinate and found.way == FORWARD and found.stands_out
+    assert found.coordinate == coordinate and found.direction == FORWARD and found.stands_out
     assert abs(found.low - low) < reach and abs(found.high - high) < reach
 
 
 def test_larger_in_one_direction_is_said_so(pool):
     v = of(pool, "velocity").values
-    (found,) = [p for p in places(maps(pool, noise(pool) * np.where(v > 0, 3.0, 1.0))) if p.coordinate == WAY]
+    (found,) = [p for p in windows(maps(pool, noise(pool) * np.where(v > 0, 3.0, 1.0))) if p.coordinate == DIRECTION]
     assert found.times == pytest.approx(3.0, rel=0.1) and sentence(found).endswith("times larger when moving forward")
 
 

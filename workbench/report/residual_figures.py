@@ -7,8 +7,9 @@ import numpy as np
 from workbench.report import numbers
 from workbench.report.drawing import AFTER, BEFORE, MEASURED, MUTED, decades, svg
 from workbench.report.unknown import Shade
-from workbench.tracing.maps import BACKWARD, FORWARD, STROKE, TIME, Map
-from workbench.tracing.where import Residual, Where
+from workbench.residual.maps import STROKE, TIME, Map
+from workbench.residual.residual_maps import Residual, ResidualMaps
+from workbench.residual.window import BACKWARD, DIRECTIONS, FORWARD
 
 ROW = 1.3  # inches of a row
 HEAD = 0.95  # inches of title and legend
@@ -18,34 +19,36 @@ SPREAD = 2.0  # standard errors of a mean that are drawn
 Model = tuple[str, Residual, dict]
 
 
-def _models(w: Where) -> list[Model]:
+def _models(w: ResidualMaps) -> list[Model]:
     """Return (label, residual, style) of each model."""
     found = [("declared model", w.before, {"color": BEFORE})]
     return found + ([("extended model", w.after, {"color": AFTER})] if w.after else [])
 
 
-def _prefix(w: Where, coordinate: str | None = None) -> tuple[float, str]:
+def _prefix(w: ResidualMaps, coordinate: str | None = None) -> tuple[float, str]:
     """Return (factor, unit) that suits the largest rms of all maps, or of those over one coordinate."""
     chosen = [m.rms for m in w.before.maps if m.coordinate == (coordinate or m.coordinate)]
     return numbers.prefixed(max(float(np.nanmax(r)) for r in chosen), w.unit)
 
 
-def multiples(title: str, w: Where, coordinates: Sequence[str], shade: Shade | None = None) -> bytes:
+def multiples(title: str, w: ResidualMaps, coordinates: Sequence[str], shade: Shade | None = None) -> bytes:
     """Mean and rms over each coordinate: a row a coordinate, backward motion on the left and forward on the right."""
     small, fine = _prefix(w)
 
     def draw(axes):
         for k, coordinate in enumerate(coordinates):
-            for axis, way in zip(axes[2 * k : 2 * k + 2], (BACKWARD, FORWARD), strict=True):
+            for axis, direction in zip(axes[2 * k : 2 * k + 2], (BACKWARD, FORWARD), strict=True):
                 for label, residual, style in _models(w):
-                    m = next(m for m in residual.over(coordinate) if m.way == way)
+                    m = next(m for m in residual.over(coordinate) if m.direction == direction)
                     _curve(axis, m, small, label, style)
                 if shade:
                     shaded(
-                        axis, shade.over(coordinate, way), numbers.prefixed(float(np.max(np.abs(m.edges))), m.unit)[0]
+                        axis,
+                        shade.over(coordinate, direction),
+                        numbers.prefixed(float(np.max(np.abs(m.edges))), m.unit)[0],
                     )
                 axis.axhline(0, color=MUTED, linewidth=0.6)
-                axis.set_title(f"moving {way}" if k == 0 else "", loc="left", fontweight="normal")
+                axis.set_title(f"moving {DIRECTIONS[direction]}" if k == 0 else "", loc="left", fontweight="normal")
             axes[2 * k].set_ylabel(numbers.label("residual", fine))
         _legend(axes)
 
@@ -87,7 +90,7 @@ def _legend(axes) -> None:
     axes[0].figure.legend(known.values(), known.keys(), loc="outside lower center", ncols=2)
 
 
-def over_time(title: str, w: Where, shade: Shade | None = None) -> bytes:
+def over_time(title: str, w: ResidualMaps, shade: Shade | None = None) -> bytes:
     """Rms of each record over its time, a row a record."""
     small, fine = _prefix(w, TIME)
     rows = w.before.over(TIME)
@@ -109,7 +112,7 @@ def over_time(title: str, w: Where, shade: Shade | None = None) -> bytes:
     return svg(title, draw, rows=len(rows), height=HEAD + 1.15 * len(rows))
 
 
-def spectra(title: str, w: Where) -> bytes:
+def spectra(title: str, w: ResidualMaps) -> bytes:
     """Density over frequency and amplitude over order, both logarithmic."""
     small, fine = _prefix(w)
     x = "rad" if w.rotary else "m"

@@ -12,35 +12,37 @@ from workbench.identification.result import Fit
 from workbench.plant import TWO_MASS, Plant
 from workbench.processes import shared
 from workbench.record import IDENTIFICATION
-from workbench.tracing.maps import Map, maps, over_time, pooled
-from workbench.tracing.places import Place, explained, places, sentence
-from workbench.tracing.result import Trace
-from workbench.tracing.spectra import Spectrum, over_frequency, over_order
+from workbench.residual.maps import Map, maps, over_time, pooled
+from workbench.residual.spectra import Spectrum, over_frequency, over_order
+from workbench.residual.window import DIRECTIONS, Window
+from workbench.residual.windows import explained, sentence, windows
+
+BOTH_WAYS = "both ways"  # as a row of trace.json calls either direction
 
 
 @dataclass(frozen=True, eq=False)
 class Residual:
-    """One model's residual: maps over coordinates and ways, its spectra, and the place in each coordinate."""
+    """One model's residual: maps over coordinates and directions, its spectra, and the window in each coordinate."""
 
     maps: tuple[Map, ...]
     spectra: tuple[Spectrum, ...]
-    places: tuple[Place, ...]
+    windows: tuple[Window, ...]
 
     def over(self, coordinate: str) -> tuple[Map, ...]:
         """Return the maps of one coordinate."""
         return tuple(m for m in self.maps if m.coordinate == coordinate)
 
     def explained(self, coordinate: str) -> float:
-        """Return the share of the residual's power that is a function of one coordinate and the way of motion."""
+        """Return the share of the residual's power that is a function of one coordinate and the direction of motion."""
         return explained(self.over(coordinate))
 
-    def place(self, coordinate: str) -> Place | None:
-        """Return where the residual lives in one coordinate."""
-        return next((p for p in self.places if p.coordinate == coordinate), None)
+    def window(self, coordinate: str) -> Window | None:
+        """Return the window of one coordinate that the residual is largest in."""
+        return next((p for p in self.windows if p.coordinate == coordinate), None)
 
 
 @dataclass(frozen=True, eq=False)
-class Where:
+class ResidualMaps:
     """of: "torque", "force", or "angle" (of the joint). unit: SI. records: those pooled. after: None where nothing was added.
 
     load: of the angle, role -> relative error of the load's balance, of each model (see `identify.carrying`).
@@ -55,21 +57,20 @@ class Where:
     load: Mapping[str, tuple[float, ...]] = field(default_factory=dict)
 
 
-def where(passes: Sequence[InverseDynamics], found: Trace) -> tuple[Where, ...]:
-    """Return where the residual of the declared and of the extended plant lives, on the identification records.
+def map_residual(passes: Sequence[InverseDynamics], declared: Fit, extended: Fit | None) -> tuple[ResidualMaps, ...]:
+    """Return where the residual of the declared and of the extended plant lives on the identification records.
 
-    The residual of the drive is that of both fits; over time, all records are there. With two masses and a joint that has
+    extended: None where nothing was added. The residual of the drive is that of both fits; over time, all records are there. With two masses and a joint that has
     a stiffness, the residual of the angle follows.
     """
     chosen = identifying(passes)
-    declared, extended = found.before, found.after if found.causes else None
     parts = [lambda: drives(chosen, declared, extended), lambda: _of_angle(passes, chosen, declared, extended)]
     return tuple(w for w in shared(lambda part: part(), parts) if w is not None)
 
 
 def _of_angle(
     passes: Sequence[InverseDynamics], chosen: Sequence[InverseDynamics], declared: Fit, extended: Fit | None
-) -> Where | None:
+) -> ResidualMaps | None:
     """Return where the residual of the angle lives; None of one mass, or where the joint has no stiffness."""
     moving = [p for p in chosen if declared.plant.kind == TWO_MASS and p.rows(declared.plant) == 2]
     fits = [fit for fit in (declared, extended) if fit is not None]
@@ -87,7 +88,7 @@ def identifying(passes: Sequence[InverseDynamics]) -> list[InverseDynamics]:
     return sorted(chosen, key=lambda p: p.motion.record.name)
 
 
-def drives(passes: Sequence[InverseDynamics], declared: Fit, extended: Fit | None) -> Where:
+def drives(passes: Sequence[InverseDynamics], declared: Fit, extended: Fit | None) -> ResidualMaps:
     """Return where the residual of the drive lives."""
     plant = declared.plant
     pool = pooled(passes, plant, {n: s.predicted for n, s in declared.series.items()})
@@ -97,13 +98,15 @@ def drives(passes: Sequence[InverseDynamics], declared: Fit, extended: Fit | Non
         left = np.concatenate([s.residual[s.keep] for s in series])
         found = (*maps(pool, left), *over_time(fit))
         spectra = over_frequency(passes, left), over_order(passes, left, plant.displacement)
-        return Residual(found, spectra, places(found))
+        return Residual(found, spectra, windows(found))
 
     of = "torque" if plant.rotary else "force"
-    return Where(of, plant.effort, pool.records, one(declared), one(extended) if extended else None, plant.rotary)
+    return ResidualMaps(
+        of, plant.effort, pool.records, one(declared), one(extended) if extended else None, plant.rotary
+    )
 
 
-def _angles(passes: Sequence[InverseDynamics], declared: Fit, left: Sequence[np.ndarray]) -> Where:
+def _angles(passes: Sequence[InverseDynamics], declared: Fit, left: Sequence[np.ndarray]) -> ResidualMaps:
     """Return where the residual of the angle lives. left: of each model, in the samples that count."""
     plant = declared.plant
     pool = pooled(passes, plant, {n: s.predicted for n, s in declared.series.items()})
@@ -111,10 +114,10 @@ def _angles(passes: Sequence[InverseDynamics], declared: Fit, left: Sequence[np.
     def one(residual: np.ndarray) -> Residual:
         found = maps(pool, residual)
         spectra = over_frequency(passes, residual), over_order(passes, residual, plant.displacement)
-        return Residual(found, spectra, places(found))
+        return Residual(found, spectra, windows(found))
 
     before, after = (*map(one, left), *(None,) * (2 - len(left)))
-    return Where("angle", plant.displacement, pool.records, before, after, plant.rotary)
+    return ResidualMaps("angle", plant.displacement, pool.records, before, after, plant.rotary)
 
 
 def joint_stiffness(passes: Sequence[InverseDynamics], plant: Plant) -> float:
@@ -143,17 +146,32 @@ def angle_residual(passes: Sequence[InverseDynamics], plant: Plant) -> np.ndarra
     return np.concatenate(left) / stiffness
 
 
-def load_as_dict(found: Sequence[Where]) -> dict[str, dict[str, float]]:
+def load_as_dict(found: Sequence[ResidualMaps]) -> dict[str, dict[str, float]]:
     """Return the errors of the load's balance as trace.json holds them; empty of one mass."""
     return {role: {"before": e[0], "after": e[-1]} for w in found for role, e in w.load.items()}
 
 
-def as_list(found: Sequence[Where]) -> list[dict]:
-    """Return the places as trace.json holds them: the declared model's, and the extended one's where there is one."""
+def as_list(found: Sequence[ResidualMaps]) -> list[dict]:
+    """Return the windows as trace.json holds them: the declared model's, and the extended one's where there is one."""
     rows = []
     for w in found:
         for model, residual in (("declared", w.before), ("extended", w.after)):
-            for p in residual.places if residual else ():
+            for p in residual.windows if residual else ():
                 share = {"explained": residual.explained(p.coordinate)} if not p.record else {}
-                rows.append({"of": w.of, "model": model, **vars(p), **share, "sentence": sentence(p)})
+                rows.append({"of": w.of, "model": model, **_as_dict(p), **share, "sentence": sentence(p)})
     return rows
+
+
+def _as_dict(w: Window) -> dict[str, object]:
+    """Return a window as a row of trace.json holds it."""
+    return {
+        "coordinate": w.coordinate,
+        "unit": w.unit,
+        "way": DIRECTIONS[w.direction] if w.direction else BOTH_WAYS,
+        "record": w.record,
+        "low": w.low,
+        "high": w.high,
+        "times": w.times,
+        "share": w.share,
+        "samples": w.covered,
+    }

@@ -6,15 +6,16 @@ import numpy as np
 
 from workbench.finding import capital
 from workbench.report import numbers
-from workbench.report import where_figures as figures
+from workbench.report import residual_figures as figures
 from workbench.report.contents import Block, Chapter, Figure, Heading, Items, Paragraph, Table
+from workbench.report.residual_figures import SPREAD
 from workbench.report.unknown import Shade
-from workbench.report.where_figures import SPREAD
 from workbench.report.wording import listed, span
-from workbench.tracing.maps import BINS, MOTOR_TURN, POSITION_NAME, TIME, TURN, WAY
-from workbench.tracing.places import Place, sentence
-from workbench.tracing.spectra import STANDS_OUT
-from workbench.tracing.where import Where
+from workbench.residual.maps import BINS, DIRECTION, MOTOR_TURN, POSITION_NAME, TIME, TURN
+from workbench.residual.residual_maps import ResidualMaps
+from workbench.residual.spectra import STANDS_OUT
+from workbench.residual.window import Window
+from workbench.residual.windows import sentence
 
 ANGLE = (
     "With an encoder on both sides the load's motion asks for a deflection of the joint, and there is a measured one; the angle "
@@ -22,11 +23,11 @@ ANGLE = (
 )
 FOLLOWS = 0.05  # share of the residual's power from which it is said to follow a coordinate
 CLOSELY = 0.3  # share from which that is the finding, rather than a window in which the residual is larger
-NAMED = 3  # places said, those where the residual stands out most: one window shows in several coordinates
+NAMED = 3  # windows said, those where the residual stands out most: one window shows in several coordinates
 PLACES = (POSITION_NAME, TURN, MOTOR_TURN)
 
 
-def where(found: Sequence[Where], unknown: Sequence[Block] = (), shade: Shade | None = None) -> Chapter:
+def where_it_lives(found: Sequence[ResidualMaps], unknown: Sequence[Block] = (), shade: Shade | None = None) -> Chapter:
     """The chapter: over place, over motion, over time, over frequency and order; in the angle too, where there is one.
 
     unknown: what is said of a residual that no effect explains; shade: where it lives, shaded in the graphs of the drive.
@@ -47,7 +48,7 @@ def where(found: Sequence[Where], unknown: Sequence[Block] = (), shade: Shade | 
     return Chapter("Where the residual lives", tuple(blocks))
 
 
-def _balanced(w: Where) -> str:
+def _balanced(w: ResidualMaps) -> str:
     """Return the error of the load's balance: the second one, beside that of the drive."""
     texts = []
     for role, errors in w.load.items():
@@ -56,16 +57,16 @@ def _balanced(w: Where) -> str:
     return f" The load's balance leaves {listed(texts)}, in per cent of the joint's torque." if texts else ""
 
 
-def _name(w: Where) -> str:
+def _name(w: ResidualMaps) -> str:
     return "residual" if w.of in ("torque", "force") else f"{w.of} residual"
 
 
-def _standing(w: Where) -> list[Place]:
-    return [p for p in w.before.places if p.stands_out]
+def _standing(w: ResidualMaps) -> list[Window]:
+    return [p for p in w.before.windows if p.stands_out]
 
 
-def _told(w: Where) -> list[str]:
-    """Return sentences: what the residual follows most, and the places that stand out."""
+def _told(w: ResidualMaps) -> list[str]:
+    """Return sentences: what the residual follows most, and the windows that stand out."""
     best = _ranked(w)[0]
     share = w.before.explained(best)
     if share >= FOLLOWS:
@@ -78,32 +79,32 @@ def _told(w: Where) -> list[str]:
     return texts
 
 
-def _ranked(w: Where) -> list[str]:
+def _ranked(w: ResidualMaps) -> list[str]:
     """Return the coordinates, the one that explains most first."""
     names = dict.fromkeys(m.coordinate for m in w.before.maps if not m.record)
     return sorted(names, key=lambda n: -w.before.explained(n))
 
 
-def _then(w: Where, coordinate: str) -> str:
+def _then(w: ResidualMaps, coordinate: str) -> str:
     """Return what a coordinate explains of the extended model's residual."""
     if w.after is None:
         return ""
     return f", and {numbers.percent(w.after.explained(coordinate))} of what the extended model leaves"
 
 
-def _later(w: Where, p: Place) -> str:
-    """Return whether a place stands out in the extended model's residual too."""
+def _later(w: ResidualMaps, p: Window) -> str:
+    """Return whether a window stands out in the extended model's residual too."""
     if w.after is None:
         return ""
-    other = w.after.place(p.coordinate)
+    other = w.after.window(p.coordinate)
     if other is None or not other.stands_out:
         return "; in the extended model's residual nothing stands out there"
     return f"; for the extended model {sentence(other, _name(w), span)}"
 
 
-def _drawn(w: Where, shade: Shade | None = None) -> list[Figure]:
+def _drawn(w: ResidualMaps, shade: Shade | None = None) -> list[Figure]:
     """Return the figures of one residual."""
-    coordinates = [c for c in dict.fromkeys(m.coordinate for m in w.before.maps) if c not in (WAY, TIME)]
+    coordinates = [c for c in dict.fromkeys(m.coordinate for m in w.before.maps) if c not in (DIRECTION, TIME)]
     rows = {"place": [c for c in coordinates if c in PLACES], "motion": [c for c in coordinates if c not in PLACES]}
     made = [_multiples(w, kind, chosen, shade) for kind, chosen in rows.items()]
     if w.before.over(TIME):
@@ -111,8 +112,8 @@ def _drawn(w: Where, shade: Shade | None = None) -> list[Figure]:
     return [*made, _spectra(w)]
 
 
-def _heading(w: Where, coordinates: Sequence[str]) -> str:
-    """Return which coordinate the residual follows; where it follows none closely, the place that stands out most."""
+def _heading(w: ResidualMaps, coordinates: Sequence[str]) -> str:
+    """Return which coordinate the residual follows; where it follows none closely, the window that stands out most."""
     best = max(coordinates, key=w.before.explained)
     share = w.before.explained(best)
     places = [p for p in _standing(w) if p.coordinate in coordinates]
@@ -123,11 +124,11 @@ def _heading(w: Where, coordinates: Sequence[str]) -> str:
     return f"{capital(best)} and the way of motion explain {numbers.percent(share)} of the {_name(w)}'s power{_then(w, best)}"
 
 
-def _both(w: Where) -> str:
+def _both(w: ResidualMaps) -> str:
     return "of the declared and the extended model" if w.after else "of the declared model"
 
 
-def _multiples(w: Where, kind: str, coordinates: Sequence[str], shade: Shade | None = None) -> Figure:
+def _multiples(w: ResidualMaps, kind: str, coordinates: Sequence[str], shade: Shade | None = None) -> Figure:
     """Return one figure: a row a coordinate, backward motion on the left and forward motion on the right."""
     shade = shade if shade and shade.coordinate in coordinates else None
     title = shade.title if shade else _heading(w, coordinates)
@@ -144,9 +145,9 @@ def _multiples(w: Where, kind: str, coordinates: Sequence[str], shade: Shade | N
     )
 
 
-def _ways(w: Where) -> Table:
+def _ways(w: ResidualMaps) -> Table:
     """Return the residual of each way of motion in numbers."""
-    found = [r.over(WAY)[0] for r in (w.before, w.after) if r]
+    found = [r.over(DIRECTION)[0] for r in (w.before, w.after) if r]
     factor, unit = numbers.prefixed(float(np.nanmax(found[0].rms)), w.unit)
     rows = []
     for k, way in enumerate(("backward", "at rest", "forward")):
@@ -164,10 +165,10 @@ def _ways(w: Where) -> Table:
     return Table(columns, tuple(rows), caption, "lr" + "rr" * len(found))
 
 
-def _over_time(w: Where, shade: Shade | None = None) -> Figure:
+def _over_time(w: ResidualMaps, shade: Shade | None = None) -> Figure:
     """Return the residual on each record over time."""
     records = [m.record for m in w.before.over(TIME)]
-    place = w.before.place(TIME)
+    place = w.before.window(TIME)
     shade = shade if shade and shade.coordinate == TIME else None
     if shade:
         title = shade.title
@@ -181,7 +182,7 @@ def _over_time(w: Where, shade: Shade | None = None) -> Figure:
     )
 
 
-def _falling(w: Where) -> str:
+def _falling(w: ResidualMaps) -> str:
     """Return by how much the residual falls on the records, or how large it is on them."""
     now = w.after or w.before
     rms = [[float(np.sqrt(np.sum(m.rms**2 * m.count) / m.count.sum())) for m in r.over(TIME)] for r in (w.before, now)]
@@ -195,7 +196,7 @@ def _falling(w: Where) -> str:
     return f"On no record a time stands out; the {_name(w)} is {by} times smaller with the extended model"
 
 
-def _spectra(w: Where) -> Figure:
+def _spectra(w: ResidualMaps) -> Figure:
     """Return the residual over frequency and over order."""
     frequency, order = w.before.spectra
     low, high = frequency.band

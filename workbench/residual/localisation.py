@@ -1,19 +1,20 @@
-"""Where a residual lives: the places, speeds or moments outside which the model leaves no more than noise.
+"""Where a residual lives: the windows of position or speed, or the moments, outside which the model leaves no more than noise.
 
 The excess of a residual is its power above the floor's. A window covers a share of the samples, and holds the share of the
 excess that is gone outside when the model is fitted without the window's samples; the window in which the second exceeds
 the first most is where the residual lives. Windows are intervals of position or of speed, in one direction or in both, in
 COUNT steps of the range. Moments are the steps of the clock that hold most of the excess; they are said where no window
-is a place, or where they hold the excess in far fewer samples.
+stands for it, or where they hold the excess in far fewer samples.
 """
 
 from collections.abc import Sequence
 
 import numpy as np
 
-from workbench.tracing.jumps import jumps
-from workbench.tracing.place import WAYS, Place, Samples, excess_of, local, over, score, weighed
-from workbench.tracing.score import DETERMINED, Deviations
+from workbench.identification.cross_validation import DETERMINED, Deviations
+from workbench.residual.change_points import change_points
+from workbench.residual.samples import Samples, excess_of, left_in, relative_rms
+from workbench.residual.window import DIRECTIONS, Window, local
 
 COUNT = 80  # steps of position and of speed over their range
 MOMENT = 0.02  # s, step of the clock
@@ -23,45 +24,45 @@ SOMETIME = 0.3  # by which moments must do better than a window: whatever is som
 FAINT = 0.05  # of what a span holds on average, below which one is none
 ROUNDS = 4  # fits without the moments
 JUMPED = 0.9  # share of the excess that jumps of the level must take away
-WIDE = 0.8  # share of the range above which an interval is no place
+WIDE = 0.8  # share of the range above which an interval is no window
 
 
-def lives(residual: np.ndarray, known: Samples, model: Deviations) -> Place | None:
+def localise(residual: np.ndarray, known: Samples, model: Deviations) -> Window | None:
     """Return where `residual` (N,) of a model lives, or None where nothing exceeds the floor."""
     excess = excess_of(residual, known)
     if not excess.sum() > 0:
         return None
     cells = Scan(residual, known, model)
     options = [cells.window("position", known.q), cells.window("velocity", np.abs(known.v))]
-    found = [weighed(o, model.without(residual, o.rows), known) for o in options if o]
-    best = max(found, key=score, default=None)
+    found = [left_in(o, model.without(residual, o.rows), known) for o in options if o]
+    best = max(found, key=lambda w: w.contrast, default=None)
     times = _moments_of(residual, known, model)
     if times is None or plainer(best, times):
         return best
-    return weighed(times, model.without(residual, times.rows), known)
+    return left_in(times, model.without(residual, times.rows), known)
 
 
-def plainer(place: Place | None, moments: Place) -> bool:
+def plainer(window: Window | None, moments: Window) -> bool:
     """Whether a window of position or of speed says it better than moments do, which hold as much of nearly everything."""
-    window = local(place) and place.coordinate != "time"
-    return window and score(place) > score(moments) - SOMETIME
+    named = local(window) and window.coordinate != "time"
+    return named and window.contrast > moments.contrast - SOMETIME
 
 
-def _moments_of(residual: np.ndarray, known: Samples, model: Deviations) -> Place | None:
+def _moments_of(residual: np.ndarray, known: Samples, model: Deviations) -> Window | None:
     """Return the moments that hold most of the excess of a fit without them, sought anew ROUNDS times at most."""
-    place, r = None, residual
+    window, r = None, residual
     for _ in range(ROUNDS):
         excess = excess_of(r, known)
         if not excess.sum() > 0:
             break
-        before, place = place, _moments(known.t, excess, known.drive)
-        if before is not None and np.array_equal(before.rows, place.rows):
+        before, window = window, _moments(known.t, excess, known.drive)
+        if before is not None and np.array_equal(before.rows, window.rows):
             break
-        r = model.without(residual, place.rows)
-    return place
+        r = model.without(residual, window.rows)
+    return window
 
 
-def jumped(residual: np.ndarray, known: Samples, model: Deviations) -> Place | None:
+def change_windows(residual: np.ndarray, known: Samples, model: Deviations) -> Window | None:
     """Return the moments at which the level of a residual jumps and stays, or None where that is not nearly all of it.
 
     inside, outside: rms of the whole residual over the floor's, before and after levels of its own between the moments.
@@ -69,7 +70,7 @@ def jumped(residual: np.ndarray, known: Samples, model: Deviations) -> Place | N
     whole = float(excess_of(residual, known).sum())
     if not whole > 0:
         return None
-    found = jumps(residual, known.t, known.drive, known.floor, model)
+    found = change_points(residual, known.t, known.drive, known.floor, model)
     share = 1.0 - max(float(excess_of(found.residual, known).sum()), 0.0) / whole
     if not found.times or share < JUMPED:
         return None
@@ -78,9 +79,9 @@ def jumped(residual: np.ndarray, known: Samples, model: Deviations) -> Place | N
         near |= np.abs(known.t - t) <= MOMENT
     covered = float(np.count_nonzero(near & known.drive) / np.count_nonzero(known.drive))
     every = np.ones(known.t.size, bool)
-    before, after = (over(r, every, known) for r in (residual, found.residual))
+    before, after = (relative_rms(r, every, known) for r in (residual, found.residual))
     spans = tuple((t - MOMENT, t + MOMENT) for t in found.times)
-    return Place("time", spans, 0, share, covered, before, after, near)
+    return Window("time", spans, 0, share, covered, before, after, rows=near)
 
 
 class Scan:
@@ -112,21 +113,22 @@ class Scan:
         powers = [np.bincount(cell, np.where(known.drive, w, 0.0), count) for w in weights]
         return grams[0], moments[0], grams[1], moments[1], *powers
 
-    def window(self, name: str, x: np.ndarray) -> Place | None:
+    def window(self, name: str, x: np.ndarray) -> Window | None:
         """Return the interval of x, in one way or both, whose share of the excess exceeds its share of samples most."""
         low, high = float(x.min()), float(x.max())
         if not high > low:
             return None
         index = np.minimum((COUNT * (x - low) / (high - low)).astype(int), COUNT - 1)
-        way = self.known.way.astype(int)
+        way = self.known.direction.astype(int)
         sums = [
-            s.reshape(COUNT, len(WAYS), *s.shape[1:]) for s in self.sums(index * len(WAYS) + way + 1, COUNT * len(WAYS))
+            s.reshape(COUNT, len(DIRECTIONS), *s.shape[1:])
+            for s in self.sums(index * len(DIRECTIONS) + way + 1, COUNT * len(DIRECTIONS))
         ]
         i, j = np.triu_indices(COUNT + 1, 1)
         narrow = j - i <= WIDE * COUNT
         i, j = i[narrow], j[narrow]
         best = None
-        for direction in WAYS:
+        for direction in DIRECTIONS:
             chosen = [s.sum(axis=1) if direction == 0 else s[:, direction + 1] for s in sums]
             upto = [np.concatenate([np.zeros((1, *s.shape[1:])), np.cumsum(s, axis=0)]) for s in chosen]
             inside = [c[j] - c[i] for c in upto]
@@ -139,7 +141,7 @@ class Scan:
         rows = (index >= first) & (index < last) & ((way == direction) if direction else True)
         step = (high - low) / COUNT
         span = (low + first * step, low + last * step)
-        return Place(name, (span,), direction, share, covered, np.nan, np.nan, rows)
+        return Window(name, (span,), direction, share, covered, np.nan, np.nan, rows=rows)
 
     def left(self, outside: Sequence[np.ndarray]) -> np.ndarray:
         """Return the share of the excess that a fit to the rows outside leaves there, one a window."""
@@ -151,7 +153,7 @@ class Scan:
         return np.maximum(power - fitted - floor, 0.0) / self.excess
 
 
-def _moments(t: np.ndarray, excess: np.ndarray, drive: np.ndarray) -> Place | None:
+def _moments(t: np.ndarray, excess: np.ndarray, drive: np.ndarray) -> Window | None:
     """Return the steps of the clock that hold MOST of the excess, the strongest first; neighbours are one span."""
     step = np.floor(t / MOMENT).astype(int)
     first = int(step.min())
@@ -174,4 +176,4 @@ def _moments(t: np.ndarray, excess: np.ndarray, drive: np.ndarray) -> Place | No
         inside[a:b] = chosen[a:b]
     share, covered = power[inside].sum() / excess.sum(), count[inside].sum() / np.count_nonzero(drive)
     spans = tuple((float((first + a) * MOMENT), float((first + b) * MOMENT)) for a, b in runs)
-    return Place("time", spans, 0, float(share), float(covered), np.nan, np.nan, inside[step - first])
+    return Window("time", spans, 0, float(share), float(covered), np.nan, np.nan, rows=inside[step - first])

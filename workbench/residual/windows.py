@@ -7,41 +7,16 @@ Source: Kulldorff, Huang and Konty 2009 (a scan statistic for continuous data ba
 """
 
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
-from workbench.tracing.maps import BOTH, TIME, WAY, Map
+from workbench.residual.maps import DIRECTION, TIME, Map
+from workbench.residual.window import DIRECTIONS, EITHER, Window
 
-STANDS_OUT = 1.5  # times the rms elsewhere from which a place is named
-LEAST = 0.05  # of the residual's power that a place must hold to be named
-MOST = 0.5  # of the samples that a place may hold
+MOST = 0.5  # of the samples that a window may hold
 QUIET = 1e-300
 
 Shown = Callable[[float, float, str], str]
-
-
-@dataclass(frozen=True)
-class Place:
-    """Where a residual is largest: between low and high of a coordinate, SI, this way, in this record ("": in all).
-
-    times: rms there over rms elsewhere. share: of the residual's power that is there; samples: share of the samples.
-    """
-
-    coordinate: str
-    unit: str
-    way: str
-    record: str
-    low: float
-    high: float
-    times: float
-    share: float
-    samples: float
-
-    @property
-    def stands_out(self) -> bool:
-        """Whether the residual is plainly larger there than elsewhere, and not a trifle of it."""
-        return self.times >= STANDS_OUT and self.share >= LEAST
 
 
 def _windows(m: Map) -> tuple[np.ndarray, ...]:
@@ -52,19 +27,19 @@ def _windows(m: Map) -> tuple[np.ndarray, ...]:
     return a, b, count[b] - count[a], power[b] - power[a]
 
 
-def place(group: Sequence[Map]) -> Place | None:
-    """Return the place of a residual among maps of one coordinate; None where no window is larger than the rest.
+def likeliest(group: Sequence[Map]) -> Window | None:
+    """Return the window of a residual among maps of one coordinate; None where no window is larger than the rest.
 
-    A window of one way, or of one record, is compared with all else: the other way and the other records too.
+    A window of one direction, or of one record, is compared with all else: the other direction and the other records too.
     """
-    whole = [m for m in group if m.way == BOTH]
+    whole = [m for m in group if m.direction == EITHER]
     samples = float(sum(m.count.sum() for m in whole))
     total = float(sum((np.nan_to_num(m.rms) ** 2 * m.count).sum() for m in whole))
     best, most = None, 0.0
     for m in group:
         a, b, n, power = _windows(m)
         keep = (n >= 1) & (n <= MOST * samples)
-        if m.coordinate == WAY:  # what moves backward, rests and moves forward are no neighbours
+        if m.coordinate == DIRECTION:  # what moves backward, rests and moves forward are no neighbours
             keep &= b == a + 1
         if not keep.any():
             continue
@@ -77,27 +52,32 @@ def place(group: Sequence[Map]) -> Place | None:
             most = float(likelier[k])
             times, share = float(np.sqrt(inside[k] / outside[k])), float(power[k] / max(total, QUIET))
             low, high = (float(m.edges[i[k]]) for i in (a, b))
-            best = Place(m.coordinate, m.unit, m.way, m.record, low, high, times, share, float(n[k] / samples))
+            covered = float(n[k] / samples)
+            best = Window(
+                m.coordinate, ((low, high),), m.direction, share, covered, times, 1.0, unit=m.unit, record=m.record,
+            )  # fmt: skip
     return best
 
 
-def places(found: Iterable[Map]) -> tuple[Place, ...]:
-    """Return the place in each coordinate that has one, the one where the residual stands out most first."""
+def windows(found: Iterable[Map]) -> tuple[Window, ...]:
+    """Return the window in each coordinate that has one, the one where the residual stands out most first."""
     groups: dict[str, list[Map]] = {}
     for m in found:
         groups.setdefault(m.coordinate, []).append(m)
-    named = [p for p in map(place, groups.values()) if p is not None]
+    named = [p for p in map(likeliest, groups.values()) if p is not None]
     return tuple(sorted(named, key=lambda p: (not p.stands_out, -p.times, p.coordinate)))
 
 
 def explained(group: Sequence[Map]) -> float:
-    """Return the share of a residual's power that is a function of this coordinate and the way, by the bins' means.
+    """Return the share of a residual's power that is a function of this coordinate and the direction, by the bins' means.
 
     The power of a mean is less by its squared standard error, so that noise alone explains nothing.
     """
-    whole = [m for m in group if m.way == BOTH]
+    whole = [m for m in group if m.direction == EITHER]
     total = sum(float((np.nan_to_num(m.rms) ** 2 * m.count).sum()) for m in whole)
-    known = sum(float(np.nansum(m.count * (m.mean**2 - m.error**2))) for m in group if m.way != BOTH or len(group) == 1)
+    known = sum(
+        float(np.nansum(m.count * (m.mean**2 - m.error**2))) for m in group if m.direction != EITHER or len(group) == 1
+    )
     return max(known / total, 0.0) if total > 0.0 else 0.0
 
 
@@ -106,22 +86,22 @@ def _plain(low: float, high: float, unit: str) -> str:
     return f"between {low:.3g} and {high:.3g} {unit}"
 
 
-def sentence(p: Place, of: str = "residual", shown: Shown = _plain) -> str:
-    """Return "the residual is 4 times larger between 1.2 and 1.5 rad when moving forward", or that no place stands out."""
+def sentence(p: Window, of: str = "residual", shown: Shown = _plain) -> str:
+    """Return "the residual is 4 times larger between 1.2 and 1.5 rad when moving forward", or that none stands out."""
     if not p.stands_out:
-        over = {WAY: "ways of motion", TIME: "times and records"}.get(p.coordinate, f"of the {p.coordinate}")
+        over = {DIRECTION: "ways of motion", TIME: "times and records"}.get(p.coordinate, f"of the {p.coordinate}")
         return f"the {of} is about the same over all {over}"
-    if p.coordinate == WAY:
+    if p.coordinate == DIRECTION:
         where = next(
             w for k, w in enumerate(("moving backward", "at rest", "moving forward")) if p.low < k - 1 < p.high
         )
         return f"the {of} is {p.times:.2g} times larger when {where}"
     span = shown(p.low, p.high, p.unit)
-    way = "" if p.way == BOTH else f" when moving {p.way}"
+    way = f" when moving {DIRECTIONS[p.direction]}" if p.direction else ""
     return f"the {of} is {p.times:.2g} times larger {span}{_named(p)}{way}"
 
 
-def _named(p: Place) -> str:
+def _named(p: Window) -> str:
     """Return of what the window is, where its unit does not tell: " of velocity", " of record x"."""
     if p.record:
         return f" of the record {p.record}"

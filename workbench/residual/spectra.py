@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from workbench.identification.passes import InverseDynamics
-from workbench.tracing.starts import order_spectrum, peaks
+from workbench.residual.orders import order_spectrum, peaks
 
 POINTS = 200  # of a spectrum over frequency
 LINES = 64  # of resolution below the evaluation bandwidth

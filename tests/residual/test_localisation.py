@@ -5,9 +5,10 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from workbench.tracing.jumps import beside
-from workbench.tracing.localise import jumped, lives
-from workbench.tracing.place import Samples, local, over
+from workbench.residual.change_points import with_change_points
+from workbench.residual.localisation import change_windows, localise
+from workbench.residual.samples import Samples, relative_rms
+from workbench.residual.window import local
 
 N, NOISE = 6000, 0.1
 
@@ -40,7 +41,7 @@ def residual_of(what: np.ndarray, known: Samples, rng) -> tuple[np.ndarray, Line
 
 
 def place_of(pair, known):
-    return lives(pair[0], known, pair[1])
+    return localise(pair[0], known, pair[1])
 
 
 @pytest.mark.parametrize("seed", range(3))
@@ -85,7 +86,7 @@ def test_noise_alone_has_no_place():
     known = samples(rng)
     residual, model = residual_of(np.zeros(N), known, rng)
     quiet = SimpleNamespace(**{**vars(known), "floor": np.full(N, 2 * NOISE)})
-    assert lives(residual, quiet, model) is None
+    assert localise(residual, quiet, model) is None
 
 
 def test_jumps_of_the_level_are_found_at_their_moments():
@@ -94,7 +95,7 @@ def test_jumps_of_the_level_are_found_at_their_moments():
     moments = [0.7, 1.9, 2.6, 4.4, 5.1]
     level = sum(s * (known.t > m) for s, m in zip([1.0, -0.6, 0.8, 1.1, -1.4], moments, strict=True))
     residual, model = residual_of(level, known, rng)
-    found = jumped(residual, known, model)
+    found = change_windows(residual, known, model)
     assert [0.5 * (a + b) for a, b in found.spans] == pytest.approx(moments, abs=0.01)
     assert found.outside == pytest.approx(1.0, abs=0.05) and found.share > 0.95
 
@@ -105,14 +106,14 @@ def test_beside_jumps_that_are_told_a_model_leaves_noise():
     moments = [1.9, 4.4]
     level = sum(s * (known.t > m) for s, m in zip([0.6, -1.1], moments, strict=True))
     residual, model = residual_of(level, known, rng)
-    assert over(beside(residual, known.t, known.drive, model, moments), known.drive, known) == pytest.approx(
-        1, abs=0.05
-    )
-    assert over(beside(residual, known.t, known.drive, model, [1.9]), known.drive, known) > 2.0
+    assert relative_rms(
+        with_change_points(residual, known.t, known.drive, model, moments), known.drive, known
+    ) == pytest.approx(1, abs=0.05)
+    assert relative_rms(with_change_points(residual, known.t, known.drive, model, [1.9]), known.drive, known) > 2.0
 
 
 def test_what_comes_and_goes_with_the_motion_is_no_jump_of_the_level():
     rng = np.random.default_rng(9)
     known = samples(rng)
     residual, model = residual_of(np.sin(3 * known.q + 1) * known.q, known, rng)
-    assert jumped(residual, known, model) is None
+    assert change_windows(residual, known, model) is None

@@ -1,6 +1,6 @@
 """Moments at which the level of a residual jumps and stays: a coupling that slipped, counts that were lost between two encoders.
 
-What is left after such a jump is everywhere, and yet it has few causes, each at its moment. Jumps are found one after another,
+What is left after such a jump is everywhere, and yet it has few causes, each at its moment. ChangePoints are found one after another,
 each where a step of the level takes away most, with all levels and the model fitted anew in between (binary segmentation with
 refits: Vostrikova 1981); those that the others made needless are taken out again.
 """
@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from workbench.tracing.score import Deviations
+from workbench.identification.cross_validation import Deviations
 
 LEAST = 0.005  # of the excess that a jump must take away
 CERTAIN = 50.0  # times the floor's power of one sample that it must take away, too
@@ -19,14 +19,16 @@ PAUSE = 0.25  # s without samples that parts records
 
 
 @dataclass(frozen=True, eq=False)
-class Jumps:
+class ChangePoints:
     """times: of each jump, s. residual (N,): what is left of a model whose level jumps there, and from record to record."""
 
     times: tuple[float, ...]
     residual: np.ndarray
 
 
-def jumps(residual: np.ndarray, t: np.ndarray, drive: np.ndarray, floor: np.ndarray, model: Deviations) -> Jumps:
+def change_points(
+    residual: np.ndarray, t: np.ndarray, drive: np.ndarray, floor: np.ndarray, model: Deviations
+) -> ChangePoints:
     """Return the jumps of the level of a residual (N,).
 
     t, drive, floor: (N,), time, whether a row is the drive's balance, rms of the floor. What joins two bodies enters the
@@ -54,7 +56,7 @@ def jumps(residual: np.ndarray, t: np.ndarray, drive: np.ndarray, floor: np.ndar
         if faintest > enough:
             break
         found.remove(at)
-    return Jumps(tuple(sorted(float(t[rows[k]]) for k in found)), fitted(found)[0])
+    return ChangePoints(tuple(sorted(float(t[rows[k]]) for k in found)), fitted(found)[0])
 
 
 def _records(t: np.ndarray, drive: np.ndarray) -> tuple[np.ndarray, list[int]]:
@@ -63,7 +65,7 @@ def _records(t: np.ndarray, drive: np.ndarray) -> tuple[np.ndarray, list[int]]:
     return rows, [0, *(np.flatnonzero(np.diff(t[rows]) > PAUSE) + 1).tolist()]
 
 
-def beside(
+def with_change_points(
     residual: np.ndarray, t: np.ndarray, drive: np.ndarray, model: Deviations, times: Sequence[float]
 ) -> np.ndarray:
     """Return what a model leaves of a residual (N,) where its level may jump at these times, s, and from record to record."""
@@ -75,7 +77,7 @@ def beside(
 class PiecewiseOffset:
     """Fits of a model whose level may differ from segment to segment, from running sums of its columns.
 
-    residual, drive: (N,), as of `jumps`.
+    residual, drive: (N,), as of `change_points`.
     """
 
     def __init__(self, residual: np.ndarray, drive: np.ndarray, model: Deviations):
