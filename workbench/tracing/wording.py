@@ -212,8 +212,7 @@ def verdict_sentence(
         return (
             f"{capital(what_of(causes, after.plant))}. With {'it' if len(causes) == 1 else 'them'}, the validation error {falls} from "
             f"{100 * before.validation:.2f} % to {100 * after.validation:.2f} % and the identification error from "
-            f"{100 * before.identification:.2f} % to {100 * after.identification:.2f} % "
-            f"(noise alone would leave {100 * evidence.floor[IDENTIFICATION]:.2g} % or more)."
+            f"{100 * before.identification:.2f} % to {100 * after.identification:.2f} %{_at_least(evidence.floor[IDENTIFICATION])}."
         )
     if verdict == UNKNOWN:
         said = (
