@@ -7,7 +7,7 @@ from time import process_time
 import numpy as np
 from scipy.optimize import nnls
 
-from workbench.identification.stream import KINDS, advance, fit_operators
+from workbench.long_records.stream import KINDS, advance, fit_operators
 from workbench.threads import one_thread
 
 SAMPLES, LONG = 1_000_000, 10_000_000

@@ -24,7 +24,7 @@ from workbench.robustness.local import on_threads
 from workbench.robustness.vary import applied
 from workbench.robustness.workload import digest
 from workbench.simulation import Loop
-from workbench.verification.task import Task
+from workbench.task.task import Task
 
 DRAWS = 10_000
 STEP = 0.4 * 2 * np.pi  # rad

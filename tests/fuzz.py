@@ -186,7 +186,7 @@ def worst_cases() -> str:
     from workbench.robustness.distribution import Distribution
     from workbench.robustness.workload import Block, work
     from workbench.simulation import Loop
-    from workbench.verification.task import Task
+    from workbench.task.task import Task
 
     plant = Plant(
         ONE_MASS,

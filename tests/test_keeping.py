@@ -116,7 +116,7 @@ def study(tmp_path):
 
 STEPS = """import os, signal
 from workbench.campaign import load
-from workbench.identification.fit import inverse_dynamics
+from workbench.inverse.dynamics import inverse_dynamics
 from workbench.keeping import step
 from workbench.study.outcome import Outcome
 from workbench.study.standard import trace_figures

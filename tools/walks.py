@@ -19,10 +19,14 @@ WALKS = {
     "folder to Record": ("campaign", "load", "folder", 6),
     "campaign path to trace.json": ("verbs.trace", "do", "given", 4),
     "Trace to report": ("report.writing", "write", "result", 4),
-    "plant to controllers": ("verification.design", "design", "plant", 3),
+    "plant to controllers": ("design.design", "design", "plant", 3),
     "records inside trace()": ("tracing.tracing", "trace", "passes", 6),
 }
-EARLIER = {"report.writing": "report.write", "verification.design": "verify.design", "tracing.tracing": "trace.tracing"}
+EARLIER = {
+    "report.writing": ("report.write",),
+    "design.design": ("verification.design", "verify.design"),
+    "tracing.tracing": ("trace.tracing",),
+}
 
 
 class Walk:
@@ -62,7 +66,8 @@ def main() -> None:
     files = sorted((asked.root / "workbench").rglob("*.py"))
     tree = Tree({p.relative_to(asked.root): ast.parse(p.read_text(encoding="utf-8")) for p in files})
     for name, (module, function, argument, depth) in WALKS.items():
-        place = module if (f"workbench.{module}", function) in tree.functions else EARLIER.get(module, module)
+        held = [m for m in (module, *EARLIER.get(module, ())) if (f"workbench.{m}", function) in tree.functions]
+        place = next(iter(held), module)
         walk = walked(tree, place, function, argument, depth)
         stays, rooms, climbs, returns = walk.numbers()
         print(f"{name:28} {stays:4} stays {rooms:3} rooms {climbs:3} climbs {returns:4} returns")

@@ -9,13 +9,13 @@ from workbench import readers
 from workbench.control import Controller, Law
 from workbench.definition import Effect, find
 from workbench.finding import capital, title
-from workbench.identification.fit import identify, inverse_dynamics
-from workbench.identification.free_run import START, free_run, refine_free_run
-from workbench.identification.output_error import rerun
-from workbench.identification.passes import InverseDynamics
-from workbench.identification.refine import refine
+from workbench.identification.fit import identify
 from workbench.identification.result import Fit
+from workbench.inverse.dynamics import InverseDynamics, inverse_dynamics
 from workbench.motion import Motion
+from workbench.output_error.free_run import START, free_run, refine_free_run
+from workbench.output_error.refine import refine
+from workbench.output_error.rerun import rerun
 from workbench.plant import ONE_MASS, Plant
 from workbench.record import IDENTIFICATION, ROLES, VALIDATION, Record
 from workbench.report.contents import BAD, GOOD, Callout, Chapter, Equation, Items, Paragraph, Table

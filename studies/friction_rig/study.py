@@ -13,8 +13,9 @@ from workbench import readers
 from workbench.definition import find
 from workbench.effects.hysteresis import maxwell_slip
 from workbench.finding import Finding, title
-from workbench.identification.fit import identify, inverse_dynamics
+from workbench.identification.fit import identify
 from workbench.identification.result import Fit
+from workbench.inverse.dynamics import inverse_dynamics
 from workbench.motion import Motion
 from workbench.plant import ONE_MASS, Plant
 from workbench.record import IDENTIFICATION, ROLES, VALIDATION, Record

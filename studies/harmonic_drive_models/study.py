@@ -10,9 +10,10 @@ from workbench.campaign import load
 from workbench.definition import find
 from workbench.effects.fading import fading_memory
 from workbench.effects.hysteresis import maxwell_slip
-from workbench.identification.fit import fitted_on, identify, inverse_dynamics
-from workbench.identification.passes import balances
+from workbench.identification.fit import fitted_on, identify
 from workbench.identification.problem import Problem
+from workbench.inverse.balances import balances
+from workbench.inverse.dynamics import inverse_dynamics
 from workbench.kernel.step import build
 from workbench.record import VALIDATION
 from workbench.report import drawing

@@ -5,22 +5,22 @@ from dataclasses import replace
 import numpy as np
 
 from workbench.control import pi_cascade
+from workbench.design.design import Designed, two_modes
+from workbench.design.families.family import Family
+from workbench.design.polish import Polished, polish
+from workbench.design.tabled import Tabled, tabled
 from workbench.plant import Plant
 from workbench.simulation import loop_under
 from workbench.study.configuration import Study
 from workbench.study.controlling import Control
 from workbench.study.controlling import numbers as numbers_of
+from workbench.task.task import Task
 from workbench.verification.checks import Checks, checked
 from workbench.verification.compare import PHASES
 from workbench.verification.contest import Contest, contest, entered
 from workbench.verification.controllers import REACHED, Controllers, controllers_of
-from workbench.verification.design import Designed, two_modes
-from workbench.verification.families import Family
 from workbench.verification.margin import AgainstMargin, Asked
-from workbench.verification.polish import Polished, polish
 from workbench.verification.promise import Promise
-from workbench.verification.tabled import Tabled, tabled
-from workbench.verification.task import Task
 
 from .records import assumed
 

@@ -6,9 +6,11 @@ identifies the model, and tunes on the identified one. The controllers are judge
 
 from dataclasses import replace
 
+from workbench.design.worth import regret_of
 from workbench.exporting.feed_forward import export_feed_forward
 from workbench.finding import Finding
-from workbench.identification.fit import identify, inverse_dynamics
+from workbench.identification.fit import identify
+from workbench.inverse.dynamics import inverse_dynamics
 from workbench.plant import Plant
 from workbench.report import control as control_chapters
 from workbench.report.checks import checks_chapter
@@ -36,7 +38,6 @@ from workbench.verification.contest import as_table as contest_table
 from workbench.verification.margin import against_margin
 from workbench.verification.promise import promise
 from workbench.verification.recommend import recommend
-from workbench.verification.worth import regret_of
 
 from . import controllers, description, paper, records
 from .controllers import BEST as PROFILE_PI

@@ -6,19 +6,10 @@ from functools import partial
 
 import numpy as np
 
+from workbench.cancellation.contestant import SUFFIX
+from workbench.cancellation.contestant import entered as compensating
 from workbench.description import Equivalent
-from workbench.plant import Plant
-from workbench.schedule import Passivity, Schedule
-from workbench.simulation import Loop
-from workbench.study.compensating import asked, chosen
-from workbench.study.configuration import Study
-from workbench.study.controlling import Control
-from workbench.study.controlling import numbers as numbers_of
-from workbench.verification.compensated import SUFFIX
-from workbench.verification.compensated import entered as compensating
-from workbench.verification.contest import Contest, contest, entered
-from workbench.verification.controllers import BRAKING, REACHED, controllers_of
-from workbench.verification.families import (
+from workbench.design.families.family import (
     Family,
     cascade_family,
     pd_family,
@@ -26,15 +17,24 @@ from workbench.verification.families import (
     scheduled_family,
     soft_gains,
 )
-from workbench.verification.joint import (
+from workbench.design.families.linear import TwoMasses
+from workbench.design.families.shaped import shaped, stiffest
+from workbench.design.joint import (
     JointGains,
     joint_equivalent,
     joint_gains,
     joint_passivity,
     joint_schedule,
 )
-from workbench.verification.linear import TwoMasses
-from workbench.verification.shaped import shaped, stiffest
+from workbench.plant import Plant
+from workbench.schedule import Passivity, Schedule
+from workbench.simulation import Loop
+from workbench.study.compensating import asked, chosen
+from workbench.study.configuration import Study
+from workbench.study.controlling import Control
+from workbench.study.controlling import numbers as numbers_of
+from workbench.verification.contest import Contest, contest, entered
+from workbench.verification.controllers import BRAKING, REACHED, controllers_of
 
 from .plant import Assumed
 

@@ -5,15 +5,15 @@ from functools import partial
 
 import numpy as np
 
+from workbench.design.families.shaped import judged
+from workbench.design.joint import unstable
+from workbench.design.optimise import Tuned
 from workbench.limit_cycle.simulation import simulated
 from workbench.report import numbers
 from workbench.report.contents import Chapter, Paragraph, Table
 from workbench.robustness.workload import single
 from workbench.schedule import Schedule
-from workbench.verification.joint import unstable
-from workbench.verification.optimise import Tuned
-from workbench.verification.shaped import judged
-from workbench.verification.task import Task
+from workbench.task.task import Task
 
 from .controllers import Over
 

@@ -11,10 +11,12 @@ from functools import partial
 import numpy as np
 
 from workbench.compensation import REFERENCE, Compensator
+from workbench.design.design import two_modes
 from workbench.errors import WorkbenchError
 from workbench.finding import Finding
-from workbench.identification.fit import identify, inverse_dynamics
+from workbench.identification.fit import identify
 from workbench.identification.result import Fit
+from workbench.inverse.dynamics import inverse_dynamics
 from workbench.report import control as control_chapters
 from workbench.report.contents import Chapter, Items, Paragraph
 from workbench.report.contest import contest_chapter
@@ -32,7 +34,6 @@ from workbench.study.robustness import robustness
 from workbench.tracing.tracing import trace
 from workbench.verification.contest import Contest, verdict
 from workbench.verification.contest import as_table as contest_table
-from workbench.verification.design import two_modes
 from workbench.verification.recommend import recommend
 
 from . import controllers, description, hunting, paper

@@ -8,7 +8,7 @@ import numpy as np
 
 from workbench.definition import find
 from workbench.hysteresis import Bank
-from workbench.identification.fit import inverse_dynamics
+from workbench.inverse.dynamics import inverse_dynamics
 from workbench.plant import ONE_MASS, Plant
 from workbench.record import IDENTIFICATION, VALIDATION, Record
 from workbench.study.simulated import record_of

@@ -2,13 +2,13 @@
 
 import pytest
 
+from workbench.cancellation.following import Slow, worth
 from workbench.compensation import Compensator
 from workbench.control import fixed_pd, pi_cascade
 from workbench.definition import find
 from workbench.errors import WorkbenchError
 from workbench.plant import TWO_MASS, Geometry, Limits, Plant
 from workbench.simulation import Loop
-from workbench.verification.compensating import Slow, worth
 
 LOOP = Loop(1e-3, 4, 0.0, 1e-3, 1e-7, 1e-7, "load_position")
 PLANT = Plant(

@@ -14,7 +14,8 @@ from rig.signals import low_pass
 from workbench.campaign import load
 from workbench.compensation import Compensator, agreement, predicted
 from workbench.definition import find
-from workbench.identification.fit import identify, inverse_dynamics
+from workbench.identification.fit import identify
+from workbench.inverse.dynamics import inverse_dynamics
 from workbench.record import IDENTIFICATION
 from workbench.study.simulated import record_of
 

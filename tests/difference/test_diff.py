@@ -14,7 +14,7 @@ from workbench.cli import main
 from workbench.definition import find
 from workbench.difference import compare
 from workbench.difference.changes import holm
-from workbench.identification.fit import inverse_dynamics
+from workbench.inverse.dynamics import inverse_dynamics
 from workbench.plant import ONE_MASS, Plant, freed
 from workbench.record import IDENTIFICATION, Record, Source
 

@@ -19,8 +19,9 @@ from workbench.errors import WorkbenchError
 from workbench.exporting.feed_forward import export_feed_forward
 from workbench.identification.curves import curve, curve_of
 from workbench.identification.fit import identify
-from workbench.identification.passes import InverseDynamics, predicted
 from workbench.identification.problem import Name
+from workbench.inverse.balances import predicted
+from workbench.inverse.dynamics import InverseDynamics
 from workbench.kernel.step import build
 from workbench.motion import motion
 from workbench.plant import Geometry, Plant

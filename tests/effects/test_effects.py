@@ -17,7 +17,8 @@ from workbench.definition import COMMAND, FORCE, SENSOR, TIME, Border, Effect, c
 from workbench.effects.direction import stop_direction
 from workbench.effects.hysteresis import knots, maxwell_slip, presliding_hysteresis
 from workbench.errors import WorkbenchError
-from workbench.identification.passes import InverseDynamics, required
+from workbench.inverse.balances import required
+from workbench.inverse.dynamics import InverseDynamics
 from workbench.kernel.step import build, check_linear
 from workbench.motion import motion
 from workbench.parameter import Parameter

@@ -9,8 +9,9 @@ import pytest
 from workbench.conformance.prediction import sees_no_drive
 from workbench.definition import FORCE, Effect, catalogue, find
 from workbench.errors import WorkbenchError
-from workbench.identification.fit import identify, inverse_dynamics
-from workbench.identification.passes import required
+from workbench.identification.fit import identify
+from workbench.inverse.balances import required
+from workbench.inverse.dynamics import inverse_dynamics
 from workbench.parameter import Parameter
 from workbench.plant import ONE_MASS, TWO_MASS, Plant
 from workbench.record import Record, Source
@@ -79,7 +80,7 @@ def test_a_simulated_motion_asks_for_the_drive_that_made_it(plant):
 
 
 def test_of_two_masses_the_load_balance_closes_with_friction_at_the_load():
-    from workbench.identification.passes import balances
+    from workbench.inverse.balances import balances
 
     plant = elastic("load")
     for passes in inverse_dynamics(recorded(plant), BAND):

@@ -9,7 +9,8 @@ import pytest
 from workbench.definition import find
 from workbench.errors import WorkbenchError
 from workbench.frequency import Mode, Modes, fit_modes, flexible_modes, response_of
-from workbench.identification.fit import identify, inverse_dynamics
+from workbench.identification.fit import identify
+from workbench.inverse.dynamics import inverse_dynamics
 from workbench.plant import Plant
 from workbench.record import Record, Source
 from workbench.simulation import open_loop

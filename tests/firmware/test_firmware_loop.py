@@ -11,17 +11,18 @@ from workbench.compensation import Compensator, compensated
 from workbench.control import fixed_pd, pi_cascade, scheduled_pd
 from workbench.definition import find
 from workbench.firmware import firmware, quantisation
+from workbench.firmware.comparison import same_bits
 from workbench.firmware.document import document
 from workbench.firmware.image import read
 from workbench.firmware.loop import run_firmware
-from workbench.firmware.verification import judged, same_bits
+from workbench.firmware.verification import judged
 from workbench.plant import ONE_MASS, TWO_MASS, Limits, Plant
 from workbench.robustness import worst
 from workbench.robustness.cases import Varied
 from workbench.robustness.distribution import Distribution
 from workbench.robustness.workload import Work
 from workbench.simulation import Loop, ScenarioArrays, simulate
-from workbench.verification.task import Task
+from workbench.task.task import Task
 
 LOOP = Loop(2.5e-4, 4, 2.5e-4, 2.5e-4, COUNT)
 ARITHMETICS = ("float32", "fixed")

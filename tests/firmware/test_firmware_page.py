@@ -15,7 +15,7 @@ from workbench.firmware.image import read
 from workbench.firmware.summary import known, ram_of, rounding, summary
 from workbench.report.firmware import firmware_chapter
 from workbench.study.firmware import firmware_part
-from workbench.verification.task import Task
+from workbench.task.task import Task
 
 EFFECTS = (
     find("inertia")(inertia=0.0074),

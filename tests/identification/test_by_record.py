@@ -6,9 +6,10 @@ from test_identify import BAND, H0, B, J, believed, coloured, estimate, moved, r
 
 from workbench.definition import find
 from workbench.identification.by_record import own_estimates
-from workbench.identification.fit import identify, inverse_dynamics
+from workbench.identification.fit import identify
 from workbench.identification.problem import Problem
 from workbench.identification.solve import solve
+from workbench.inverse.dynamics import inverse_dynamics
 from workbench.plant import Plant
 from workbench.study import results
 

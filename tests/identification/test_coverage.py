@@ -10,7 +10,7 @@ from scipy.signal import lfilter
 
 from workbench.definition import find
 from workbench.identification.fit import identify
-from workbench.identification.passes import InverseDynamics
+from workbench.inverse.dynamics import InverseDynamics
 from workbench.motion import Motion, motion
 from workbench.plant import ONE_MASS, Plant
 from workbench.record import Record, Source

@@ -10,8 +10,9 @@ from conftest import measured
 from workbench.campaign import load
 from workbench.definition import find
 from workbench.errors import WorkbenchError
-from workbench.identification.fit import identify, inverse_dynamics
-from workbench.identification.passes import predicted
+from workbench.identification.fit import identify
+from workbench.inverse.balances import predicted
+from workbench.inverse.dynamics import inverse_dynamics
 from workbench.plant import ONE_MASS, TWO_MASS, Plant, places
 from workbench.record import Record, Source
 from workbench.tracing.candidates import suspects

@@ -18,10 +18,10 @@ from threadpoolctl import threadpool_limits
 
 from workbench.definition import find
 from workbench.errors import WorkbenchError
-from workbench.identification.command import REACH
-from workbench.identification.fit import identify, inverse_dynamics
-from workbench.identification.passes import InverseDynamics
-from workbench.identification.shift import shifted
+from workbench.identification.fit import identify
+from workbench.inverse.command import REACH
+from workbench.inverse.dynamics import InverseDynamics, inverse_dynamics
+from workbench.inverse.shift import shifted
 from workbench.kernel.step import build
 from workbench.motion import motion
 from workbench.plant import ONE_MASS, Limits, Plant
@@ -290,7 +290,7 @@ def test_the_number_of_threads_does_not_matter(clean):
 
 def test_a_fresh_process_finds_the_same_numbers(clean):
     code = (
-        "import test_identify as t; from workbench.identification.fit import identify, inverse_dynamics\n"
+        "import test_identify as t; from workbench.identification.fit import identify; from workbench.inverse.dynamics import inverse_dynamics\n"
         "r = [t.recorded(*m[:2], t.torque(*m[1:]), f'r{s}', role, 10.0 * s)\n"
         "     for s, role in ((1, 'identification'), (2, 'identification'), (3, 'validation')) for m in [t.moved(s)]]\n"
         "print(t.numbers(identify(t.believed(), inverse_dynamics(r, t.BAND))))"

@@ -5,8 +5,9 @@ import pytest
 
 from workbench.campaign import load
 from workbench.errors import WorkbenchError
-from workbench.identification.fit import identify, inverse_dynamics
-from workbench.identification.output_error import payload_inertia
+from workbench.identification.fit import identify
+from workbench.inverse.dynamics import inverse_dynamics
+from workbench.output_error.rerun import payload_inertia
 
 INERTIA, VISCOUS, MGL, PHASE = 0.02, 0.05, 0.3, 0.4
 ADDED = {"inertia": 0.015, "mgl": 0.25, "phase": 0.4}

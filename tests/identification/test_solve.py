@@ -6,10 +6,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from workbench.definition import find
-from workbench.identification.fit import inverse_dynamics
 from workbench.identification.problem import Problem
-from workbench.identification.shift import LAGRANGE, between, weights
 from workbench.identification.solve import bounded, solve, solved_at
+from workbench.inverse.dynamics import inverse_dynamics
+from workbench.inverse.shift import LAGRANGE, between, weights
 from workbench.plant import TWO_MASS, Plant
 from workbench.record import IDENTIFICATION, Record, Source
 from workbench.tracing.candidates import suspects

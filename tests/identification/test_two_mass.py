@@ -11,9 +11,10 @@ import numpy as np
 import pytest
 
 from workbench.definition import find
-from workbench.identification.fit import identify, inverse_dynamics
-from workbench.identification.passes import balances
+from workbench.identification.fit import identify
 from workbench.identification.problem import Problem
+from workbench.inverse.balances import balances
+from workbench.inverse.dynamics import inverse_dynamics
 from workbench.motion import LowPass
 from workbench.plant import ONE_MASS, TWO_MASS, Geometry, Plant
 from workbench.record import Record, Source

@@ -190,7 +190,7 @@ def test_files_that_make_no_campaign_are_refused_and_nothing_is_left(axis, tmp_p
 
 def control(folder: Path, said: str = ""):
     """What a study's controller is tuned for, with these lines put into its study.toml."""
-    from workbench.identification.fit import inverse_dynamics
+    from workbench.inverse.dynamics import inverse_dynamics
     from workbench.study import configuration
     from workbench.study.control import shown_by
     from workbench.study.controlling import control_of

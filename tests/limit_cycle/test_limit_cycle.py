@@ -17,7 +17,7 @@ from workbench.limit_cycle.waves import clipped, found_after, harmonics_of, turn
 from workbench.plant import ONE_MASS, TWO_MASS, Limits, Plant
 from workbench.report.contents import Figure
 from workbench.simulation import Loop
-from workbench.verification.task import Task
+from workbench.task.task import Task
 
 FAST, SLOW = Loop(2.5e-4, 4, 2.5e-4, 2.5e-4, 4.848e-6), Loop(1e-3, 4, 1e-3, 1e-3, 4.848e-6)
 J = 0.0074

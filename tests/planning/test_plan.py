@@ -10,9 +10,10 @@ import rig
 
 from workbench.cli import main
 from workbench.definition import find
-from workbench.identification.fit import identify, inverse_dynamics
+from workbench.identification.fit import identify
 from workbench.identification.problem import Problem
 from workbench.identification.solve import solve
+from workbench.inverse.dynamics import inverse_dynamics
 from workbench.planning import Envelope, Sensing, design, prospects, sensing_of, separate
 from workbench.planning.envelope import load_rest
 from workbench.planning.following import followed

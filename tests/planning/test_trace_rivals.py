@@ -10,9 +10,9 @@ from test_plan import carried_out
 
 import workbench.planning
 from workbench.campaign import load
-from workbench.identification.fit import inverse_dynamics
 from workbench.identification.problem import Problem
 from workbench.identification.solve import solve
+from workbench.inverse.dynamics import inverse_dynamics
 from workbench.planning.following import followed, with_effect
 from workbench.tracing.tracing import trace
 

@@ -146,9 +146,9 @@ def test_a_run_says_before_it_traces_that_it_will_tune_nothing(at, capsys, monke
 
 def test_a_command_map_that_leaves_nothing_has_no_value_and_warns_nobody(at, monkeypatch):
     from workbench.campaign import load
-    from workbench.identification.fit import inverse_dynamics
     from workbench.identification.problem import Problem
     from workbench.identification.solve import solved_at
+    from workbench.inverse.dynamics import inverse_dynamics
 
     campaign = load(at / "campaign")
     problem = Problem(campaign.plant, inverse_dynamics(campaign.records, campaign.bandwidth))

@@ -85,7 +85,7 @@ def test_every_way_to_import_is_seen(text):
 
 
 def test_an_import_of_an_earlier_or_the_own_layer_is_fine():
-    text = "import numpy.report\nfrom workbench import __version__, errors\nfrom ..verification import a\nfrom .report import b\n"
+    text = "import numpy.report\nfrom workbench import __version__, errors\nfrom ..planning import a\nfrom .report import b\n"
     assert not upward(text, "tracing", ["workbench", "tracing"], layers())
 
 
@@ -104,6 +104,34 @@ def test_no_module_imports_from_a_later_layer():
             package = list(path.parent.relative_to(ROOT).parts)
             wrong += [f"{shown}, {sentence}" for sentence in upward(text, room(path), package, order)]
     assert not wrong, "\n".join(wrong)
+
+
+def test_what_lies_within_a_package_imports_nothing_of_the_package_about_it():
+    wrong = []
+    for inner in sorted(PACKAGE.glob("*/*/__init__.py")):
+        about, own = (".".join(p.relative_to(ROOT).parts) for p in (inner.parents[1], inner.parent))
+        for path in sorted(inner.parent.rglob("*.py")):
+            nodes = (n for n in ast.walk(ast.parse(path.read_text(encoding="utf-8"))) if isinstance(n, ast.ImportFrom))
+            above = [
+                n for n in nodes if f"{n.module}.".startswith(f"{about}.") and not f"{n.module}.".startswith(f"{own}.")
+            ]
+            wrong += [f"{path.relative_to(ROOT)}, line {n.lineno}: imports '{n.module}'." for n in above]
+    assert not wrong, "\n".join(wrong)
+
+
+def test_packages_of_one_layer_import_each_other_in_no_circle():
+    asks: dict[str, set[str]] = {}
+    for path in sorted(PACKAGE.rglob("*.py")):
+        if path != PACKAGE / "__init__.py":
+            package = list(path.parent.relative_to(ROOT).parts)
+            found = {name for _, name in imported(path.read_text(encoding="utf-8"), package)}
+            asks.setdefault(room(path), set()).update(found & set(layers()) - {room(path)})
+    asks["definition"].discard("effects")  # a catalogue finds its effects by the names of their files,
+    asks["verbs"].discard("cli")  # and completion lists the command line that holds it
+    while free := [name for name, others in asks.items() if not others & set(asks)]:
+        for name in free:
+            del asks[name]
+    assert not asks, f"these import each other: {sorted(asks)}"
 
 
 def test_the_command_line_starts_without_the_heavy_libraries():

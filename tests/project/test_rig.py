@@ -6,7 +6,8 @@ import rig
 from rig.machine import Machine, unexplained
 
 from workbench.campaign import load
-from workbench.identification.fit import identify, inverse_dynamics
+from workbench.identification.fit import identify
+from workbench.inverse.dynamics import inverse_dynamics
 
 HELD = rig.Axis(
     inertia=0.002, viscous=0.05, h0=0.0, rate=0.0, load_inertia=0.003, load_viscous=0.0, k2=300.0, c2=0.3, count=1e-7

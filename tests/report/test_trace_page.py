@@ -9,7 +9,7 @@ from report_example import records, study, trace
 
 from workbench.cli import main
 from workbench.errors import WorkbenchError
-from workbench.identification.fit import inverse_dynamics
+from workbench.inverse.dynamics import inverse_dynamics
 from workbench.report import residual_figures, write
 from workbench.report.chapters import standard
 from workbench.report.contents import Figure, Heading, Items, Table

@@ -9,8 +9,9 @@ import rig
 
 from workbench.campaign import load
 from workbench.definition import find
-from workbench.identification.carrying import load_errors
-from workbench.identification.fit import identify, inverse_dynamics
+from workbench.identification.fit import identify
+from workbench.inverse.carrying import load_errors
+from workbench.inverse.dynamics import inverse_dynamics
 from workbench.plant import ONE_MASS, TWO_MASS, Geometry, Plant
 from workbench.record import IDENTIFICATION, Record, Source
 from workbench.residual.maps import (

@@ -18,7 +18,7 @@ from workbench.robustness.cluster import on_cluster
 from workbench.robustness.local import on_threads
 from workbench.robustness.workload import digest
 from workbench.simulation import Loop
-from workbench.verification.task import Task
+from workbench.task.task import Task
 
 PATIENCE = 60.0  # s for a process to come up on a busy machine
 TAMPER = """

@@ -37,7 +37,7 @@ from workbench.robustness.perspective import ranking, share_beyond_worst, statem
 from workbench.robustness.workload import Block, digest, probe
 from workbench.simulation import Loop
 from workbench.study.robustness import declared, robustness
-from workbench.verification.task import Task
+from workbench.task.task import Task
 
 LOOP = Loop(2.5e-4, 2, 2.5e-4, 2.5e-4, 4.848e-6)
 SHAPE = (Varied("presliding_hysteresis.x0", log_uniform(0.7, 1.4), relative=True),)

@@ -295,7 +295,7 @@ def test_a_shape_that_no_knots_can_give_is_said(tuned):
 
 
 def test_a_fitted_schedule_is_exported_as_it_is(tuned, tmp_path):
-    from workbench.exporting.tables import tables
+    from workbench.schedule.tables import tables
 
     few = fewest_knots(tuned, loop=LOOP, highest=0.03)
     held = tables(few.per_octave, few.knots, few.kp, few.kd)

@@ -10,7 +10,8 @@ import pytest
 from workbench.control import fixed_pd, grid, pi_cascade, scheduled_pd
 from workbench.definition import FORCE, Effect, find
 from workbench.errors import WorkbenchError
-from workbench.identification.fit import identify, inverse_dynamics
+from workbench.identification.fit import identify
+from workbench.inverse.dynamics import inverse_dynamics
 from workbench.parameter import Parameter
 from workbench.plant import Limits, Plant
 from workbench.record import Record, Source

@@ -12,8 +12,9 @@ from workbench.control import fixed_pd
 from workbench.definition import Effect, find
 from workbench.effects.stiffness import linear_stiffness
 from workbench.errors import WorkbenchError
-from workbench.identification.bodies import Bodies
-from workbench.identification.fit import identify, inverse_dynamics
+from workbench.identification.fit import identify
+from workbench.inverse.bodies import Bodies
+from workbench.inverse.dynamics import inverse_dynamics
 from workbench.plant import Limits, Plant
 from workbench.record import Record, Source
 from workbench.simulation import Loop, Scenario, ScenarioArrays, open_loop, simulate

@@ -6,6 +6,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from workbench.cancellation.following import Slow, bears, worth
 from workbench.compensation import Compensator, compensated
 from workbench.control import fixed_pd
 from workbench.definition import find
@@ -15,8 +16,7 @@ from workbench.simulation import Loop
 from workbench.study import configuration
 from workbench.study.compensating import compensation
 from workbench.study.leaving import leave
-from workbench.verification.compensating import Slow, bears, worth
-from workbench.verification.task import Task
+from workbench.task.task import Task
 
 LOOP = Loop(5e-4, 2, 5e-4, 5e-4, 1e-6)
 SPRING = find("stop")(stiffness=2000.0, radius=1e-4)

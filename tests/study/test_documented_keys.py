@@ -11,7 +11,7 @@ from workbench.definition import find
 from workbench.plant import ONE_MASS, Limits, Plant
 from workbench.simulation import Loop
 from workbench.study import compensating, configuration, drive, limit_cycle, robustness
-from workbench.verification.task import Task
+from workbench.task.task import Task
 
 ROOT = Path(__file__).resolve().parents[2]
 PLANT = Plant(ONE_MASS, (

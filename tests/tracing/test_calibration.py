@@ -10,7 +10,8 @@ from report_example import trace as example
 
 from workbench.campaign import load
 from workbench.definition import find
-from workbench.identification.fit import identify, inverse_dynamics
+from workbench.identification.fit import identify
+from workbench.inverse.dynamics import inverse_dynamics
 from workbench.record import IDENTIFICATION, VALIDATION
 from workbench.tracing.calibration import calibrate, calibrations, finding, periodic
 from workbench.tracing.result import Cause

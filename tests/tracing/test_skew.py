@@ -9,10 +9,11 @@ from made_joints import BAND, K, joint, jointed
 
 from workbench.campaign import load
 from workbench.definition import find
+from workbench.encoders.clocks import plain
 from workbench.finding import CARRIES_NOTHING
-from workbench.identification.carrying import idle
-from workbench.identification.clocks import plain
-from workbench.identification.fit import identify, inverse_dynamics
+from workbench.identification.fit import identify
+from workbench.inverse.carrying import idle
+from workbench.inverse.dynamics import inverse_dynamics
 from workbench.tracing.candidates import ADDITION, CORRECTION, suspects
 from workbench.tracing.decimation import decimate
 from workbench.tracing.skew import skew_of

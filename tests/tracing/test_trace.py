@@ -11,7 +11,8 @@ import rig
 from workbench.campaign import Campaign, load
 from workbench.definition import find
 from workbench.identification.cross_validation import HeldOut, gain
-from workbench.identification.fit import identify, inverse_dynamics
+from workbench.identification.fit import identify
+from workbench.inverse.dynamics import inverse_dynamics
 from workbench.plant import ONE_MASS, TWO_MASS, Plant
 from workbench.tracing.candidates import suspects
 from workbench.tracing.output import as_dict, write

@@ -11,9 +11,9 @@ import rig
 from workbench.campaign import Campaign, load
 from workbench.definition import find
 from workbench.identification.cross_validation import HeldOut, followed
-from workbench.identification.fit import fitted_on, inverse_dynamics
-from workbench.identification.passes import InverseDynamics
+from workbench.identification.fit import fitted_on
 from workbench.identification.problem import Problem
+from workbench.inverse.dynamics import InverseDynamics, inverse_dynamics
 from workbench.plant import ONE_MASS, Plant
 from workbench.tracing import ranking
 from workbench.tracing.candidates import Candidate, brought, suspects, without

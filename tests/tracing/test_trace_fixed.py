@@ -9,7 +9,7 @@ from conftest import measured
 from workbench.campaign import load
 from workbench.definition import find
 from workbench.errors import WorkbenchError
-from workbench.identification.fit import inverse_dynamics
+from workbench.inverse.dynamics import inverse_dynamics
 from workbench.plant import ONE_MASS, TWO_MASS, Plant
 from workbench.tracing.candidates import ADDITION, CORRECTION
 from workbench.tracing.output import as_dict

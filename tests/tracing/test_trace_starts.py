@@ -9,9 +9,8 @@ import pytest
 from made_joints import joint, jointed
 
 from workbench.definition import find
-from workbench.identification.bodies import POSITION
-from workbench.identification.fit import inverse_dynamics
-from workbench.identification.passes import InverseDynamics
+from workbench.inverse.bodies import POSITION
+from workbench.inverse.dynamics import InverseDynamics, inverse_dynamics
 from workbench.plant import ONE_MASS, Plant
 from workbench.record import IDENTIFICATION, Record, Source
 from workbench.tracing import search

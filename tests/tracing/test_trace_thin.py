@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from workbench.definition import find
-from workbench.identification.fit import identify, inverse_dynamics
+from workbench.identification.fit import identify
+from workbench.inverse.dynamics import inverse_dynamics
 from workbench.plant import ONE_MASS, Plant
 from workbench.record import IDENTIFICATION, Record, Source
 from workbench.tracing.decimation import LEAST, decimate, decimated, ratio

@@ -8,7 +8,7 @@ import rig
 
 from benchmarks._trace_run import place_right, ranges
 from workbench.campaign import load
-from workbench.identification.fit import inverse_dynamics
+from workbench.inverse.dynamics import inverse_dynamics
 from workbench.tracing.result import NOTHING, UNKNOWN
 from workbench.tracing.tracing import trace
 

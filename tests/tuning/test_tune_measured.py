@@ -103,9 +103,9 @@ def test_the_law_is_that_of_the_sampled_loop():
 def test_a_study_tunes_within_the_response_of_its_records():
     """The gains at each amplitude that a controller is designed from are those that the measured mode allows."""
     from workbench.definition import find
+    from workbench.design.design import gains_of
     from workbench.plant import Limits, Plant
     from workbench.simulation import Loop
-    from workbench.verification.design import gains_of
 
     plant = Plant(
         "one mass",

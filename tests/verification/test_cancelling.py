@@ -8,10 +8,10 @@ import pytest
 from report_example import trace as example
 from test_closing import plant, record
 
+from workbench.cancellation.closed import Cancelled, causes, take
 from workbench.definition import find
 from workbench.report.closed_loop import closing
 from workbench.report.contents import Paragraph, Table
-from workbench.verification.cancelling import Cancelled, causes, take
 from workbench.verification.closed_loop import as_dict, close
 
 GOOD = {"rise": 0.1, "time_1pct": 0.1, "overshoot": 0.0, "final_error": 1e-5, "following": 1e-4}

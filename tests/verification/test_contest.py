@@ -9,21 +9,21 @@ import pytest
 
 from workbench.control import FeedForward, fixed_pd, grid
 from workbench.definition import find
+from workbench.design.families.family import Blend, cascade_family, pd_family, scheduled_family, soft_gains
+from workbench.design.families.linear import Linear, TwoMasses
+from workbench.design.families.shaped import shaped
+from workbench.design.optimise import first_members
 from workbench.errors import WorkbenchError
 from workbench.exporting.feed_forward import export_feed_forward
 from workbench.plant import ONE_MASS, TWO_MASS, Limits, Plant
 from workbench.report.contest import asked_table
 from workbench.report.reproduction import Printed, counted, reproduction_table
 from workbench.simulation import Loop
-from workbench.verification.bound import time_optimal
+from workbench.task.bound import time_optimal
+from workbench.task.task import Task, Weights, cost
 from workbench.verification.contest import Contest, Result, contest, verdict
 from workbench.verification.controllers import feed_forward_of
-from workbench.verification.families import Blend, cascade_family, pd_family, scheduled_family, soft_gains
-from workbench.verification.linear import Linear, TwoMasses
 from workbench.verification.margin import Asked, against_margin
-from workbench.verification.optimise import first_members
-from workbench.verification.shaped import shaped
-from workbench.verification.task import Task, Weights, cost
 
 LOOP = Loop(2.5e-4, 4, 2.5e-4, 2.5e-4, 4.848e-6)
 LIMITS = Limits(3.3, 12.57)
@@ -101,7 +101,7 @@ def test_a_verdict_says_who_is_beaten_on_what_nominally_and_over_the_grid():
 
 
 def test_a_contest_tunes_without_load_and_judges_with_it_and_over_the_grid(monkeypatch):
-    from workbench.verification import optimise as module
+    from workbench.design import optimise as module
 
     for name, value in (("GENERATIONS", 2), ("LOCAL", 4), ("POPULATION", 3)):
         monkeypatch.setattr(module, name, value)
@@ -120,7 +120,7 @@ def test_a_contest_tunes_without_load_and_judges_with_it_and_over_the_grid(monke
 
 
 def test_the_searchs_own_run_stands_for_the_tasks_own_limit_on_the_sensitivity(monkeypatch):
-    from workbench.verification import optimise as module
+    from workbench.design import optimise as module
 
     for name, value in (("GENERATIONS", 2), ("LOCAL", 4), ("POPULATION", 3)):
         monkeypatch.setattr(module, name, value)

@@ -11,16 +11,16 @@ import pytest
 
 from workbench.control import pi_cascade
 from workbench.definition import find
+from workbench.design.families.family import cascade_family, pd_family
+from workbench.design.families.linear import Linear
 from workbench.errors import WorkbenchError
 from workbench.exporting.numbers import export_numbers, load_numbers, slug
 from workbench.plant import ONE_MASS, Limits, Plant
 from workbench.report.recommend import recommended_chapter
 from workbench.simulation import Loop
 from workbench.study.leaving import leave
-from workbench.verification.families import cascade_family, pd_family
-from workbench.verification.linear import Linear
+from workbench.task.task import Task, Weights
 from workbench.verification.recommend import recommend
-from workbench.verification.task import Task, Weights
 
 LOOP = Loop(2.5e-4, 4, 2.5e-4, 2.5e-4, 4.848e-6)
 LINEAR = Linear(LOOP, 0.0074, 0.0, np.array([0.0]))

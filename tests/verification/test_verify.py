@@ -8,17 +8,17 @@ import pytest
 from workbench.control import fixed_pd
 from workbench.definition import find
 from workbench.description import equivalent
+from workbench.description.friction import equivalent_of, friction_of
+from workbench.design.design import gains_of, linear_of
+from workbench.design.families.family import blended, cascade_family, pd_family
+from workbench.design.families.linear import Linear
+from workbench.design.optimise import Trail, optimise, optimise_seeds
 from workbench.errors import WorkbenchError
 from workbench.plant import ONE_MASS, Limits, Plant
 from workbench.simulation import Loop
-from workbench.verification.bound import time_optimal
+from workbench.task.bound import time_optimal
+from workbench.task.task import Task, Weights, cost
 from workbench.verification.compare import Comparison, Row, compare, verdicts
-from workbench.verification.design import gains_of, linear_of
-from workbench.verification.equivalent import equivalent_of, friction_of
-from workbench.verification.families import blended, cascade_family, pd_family
-from workbench.verification.linear import Linear
-from workbench.verification.optimise import Trail, optimise, optimise_seeds
-from workbench.verification.task import Task, Weights, cost
 
 STEP = 0.4 * 2 * np.pi
 LOOP = Loop(2.5e-4, 2, 2.5e-4, 2.5e-4, 4.848e-6)
@@ -122,7 +122,7 @@ def test_a_step_that_never_settles_costs_more_than_any_that_does():
 
 
 def test_the_search_improves_on_its_start_and_keeps_to_the_sensitivity_limit(monkeypatch):
-    from workbench.verification import optimise as module
+    from workbench.design import optimise as module
 
     monkeypatch.setattr(module, "GENERATIONS", 6)
     monkeypatch.setattr(module, "LOCAL", 20)

@@ -6,8 +6,8 @@ from functools import cached_property
 import numpy as np
 
 from workbench.definition import FORCE
-from workbench.identification.passes import InverseDynamics
 from workbench.identification.problem import Problem
+from workbench.inverse.dynamics import InverseDynamics
 from workbench.plant import Plant
 from workbench.record import Record
 

@@ -5,8 +5,8 @@ from collections.abc import Iterator
 from workbench.checking.alignment import shifted_apart
 from workbench.checking.seen import Seen
 from workbench.checking.shift import LATE
+from workbench.encoders.clocks import late_clock
 from workbench.finding import Finding
-from workbench.identification.clocks import late_clock
 
 
 def skewed(seen: Seen) -> Iterator[Finding]:

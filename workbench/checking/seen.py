@@ -8,9 +8,8 @@ from workbench.campaign import Campaign
 from workbench.checking.balance import Balance, balance, freed
 from workbench.checking.shift import delay, realigned
 from workbench.finding import RESAMPLED
-from workbench.identification.fit import inverse_dynamics
-from workbench.identification.passes import InverseDynamics
 from workbench.intake.signals import quantum
+from workbench.inverse.dynamics import InverseDynamics, inverse_dynamics
 from workbench.record import Record
 
 ENCODERS = ("position", "load_position")

@@ -8,7 +8,7 @@ from workbench.compensation.compensator import OBSERVED, READ, REFERENCE, Compen
 from workbench.definition import namespace
 from workbench.errors import WorkbenchError
 from workbench.identification.fit import series_of
-from workbench.identification.passes import InverseDynamics
+from workbench.inverse.dynamics import InverseDynamics
 from workbench.kernel.program import read
 from workbench.kernel.scan import scan
 from workbench.plant import Plant

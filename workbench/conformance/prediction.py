@@ -7,7 +7,8 @@ import numpy as np
 from workbench.conformance.recovery import BAND, SAMPLES, record
 from workbench.conformance.scene import drawn, scene
 from workbench.definition import ANGLE, FORCE, Effect, find
-from workbench.identification.passes import InverseDynamics, balances, predicted
+from workbench.inverse.balances import balances, predicted
+from workbench.inverse.dynamics import InverseDynamics
 from workbench.motion import motion
 from workbench.plant import ONE_MASS, TWO_MASS, Plant, places
 

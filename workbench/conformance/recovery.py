@@ -10,7 +10,8 @@ from workbench.conformance.result import within
 from workbench.conformance.scene import drawn, output, scene
 from workbench.definition import FORCE, Effect, find
 from workbench.identification.fit import identify
-from workbench.identification.passes import InverseDynamics, predicted
+from workbench.inverse.balances import predicted
+from workbench.inverse.dynamics import InverseDynamics
 from workbench.motion import motion
 from workbench.parameter import Parameter
 from workbench.plant import ONE_MASS, Plant, reads_load

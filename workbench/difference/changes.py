@@ -14,10 +14,10 @@ import numpy as np
 from workbench.finding import Finding, capital, located
 from workbench.identification import intervals
 from workbench.identification.fit import fitted_on
-from workbench.identification.passes import InverseDynamics
 from workbench.identification.problem import Name, Problem
 from workbench.identification.result import Estimate
 from workbench.identification.solve import Solution, solve
+from workbench.inverse.dynamics import InverseDynamics
 from workbench.notebook import page
 from workbench.plant import Plant
 from workbench.threads import one_thread

@@ -8,7 +8,7 @@ from workbench.campaign import Campaign
 from workbench.errors import WorkbenchError
 from workbench.finding import Finding
 from workbench.identification.fit import fitted_on
-from workbench.identification.passes import InverseDynamics
+from workbench.inverse.dynamics import InverseDynamics
 from workbench.plant import MASSES
 
 APART = 2.0  # factor between what two campaigns cover from which on it is said

@@ -17,7 +17,7 @@
 | 80 | char[L] | UTF-8, one "key value" a line: versions, units, factors, the plant's lines ("plant key value") |
 | 80 + L | zeros | up to H - 4 |
 | H - 4 | uint32 | CRC-32 of the bytes 0 ... H - 5 |
-| H | float32[n][m] | payload: the rows in the order of `workbench.exporting.tables` |
+| H | float32[n][m] | payload: the rows in the order of `workbench.schedule.tables` |
 
 Both CRCs are CRC-32 of IEEE 802.3 (reflected, polynomial 0xEDB88320). Nothing follows the payload.
 """
@@ -32,7 +32,7 @@ import numpy as np
 from workbench.control import RULES
 from workbench.errors import WorkbenchError, regular
 from workbench.exporting.document import FORMAT_VERSION
-from workbench.exporting.tables import DRIVE_ROWS, ROWS, Tables
+from workbench.schedule.tables import DRIVE_ROWS, ROWS, Tables
 
 MAGIC = b"WBGAINS\0"
 FIXED = struct.Struct("<8s6I2f2I32s")

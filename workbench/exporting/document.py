@@ -9,7 +9,7 @@ import numpy as np
 from workbench import __version__
 from workbench.errors import WorkbenchError, regular
 from workbench.exporting.changes import digest
-from workbench.exporting.tables import Tables, tables
+from workbench.schedule.tables import Tables, tables
 
 SCHEMA = Path(__file__).with_name("gains.schema.json")
 FORMAT = "servo-workbench gains"

@@ -15,8 +15,8 @@ from workbench.exporting.changes import insist_same
 from workbench.exporting.document import SCHEMA, document, text
 from workbench.exporting.header import header
 from workbench.exporting.scale import GAINS, scales
-from workbench.exporting.tables import tables
-from workbench.exporting.whole import write_together
+from workbench.schedule.tables import tables
+from workbench.together import write_together
 
 NAME = re.compile(r"[a-z][a-z0-9_]{0,30}")
 

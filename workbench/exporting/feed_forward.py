@@ -9,8 +9,8 @@ from workbench.control import FeedForward
 from workbench.errors import WorkbenchError
 from workbench.exporting.document import floats
 from workbench.exporting.header import harmless, table
-from workbench.exporting.whole import write_together
 from workbench.plant import Plant
+from workbench.together import write_together
 
 HEAD = """/* Feed-forward of an axis: torque = mass * acceleration + sgn(v) * friction(|v|), SI.
  * Between speeds friction lies on a straight line; below the first it falls to zero along one.

@@ -6,8 +6,8 @@ from string import Template
 import numpy as np
 
 from workbench.exporting.document import FORMAT_VERSION
-from workbench.exporting.tables import Tables
 from workbench.firmware.shared import helpers, interpolated, scheduling
+from workbench.schedule.tables import Tables
 
 TEMPLATE = Path(__file__).with_name("gains.h.in")
 HEAD = """/* What a look-up knows of its table: the last knot's number, the bits of a float below its segment, the first knot's above. */

@@ -6,7 +6,7 @@ import numpy as np
 
 from workbench.errors import WorkbenchError
 from workbench.exporting.document import load, tables_of
-from workbench.exporting.tables import Tables, tables
+from workbench.schedule.tables import Tables, tables
 
 # Of the larger of a segment's two gains: one half unit in the last place (2^-24) each for the two gains held, the slope,
 # the product and the sum. A - knot is exact (Sterbenz), since a segment spans at most an octave.

@@ -15,8 +15,8 @@ import numpy as np
 
 from workbench.errors import WorkbenchError
 from workbench.exporting.header import harmless
-from workbench.exporting.whole import write_together
 from workbench.plant import Plant
+from workbench.together import write_together
 
 MAGIC, VERSION = b"WBNUMBER", 1
 HEAD = """/* {title}: the numbers of a controller, SI. Sample time {sample_time:.9g} s.

@@ -8,7 +8,7 @@ from workbench.control import Controller
 from workbench.firmware.loop import run_firmware
 from workbench.firmware.make import Firmware
 from workbench.simulation import Metrics, ScenarioArrays
-from workbench.verification.task import Task
+from workbench.task.task import Task
 
 COUNTS = 2.0  # of the encoder, by which final errors may differ
 # Changes of friction, about half a unit and a unit in the last place of float32: what the law's own landing hangs on. Of the larger two

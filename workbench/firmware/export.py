@@ -5,12 +5,12 @@ from os import PathLike
 from pathlib import Path
 
 from workbench.errors import WorkbenchError
-from workbench.exporting.whole import write_together
 from workbench.firmware.a2l import a2l
 from workbench.firmware.compensation_make import CompensationFirmware
 from workbench.firmware.document import SCHEMA, document, text
 from workbench.firmware.hexfile import intel_hex
 from workbench.firmware.make import Firmware
+from workbench.together import write_together
 
 NAME = re.compile(r"[a-z][a-z0-9_]{0,30}")
 TABLE = """/*

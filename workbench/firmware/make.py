@@ -8,7 +8,6 @@ import numpy as np
 from workbench.compensation import Compensated
 from workbench.control.law import Controller
 from workbench.errors import WorkbenchError, nearest
-from workbench.exporting.tables import grid
 from workbench.firmware.compensation_make import CompensationFirmware, compensation_firmware
 from workbench.firmware.fixed_reference import FixedReference
 from workbench.firmware.fixed_source import FixedSource
@@ -17,6 +16,7 @@ from workbench.firmware.numbers import Numbers, numbers
 from workbench.firmware.reference import Reference
 from workbench.firmware.write import Source
 from workbench.plant import Plant
+from workbench.schedule.tables import grid
 from workbench.simulation.scenario import Loop
 
 FINEST = 2048  # knots an octave, 2^WB_FINEST: 12 bits of a float's 23 are left for the way between two

@@ -153,7 +153,7 @@ def _downwards(x: float) -> np.float32:
 
 def _rows(numbers: Numbers) -> list[np.ndarray]:
     """Return gain and slope of each column, float32 (m,): slopes of the rounded gains, the last zero."""
-    from workbench.exporting.tables import slopes
+    from workbench.schedule.tables import slopes
 
     knots, out = numbers.knots.astype(F), []
     for column in numbers.columns.values():

@@ -13,7 +13,7 @@ from workbench.errors import WorkbenchError
 from workbench.firmware import host, quantisation
 from workbench.firmware.comparison import Comparison, comparison, reach
 from workbench.firmware.make import Firmware, firmware
-from workbench.verification.task import Task
+from workbench.task.task import Task
 
 MEASURED = Path(__file__).with_name("measured.json")  # held by the tests that run the target
 HEAD, ENCODER, WORD = 13, 4, 4  # words of wb_head and wb_encoder, and bytes of a word

@@ -12,6 +12,7 @@ from workbench.finding import Finding
 from workbench.front.given import Measured, campaign_of, plant_of
 from workbench.identification import fit as fitting
 from workbench.identification.result import Fit
+from workbench.inverse.dynamics import inverse_dynamics
 from workbench.plant import freed
 from workbench.record import Record
 from workbench.tracing import calibration, tracing
@@ -42,7 +43,7 @@ def identify(
     Raises WorkbenchError for records that are not sound, and where the model has no value on them.
     """
     campaign = campaign_of(model, records, bandwidth)
-    found = fitting.identify(campaign.plant, fitting.inverse_dynamics(campaign.records, campaign.bandwidth))
+    found = fitting.identify(campaign.plant, inverse_dynamics(campaign.records, campaign.bandwidth))
     return replace(found, records=campaign.records, bandwidth=campaign.bandwidth)
 
 
@@ -67,7 +68,7 @@ def trace(
     with numbers, `plant` is the extended one. Validation records choose no effect; they bear it out. Errors as of `identify`.
     """
     campaign = campaign_of(model, records, bandwidth)
-    passes = fitting.inverse_dynamics(campaign.records, campaign.bandwidth)
+    passes = inverse_dynamics(campaign.records, campaign.bandwidth)
     say = progress or (lambda _: None)
     found = tracing.trace(campaign.plant, passes, say, most, only, own, criteria or Criteria())
     phases = calibration.calibrations(passes, found)
@@ -90,6 +91,6 @@ def diff(before: Measured, after: Measured) -> difference.Difference:
     first, second = campaign_of(before), campaign_of(after)
     difference.check_models(first, second)
     bandwidth = min(first.bandwidth, second.bandwidth)
-    passes = [fitting.inverse_dynamics(c.records, bandwidth) for c in (first, second)]
+    passes = [inverse_dynamics(c.records, bandwidth) for c in (first, second)]
     found = difference.compare(freed(plant_of(first)), *passes)
     return replace(found, findings=difference.doubts(first, second, *passes))

@@ -43,7 +43,7 @@ def describe(
         raise WorkbenchError("what is described here may depend on rate; state omega=, the angular frequency in rad/s.")
     if isinstance(model, Effect):
         return description.first_harmonic(model, amplitudes, omega)
-    from workbench.verification.equivalent import equivalent_of, friction_of
+    from workbench.description.friction import equivalent_of, friction_of
 
     friction, _, _ = friction_of(_of_one_mass(model, "described"))
     return equivalent_of(friction, amplitudes, np.full(amplitudes.size, float(omega)), resolution)
@@ -65,8 +65,8 @@ def tune(
     speed, and Ms of 2, where absent. response: a measured one, whose modes limit the gains too. Gains are SI, (n,) each.
     Raises WorkbenchError for what is no axis of one mass; tuning.OutOfReach where no gains keep the goal.
     """
-    from workbench.verification.design import gains_of
-    from workbench.verification.equivalent import friction_of
+    from workbench.description.friction import friction_of
+    from workbench.design.design import gains_of
 
     plant = _of_one_mass(model, "tuned")
     if not friction_of(plant)[1] > 0.0:
@@ -144,7 +144,7 @@ def compensate(
     position p: "measured", "reference" or "observer". gain: g of the forces. delay: of D, samples. low_pass: of L, Hz, 0 for
     none. bandwidth: of the observer, Hz. Raises WorkbenchError for an effect that no drive cancels, with the reason.
     """
-    from workbench.verification.equivalent import friction_of
+    from workbench.description.friction import friction_of
 
     plant = plant_of(model)
     names = effects or tuple(e.key for e in compensation.compensable(plant, source))

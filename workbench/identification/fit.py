@@ -5,21 +5,17 @@ from collections.abc import Sequence
 import numpy as np
 
 from workbench.errors import WorkbenchError
-from workbench.identification import findings, intervals, prehistory, zeros
+from workbench.identification import findings, intervals
 from workbench.identification.by_record import own_estimates, spread
-from workbench.identification.passes import InverseDynamics, predicted
 from workbench.identification.problem import Problem
-from workbench.identification.result import Fit, Series
+from workbench.identification.result import Fit, Series, Squares
 from workbench.identification.solve import ITERATIONS, NoValue, Solution, solve
-from workbench.motion import motion
+from workbench.inverse import prehistory, zeros
+from workbench.inverse.balances import predicted
+from workbench.inverse.dynamics import InverseDynamics
 from workbench.plant import Plant
-from workbench.record import IDENTIFICATION, ROLES, VALIDATION, Record
+from workbench.record import IDENTIFICATION, ROLES, VALIDATION
 from workbench.threads import one_thread
-
-
-def inverse_dynamics(records: Sequence[Record], bandwidth: float) -> tuple[InverseDynamics, ...]:
-    """Return passes over the motions of the records; they may be shared by fits of many plants."""
-    return tuple(InverseDynamics(motion(r, bandwidth)) for r in zeros.relaxed(records, bandwidth))
 
 
 def fitted_on(passes: Sequence[InverseDynamics]) -> list[InverseDynamics]:
@@ -79,6 +75,7 @@ def seen(problem: Problem, solution: Solution, passes: Sequence[InverseDynamics]
     estimates = intervals.estimates(plant, names, cov, t)
     linear = [n for n in names if n in problem.free_linear]
     owns = own_estimates(problem, solution, linear)
+    apart = spread(plant, linear, owns)
     noise = float(np.sqrt(np.mean(solution.residual**2)))
     # a cause before what it causes: what is not excited is not determined
     half = dict(zip(names, t * np.sqrt(np.maximum(np.diag(cov), 0.0)), strict=True))
@@ -89,32 +86,19 @@ def seen(problem: Problem, solution: Solution, passes: Sequence[InverseDynamics]
     series, predictions = {}, {}
     for p in passes:
         series[p.motion.record.name], predictions[p.motion.record.name] = series_of(plant, p)
-    power = dict.fromkeys(ROLES, 0.0)
-    left = dict.fromkeys(ROLES, 0.0)
-    count = dict.fromkeys(ROLES, 0)
-    nrmse = {}
-    for name, s in sorted(series.items()):
-        measured, residual = s.measured[s.keep], s.residual[s.keep]
-        nrmse[name] = _ratio(residual @ residual, measured @ measured)
-        power[s.role] += measured @ measured
-        left[s.role] += residual @ residual
-        count[s.role] += measured.size
+    squares = {name: s.squares for name, s in sorted(series.items())}
+    of_role = {r: sum((squares[n] for n in squares if series[n].role == r), Squares()) for r in ROLES}
     return Fit(
         plant=plant,
         estimates=estimates,
-        identification=_ratio(left[IDENTIFICATION], power[IDENTIFICATION]),
-        validation=_ratio(left[VALIDATION], power[VALIDATION]),
-        nrmse=nrmse,
-        rms={r: float(np.sqrt(left[r] / max(count[r], 1))) for r in ROLES},
+        identification=of_role[IDENTIFICATION].nrmse,
+        validation=of_role[VALIDATION].nrmse,
+        nrmse={name: s.nrmse for name, s in squares.items()},
+        rms={r: s.rms for r, s in of_role.items()},
         series=series,
         predictions=predictions,
         findings=tuple(said),
         condition=condition,
         details={"theta": solution.theta, "cost": solution.cost, "covariance": (names, cov, t)},
-        spread=spread(plant, linear, owns),
+        spread=apart,
     )
-
-
-def _ratio(left: float, whole: float) -> float:
-    """Root of a ratio of powers; NaN where there is nothing to compare with."""
-    return float(np.sqrt(left / whole)) if whole > 0 else float("nan")

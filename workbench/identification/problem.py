@@ -12,8 +12,8 @@ from math import exp, log
 import numpy as np
 
 from workbench import definition as fx
-from workbench.identification.command import command_maps
-from workbench.identification.passes import InverseDynamics
+from workbench.inverse.command import command_maps
+from workbench.inverse.dynamics import InverseDynamics
 from workbench.parameter import Parameter
 from workbench.plant import Plant, reads_load
 

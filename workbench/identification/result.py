@@ -26,6 +26,27 @@ class Estimate:
     fixed: bool
 
 
+@dataclass(frozen=True)
+class Squares:
+    """Sums over samples in which errors count: of the squared residual and the squared measured drive, and how many."""
+
+    left: float = 0.0
+    measured: float = 0.0
+    count: int = 0
+
+    def __add__(self, other: "Squares") -> "Squares":
+        return Squares(self.left + other.left, self.measured + other.measured, self.count + other.count)
+
+    @property
+    def nrmse(self) -> float:
+        """rms of the residual over that of the drive; NaN where there is nothing to compare with."""
+        return float(np.sqrt(self.left / self.measured)) if self.measured > 0 else float("nan")
+
+    @property
+    def rms(self) -> float:
+        return float(np.sqrt(self.left / max(self.count, 1)))
+
+
 @dataclass(frozen=True, eq=False)
 class Series:
     """One record seen through the evaluation filter: time (n,) s, and measured, predicted, residual drive (n,) SI.
@@ -46,6 +67,11 @@ class Series:
     def residual(self) -> np.ndarray:
         """measured - predicted, (n,)."""
         return self.measured - self.predicted
+
+    @property
+    def squares(self) -> Squares:
+        measured, residual = self.measured[self.keep], self.residual[self.keep]
+        return Squares(residual @ residual, measured @ measured, measured.size)
 
 
 @dataclass(frozen=True, eq=False)

@@ -5,12 +5,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from workbench.description.friction import cycles_of, equivalent_from, friction_of
 from workbench.errors import WorkbenchError
 from workbench.plant import ONE_MASS, Plant
 from workbench.simulation import Loop
 from workbench.tuning import sampled
 from workbench.tuning.sampled import Clock
-from workbench.verification.equivalent import cycles_of, equivalent_from, friction_of
 
 COUNTS = 10.0  # encoder counts at which amplitudes of interest begin: smaller cycles are shaped by the encoder
 HALF = 129  # phases from a turning point to the next, of a cycle's friction

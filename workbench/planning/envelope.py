@@ -7,7 +7,8 @@ from math import inf, isfinite
 import numpy as np
 
 from workbench.errors import WorkbenchError
-from workbench.identification.passes import InverseDynamics, balances
+from workbench.inverse.balances import balances
+from workbench.inverse.dynamics import InverseDynamics
 from workbench.motion import LowPass
 from workbench.plant import ONE_MASS, Plant
 

@@ -6,7 +6,8 @@ from pathlib import Path
 import numpy as np
 
 from workbench.definition import Effect
-from workbench.identification.passes import InverseDynamics, predicted
+from workbench.inverse.balances import predicted
+from workbench.inverse.dynamics import InverseDynamics
 from workbench.motion import motion
 from workbench.planning.envelope import Sensing
 from workbench.planning.joint import deflection

@@ -8,9 +8,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from workbench.identification.passes import InverseDynamics
 from workbench.identification.problem import LOGARITHMIC, Name, Problem
 from workbench.identification.solve import slopes
+from workbench.inverse.dynamics import InverseDynamics
 from workbench.planning.envelope import Sensing
 from workbench.plant import Plant
 

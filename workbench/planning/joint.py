@@ -9,7 +9,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from workbench.identification.passes import InverseDynamics, balances
+from workbench.inverse.balances import balances
+from workbench.inverse.dynamics import InverseDynamics
 from workbench.plant import Plant
 
 STEPS = 12

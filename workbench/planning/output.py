@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from workbench.identification.passes import InverseDynamics
+from workbench.inverse.dynamics import InverseDynamics
 from workbench.planning.prospect import Prospect
 from workbench.planning.selection import Plan
 from workbench.planning.separation import Separation

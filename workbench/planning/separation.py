@@ -14,9 +14,9 @@ import numpy as np
 
 from workbench.definition import Effect
 from workbench.finding import capital, located
-from workbench.identification.passes import InverseDynamics
 from workbench.identification.problem import Problem
 from workbench.identification.solve import NoValue, bounded, scales, slopes, solve
+from workbench.inverse.dynamics import InverseDynamics
 from workbench.planning.envelope import Envelope, Sensing
 from workbench.planning.following import followed, with_effect
 from workbench.planning.motions import Reference

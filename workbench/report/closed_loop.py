@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from workbench.cancellation.closed import take
 from workbench.finding import capital, title
 from workbench.plant import TWO_MASS
 from workbench.report import numbers
@@ -9,7 +10,6 @@ from workbench.report.contents import Callout, Chapter, Figure, Items, Paragraph
 from workbench.report.drawing import AFTER, BEFORE, MUTED, STYLES, decades, envelope, svg
 from workbench.report.wording import listed, typeset
 from workbench.tracing.result import Trace
-from workbench.verification.cancelling import take
 from workbench.verification.closed_loop import DECLARED, EXTENDED, ClosedLoop, Response
 
 LEAST = 0.05  # of an encoder count, that an error is drawn down to

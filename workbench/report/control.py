@@ -2,15 +2,15 @@
 
 import numpy as np
 
+from workbench.design.design import Designed
 from workbench.finding import capital
 from workbench.plant import ONE_MASS
 from workbench.report import numbers
 from workbench.report.contents import BAD, GOOD, Callout, Chapter, Figure, Items, Marked, Paragraph, Table
 from workbench.report.drawing import AFTER, BEFORE, MUTED, SERIES, STYLES, decades, envelope, svg
 from workbench.report.gains import course, step_heading
+from workbench.task.task import Task
 from workbench.verification.compare import Comparison
-from workbench.verification.design import Designed
-from workbench.verification.task import Task
 
 DRAWN = 3  # decades below the step that the error is drawn over, at least
 

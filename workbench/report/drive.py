@@ -4,12 +4,12 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from workbench.drive_tuning.beside import Beside
+from workbench.drive_tuning.search import DriveGains
 from workbench.plant import Plant
 from workbench.report import numbers
 from workbench.report.contents import Chapter, Figure, Items, Paragraph, Table
 from workbench.report.drawing import AFTER, BEFORE, MUTED, decades, svg
-from workbench.verification.drive_beside import Beside
-from workbench.verification.drive_search import DriveGains
 
 STYLES = (("scheduled", BEFORE, "--"), ("single", MUTED, ":"), ("sets", AFTER, "-"))
 

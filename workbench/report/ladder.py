@@ -4,14 +4,14 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from workbench.design.climb import Climbed
+from workbench.design.ladder import COUNTS, FEW, timed
+from workbench.design.regret import Regret
+from workbench.design.worth import worth_sentence
 from workbench.plant import Plant
 from workbench.report import numbers
 from workbench.report.contents import Chapter, Figure, Paragraph, Table
 from workbench.report.drawing import AFTER, BEFORE, MUTED, decades, svg
-from workbench.verification.climb import Climbed
-from workbench.verification.ladder import COUNTS, FEW, timed
-from workbench.verification.regret import Regret
-from workbench.verification.worth import worth_sentence
 
 WIDE = 10.0  # regret from which on a drawing is logarithmic: below, steps of a tenth are to be seen
 

@@ -9,7 +9,7 @@ from workbench.limit_cycle.gain_region import THIRD, Region
 from workbench.report import numbers
 from workbench.report.contents import Chapter, Equation, Figure, Items, Paragraph, Table
 from workbench.report.drawing import AFTER, BEFORE, GRID, INK, MUTED, svg
-from workbench.verification.task import Task
+from workbench.task.task import Task
 
 PICKED = 8  # rows of the table
 FAINT = 0.16  # of a predicted case's shade

@@ -3,6 +3,8 @@
 import numpy as np
 
 from workbench.description import Equivalent
+from workbench.description.friction import friction_of
+from workbench.design.polish import Polished
 from workbench.plant import Plant
 from workbench.report import numbers
 from workbench.report.contents import Chapter, Figure, Paragraph, Table
@@ -11,8 +13,6 @@ from workbench.simulation import Loop
 from workbench.tuning import TuningGoal
 from workbench.tuning.axis import Axis
 from workbench.tuning.systems import law_system, plant_system
-from workbench.verification.equivalent import friction_of
-from workbench.verification.polish import Polished
 
 LINES = 400  # frequencies, from a ten-thousandth of the sampling rate to half of it
 

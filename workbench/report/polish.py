@@ -2,11 +2,11 @@
 
 import numpy as np
 
+from workbench.design.polish import Polished
 from workbench.plant import Plant
 from workbench.report import numbers
 from workbench.report.contents import Chapter, Figure, Paragraph, Table
 from workbench.report.drawing import AFTER, BEFORE, MUTED, decades, svg
-from workbench.verification.polish import Polished
 from workbench.verification.promise import Promise
 
 ROWS = 9

@@ -10,9 +10,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from workbench.identification.bodies import POSITION
-from workbench.identification.passes import InverseDynamics
 from workbench.identification.result import Fit
+from workbench.inverse.bodies import POSITION
+from workbench.inverse.dynamics import InverseDynamics
 from workbench.motion import increments
 from workbench.plant import TWO_MASS, Plant
 from workbench.residual.window import DIRECTIONS, EITHER

@@ -9,7 +9,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from workbench.identification.passes import InverseDynamics, required
+from workbench.inverse.balances import required
+from workbench.inverse.dynamics import InverseDynamics
 from workbench.motion import MOTION_BAND, LowPass, motion
 from workbench.plant import Plant
 from workbench.record import ROLES, Record

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from workbench.identification.passes import InverseDynamics
+from workbench.inverse.dynamics import InverseDynamics
 
 BINS = 1 << 14  # of position, for the spectrum over angle
 PEAKS = 4  # orders named at most, the largest first

@@ -5,10 +5,11 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from workbench.identification.bodies import POSITION
-from workbench.identification.carrying import load_errors
-from workbench.identification.passes import InverseDynamics, balances
 from workbench.identification.result import Fit
+from workbench.inverse.balances import balances
+from workbench.inverse.bodies import POSITION
+from workbench.inverse.carrying import load_errors
+from workbench.inverse.dynamics import InverseDynamics
 from workbench.plant import TWO_MASS, Plant
 from workbench.processes import shared
 from workbench.record import IDENTIFICATION

@@ -5,7 +5,7 @@ from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
-from workbench.identification.passes import InverseDynamics
+from workbench.inverse.dynamics import InverseDynamics
 from workbench.plant import PLACES, Plant
 from workbench.residual.window import Window
 
@@ -44,6 +44,13 @@ def samples(passes: Sequence[InverseDynamics], plant: Plant, level: Mapping[str,
 def excess_of(residual: np.ndarray, known: Samples) -> np.ndarray:
     """Return each row's squared residual less the floor's, zero where it is no drive's balance."""
     return np.where(known.drive, residual**2 - known.floor**2, 0.0)
+
+
+def times_floor(residual: np.ndarray, known: Samples) -> float:
+    """Return the rms of the drive's residual over that of the floor; zero where there is no floor."""
+    power = float(np.sum(residual[known.drive] ** 2))
+    floor = float(np.sum(known.floor[known.drive] ** 2))
+    return (power / floor) ** 0.5 if floor > 0 else 0.0
 
 
 def relative_rms(residual: np.ndarray, rows: np.ndarray, known: Samples) -> float:

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from workbench.identification.passes import InverseDynamics
+from workbench.inverse.dynamics import InverseDynamics
 from workbench.residual.orders import order_spectrum, peaks
 
 POINTS = 200  # of a spectrum over frequency

@@ -20,7 +20,7 @@ from workbench.robustness.cases import Varied
 from workbench.robustness.distribution import Distribution
 from workbench.robustness.workload import Work
 from workbench.simulation import Criteria, Loop
-from workbench.verification.task import Task
+from workbench.task.task import Task
 
 FORMAT = 1
 LARGEST = 1e15  # of any number of a task: what is larger overflows within a run, and no axis has it

@@ -15,7 +15,7 @@ from workbench.control import Controller
 from workbench.robustness.cases import Cases, Varied
 from workbench.robustness.vary import applied, checked, extended
 from workbench.simulation import Metrics, ScenarioArrays
-from workbench.verification.task import Task
+from workbench.task.task import Task
 
 BLOCK = 512  # cases a piece of work: a second's work or less, and enough of it to keep lanes and threads busy
 KEPT = ("final_error", "time_1pct", "overshoot", "ripple")  # metrics of a case

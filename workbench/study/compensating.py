@@ -15,8 +15,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from workbench.cancellation.contestant import SUFFIX, contestant
+from workbench.cancellation.following import Slow, Worth, bears, worth
 from workbench.compensation import OBSERVED, REFERENCE, SOURCES, Compensator
 from workbench.control import Controller
+from workbench.design.design import Designed
 from workbench.errors import WorkbenchError, nearest
 from workbench.finding import Finding, title
 from workbench.plant import Plant
@@ -26,10 +29,7 @@ from workbench.report.drawing import AFTER, BEFORE, svg
 from workbench.report.wording import listed, typeset
 from workbench.study.configuration import Study
 from workbench.study.outcome import Part
-from workbench.verification.compensated import SUFFIX, contestant
-from workbench.verification.compensating import Slow, Worth, bears, worth
-from workbench.verification.design import Designed
-from workbench.verification.task import Task
+from workbench.task.task import Task
 
 KEYS = ("effects", "controller", "amplitude", "frequency")
 MORE = ("source", "delay", "low_pass", "bandwidth", "mismatch")

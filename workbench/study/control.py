@@ -7,10 +7,14 @@ from math import isfinite
 
 import numpy as np
 
+from workbench.cancellation.contestant import SUFFIX, margins
+from workbench.design.design import Designed, design
+from workbench.design.regret import Regret
+from workbench.design.worth import regret_of
 from workbench.errors import WorkbenchError
 from workbench.finding import NOT_TUNED, RESPONSE_LIMITS, Finding, title
 from workbench.frequency import Response
-from workbench.identification.passes import InverseDynamics
+from workbench.inverse.dynamics import InverseDynamics
 from workbench.plant import TWO_MASS, Plant
 from workbench.record import VALIDATION, Record
 from workbench.report import control as chapters
@@ -32,17 +36,13 @@ from workbench.study.leaving import leave
 from workbench.study.limit_cycle import limit_cycles
 from workbench.study.outcome import Outcome, Part, with_part
 from workbench.study.robustness import robustness, slug
+from workbench.task.task import Task
 from workbench.tracing.result import Trace
 from workbench.tuning import OutOfReach
 from workbench.verification.assumed import loop_of, move_of
 from workbench.verification.compare import Comparison, compare, verdicts
-from workbench.verification.compensated import SUFFIX, margins
-from workbench.verification.design import Designed, design
 from workbench.verification.promise import promise
 from workbench.verification.recommend import recommend
-from workbench.verification.regret import Regret
-from workbench.verification.task import Task
-from workbench.verification.worth import regret_of
 
 BASELINES = ("fixed PD", "PI cascade", "profile with PI")
 BLIND = (1, 2)  # seeds of the search on the declared model, one from each arrival

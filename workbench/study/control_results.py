@@ -2,15 +2,15 @@
 
 import numpy as np
 
+from workbench.design.design import Designed
 from workbench.finding import Finding
 from workbench.readers.declaration import Table
 from workbench.report import numbers
 from workbench.report.wording import listed
 from workbench.study.controlling import Control, Shown
+from workbench.task.task import Task
 from workbench.verification.compare import Comparison
-from workbench.verification.design import Designed
 from workbench.verification.recommend import Recommended
-from workbench.verification.task import Task
 
 ASSUMED = "assumed loop"
 

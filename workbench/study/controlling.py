@@ -6,15 +6,15 @@ from math import isfinite
 import numpy as np
 
 from workbench.control.laws import ERROR, RULES
+from workbench.design.tabled import RUNS
 from workbench.errors import WorkbenchError
 from workbench.plant import Plant
 from workbench.readers.declaration import Table
 from workbench.simulation import Criteria, Loop
+from workbench.task.task import Task, Weights
 from workbench.tuning import TuningGoal
 from workbench.units import effect_unit
 from workbench.verification.assumed import COUNTS, lasting
-from workbench.verification.tabled import RUNS
-from workbench.verification.task import Task, Weights
 
 RANGE = ("lowest", "highest", "count")  # of [tuning]
 AMPLITUDES = 24  # at which gains are tuned, where a study states no other number

@@ -29,12 +29,14 @@ from pathlib import Path
 
 from workbench.checking.modes import resonances
 from workbench.control.drive import MOST
+from workbench.design.design import Designed
+from workbench.drive_tuning.beside import beside, following
+from workbench.drive_tuning.search import NUMBERS, ClosedDrive, DriveGains, tune_drive
 from workbench.drives import Cascade, Units
 from workbench.drives.elmo import SETS
 from workbench.drives.files import Told, files, writer
 from workbench.drives.objects import Object
 from workbench.errors import WorkbenchError
-from workbench.exporting.whole import write_together
 from workbench.finding import Finding
 from workbench.frequency import Response
 from workbench.frequency.notch import Notch, notch_for
@@ -44,10 +46,8 @@ from workbench.record import Record
 from workbench.report.drive import drive_chapter
 from workbench.study.configuration import Study
 from workbench.study.outcome import Part
-from workbench.verification.design import Designed
-from workbench.verification.drive_beside import beside, following
-from workbench.verification.drive_search import NUMBERS, ClosedDrive, DriveGains, tune_drive
-from workbench.verification.task import Task
+from workbench.task.task import Task
+from workbench.together import write_together
 
 OPTIONAL = (
     "current_lag", "notches", "sets", "speed_feed_forward", "acceleration_feed_forward", "counts", "amps", "integral",

@@ -9,8 +9,8 @@ import numpy as np
 from workbench.definition import Effect
 from workbench.finding import capital, title
 from workbench.identification.fit import fitted_on, identify
-from workbench.identification.passes import InverseDynamics
 from workbench.identification.result import Fit
+from workbench.inverse.dynamics import InverseDynamics
 from workbench.plant import Plant
 from workbench.record import IDENTIFICATION, ROLES, VALIDATION
 from workbench.report.contents import Table

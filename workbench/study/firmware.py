@@ -14,7 +14,7 @@ from workbench.firmware.make import ARITHMETICS
 from workbench.firmware.summary import summary
 from workbench.report.firmware import as_table, firmware_chapter
 from workbench.study.outcome import Part
-from workbench.verification.task import Task
+from workbench.task.task import Task
 
 FOLDER = "firmware"
 NONE = "no firmware"

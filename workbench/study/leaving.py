@@ -11,11 +11,11 @@ from workbench.control import Controller
 from workbench.control.notched import OWN as NOTCH
 from workbench.errors import WorkbenchError
 from workbench.exporting.numbers import export_numbers
-from workbench.exporting.whole import write_together
 from workbench.firmware.compensation_make import compensation_firmware
 from workbench.firmware.make import ARITHMETICS
 from workbench.plant import Plant
-from workbench.verification.task import Task
+from workbench.task.task import Task
+from workbench.together import write_together
 
 UNITS = {  # of the numbers of every law; F and x are the plant's own
     "kp": "F/x", "kd": "F*s/x", "kv": "1/s", "kvp": "F*s/x", "ki": "F/x", "speed_limit": "x/s", "deceleration": "x/s^2",

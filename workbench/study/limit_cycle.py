@@ -14,7 +14,7 @@ from workbench.study.configuration import Study
 from workbench.study.controlling import numbers
 from workbench.study.outcome import Part
 from workbench.study.robustness import chosen, slug
-from workbench.verification.task import Task
+from workbench.task.task import Task
 
 OPTIONAL = ("first", "second", "count", "largest", "duration", "inertia", "friction")
 SPAN = (0.1, 10.0)

@@ -9,11 +9,11 @@ from workbench.campaign import Campaign
 from workbench.campaign import load as load_campaign
 from workbench.definition import Effect
 from workbench.errors import WorkbenchError, nearest
-from workbench.identification.fit import fitted_on, identify, inverse_dynamics
-from workbench.identification.passes import InverseDynamics
+from workbench.identification.fit import fitted_on, identify
 from workbench.identification.problem import Problem
 from workbench.identification.result import Fit
 from workbench.identification.solve import solve
+from workbench.inverse.dynamics import InverseDynamics, inverse_dynamics
 from workbench.planning import Envelope, Sensing, Separation, envelope_of, sensing_of, separate
 from workbench.planning.envelope import load_rest
 from workbench.plant import Plant, freed

@@ -21,8 +21,8 @@ from workbench.robustness.workload import KEPT, Columns
 from workbench.study.configuration import Study
 from workbench.study.controlling import numbers
 from workbench.study.outcome import Part
+from workbench.task.task import Task
 from workbench.units import to_si
-from workbench.verification.task import Task
 
 FOLDER = "robustness"
 LEVELS = (0.5, 1.0, 1.5)

@@ -8,7 +8,7 @@ from workbench.campaign import Campaign, load
 from workbench.definition import Effect
 from workbench.description import Equivalent, equivalent
 from workbench.errors import WorkbenchError
-from workbench.identification.fit import inverse_dynamics
+from workbench.inverse.dynamics import inverse_dynamics
 from workbench.plant import Plant
 from workbench.record import IDENTIFICATION, VALIDATION
 from workbench.residual.residual_maps import map_residual

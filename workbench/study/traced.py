@@ -7,8 +7,7 @@ from pathlib import Path
 from workbench.campaign import FILE as CAMPAIGN
 from workbench.campaign import Campaign
 from workbench.errors import WorkbenchError
-from workbench.identification.fit import inverse_dynamics
-from workbench.identification.passes import InverseDynamics
+from workbench.inverse.dynamics import InverseDynamics, inverse_dynamics
 from workbench.outputs import replaceable, whole
 from workbench.plant import Plant
 from workbench.record import VALIDATION

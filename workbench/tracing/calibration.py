@@ -14,8 +14,8 @@ import numpy as np
 from workbench.definition import Effect
 from workbench.finding import Finding, capital, title
 from workbench.identification.fit import identify, series_of
-from workbench.identification.passes import InverseDynamics
 from workbench.identification.result import Estimate, Fit
+from workbench.inverse.dynamics import InverseDynamics
 from workbench.plant import Plant
 from workbench.record import IDENTIFICATION, VALIDATION
 from workbench.tracing.result import Cause, Trace

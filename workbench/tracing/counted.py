@@ -11,8 +11,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from workbench.identification.passes import InverseDynamics, balances, predicted
 from workbench.identification.solve import NoValue
+from workbench.inverse.balances import balances, predicted
+from workbench.inverse.dynamics import InverseDynamics
 from workbench.motion import motion
 from workbench.plant import Plant
 from workbench.residual.noise_floor import read_again

@@ -14,9 +14,9 @@ from math import ceil
 import numpy as np
 
 from workbench.definition import FORCE
-from workbench.identification.bodies import CHANNEL
-from workbench.identification.passes import InverseDynamics
-from workbench.identification.shift import between
+from workbench.inverse.bodies import CHANNEL
+from workbench.inverse.dynamics import InverseDynamics
+from workbench.inverse.shift import between
 from workbench.motion import LowPass, motion
 from workbench.plant import Plant
 from workbench.record import Record

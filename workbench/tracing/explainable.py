@@ -17,7 +17,7 @@ from math import sqrt
 import numpy as np
 
 from workbench.identification.cross_validation import Deviations, parted
-from workbench.identification.passes import InverseDynamics
+from workbench.inverse.dynamics import InverseDynamics
 from workbench.motion import MOTION_BAND, LowPass
 from workbench.tracing.criteria import Criteria
 from workbench.tracing.evidence import Explainable

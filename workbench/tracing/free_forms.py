@@ -10,8 +10,8 @@ from workbench.effects.families import FREE_FORMS, FreeForm, family_of, knots_of
 from workbench.effects.free_bank import slips_of
 from workbench.effects.free_maps import angle_over_angle
 from workbench.errors import WorkbenchError
-from workbench.identification.bodies import POSITION, VELOCITY
-from workbench.identification.passes import InverseDynamics
+from workbench.inverse.bodies import POSITION, VELOCITY
+from workbench.inverse.dynamics import InverseDynamics
 from workbench.plant import Plant, places
 from workbench.residual.orders import order_spectrum, peaks
 from workbench.tracing.candidates import ADDITION, Candidate, needless

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
-from workbench.identification.passes import InverseDynamics
+from workbench.inverse.dynamics import InverseDynamics
 from workbench.residual.noise_floor import noise_rms, with_stationary
 from workbench.tracing.candidates import Offer
 from workbench.tracing.counted import by_counts, quantisation_bias

@@ -12,10 +12,10 @@ import numpy as np
 
 from workbench.definition import FORCE, Effect
 from workbench.effects.free_bank import LENGTHS, NAME, bank_beside, hysteresis_bank
-from workbench.identification.bodies import CHANNEL
-from workbench.identification.passes import InverseDynamics
 from workbench.identification.problem import Problem
 from workbench.identification.solve import NoValue, solve
+from workbench.inverse.bodies import CHANNEL
+from workbench.inverse.dynamics import InverseDynamics
 from workbench.plant import Plant
 
 # Slips of the free curve of Coulomb friction: from 0.3 of a count, which nothing shows because a dead band of one count lies

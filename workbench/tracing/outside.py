@@ -15,7 +15,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from workbench.identification.passes import InverseDynamics, predicted
+from workbench.inverse.balances import predicted
+from workbench.inverse.dynamics import InverseDynamics
 from workbench.plant import Plant
 from workbench.tracing.explainable import foreseen, numbered, part
 

@@ -7,7 +7,7 @@ import numpy as np
 
 from workbench.definition import Effect
 from workbench.identification.intervals import on_bound
-from workbench.identification.passes import InverseDynamics
+from workbench.inverse.dynamics import InverseDynamics
 from workbench.plant import Plant
 
 LARGEST_ECCENTRICITY = 0.0175  # rad: a disc that reads a degree wrong would not have been mounted

@@ -5,8 +5,8 @@ from dataclasses import dataclass, replace
 
 from workbench.finding import Finding
 from workbench.identification.fit import fitted_on, identify
-from workbench.identification.passes import InverseDynamics
 from workbench.identification.result import Estimate, Fit
+from workbench.inverse.dynamics import InverseDynamics
 from workbench.plant import Plant
 from workbench.record import IDENTIFICATION
 from workbench.tracing.calibration import withheld
@@ -119,14 +119,14 @@ def reported(o: Outcome, progress: Progress) -> Trace:
 
 def _said_of_each(o: Outcome, after: Fit, progress: Progress) -> tuple[list[Cause], list[Refinement]]:
     """Return the causes, the one that takes most first, and the refinements among what stands."""
-    causes, refinements = {}, []
-    for i, (j, w) in enumerate(o.standing):
-        made = cause(j, w, o.fits[i], o.fits[i + 1], after, o.late.plant, credited=j.suspect.key in o.selected.credited)
-        if o.role(j) == CAUSE:
-            causes[j.suspect.key] = _described_rivals(made, j, o, progress)
-        else:
-            refinements.append(refinement(made))
-    return [causes[j.suspect.key] for j in o.by_size], refinements
+    made = {
+        j.suspect.key: cause(
+            j, w, o.fits[i], o.fits[i + 1], after, o.late.plant, credited=j.suspect.key in o.selected.credited
+        )
+        for i, (j, w) in enumerate(o.standing)
+    }
+    refinements = [refinement(made[j.suspect.key]) for j, _ in o.standing if o.role(j) != CAUSE]
+    return [_described_rivals(made[j.suspect.key], j, o, progress) for j in o.by_size], refinements
 
 
 def _residual_place(o: Outcome) -> Unexplained | None:

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 
 from workbench.errors import WorkbenchError
-from workbench.identification.passes import InverseDynamics
+from workbench.inverse.dynamics import InverseDynamics
 from workbench.plant import Plant
 from workbench.tracing.candidates import ADDITION, without
 from workbench.tracing.criteria import Criteria

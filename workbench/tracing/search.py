@@ -5,9 +5,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from workbench.identification.passes import InverseDynamics
 from workbench.identification.problem import Problem, to_search
 from workbench.identification.solve import Solution, solve
+from workbench.inverse.dynamics import InverseDynamics
 from workbench.parameter import Parameter
 from workbench.plant import Plant
 from workbench.tracing.candidates import ADDITION, Candidate

@@ -3,8 +3,8 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from workbench.identification.passes import InverseDynamics
 from workbench.identification.solve import NoValue
+from workbench.inverse.dynamics import InverseDynamics
 from workbench.plant import Plant
 from workbench.tracing.candidates import Offer, without
 from workbench.tracing.criteria import Criteria

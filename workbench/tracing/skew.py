@@ -11,10 +11,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from workbench.definition import catalogue
-from workbench.identification.clocks import PLAIN, WORTH, Late, late_clock
+from workbench.encoders.clocks import PLAIN, WORTH, Late, late_clock
 from workbench.identification.fit import fitted_on
-from workbench.identification.passes import InverseDynamics
 from workbench.identification.result import Estimate
+from workbench.inverse.dynamics import InverseDynamics
 from workbench.plant import Plant
 from workbench.tracing.candidates import ADDITION, Candidate
 

@@ -10,10 +10,10 @@ from itertools import product
 import numpy as np
 
 from workbench.definition import TIME, Effect
-from workbench.identification.bodies import POSITION
-from workbench.identification.deflection import deflection_of
-from workbench.identification.passes import InverseDynamics
+from workbench.encoders.deflection import deflection_of
 from workbench.identification.problem import to_search
+from workbench.inverse.bodies import POSITION
+from workbench.inverse.dynamics import InverseDynamics
 from workbench.plant import Plant
 from workbench.residual.orders import order_spectrum, peaks
 

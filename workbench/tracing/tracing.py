@@ -5,11 +5,11 @@ from dataclasses import replace
 
 from workbench.definition import Effect
 from workbench.errors import WorkbenchError
-from workbench.identification.carrying import idle
 from workbench.identification.fit import fitted_on, identify
-from workbench.identification.passes import InverseDynamics
 from workbench.identification.result import Fit
 from workbench.identification.solve import NoValue
+from workbench.inverse.carrying import idle
+from workbench.inverse.dynamics import InverseDynamics
 from workbench.keeping import kept
 from workbench.plant import TWO_MASS, Plant
 from workbench.residual.noise_floor import floor as noise_floor
@@ -122,9 +122,9 @@ def _evidence_of(
     answer, base = selected.answer, selected.base
     calm = max(answer.last.steady, min(confirmed.levels.values(), default=0.0))
     even = {p.motion.record.name: calm for p in passes}
-    place = instead(base, answer.last, even) if confirmed.added else None
     before = explainable(base, criteria)
     after = explainable(answer.last, criteria) if answer.added else before
+    place = instead(base, answer.last, even) if confirmed.added else None
     first = confirmed.fits[0]
     steady = {name: min(x, max(base.steady, 1e-300)) for name, x in confirmed.levels.items()}
     evidence = Evidence(

@@ -3,12 +3,10 @@
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
-import numpy as np
-
 from workbench.identification.cross_validation import Deviations
 from workbench.residual.change_points import with_change_points
 from workbench.residual.localisation import change_windows, localise, plainer
-from workbench.residual.samples import Samples, excess_of, left_in, samples
+from workbench.residual.samples import Samples, excess_of, left_in, samples, times_floor
 from workbench.residual.window import DIRECTIONS, Window, local
 from workbench.tracing.evidence import Evidence
 from workbench.tracing.state import State
@@ -37,7 +35,7 @@ def instead(declared: State, last: State, level: Mapping[str, float]) -> Window 
     leave it there, they only spread over the record what belongs to that place.
     """
     known = _samples_of(declared, level)
-    before, after = _times(declared, known), _times(last, known)
+    before, after = times_floor(declared.solution.residual, known), times_floor(last.solution.residual, known)
     if last is declared or after <= LEFT or (before**2 - after**2) / max(before**2 - 1.0, 1e-12) >= EXPLAINED:
         return None
     place, stays = _living(declared, known), _say_more(declared, last, known)
@@ -54,23 +52,16 @@ def instead(declared: State, last: State, level: Mapping[str, float]) -> Window 
 def unexplained(state: State, level: Mapping[str, float]) -> Unexplained:
     """Return where the residual of a state lives. level: record -> rms of what is calm in it."""
     known = _samples_of(state, level)
-    return Unexplained(_named(_living(state, known), state, known), _times(state, known))
+    return Unexplained(_named(_living(state, known), state, known), times_floor(state.solution.residual, known))
 
 
 def noise_alone(state: State, level: Mapping[str, float], most: float = NOISE) -> bool:
     """Whether a state leaves no more than the floor, times `most`."""
-    return _times(state, _samples_of(state, level)) < most
+    return times_floor(state.solution.residual, _samples_of(state, level)) < most
 
 
 def _samples_of(state: State, level: Mapping[str, float]) -> Samples:
     return samples(state.passes, state.plant, level)
-
-
-def _times(state: State, known: Samples) -> float:
-    """Return the rms of the drive's residual over that of the floor."""
-    power = float(np.sum(state.solution.residual[known.drive] ** 2))
-    floor = float(np.sum(known.floor[known.drive] ** 2))
-    return (power / floor) ** 0.5 if floor > 0 else 0.0
 
 
 def _say_more(declared: State, last: State, known: Samples) -> Window | None:

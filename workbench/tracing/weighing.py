@@ -3,9 +3,9 @@
 from collections.abc import Sequence
 from dataclasses import replace
 
-from workbench.identification.carrying import load_errors
-from workbench.identification.passes import InverseDynamics
 from workbench.identification.result import Fit
+from workbench.inverse.carrying import load_errors
+from workbench.inverse.dynamics import InverseDynamics
 from workbench.plant import TWO_MASS, Plant
 from workbench.record import ROLES, VALIDATION
 from workbench.tracing.calibration import calibrate, periodic

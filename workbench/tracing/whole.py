@@ -5,10 +5,10 @@ from collections.abc import Sequence
 import numpy as np
 
 from workbench.identification.fit import fitted_on, identify
-from workbench.identification.passes import InverseDynamics
 from workbench.identification.problem import Problem
 from workbench.identification.result import Fit
 from workbench.identification.solve import ITERATIONS, TOLERANCE, NoValue, solve
+from workbench.inverse.dynamics import InverseDynamics
 from workbench.plant import TWO_MASS, Plant
 from workbench.processes import shared
 from workbench.tracing.candidates import brought

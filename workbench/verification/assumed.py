@@ -6,13 +6,13 @@ from math import ceil, isfinite
 import numpy as np
 
 from workbench.definition import FORCE
+from workbench.description.friction import equivalent_of, friction_of
+from workbench.design.families.linear import Judge, Linear, TwoMasses
 from workbench.errors import WorkbenchError
 from workbench.plant import ONE_MASS, SENSORS, TWO_MASS, Plant
 from workbench.record import Record
 from workbench.simulation import Loop
-from workbench.verification.equivalent import equivalent_of, friction_of
-from workbench.verification.linear import Judge, Linear, TwoMasses
-from workbench.verification.task import Task
+from workbench.task.task import Task
 
 SUBSTEP = 2.5e-4  # s, at most
 STROKE = 0.5  # of the record's travel, that the step goes, from a quarter of it on

@@ -5,6 +5,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from workbench.description.friction import friction_of
+from workbench.design.design import described_at
 from workbench.errors import WorkbenchError
 from workbench.plant import Plant
 from workbench.schedule import BetweenKnots, Passivity, Schedule, between_knots, fewest_knots, passivity
@@ -12,8 +14,6 @@ from workbench.simulation import Loop
 from workbench.tuning import Gains, TuningGoal
 from workbench.tuning.axis import Axis
 from workbench.tuning.margins import margins
-from workbench.verification.design import described_at
-from workbench.verification.equivalent import friction_of
 
 TOLERANCES = (0.2, 0.1, 0.05, 0.02, 0.01)
 

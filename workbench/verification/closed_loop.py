@@ -12,17 +12,17 @@ from math import isfinite
 
 import numpy as np
 
+from workbench.cancellation.closed import Cancelled, cancelled, causes, take
 from workbench.control import Controller
+from workbench.description.friction import friction_of
+from workbench.design.families.family import Family, cascade_family
+from workbench.design.optimise import Tuned, optimise
 from workbench.plant import ONE_MASS, TWO_MASS, Plant
 from workbench.processes import shared
 from workbench.record import Record
 from workbench.simulation import Loop, Metrics, ScenarioArrays, simulate
+from workbench.task.task import Task
 from workbench.verification.assumed import judge, late, loop_of, task_of
-from workbench.verification.cancelling import Cancelled, cancelled, causes, take
-from workbench.verification.equivalent import friction_of
-from workbench.verification.families import Family, cascade_family
-from workbench.verification.optimise import Tuned, optimise
-from workbench.verification.task import Task
 
 DECLARED, EXTENDED = "declared", "extended"
 FIGURES = ("rise", "time_1pct", "overshoot", "final_error")

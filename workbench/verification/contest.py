@@ -10,14 +10,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from workbench.control import Controller
+from workbench.design.families.family import Family
+from workbench.design.optimise import SEEDS, Seeded, optimise_seeds
 from workbench.finding import Finding
 from workbench.keeping import kept
 from workbench.plant import Plant
 from workbench.simulation import Metrics
+from workbench.task.task import Task
 from workbench.verification.compare import LEVEL, PHASES, micro, ms, side, words
-from workbench.verification.families import Family
-from workbench.verification.optimise import SEEDS, Seeded, optimise_seeds
-from workbench.verification.task import Task
 
 Factory = Callable[[int], Controller]
 

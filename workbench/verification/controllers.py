@@ -7,13 +7,9 @@ import numpy as np
 from workbench.control import FeedForward, grid
 from workbench.control.laws import ERROR, FOLLOWING, FROZEN
 from workbench.description import Equivalent
-from workbench.plant import Plant
-from workbench.schedule import Schedule, fit_schedule
-from workbench.tuning import Gains, TuningGoal
-from workbench.verification.bound import sliding_torque
-from workbench.verification.design import BRAKING, REACHED, gains_of, linear_of
-from workbench.verification.equivalent import friction_of
-from workbench.verification.families import (
+from workbench.description.friction import friction_of
+from workbench.design.design import BRAKING, REACHED, gains_of, linear_of
+from workbench.design.families.family import (
     Family,
     cascade_family,
     pd_family,
@@ -21,10 +17,14 @@ from workbench.verification.families import (
     scheduled_family,
     soft_gains,
 )
-from workbench.verification.gain_table import BEGUN
-from workbench.verification.linear import Linear
-from workbench.verification.shaped import shaped
-from workbench.verification.task import Task
+from workbench.design.families.gain_table import BEGUN
+from workbench.design.families.linear import Linear
+from workbench.design.families.shaped import shaped
+from workbench.plant import Plant
+from workbench.schedule import Schedule, fit_schedule
+from workbench.task.bound import sliding_torque
+from workbench.task.task import Task
+from workbench.tuning import Gains, TuningGoal
 
 SLOWEST = 1e-3  # of the speed limit: first knot of the friction that is fed forward
 

@@ -5,10 +5,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from workbench.design.families.family import Family
+from workbench.design.optimise import optimise
+from workbench.task.task import Task
 from workbench.verification.contest import Contest, judged
-from workbench.verification.families import Family
-from workbench.verification.optimise import optimise
-from workbench.verification.task import Task
 
 
 @dataclass(frozen=True, eq=False)

@@ -5,12 +5,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from workbench.control import fixed_pd
+from workbench.design.polish import LASTS, REST, Polished, Stepped
 from workbench.keeping import kept
 from workbench.plant import Plant
 from workbench.simulation import ScenarioArrays, simulate
-from workbench.verification.polish import LASTS, REST, Polished, Stepped
-from workbench.verification.stepping import figures_of
-from workbench.verification.task import Task
+from workbench.task.stepping import figures_of
+from workbench.task.task import Task
 
 PHASES = (0.2, 0.5, 0.8)  # of the encoder within a count
 

@@ -1,0 +1,155 @@
+"""A gain table judged over the ladder: the moves, the figures of a step, the table's shape, references that none beats."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from paper_axis import LOOP, plant
+
+from workbench.description import Equivalent
+from workbench.design.climb import climb
+from workbench.design.families.family import pd_family
+from workbench.design.families.gain_table import fixed_family, gain_table, switched_family, table_family
+from workbench.design.families.linear import Linear
+from workbench.design.families.shaped import shaped
+from workbench.design.ladder import PHASES, all_rungs, climbed, corners, ladder, step_figures
+from workbench.design.regret import BEATEN, Regret, first_grid, prices, references
+from workbench.design.worth import regret_of, rivals, worth_sentence
+from workbench.task.task import Task, Weights
+from workbench.tuning import sampled
+from workbench.tuning.axis import Axis
+
+COUNT = LOOP.count
+AMPLITUDES = np.geomspace(1e-5, 2.5, 20)
+SPRING = Equivalent(AMPLITUDES, 95.0 / (1.0 + 600.0 * AMPLITUDES), 0 * AMPLITUDES)
+LINEAR = Linear(LOOP, 0.0074, 0.0, np.array([0.0, 95.0]), SPRING)
+FIXED = shaped(lambda judge: pd_family(judge, (400.0, 8.0)), LINEAR, 1e-4)
+GAINS = type("Gains", (), {"amplitude": AMPLITUDES, "kp": 2000 / (1 + 4 * AMPLITUDES), "kd": 7.0 + 0 * AMPLITUDES})
+
+
+@pytest.fixture(scope="module")
+def task() -> Task:
+    return Task(plant(), LOOP, 0.05, 0.2, frictions=(0.5, 1.5), inertias=(0.5, 1.0, 1.5), weights=Weights(error=0.4))
+
+
+@pytest.fixture(scope="module")
+def short(task):
+    return ladder(task, 0.15, scenarios=((1.0, 1.0),), sizes=2)
+
+
+def test_the_ladder_goes_from_ten_counts_to_the_step_both_ways_from_rest_and_back_with_and_without_load(task):
+    on = ladder(task)
+    steps = [m for m in on.moves if m.kind == "step"]
+    sizes = np.unique(np.round([abs(m.size) / COUNT for m in steps], 6))
+    assert sizes.size == 9 and sizes[0] == pytest.approx(10.0) and sizes[-1] * COUNT == pytest.approx(0.05)
+    for size in sizes:
+        own = {(np.sign(m.size), m.load > 0.0, m.history) for m in steps if abs(m.size) / COUNT == pytest.approx(size)}
+        assert len(own) == 8
+    assert {m.kind for m in on.moves} == {"step", "sine", "load"}
+    assert corners(task) == ((1.0, 1.0), (0.5, 0.5), (0.5, 1.5), (1.5, 0.5), (1.5, 1.5))
+
+
+def test_a_rung_goes_to_its_size_and_back(short):
+    r = short.reference(0, int(short.samples[0]))
+    assert r[short.hold - 1] == 0.0 and r[short.hold] == short.rungs[0][0].size and r[-1] == 0.0
+    assert np.count_nonzero(r) == short.half[0]
+
+
+def test_figures_of_a_step_count_nothing_that_two_counts_hide():
+    n, dt = 1000, 1e-3
+    t = np.arange(n)[:, None]
+    small = np.where(t < 10, 0.0, 10 * COUNT) + np.where((t > 20) & (t < 40), 1.9 * COUNT, 0.0)
+    time, error, over = step_figures(small, 10 * COUNT, 10 * COUNT, COUNT, dt)[0]
+    assert time == pytest.approx(0.0098, abs=1e-9) and error == pytest.approx(0.0, abs=1e-15) and over == 0.0
+    large = 0.01 * (1 - np.exp(-t / 50.0)) * np.ones((1, 2)) + np.array([0.0, 1e-3]) * (t == 300)
+    figures = step_figures(large, 0.01, 0.01, COUNT, dt)
+    assert figures[0, 0] == pytest.approx(0.05 * np.log(100), rel=2e-3) and figures[0, 2] == 0.0
+    assert figures[1, 0] == pytest.approx(0.3, abs=0.002) and figures[1, 2] == pytest.approx(0.1, rel=0.05)
+    assert np.isinf(step_figures(np.where(t > 950, 0.0, 0.01), 0.01, 0.01, COUNT, dt)).all()
+
+
+def test_gains_of_a_table_never_rise_and_are_as_stiff_as_the_sensitivity_allows():
+    table = gain_table(LINEAR, AMPLITUDES, 2.5 * COUNT, 2.0)
+    family = table_family(table, GAINS, LINEAR, "error", 4.0)
+    draw = np.random.default_rng(2)
+    points = family.settled(family.start * np.exp(0.4 * draw.standard_normal((20, family.start.size))))
+    points = np.clip(points, family.lower, family.upper)
+    kp, kd = table.gains(points)
+    assert (np.diff(kp, axis=1) <= 0.0).all() and (family.sensitivity(points) <= 2.003).all()
+    filtered = replace(LOOP, velocity_filter=float(points[0, -1]))
+    axis = Axis.of(Equivalent(np.array([1.0]), np.zeros(1), np.zeros(1)), 0.0074, 0.0, filtered).take(
+        np.zeros(kp[0].size, int)
+    )
+    k, d = kp[0] / axis.unit_kp, kd[0] / axis.unit_kd
+    peak, _ = sampled.sensitivity_peak(k, d, axis.steps(k), axis.clock)
+    assert (peak <= 2.0).all() and peak.max() > 1.98
+
+
+def test_of_references_searched_for_each_move_none_is_beaten_by_the_grid_that_it_came_from(short):
+    family = FIXED
+    points = first_grid(gain_table(LINEAR, AMPLITUDES, 2.5 * COUNT, 2.0))[::9]
+    found = references(short, family, points)
+    points = points[family.sensitivity(points) <= 2.002]
+    assert (
+        prices(short, climbed(short, family, points, all_rungs(short, points)), found.scale).min(axis=0) >= found.cost
+    ).all()
+    assert np.isfinite(found.cost).all() and (found.error > 0.0).all()
+
+
+def test_a_search_over_the_ladder_is_the_same_again_and_beats_no_reference(short):
+    table = gain_table(LINEAR, AMPLITUDES, 2.5 * COUNT, 2.0)
+    starts = [table_family(table, GAINS, LINEAR, "error", ahead) for ahead in (4.0, 2.0)]
+    fixed = FIXED, first_grid(table)[::9]
+    found, again = (climb(short, starts, fixed, seeds=(1, 2), generations=2) for _ in range(2))
+    assert (found.best.point == again.best.point).all() and found.spread >= 1.0
+    own = prices(short, found.best.figures, found.references.scale)
+    assert (own >= found.references.cost - BEATEN).all()
+    assert found.best.value <= found.runs[-1].value and len(found.runs) == 2
+    worst = found.regret.worst
+    assert worst[0] == found.regret.time.max() and np.isfinite(worst).all()
+
+
+def test_points_on_rungs_of_their_own_have_the_figures_that_they_have_among_others(short):
+    family = pd_family(LINEAR, (400.0, 8.0))
+    points = np.array([[1500.0, 7.5], [900.0, 8.0]])
+    every = climbed(short, family, points, all_rungs(short, points))
+    own = climbed(short, family, points, np.array([[3], [0]]))
+    assert own[0, 0] == pytest.approx(every[0, 3], rel=1e-9) and own[1, 0] == pytest.approx(every[1, 0], rel=1e-9)
+
+
+def test_a_ladder_without_an_encoder_begins_at_a_share_of_the_step(task):
+    on = ladder(replace(task, loop=replace(LOOP, resolution=0.0)), 0.1, sizes=2)
+    assert min(abs(m.size) for m in on.moves if m.kind == "step") == pytest.approx(5e-7)
+
+
+def test_steps_of_few_counts_are_met_at_several_phases_of_the_encoder_and_long_ones_at_one(task):
+    on = ladder(task)
+    few = np.array([r[0].kind == "step" and abs(r[0].size) < 200 * COUNT for r in on.rungs])
+    assert (on.phases[few] == PHASES).all() and (on.phases[~few] == 1).all() and few.any()
+
+
+def test_fixed_gains_and_a_switch_are_tables_of_one_and_of_two_ratios():
+    table = gain_table(LINEAR, AMPLITUDES, 2.5 * COUNT, 2.0)
+    one = fixed_family(table, GAINS, LINEAR, "error", 0.02)
+    columns = one.controller(one.start[None, :], 1).tables[0].columns
+    assert one.start.size == 2 and np.ptp(columns["kp"]) == 0.0 and np.ptp(columns["kd"]) == 0.0
+    two = switched_family(table, GAINS, LINEAR, "error")
+    kp, kd = table.switched(np.array([[200.0, 50.0, 1e-3, 1e-4]]))
+    assert np.unique(np.round(kp / kd, 6)).size == 2 and (np.diff(kp) <= 0.0).all()
+    assert two.settled(np.array([[50.0, 200.0, 1e-3, 1e-4]]))[0].tolist() == [50.0, 50.0, 1e-3, 1e-4]
+    assert two.lower[2] == table.knots[0] and two.upper[2] == table.knots[-1]
+
+
+def test_what_has_fewer_levels_is_tuned_alike_and_the_sentence_says_who_is_behind(short):
+    table = gain_table(LINEAR, AMPLITUDES, 2.5 * COUNT, 2.0)
+    start = table_family(table, GAINS, LINEAR, "error", 4.0)
+    found = climb(short, [start], (FIXED, first_grid(table)[::9]), seeds=(1,), generations=1)
+    fixed = rivals(found, (fixed_family(table, GAINS, LINEAR, "error", 0.02),), 1).found[0]
+    own = regret_of(short, fixed, found.references)
+    assert own.time.shape == found.regret.time.shape and list(fixed.numbers) == ["ratio", "velocity_filter"]
+    ours, behind = (Regret(np.full((1, 2), v), np.ones((1, 2)), np.zeros((1, 2))) for v in (1.2, 1.5))
+    assert "is worth its schedule" in worth_sentence(ours, {"fixed gains": behind})
+    assert "against fixed gains the description's curve buys nothing" in worth_sentence(ours, {"fixed gains": ours})
+    lost = Regret(np.array([[1.0, np.nan]]), np.array([[1.0, np.inf]]), np.zeros((1, 2)))
+    said = worth_sentence(ours, {"fixed gains": lost})
+    assert "fixed gains no rest on 1 of 2 moves" in said and "is worth its schedule" in said and "nan" not in said

@@ -1,0 +1,78 @@
+"""The equivalent stiffness and loss of all friction of a plant together, by the settled first harmonic of its forces.
+
+Effects that read the direction (Stribeck, asymmetry) have no describing function of their own: they ride on the hysteresis.
+So the forces are stepped together through q = A cos(w t), as identification steps them along a record.
+"""
+
+from collections.abc import Sequence
+from types import SimpleNamespace
+
+import numpy as np
+
+from workbench import definition as fx
+from workbench.description.result import Equivalent
+from workbench.inverse.balances import required
+from workbench.inverse.dynamics import InverseDynamics
+from workbench.plant import Plant
+
+CYCLES = 3  # the last one is taken: a hysteresis is settled after the first reversal pair
+SAMPLES = 1024  # a cycle
+MASS = {"inertia": "inertia", "flexible_mode": "mass"}  # effect -> its parameter that the rigid axis carries
+
+
+def friction_of(plant: Plant) -> tuple[Plant, float, float]:
+    """Return (plant with only forces that are neither inertia nor linear viscous, inertia, viscous coefficient), SI.
+
+    The inertia is that of the rigid axis: parts that swing on it move with it far below their modes.
+    """
+    inertia = sum(e.parameters[MASS[e.name]].value for e in plant.effects if e.name in MASS)
+    viscous = sum(e.parameters["viscous"].value for e in plant.effects if e.name == "viscous_friction")
+    rest = plant
+    for e in plant.effects:
+        if e.name in (*MASS, "viscous_friction") or e.port != fx.FORCE:
+            rest = rest.without(e.key)
+    return rest, inertia, viscous
+
+
+def made_up(name: str, counts: float, dt: float, **moved: np.ndarray):
+    """Return a motion that no record holds: q, dq, v, a (n,) every dt seconds, of an encoder with this resolution."""
+    n = moved["q"].size
+    record = SimpleNamespace(
+        channels={}, name=name, locked=False, zero=None, payload=None, resolution={"position": counts}
+    )
+    return SimpleNamespace(record=record, counts=counts, t=dt * np.arange(n), dt=dt, u=np.zeros(n), **moved)
+
+
+def equivalent_of(plant: Plant, amplitudes: Sequence[float], omegas: Sequence[float], counts: float) -> Equivalent:
+    """Return the Equivalent of a plant's friction at amplitudes (n,), rad or m, each at its frequency omegas (n,), rad/s.
+
+    counts: encoder resolution, the width of the direction where no hysteresis gives it.
+    """
+    return equivalent_from(amplitudes, cycles_of(plant, amplitudes, omegas, counts))
+
+
+def equivalent_from(amplitudes: Sequence[float], force: np.ndarray) -> Equivalent:
+    """Return the Equivalent of forces (n, SAMPLES) along settled cycles A cos f; see cycles_of."""
+    a, phase = np.asarray(amplitudes), 2 * np.pi * np.arange((CYCLES - 1) * SAMPLES, CYCLES * SAMPLES) / SAMPLES
+    stiffness = [2 * np.mean(f * np.cos(phase)) / x for f, x in zip(force, a, strict=True)]
+    loss = [-2 * np.mean(f * np.sin(phase)) / x for f, x in zip(force, a, strict=True)]
+    return Equivalent(a, np.maximum(stiffness, 0.0), np.maximum(loss, 0.0))
+
+
+def cycles_of(plant: Plant, amplitudes: Sequence[float], omegas: Sequence[float], counts: float) -> np.ndarray:
+    """Return the forces (n, SAMPLES), N*m or N, along settled cycles q = A cos(f); arguments as of equivalent_of."""
+    out = np.empty((len(amplitudes), SAMPLES))
+    phase = 2 * np.pi * np.arange(CYCLES * SAMPLES + 1) / SAMPLES
+    for k, (amplitude, omega) in enumerate(zip(amplitudes, omegas, strict=True)):
+        q = amplitude * np.cos(phase)
+        motion = made_up(
+            "a settled cycle",
+            counts,
+            2 * np.pi / SAMPLES / omega,
+            q=q,
+            dq=np.diff(q, prepend=0.0),  # from the relaxed state at zero out to A
+            v=-amplitude * omega * np.sin(phase),
+            a=-amplitude * omega**2 * np.cos(phase),
+        )
+        out[k] = required(InverseDynamics(motion), plant)[(CYCLES - 1) * SAMPLES : CYCLES * SAMPLES]
+    return out

@@ -1,0 +1,181 @@
+"""From a plant to controllers: gains per amplitude, a table tuned over the ladder, and baselines on the simulated loop."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from workbench.description import Equivalent
+from workbench.description.friction import equivalent_of, friction_of
+from workbench.design.climb import Climb, Climbed
+from workbench.design.families.family import Family, blended, cascade_family, pd_family, profile_family
+from workbench.design.families.gain_table import BEGUN
+from workbench.design.families.linear import Linear
+from workbench.design.families.shaped import shaped
+from workbench.design.optimise import Tuned, optimise_seeds
+from workbench.design.polish import Polished, polish
+from workbench.design.tabled import RUNS, tabled
+from workbench.design.worth import Rivals
+from workbench.finding import RESPONSE_LIMITS, Finding
+from workbench.frequency import Response
+from workbench.plant import Plant
+from workbench.schedule import BetweenKnots, Schedule, between_knots, passivity
+from workbench.simulation import Loop, loop_under
+from workbench.task.task import Task
+from workbench.tuning import Gains, TuningGoal, tune, tune_within
+
+BRAKING = 0.65  # of the torque that the drive has: where a search for the deceleration of a profile begins
+REACHED = 0.98  # of the speed limit: what laws ask for, so that the drive keeps some torque there
+ROUNDS = 2  # of describing and tuning: friction that depends on speed is described at the loop's own frequency
+FASTEST = 0.2  # natural frequency times sample time that the first round assumes at most
+
+
+@dataclass(frozen=True, eq=False)
+class Designed:
+    """equivalent, gains: over the tuned amplitudes, in closed form. polished: the same on simulated steps. schedule: through
+    the robust ones of these. tuned: family name -> its best point.
+
+    final: the schedule that the search over the ladder ended with, rule -> Schedule; what is exported. between: its
+    sensitivity and stability between its knots. climbed: that search. rivals: what has fewer levels.
+    """
+
+    plant: Plant
+    equivalent: Equivalent
+    gains: Gains
+    schedule: Schedule
+    polished: Polished
+    between: BetweenKnots
+    tuned: dict[str, Tuned | Climb]
+    final: dict[str, Schedule]
+    climbed: Climbed
+    rivals: Rivals
+    findings: tuple[Finding, ...] = ()
+
+
+def gains_of(
+    plant: Plant,
+    amplitudes: np.ndarray,
+    goal: TuningGoal,
+    loop: Loop,
+    margins: bool = True,
+    response: Response | None = None,
+) -> tuple[Equivalent, Gains]:
+    """Return the equivalent friction of a plant and the gains tuned to it, at amplitudes (n,), rad or m.
+
+    response: a measured frequency response whose modes limit the gains too.
+    """
+    friction, inertia, viscous = friction_of(plant)
+    omega = np.minimum(np.sqrt(goal.drive / (amplitudes * inertia)), FASTEST / loop.sample_time)
+    for _ in range(ROUNDS):
+        equivalent = equivalent_of(friction, amplitudes, omega, loop.resolution)
+        if response is None:
+            gains = tune(equivalent, inertia, viscous, goal, loop)
+        else:
+            gains = tune_within(response, equivalent, inertia, viscous, goal, loop)
+        omega = np.sqrt((gains.kp + equivalent.stiffness) / inertia)
+    return equivalent, gains
+
+
+def described_at(plant: Plant, equivalent: Equivalent, gains: Gains, loop: Loop) -> Callable[[np.ndarray], Equivalent]:
+    """Return amplitudes (n,) -> Equivalent of the plant's friction, each at the natural frequency that the gains give it."""
+    friction, inertia, _ = friction_of(plant)
+    omega = np.log(np.sqrt((gains.kp + equivalent.stiffness) / inertia))
+
+    def at(amplitudes: np.ndarray) -> Equivalent:
+        known = np.exp(np.interp(np.log(amplitudes), np.log(gains.amplitude), omega))
+        return equivalent_of(friction, amplitudes, known, loop.resolution)
+
+    return at
+
+
+def linear_of(plant: Plant, equivalent: Equivalent, loop: Loop) -> Linear:
+    """Return the linearisations that every law must be robust on: gross sliding, and the stiffest presliding spring."""
+    _, inertia, viscous = friction_of(plant)
+    return Linear(loop, inertia, viscous, np.array([0.0, float(equivalent.stiffness.max())]), equivalent)
+
+
+def two_modes(schedule: Schedule, tuned: Tuned, rule: str) -> Schedule:
+    """Return the schedule with the gains of gross sliding beyond the switch, as the search found them."""
+    blend = blended(schedule, tuned.point, rule)
+    return replace(schedule, kp=blend.kp, kd=blend.kd, rule=rule)
+
+
+def design(
+    plant: Plant,
+    amplitudes: np.ndarray,
+    goal: TuningGoal,
+    task: Task,
+    *,
+    rule: str = "error",
+    load: float | None = None,
+    per_octave: int = 2,
+    tolerance: float = 0.02,
+    seeds: Sequence[int] = RUNS,
+    say: Callable[[str], None] = lambda _: None,
+    baselines: bool = True,
+    response: Response | None = None,
+) -> Designed:
+    """Tune gains on the equivalents and on simulated steps, the table of a rule over the ladder, and the baselines, on this plant.
+
+    load: torque or force of the ladder. seeds: of the table's search; its first half tunes the baselines. response: a measured
+    one, with modes that the plant does not have; it limits the gains at each amplitude, and the finding says by how much. The
+    searches on the simulated loop know the plant alone.
+    """
+    loop, own = task.loop, task.on(plant)
+    say("tuning gains at each amplitude")
+    equivalent, gains = gains_of(plant, amplitudes, goal, loop, response=response)
+    polished = polish(plant, equivalent, gains, goal, own, say)
+    linear = linear_of(plant, equivalent, loop)
+    made = tabled(
+        polished, linear, goal, own, rule, per_octave=per_octave, tolerance=tolerance, load=load, seeds=seeds, say=say,
+        against=baselines,
+    )  # fmt: skip
+    say("checking the gains between the knots")
+    _, inertia, viscous = friction_of(plant)
+    at = described_at(plant, equivalent, gains, loop)
+    own_loop = loop_under(made.climbed.best.controller(), loop)
+    between = between_knots(
+        made.schedule, at, inertia, own_loop, viscous=viscous, sensitivity=goal.sensitivity, points=3
+    )
+    tuned: dict[str, Tuned | Climb] = {f"scheduled PD ({rule})": made.climbed.best}
+    if baselines:
+        tuned |= {f.name: best(own, f, seeds, say) for f in baseline_families(plant, linear, gains, task)}
+    pumping = passivity(replace(made.schedule, rule="following"), at, inertia, viscous=viscous)
+    limits = (f for f in gains.findings if f.kind == RESPONSE_LIMITS)
+    findings = (*limits, *between.findings, *pumping.findings)
+    final = {rule: made.schedule}
+    return Designed(
+        plant,
+        equivalent,
+        gains,
+        made.interpolated,
+        polished,
+        between,
+        tuned,
+        final,
+        made.climbed,
+        made.rivals,
+        findings,
+    )
+
+
+def baseline_families(plant: Plant, linear: Linear, gains: Gains, task: Task) -> tuple[Family, ...]:
+    """Return the families that a scheduled PD is held against, each with its velocity filter; a rigid axis gives a notch nothing."""
+    middle = int(np.argmin(np.abs(np.log(gains.amplitude / (1e-2 * task.step)))))
+    kp, kd = float(gains.kp[middle]), float(gains.kd[middle])
+    kv, speed = kp / kd, REACHED * plant.limits.speed
+    start = (kv, kd, 0.1 * kv * kd)
+    braking = BRAKING * plant.limits.drive / linear.inertia
+    makers = (
+        lambda judge: pd_family(judge, (kp, kd)),
+        lambda judge: cascade_family(judge, start, speed),
+        lambda judge: profile_family(judge, (*start, braking), speed, task.step),
+    )
+    return tuple(shaped(make, linear, BEGUN * task.loop.sample_time) for make in makers)
+
+
+def best(task: Task, family: Family, seeds: Sequence[int], say: Callable[[str], None]) -> Tuned:
+    """Return the best of a family from several seeds."""
+    say(f"tuning {family.name} on the simulated loop")
+    runs = optimise_seeds(task, family, tuple(seeds)[: max(len(seeds) // 2, 1)]).runs
+    return min(runs, key=lambda r: r.value)

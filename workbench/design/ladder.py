@@ -1,0 +1,214 @@
+"""The ladder of moves by which a gain table is judged: steps of many sizes, a slow sine across zero speed, a step of load.
+
+Each rung runs one size one way, without or with a constant load: held at rest while the load comes on, then the step, then the
+step back, which begins after a reversal. A move is one of these steps; its figures are about its own final value, and the error
+is against the command. The band is 1 % of the step, or two counts where that is more: no controller rests within less.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from workbench.design.families.family import Family
+from workbench.simulation import ScenarioArrays, simulate
+from workbench.task.task import Task
+
+SIZES, LEAST = 9, 10.0  # sizes, even in the logarithm, from so many counts to the study's own step
+SHARE = 1e-5  # of the step: the smallest size where the encoder has no counts
+COUNTS = 2.0  # of the encoder: what no error, overshoot or band is asked to be below
+HOLD = 0.06  # s, at rest before the first step: the load's deflection dies out in a third of it
+REST, LASTS = 0.1, 1.5  # s, and of the time-optimal bound: how long each step is given
+ANSWERED = (
+    0.5  # of a step that a response has to go: one that hardly moves is in the band of its own final value at once
+)
+LAST = 0.1  # of each step's time, over which the error is the largest that is left
+SINE, PERIOD = (
+    10.0,
+    1.0,
+)  # amplitude over the smallest step, and s: slow enough that friction, not inertia, sets the error
+LOAD = 0.05  # of the drive's limit: the load, where a study states none
+# Steps of up to FEW counts are met at PHASES phases of the encoder, beyond at one. With one alone a reference for a step of ten
+# counts is tuned to one landing: of three searches on the main study the worst then cost 16 % more than the best, with four 2.5 %.
+PHASES, FEW = 4, 200.0
+GROUPS = 3  # of rungs of like duration and as many phases, each one run
+GOLDEN = 0.6180339887498949
+FIGURES = ("time", "error", "overshoot")
+
+
+@dataclass(frozen=True)
+class Move:
+    """kind: "step", "sine" or "load". size: signed, rad or m. load: torque or force against positive motion. history: "rest",
+    "reversal" """
+
+    kind: str
+    size: float
+    load: float
+    history: str = "rest"
+
+
+@dataclass(frozen=True, eq=False)
+class Ladder:
+    """rungs: each the two moves of a run, or one. scenarios: factors (friction, inertia), the first nominal. task: plant, loop.
+
+    half (rungs,): samples of each step."""
+
+    task: Task
+    rungs: tuple[tuple[Move, ...], ...]
+    scenarios: tuple[tuple[float, float], ...]
+    half: np.ndarray
+
+    @property
+    def moves(self) -> tuple[Move, ...]:
+        return tuple(m for rung in self.rungs for m in rung)
+
+    @property
+    def hold(self) -> int:
+        """Samples before the first step."""
+        return int(round(HOLD / self.task.loop.sample_time))
+
+    @property
+    def samples(self) -> np.ndarray:
+        """Samples of each rung, (rungs,)."""
+        return self.hold + 2 * self.half
+
+    @property
+    def rows(self) -> np.ndarray:
+        """Number of each rung's first move, (rungs,)."""
+        return np.concatenate([[0], np.cumsum([len(r) for r in self.rungs])[:-1]])
+
+    @property
+    def phases(self) -> np.ndarray:
+        """Encoder phases that each rung is met at, (rungs,)."""
+        few = FEW * self.task.loop.count
+        return np.array([PHASES if r[0].kind == "step" and abs(r[0].size) < few else 1 for r in self.rungs])
+
+    def reference(self, rung: int, samples: int) -> np.ndarray:
+        """Return the command over so many samples: to the size, and back."""
+        move, t = self.rungs[rung][0], np.arange(samples)
+        if move.kind == "sine":
+            return move.size * np.sin(2 * np.pi / PERIOD * self.task.loop.sample_time * np.maximum(t - self.hold, 0))
+        if move.kind == "load":
+            return np.zeros(samples)
+        return np.where((t >= self.hold) & (t < self.hold + self.half[rung]), move.size, 0.0)
+
+
+def ladder(task: Task, load: float | None = None, *, scenarios=None, sizes: int = SIZES) -> Ladder:
+    """Return the ladder of a task: its sizes both ways, without and with the load, a sine and a step of load.
+
+    load: N*m or N; LOAD of the drive's limit where absent. scenarios: the corners of the task's frictions and inertias, and
+    the nominal plant, where absent.
+    """
+    load = LOAD * task.plant.limits.drive if load is None else load
+    least = LEAST * task.loop.count or SHARE * task.step
+    rungs, half = [], []
+
+    def samples(size: float) -> int:
+        return int(round((REST + LASTS * replace(task, step=size).bound()) / task.loop.sample_time))
+
+    for size in np.geomspace(least, task.step, sizes):
+        long = samples(float(size))
+        for way in (1.0, -1.0):
+            for torque in (0.0, load):
+                rungs.append((Move("step", way * size, torque), Move("step", -way * size, torque, "reversal")))
+                half.append(long)
+    rungs += [(Move("load", 0.0, load),), (Move("sine", SINE * least, 0.0),)]
+    half += [samples(least), int(round(PERIOD / 2.0 / task.loop.sample_time))]
+    return Ladder(task, tuple(rungs), scenarios or corners(task), np.array(half))
+
+
+def corners(task: Task) -> tuple[tuple[float, float], ...]:
+    """Return the nominal plant and the corners of the task's factors of friction and inertia."""
+    ends = ((min(v), max(v)) for v in (task.frictions, task.inertias))
+    frictions, inertias = (tuple(dict.fromkeys(e)) for e in ends)
+    return tuple(dict.fromkeys(((1.0, 1.0), *((f, i) for f in frictions for i in inertias))))
+
+
+def timed(on: Ladder) -> np.ndarray:
+    """Return which moves have a time, (rungs, 2)."""
+    return np.array([[moves[0].kind == "step"] * 2 for moves in on.rungs])
+
+
+def all_rungs(on: Ladder, points: np.ndarray) -> np.ndarray:
+    """Return (p, rungs): every point (p, numbers) on every rung."""
+    return np.tile(np.arange(len(on.rungs)), (len(points), 1))
+
+
+def climbed(on: Ladder, family: Family, points: np.ndarray, rungs: np.ndarray) -> np.ndarray:
+    """Return figures (points, rungs a point, 2 moves, 3 FIGURES) of points (p, numbers), each on rungs (p, r), the worst over
+    the scenarios; of a rung of one move the second is that move again. Infinite where it does not come to rest."""
+    out = np.empty((*rungs.shape, 2, len(FIGURES)))
+    if (rungs == rungs[0]).all():  # all points climb the same rungs
+        for part in _alike(on, rungs[0]):
+            out[:, part] = _climbed(on, family, points, rungs[:, part])
+        return out
+    flat, each = rungs.reshape(-1, 1), np.repeat(points, rungs.shape[1], axis=0)
+    of = out.reshape(-1, 1, 2, len(FIGURES))
+    for part in _alike(on, flat[:, 0]):
+        of[part] = _climbed(on, family, each[part], flat[part])
+    return out
+
+
+def _alike(on: Ladder, rungs: np.ndarray) -> list[np.ndarray]:
+    """Return which of some rungs (n,) are run together: of one number of phases and like duration."""
+    phases, samples = on.phases[rungs], on.samples[rungs]
+    parts = []
+    for number in np.unique(phases):
+        own = np.flatnonzero(phases == number)
+        parts += np.array_split(own[np.argsort(samples[own], kind="stable")], GROUPS)
+    return [p for p in parts if p.size]
+
+
+def _climbed(on: Ladder, family: Family, points: np.ndarray, rungs: np.ndarray) -> np.ndarray:
+    scenarios = on.scenarios * int(on.phases[rungs].max())
+    count, samples = len(scenarios), int(on.samples[rungs].max())
+    each = np.repeat(rungs.ravel(), count)
+    friction, inertia = (np.tile([s[k] for s in scenarios], rungs.size) for k in (0, 1))
+    phase = (0.5 + GOLDEN * (each + np.tile(np.arange(count), rungs.size))) % 1.0
+    load = np.array([on.rungs[r][0].load for r in each])
+    lanes = ScenarioArrays(each.size, phase=phase, friction=friction, inertia=inertia, load=load)
+    known = {r: on.reference(r, samples) for r in np.unique(each)}
+    q = simulate(
+        on.task.plant, on.task.loop, family.controller(points, rungs.shape[1] * count), lanes,
+        samples * on.task.loop.sample_time, ("q",), reference=np.stack([known[r] for r in each], axis=1),
+    ).trajectories["q"]  # fmt: skip
+    out = np.empty((each.size, 2, len(FIGURES)))
+    for r in np.unique(each):
+        out[each == r] = _figures_of(on, r, q[: on.samples[r], each == r])
+    return out.reshape(*rungs.shape, count, 2, len(FIGURES)).max(axis=2)
+
+
+def _figures_of(on: Ladder, rung: int, q: np.ndarray) -> np.ndarray:
+    """Return figures (n, 2, 3) of positions q (samples, n) of one rung."""
+    moves, hold, half = on.rungs[rung], on.hold, int(on.half[rung])
+    if moves[0].kind != "step":
+        first = hold + half // 2 if moves[0].kind == "sine" else 0  # what the start of a sine leaves has died out
+        left = np.max(np.abs(q[first:] - on.reference(rung, len(q))[first:, None]), axis=0)
+        left = np.where(np.isfinite(left), left, np.inf)
+        return np.broadcast_to(np.stack([0.0 * left, left, 0.0 * left], axis=1)[:, None], (left.size, 2, 3))
+    count, dt = on.task.loop.count, on.task.loop.sample_time
+    parts = (q[hold - 1 : hold + half], moves[0].size), (q[hold + half - 1 : hold + 2 * half], 0.0)
+    sizes = (m.size for m in moves)
+    return np.stack(
+        [step_figures(part, target, size, count, dt) for (part, target), size in zip(parts, sizes, strict=True)], axis=1
+    )
+
+
+def step_figures(q: np.ndarray, target: float, size: float, count: float, dt: float) -> np.ndarray:
+    """Return (n, 3) of a step of a signed size: time into the band about the own final value to stay, the largest error at the end, and the
+    overshoot beyond the own final value over the size, zero up to COUNTS counts."""
+    with np.errstate(all="ignore"):
+        samples, each = len(q), np.arange(q.shape[1])
+        final, way = q[-1], np.sign(size)
+        left, band = np.abs(q - final), max(0.01 * abs(size), COUNTS * count)
+        last = samples - 1 - np.argmax((left > band)[::-1], axis=0)
+        last = np.where((left > band).any(axis=0), last, 0)
+        after = np.minimum(last + 1, samples - 1)
+        outer, inner = left[last, each], left[after, each]
+        time = (last + np.clip((outer - band) / np.maximum(outer - inner, 1e-300), 0.0, 1.0)) * dt
+        end = max(int(LAST * samples), 1)
+        error = np.abs(target - q[-end:]).max(axis=0)
+        beyond = np.max(way * (q - final), axis=0)
+        over = np.where(beyond > COUNTS * count, beyond / abs(size), 0.0)
+        answered = way * (final - q[0]) >= ANSWERED * abs(size)
+        fine = np.isfinite(q).all(axis=0) & (last < samples - end) & answered
+        return np.stack([np.where(fine, v, np.inf) for v in (time, error, over)], axis=1)

@@ -1,0 +1,173 @@
+"""One optimiser for every controller: a global search by differential evolution, then a local one (Nelder-Mead).
+
+Differential evolution (Storn and Price 1997) as SciPy keeps it, evaluated a generation at a time: every member of the
+population and every scenario is a lane of one call. Both searches run on logarithms, from a recorded seed.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from workbench.design.families.family import Family, OfFamily
+from workbench.keeping import kept
+from workbench.simulation import Metrics
+from workbench.task.task import Task, cost
+
+POPULATION = 12  # members a searched number
+GENERATIONS = 60
+UNSTABLE = 10.0  # what an unstable linearisation counts as, of sensitivity over its limit
+LOCAL = 240  # evaluations of the local search
+CLOSE, NEAR = 10, 0.1  # members about each start, and how far from it, of a logarithm
+ROUNDED = 1.001  # by what a limit may be missed and still counts as kept
+
+
+SEEDS = (1, 2, 3)
+
+
+@dataclass(frozen=True, eq=False)
+class Trail:
+    """Every point that a search tried, arrays (n,): the worst 1 % time in s and final error in rad or m over the scenarios,
+    whether the limits on overshoot, ripple and sensitivity were kept, and the cost."""
+
+    time: np.ndarray
+    error: np.ndarray
+    kept: np.ndarray
+    cost: np.ndarray
+
+    @classmethod
+    def joined(cls, trails: "Sequence[Trail]") -> "Trail":
+        """Return several trails as one."""
+        return cls(*(np.concatenate([getattr(t, n) for t in trails]) for n in ("time", "error", "kept", "cost")))
+
+    def front(self) -> tuple[np.ndarray, np.ndarray]:
+        """Return (time, error) of the points that keep the limits and that no other beats on both, by rising time."""
+        ok = self.kept & np.isfinite(self.time) & np.isfinite(self.error)
+        time, error = self.time[ok], self.error[ok]
+        order = np.lexsort((error, time))
+        time, error = time[order], error[order]
+        least = np.concatenate([[np.inf], np.minimum.accumulate(error)[:-1]])
+        return time[error < least], error[error < least]
+
+
+@dataclass(frozen=True, eq=False)
+class Tuned(OfFamily):
+    """A family's best point. numbers: name -> value, SI. value: its cost; evaluations: points tried; trail: what they gave."""
+
+    family: Family
+    point: np.ndarray
+    value: float
+    evaluations: int
+    seed: int
+    trail: Trail
+
+
+@dataclass(frozen=True, eq=False)
+class Seeded:
+    """A family tuned from several seeds, (runs,). median: the run of middling cost, which stands for all."""
+
+    runs: tuple[Tuned, ...]
+
+    @property
+    def family(self) -> Family:
+        return self.runs[0].family
+
+    @property
+    def median(self) -> Tuned:
+        return sorted(self.runs, key=lambda r: (r.value, r.seed))[(len(self.runs) - 1) // 2]
+
+    @property
+    def spread(self) -> float:
+        """Largest less smallest cost."""
+        values = [r.value for r in self.runs]
+        return max(values) - min(values)
+
+    @property
+    def trail(self) -> Trail:
+        """What all points of all seeds gave."""
+        return Trail.joined([r.trail for r in self.runs])
+
+
+def optimise_seeds(task: Task, family: Family, seeds: Sequence[int] = SEEDS) -> Seeded:
+    """Return the family tuned from each seed."""
+    return Seeded(tuple(optimise(task, family, seed) for seed in seeds))
+
+
+@kept
+def optimise(task: Task, family: Family, seed: int = 1) -> Tuned:
+    """Return the point of the family with the least worst-case cost over the task's scenarios."""
+    from scipy.optimize import differential_evolution, minimize
+
+    scenarios = task.scenarios()
+    lanes = scenarios.lanes
+    bound = task.bound()
+    w = task.weights
+    trails: list[Trail] = []
+
+    def values(logs: np.ndarray) -> np.ndarray:
+        """logs (numbers, points) -> cost (points,)."""
+        points = np.exp(np.atleast_2d(logs.T))
+        metrics = task.run(family.controller(points, lanes), scenarios.tiled(len(points)))
+        beyond = np.clip(family.sensitivity(points) / w.sensitivity - 1.0, 0.0, UNSTABLE)
+        value = cost(task, metrics, bound, lanes) + w.steepness * beyond
+        trails.append(_trail_of(task, metrics, beyond, value, lanes))
+        return value
+
+    bounds = list(zip(np.log(family.lower), np.log(family.upper), strict=True))
+    found = differential_evolution(
+        values,
+        bounds,
+        **first_members(task, family, seed, np.array(bounds).T),
+        popsize=POPULATION,
+        maxiter=GENERATIONS,
+        tol=1e-4,
+        polish=False,
+        vectorized=True,
+        updating="deferred",
+        rng=np.random.default_rng(seed),
+    )
+    local = minimize(
+        lambda x: float(values(x[:, None])[0]),
+        found.x,
+        method="Nelder-Mead",
+        bounds=bounds,
+        options={"maxfev": LOCAL, "xatol": 1e-3, "fatol": 1e-4, "initial_simplex": _simplex(found.x)},
+    )
+    best, value = (local.x, local.fun) if local.fun <= found.fun else (found.x, found.fun)
+    trail = Trail.joined(trails)
+    return Tuned(family, np.exp(best), float(value), trail.time.size, seed, trail)
+
+
+def first_members(task: Task, family: Family, seed: int, bounds: np.ndarray) -> dict[str, np.ndarray]:
+    """Return how a search begins: evenly over the space, at the family's start and CLOSE members about it. bounds (2, numbers):
+    logarithms.
+
+    Where the nominal axis is what counts, CLOSE members lie about the family's soft start: that optimum is narrow, and no even start
+    finds it. Over the worst case it is none, since a soft arrival leaves millimetres or milliradians in some corner.
+    """
+    from scipy.stats import qmc
+
+    start, draw = np.clip(np.log(family.start), *bounds), np.random.default_rng(seed)
+    low, high = bounds
+    even = low + (high - low) * qmc.LatinHypercube(start.size, rng=draw).random(POPULATION * start.size)
+    first = [start, np.log(family.soft)] if task.nominal and family.soft is not None else [start]
+    made = [one + NEAR * np.vstack([0.0 * one, draw.standard_normal((CLOSE - 1, one.size))]) for one in first]
+    made = np.vstack([*made, even])[: len(even)]
+    return {"init": np.clip(made, low, high)}
+
+
+def _trail_of(task: Task, metrics: Metrics, beyond: np.ndarray, value: np.ndarray, lanes: int) -> Trail:
+    """Return what points gave, `lanes` scenarios each; beyond: how far their sensitivity exceeds its limit; value: cost."""
+
+    def worst(values: np.ndarray) -> np.ndarray:
+        return np.max(values.reshape(-1, lanes), axis=1)
+
+    w = task.weights
+    fine = worst(metrics.overshoot) <= w.overshoot * ROUNDED
+    fine &= worst(metrics.ripple) <= w.ripple * task.plant.limits.drive * ROUNDED
+    return Trail(worst(metrics.time_1pct), worst(metrics.final_error), fine & (beyond <= ROUNDED - 1.0), value)
+
+
+def _simplex(x: np.ndarray) -> np.ndarray:
+    """A first simplex of 5 % steps around x (logarithms)."""
+    return np.vstack([x, x + 0.05 * np.eye(x.size)])

@@ -1,0 +1,170 @@
+"""Regret over the ladder: what a controller takes over a reference that is tuned for one move alone.
+
+    time/time of the reference, error/error of the reference, times a sample and errors two counts at least
+
+A reference is tuned for the size, direction, load and history of its move, by the same search, limits and scenarios: a fixed PD,
+and where a contestant of another law beats it, that law with numbers for this move alone. The cost of a contestant is its
+worst regret, and a small share of the mean, without which moves other than the worst would be free.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from workbench.design.families.family import Family
+from workbench.design.families.gain_table import FILTERS, GainTable
+from workbench.design.ladder import COUNTS, Ladder, all_rungs, climbed, timed
+
+MEAN = 0.3  # share of the mean regret beside the worst, so that the others count where one move cannot be bettered: without it
+# they are free; with 1 and more, many moves that are a little better outweigh one that is much worse
+BEATEN = 0.02  # by which a contestant may be better than a reference
+OVERSHOOT = 0.01  # of a step, beyond two counts
+STEEP, WORST = 20.0, 50.0  # what an overshoot costs, and the most that a regret counts
+LINES, SHARES = 22, (1.0, 0.6, 0.3)  # of the references' first grid: ratios, and shares of the stiffest Kp
+QUICK, SLOW = 0.4, 1.0  # samples: velocity filters of that grid, the second at the stiffest Kp alone
+OWN, ROUNDS, SPREAD = 6, 3, 0.07  # candidates a move, rounds and spread (half the grid's step) of its own search
+
+
+@dataclass(frozen=True, eq=False)
+class References:
+    """Of each rung (r,) and its moves (2,): time s, error rad or m, what it costs, and the law it is of. points (r, 2, numbers): of the
+    fixed law that was tuned for each move first, before another one beat it."""
+
+    time: np.ndarray
+    error: np.ndarray
+    cost: np.ndarray
+    law: np.ndarray
+    scale: np.ndarray
+    points: np.ndarray
+
+
+@dataclass(frozen=True, eq=False)
+class Regret:
+    """time, error, overshoot (rungs, 2) of one controller."""
+
+    time: np.ndarray
+    error: np.ndarray
+    overshoot: np.ndarray
+
+    @property
+    def worst(self) -> tuple[float, float, float]:
+        return float(self.time.max()), float(self.error.max()), float(self.overshoot.max())
+
+    @property
+    def restless(self) -> int:
+        """How many moves have no regret: the controller, or the reference, comes to no rest on them."""
+        return int((~np.isfinite(self.time + self.error + self.overshoot)).sum())
+
+
+def prices(on: Ladder, figures: np.ndarray, scale: np.ndarray) -> np.ndarray:
+    """Return what figures (..., 2, 3) of moves cost by themselves; scale (..., 2): the time that counts as one, s."""
+    w, least = on.task.weights, COUNTS * on.task.loop.count
+    with np.errstate(all="ignore"):
+        time = np.where(scale > 0.0, figures[..., 0] / np.where(scale > 0.0, scale, 1.0), 0.0)
+        error = w.error * np.log10(np.maximum(figures[..., 1], least) / w.reference)
+        over = w.steepness * np.maximum(figures[..., 2] - OVERSHOOT, 0.0)
+        value = time + error + over
+    return np.where(np.isfinite(value), value, np.inf)
+
+
+def first_grid(table: GainTable) -> np.ndarray:
+    """Return points (p, 3), kp, kd and velocity filter in SI, over the whole range of a table's ratios and SHARES of the stiffest Kp."""
+    sample = table.filters[0] / FILTERS[0]
+    out = []
+    for samples, shares in ((QUICK, SHARES), (SLOW, SHARES[:1])):
+        own = np.array([samples * sample])
+        most = np.exp(np.interp(np.log(own), np.log(table.filters), np.log(table.most)))
+        ratio = np.geomspace(table.ratio[0], most[0], LINES)
+        stiff = table.stiffest(ratio[None], own)[0]
+        out += [np.stack([s * stiff, s * stiff / ratio, 0.0 * stiff + own], axis=1) for s in shares]
+    return np.concatenate(out)
+
+
+def references(on: Ladder, family: Family, points: np.ndarray, seed: int = 1) -> References:
+    """Return the best of a family for each move alone: of points (p, numbers) first, then searched about its own best."""
+    points = points[family.sensitivity(points) <= on.task.weights.sensitivity * 1.001]
+    figures = climbed(on, family, points, all_rungs(on, points))
+    with np.errstate(all="ignore"):
+        held = np.where(figures[..., 2] <= OVERSHOOT, figures[..., 0], np.inf).min(axis=0)
+    scale = np.where(timed(on), held, 0.0)
+    cost = prices(on, figures, scale)
+    pick = cost.argmin(axis=0)
+    best = np.take_along_axis(figures, pick[None, :, :, None], axis=0)[0]
+    found = References(
+        best[..., 0], best[..., 1], cost.min(axis=0), np.full(pick.shape, family.name), scale, points[pick]
+    )
+    known, at = _searched(on, family, found, points[pick], np.ones(pick.shape, dtype=bool), seed)
+    return replace(known, points=at)
+
+
+def from_references(family: Family, table: GainTable, on: Ladder, seen: float, known: References) -> Family:
+    """Return a family of tables that begins at the references' own ratios and filter: of each size the mean over its moves, at the
+    amplitude seen times the size."""
+    steps = timed(on)[:, 0]
+    size = np.abs([r[0].size for r, step in zip(on.rungs, steps, strict=True) if step])
+    kp, kd, filtered = (np.log(known.points[steps, :, k]).mean(axis=1) for k in range(3))
+    sizes = np.unique(size)
+    ratio = [np.mean((kp - kd)[size == s]) for s in sizes]
+    start = np.exp(np.interp(np.log(table.nodes), np.log(seen * sizes), ratio))
+    start = np.append(np.minimum.accumulate(start), np.exp(filtered.mean()))
+    return replace(family, start=np.clip(start, family.lower, family.upper))
+
+
+def _searched(
+    on: Ladder, family: Family, known: References, at: np.ndarray, which: np.ndarray, seed: int
+) -> tuple[References, np.ndarray]:
+    """Search about points (rungs, 2, numbers) of a family for each move where `which` (rungs, 2), and keep what is better; return
+    that with its points."""
+    draw, spread = np.random.default_rng(seed), SPREAD
+    rows, history = np.nonzero(which)
+    time, error, cost, law, at = (a.copy() for a in (known.time, known.error, known.cost, known.law, at))
+    for _ in range(ROUNDS if rows.size else 0):
+        near = at[rows, history]
+        steps = np.exp(spread * draw.standard_normal((OWN, *near.shape)))
+        points = np.clip(near * steps, family.lower, family.upper).reshape(-1, near.shape[1])
+        points = family.settled(points)
+        fine = family.sensitivity(points) <= on.task.weights.sensitivity * 1.001
+        own = climbed(on, family, points, np.tile(rows, OWN)[:, None])[:, 0][
+            np.arange(fine.size), np.tile(history, OWN)
+        ]
+        price = np.where(fine, prices(on, own, np.tile(known.scale[rows, history], OWN)), np.inf).reshape(OWN, -1)
+        pick, each = price.argmin(axis=0), np.arange(rows.size)
+        ok = price[pick, each] < cost[rows, history]
+        r, h, own = rows[ok], history[ok], own.reshape(OWN, -1, 3)[pick, each][ok]
+        time[r, h], error[r, h], cost[r, h], law[r, h] = own[:, 0], own[:, 1], price[pick, each][ok], family.name
+        at[r, h] = points.reshape(OWN, -1, near.shape[1])[pick, each][ok]
+        spread *= 0.6
+    return replace(known, time=time, error=error, cost=cost, law=law), at
+
+
+def raised(on: Ladder, known: References, family: Family, point: np.ndarray, seed: int = 1) -> References:
+    """Return references that no point of a family beats by more than BEATEN: searched again where it does, from that point."""
+    figures = climbed(on, family, point[None, :], all_rungs(on, point[None, :]))[0]
+    own = prices(on, figures, known.scale)
+    beaten = own < known.cost - BEATEN
+    if not beaten.any():
+        return known
+    time, error = (np.where(beaten, figures[..., k], v) for k, v in ((0, known.time), (1, known.error)))
+    law = np.where(beaten, family.name, known.law)
+    first = replace(known, time=time, error=error, cost=np.where(beaten, own, known.cost), law=law)
+    return _searched(on, family, first, np.broadcast_to(point, (*beaten.shape, point.size)).copy(), beaten, seed)[0]
+
+
+def regret(on: Ladder, figures: np.ndarray, against: References) -> Regret:
+    """Return the regret of figures (..., rungs, 2, 3)."""
+    least, sample = COUNTS * on.task.loop.count, on.task.loop.sample_time
+    time = np.where(timed(on), np.maximum(figures[..., 0], sample) / np.maximum(against.time, sample), 1.0)
+    error = np.maximum(figures[..., 1], least) / np.maximum(against.error, least)
+    return Regret(time, error, figures[..., 2])
+
+
+def cost(found: Regret) -> np.ndarray:
+    """Return (points,) of regrets (points, rungs, 2): the worst, a share of the mean, and what overshoots."""
+
+    def flat(values, most):
+        return np.minimum(np.nan_to_num(values, nan=most, posinf=most), most).reshape(len(values), -1)
+
+    time, error, over = flat(found.time, WORST), flat(found.error, WORST), flat(found.overshoot, 3.0)
+    beyond = np.maximum(over - OVERSHOOT, 0.0)
+    worst = np.maximum(time.max(axis=1), error.max(axis=1))
+    return worst + MEAN * (time.mean(axis=1) + error.mean(axis=1)) + STEEP * (beyond.max(axis=1) + beyond.mean(axis=1))

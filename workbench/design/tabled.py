@@ -1,0 +1,97 @@
+"""The gain table of a plant: gains per amplitude on simulated steps, ratios between them tuned over the ladder, one schedule."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+
+import numpy as np
+
+from workbench.design.climb import GENERATIONS, Climbed, climb
+from workbench.design.families.family import pd_family
+from workbench.design.families.gain_table import BEGUN, fixed_family, gain_table, switched_family, table_family
+from workbench.design.families.linear import Linear
+from workbench.design.families.shaped import shaped
+from workbench.design.ladder import ladder
+from workbench.design.polish import Polished
+from workbench.design.regret import Regret, first_grid, from_references
+from workbench.design.worth import Rivals, regret_of, rivals
+from workbench.keeping import kept
+from workbench.schedule import Schedule, fit_schedule
+from workbench.schedule.fit import REVERSAL
+from workbench.task.task import Task
+from workbench.tuning import TuningGoal
+
+AHEAD = {"error": (4.0, 2.0), "following": (2.0, 1.0), "frozen": (1.0, 0.5)}  # soft and stiff arrivals of each rule
+SEEN = {
+    "error": 0.5,
+    "following": 1.0,
+    "frozen": 0.5,
+}  # of a step from rest: the largest amplitude that its gains are looked up at
+# An arrival is soft where gains are those tuned for a longer step than the one that is left. Under "error" a step that ends a
+# motion is seen by its last part; after a reversal the amplitude is half the stroke.
+RUNS = (1, 2, 3)  # seeds, where a study states none: both arrivals in turn
+
+
+@dataclass(frozen=True, eq=False)
+class Tabled:
+    """schedule: what is exported. interpolated: through the gains per amplitude alone. climbed: the search over the ladder. rivals:
+    fixed gains and a two-level switch by the same search; none where they were not asked for."""
+
+    schedule: Schedule
+    interpolated: Schedule
+    climbed: Climbed
+    rivals: Rivals
+
+    def regret_on(self, task: Task) -> Regret:
+        """Return the regret of the best table where another plant, that of `task`, climbs the ladder."""
+        return regret_of(self.climbed.on, self.climbed.best, self.climbed.references, task)
+
+
+@kept
+def tabled(
+    polished: Polished,
+    linear: Linear,
+    goal: TuningGoal,
+    task: Task,
+    rule: str,
+    *,
+    per_octave: int = 2,
+    tolerance: float = 0.1,
+    load: float | None = None,
+    seeds: Sequence[int] = RUNS,
+    generations: int = GENERATIONS,
+    sizes: int | None = None,
+    against: bool = True,
+    say: Callable[[str], None] = lambda _: None,
+) -> Tabled:
+    """Return the table of one rule for the plant of a task, tuned for every move of its ladder.
+
+    load: N*m or N, of the ladder. seeds, generations: of the search. sizes: of the ladder's steps. against: whether rivals are tuned.
+    """
+    robust = polished.gains(polished.robust, goal)
+    amplitude, plant = robust.amplitude, task.plant
+    interpolated = fit_schedule(
+        robust,
+        per_octave=per_octave,
+        lowest=float(amplitude[0]),
+        highest=float(amplitude[-1]),
+        tolerance=tolerance,
+        rule=rule,
+        plant_digest=plant.digest,
+        plant_lines=plant.digest_lines(),
+        loop=task.loop,
+    )
+    table = gain_table(linear, amplitude, REVERSAL * task.loop.count, goal.sensitivity, per_octave)
+    starts = [table_family(table, robust, linear, rule, ahead) for ahead in AHEAD[rule]]
+    middle = int(np.argmin(np.abs(np.log(amplitude / (1e-2 * task.step)))))
+    pair = float(robust.kp[middle]), float(robust.kd[middle])
+    fixed = shaped(lambda judge: pd_family(judge, pair), linear, BEGUN * task.loop.sample_time)
+    on = ladder(task, load) if sizes is None else ladder(task, load, sizes=sizes)
+    informed = partial(from_references, starts[0], table, on, SEEN[rule])
+    found = climb(on, starts, (fixed, first_grid(table)), informed, seeds=seeds, generations=generations, say=say)
+    kp, kd = table.gains(found.best.point[None, :])
+    schedule = replace(interpolated, knots=table.knots, kp=kp[0], kd=kd[0], rule=rule, findings=())
+    fewer = (fixed_family(table, robust, linear, rule, 1e-2 * task.step), switched_family(table, robust, linear, rule))
+    if against:
+        say("tuning fixed gains and a two-level switch over all moves")
+    return Tabled(schedule, interpolated, found, rivals(found, fewer if against else (), generations))

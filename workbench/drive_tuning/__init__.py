@@ -1,0 +1,13 @@
+"""Gains of a closed drive: one set a size of move, robust on its linear loops, beside the scheduled law."""
+
+from workbench.public import handed_on
+
+HELD = {
+    "Beside": "beside",
+    "ClosedDrive": "search",
+    "DriveGains": "search",
+    "tune_drive": "search",
+}
+
+__all__ = [*HELD]
+__getattr__, __dir__ = handed_on(__name__, HELD)

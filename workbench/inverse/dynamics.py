@@ -1,0 +1,249 @@
+"""One pass of a plant over a record's motion: columns of the required drive, beside the drive that was applied.
+
+Order of evaluation: time and command maps on the measured drive (`command`); forces with memory (they provide `dir`); other
+forces; those that follow the load, which the others make (`plant.carried`). No force sees the measured drive. Results are kept per effect and shape, so that candidates share the columns of the declared model.
+"""
+
+from collections import OrderedDict
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from workbench import definition as fx
+from workbench.definition import Effect, catalogue
+from workbench.effects.direction import in_parallel, stop_direction
+from workbench.errors import WorkbenchError
+from workbench.inverse.bodies import ACCELERATION, CHANNEL, INCREMENT, POSITION, VELOCITY, Bodies, path_of, rows
+from workbench.inverse.command import Command, drive_maps
+from workbench.inverse.zeros import closed as with_zero
+from workbench.inverse.zeros import relaxed
+from workbench.kernel.step import build
+from workbench.motion import Motion, motion
+from workbench.plant import PLACES, TWO_MASS, Plant, carried, reads_load
+from workbench.record import Record
+
+KEEP = 160  # columns kept a record: the declared model, and a few dozen trial shapes
+# by what a force at a place enters the balances: of the one body, or the motor's and the load's
+LEVERS = {"axis": np.ones((1, 1)), "motor": np.array([[1.0], [0.0]]), "load": np.array([[0.0], [1.0]])}
+
+
+def _shape_values(effect: Effect) -> tuple[float, ...]:
+    """Values of the parameters that a column depends on."""
+    return tuple(effect.parameters[n].value for n in effect.shape)
+
+
+class InverseDynamics:
+    """InverseDynamics over one motion. Methods return arrays that must not be changed.
+
+    fine: passes over the same motion at a higher rate, by which operators of its increments are run: where friction turns,
+    the moment counts, and a coarse sample has it wrong by half a step. coarse: takes their outputs (k, fine n) to (k, n).
+    counts: (2, n) of bool, where the drive's and the load's balance count in a fit; everywhere where None.
+    """
+
+    def __init__(
+        self,
+        motion: Motion,
+        fine: "InverseDynamics | None" = None,
+        coarse: Callable | None = None,
+        counts: np.ndarray | None = None,
+    ):
+        self.motion = motion
+        self.counts = counts
+        self.fine, self.coarse = fine, coarse
+        self._kept: OrderedDict[tuple, np.ndarray] = OrderedDict()
+        self.bodies = Bodies(motion, self._keep)
+        self.command = Command(motion, self._keep)
+
+    def _keep(self, key: tuple, make) -> np.ndarray:
+        if key in self._kept:
+            self._kept.move_to_end(key)
+            return self._kept[key]
+        value = make()
+        self._kept[key] = value
+        if len(self._kept) > KEEP:
+            self._kept.popitem(last=False)
+        return value
+
+    def filtered_drive(self, plant: Plant) -> np.ndarray:
+        """Return F(u') (rows, n): the drive, and nothing on the load's side; less what the record's payload takes."""
+        path = path_of(drive_maps(plant))
+        drive = self._keep(("drive", path), lambda: self.motion.filter(self.command.applied(plant)))
+        given = np.stack([drive, np.zeros_like(drive)][: self.rows(plant)])
+        added = self.payload(plant)
+        return given if added is None else given - self.closed(plant, self.motion.filter(added), added)
+
+    def payload(self, plant: Plant) -> np.ndarray | None:
+        """Return what the record's payload takes of each balance (rows, n), or None; a load that is held moves none."""
+        record, place = self.motion.record, "load" if plant.kind == TWO_MASS else "axis"
+        if record.payload is None or (place == "load" and record.locked):
+            return None
+        signals, _ = self._signals(plant, place)
+        return record.payload.force(signals["q"], signals["a"]) * self._lever(plant, place)[1]
+
+    def rows(self, plant: Plant) -> int:
+        """Balances of this record: one body; motor and load; the motor alone where the load is locked."""
+        return rows(plant, self.motion.record.locked)
+
+    def columns(self, plant: Plant) -> Iterator[tuple[Effect, str, np.ndarray]]:
+        """Yield (effect, linear parameter or "", column (rows, n)) of every force, unfiltered.
+
+        The first row is what the drive feels (one body, or the motor's balance), the second the load's balance.
+        """
+        for e, outputs, (_, lever), _ in self._forces(plant):
+            columns = _entering(outputs, lever)
+            for name, column in zip(e.linear or ("",), self.closed(plant, columns, columns), strict=False):
+                yield e, name, column
+
+    def direction(self, plant: Plant, place: str) -> np.ndarray:
+        """Return the direction (n,) at a place that friction there has, between -1 and 1."""
+        # reading the velocity, too, it is no contact of its own: it follows the direction that is given there
+        told = replace(catalogue()["coulomb_friction"](at=place, label="told"), reads=("dir", "v"))
+        forces = [e for e in plant.effects if e.port == fx.FORCE and e.at == place]
+        return next(outputs[0] for e, outputs, _, _ in self._at(plant, place, [*forces, told]) if e.key == told.key)
+
+    def filtered(self, plant: Plant) -> Iterator[tuple[Effect, str, np.ndarray]]:
+        """As `columns`, through the evaluation filter."""
+        for e, outputs, (path, lever), key in self._forces(plant):
+            if lever.shape[1] == 1:  # what does not change in time passes the filter: one balance stands for both
+                once = self._keep(("filtered", *key), lambda o=outputs: self.motion.filter(o))
+                smooth = _entering(once, lever)
+            else:
+                kept = ("filtered", *key, path, len(lever))
+                smooth = self._keep(kept, lambda o=outputs, by=lever: self.motion.filter(_entering(o, by)))
+            smooth = self.closed(plant, smooth, lambda o=outputs, by=lever: _entering(o, by))
+            for name, column in zip(e.linear or ("",), smooth, strict=False):
+                yield e, name, column
+
+    def closed(self, plant: Plant, change: np.ndarray, of: np.ndarray | Callable[[], np.ndarray]) -> np.ndarray:
+        """Return `change` with the joint's mean torque where it closes the load's balance, if the encoders' zeros are free."""
+        if self.rows(plant) < 2 or self.motion.record.zero is None:
+            return change
+        return with_zero(change, of() if callable(of) else of, self.motion.keep)
+
+    def moved(self, plant: Plant, other: Plant) -> np.ndarray:
+        """Return by how much `other` leaves more of the drive than `plant`, filtered, (rows, n); zeros where nothing differs.
+
+        Both have the same effects and linear values. What differs is summed before the filter, which passes once.
+        """
+        more = np.zeros((self.rows(plant), self.motion.u.size))
+        applied, drive = self.command.applied(plant), self.command.applied(other)
+        differs = drive is not applied
+        if differs:
+            more[0] += drive - applied
+        for (e, before, (was, lever), key), (_, after, (path, by), new) in zip(
+            self._forces(plant), self._forces(other), strict=True
+        ):
+            if new == key and path == was:
+                continue
+            differs = True
+            values = np.array(_linear(e))
+            more -= (values @ after) * by - (values @ before) * lever
+        return self.motion.filter(self.closed(plant, more, more)) if differs else more
+
+    def _forces(self, plant: Plant):
+        """Yield (effect, outputs (columns, n), (path, lever), key), place by place, those that provide the direction first."""
+        for place in PLACES[plant.kind]:
+            forces = sorted((e for e in plant.effects if e.port == fx.FORCE and e.at == place), key=lambda e: e.key)
+            if place == "load" and self.motion.record.locked:
+                continue
+            if forces:
+                yield from self._at(plant, place, forces)
+
+    def _signals(self, plant: Plant, place: str) -> tuple[dict, tuple]:
+        """Return the signals that a body at a place gives to its forces, and what they are kept under."""
+        m = self.motion
+        path, body = self.bodies.body(plant, place)
+        signals = {"q": body[POSITION], "dq": body[INCREMENT], "v": body[VELOCITY], "a": body[ACCELERATION]}
+        signals |= {"dt": m.dt, "t": m.t, "locked": float(m.record.locked)}
+        signals |= {"ratio": plant.geometry.gear_ratio, "pole_pairs": plant.geometry.pole_pairs}
+        signals |= {n: m.record.channels[n] for n in ("temperature", "normal") if n in m.record.channels}
+        return signals, path
+
+    def _run(self, e: Effect, signals: dict, plant: Plant, place: str) -> np.ndarray:
+        """Return the outputs (columns, n) of a force; of an operator of the motion's increments from the finer passes."""
+        values = {n: p.value for n, p in e.parameters.items()}
+        if self.fine is not None and e.states and "dq" in e.reads and not {"dir", "tau", "u"} & set(e.reads):
+            return self.coarse(build(e).run(self.fine._signals(plant, place)[0], values))
+        return build(e).run(signals, values)
+
+    def _at(self, plant: Plant, place: str, forces: list[Effect]):
+        m = self.motion
+        signals, path = self._signals(plant, place)
+        paths = dict.fromkeys(("q", "dq", "v", "a"), path)
+        width = max(2 * self.bodies.counts(CHANNEL.get(place, "position")), m.counts, 1e-12)
+        forces = in_parallel(forces, width)
+        givers = [e for e in forces if e.provides]
+        takers = [e for e in forces if not e.provides]
+        if not givers and any("dir" in e.reads for e in takers):
+            givers = [stop_direction(width)]
+        lever = self._lever(plant, place)
+        ran: dict[str, tuple] = {}
+        for e in (*givers, *sorted(takers, key=reads_load)):
+            if reads_load(e) and "tau" not in signals:
+                signals["tau"], signals["tau_inertia"], key = self._carried(plant, place, ran)
+                paths |= {"tau": key, "tau_inertia": key}
+            missing = [r for r in e.reads if r not in signals]
+            if "u" in missing:
+                raise WorkbenchError(
+                    f"effect '{e.name}' is a force and reads 'u', the drive that it is a part of; a prediction must not see "
+                    "it: let it read 'tau', the torque that its contact carries."
+                )
+            if missing:
+                raise WorkbenchError(
+                    f"effect '{e.name}' reads '{missing[0]}', which record '{m.record.name}' does not have at the {place}."
+                )
+            key = (_name(e), place, _shape_values(e), *dict.fromkeys(paths[r] for r in e.reads if r in paths))
+            outputs = self._keep(("raw", *key), lambda e=e: self._run(e, signals, plant, place))
+            for i, given in enumerate(e.provides):
+                signals[given] = outputs[len(e.linear or ("",)) + i]
+                paths[given] = key
+            if e.name == "direction":
+                continue
+            ran[e.key] = outputs[: len(e.linear or ("",))], key
+            yield e, outputs[: len(e.linear or ("",))], lever, key
+
+    def _carried(self, plant: Plant, place: str, ran: Mapping[str, tuple]) -> tuple[np.ndarray, np.ndarray, tuple]:
+        """Return (tau, tau_inertia, what they are kept under): the torque that a contact carries, from the plant's own values.
+
+        ran: effect key -> (outputs, key) of the forces at this place that have run.
+        """
+        parts = carried(plant.kind, place, plant.effects)
+        if plant.kind == TWO_MASS and place != "joint":
+            alike = [e for e in plant.effects if e.at == "joint" and e.port == fx.FORCE and not reads_load(e)]
+            ran = {e.key: (outputs, key) for e, outputs, _, key in self._at(plant, "joint", alike)}
+        path = tuple(tuple((ran[e.key][1], _linear(e)) for e in part) for part in parts)
+
+        def made(part: list[Effect]) -> np.ndarray:
+            return sum((np.array(_linear(e)) @ ran[e.key][0] for e in part), np.zeros(self.motion.u.size))
+
+        both = self._keep(("carried", path), lambda: np.stack([made(part) for part in parts]))
+        return both[0], both[1], path
+
+    def _lever(self, plant: Plant, place: str) -> tuple[tuple, np.ndarray]:
+        """Return (path, (rows, n or 1)): by what a force at a place enters the balances of this record."""
+        whole = self.rows(plant)
+        if place == "joint":
+            path, lever = self.bodies.leverage(plant)
+            return path, lever[:whole]
+        return (), LEVERS[place][:whole]
+
+
+def _entering(outputs: np.ndarray, lever: np.ndarray) -> np.ndarray:
+    """Return outputs (columns, n) as they enter the balances, (columns, rows, n). lever: (rows, n or 1)."""
+    return outputs[:, None, :] * lever
+
+
+def _linear(effect: Effect) -> tuple[float, ...]:
+    """Values of the linear parameters, by which outputs are multiplied."""
+    return tuple(effect.parameters[n].value for n in effect.linear) or (1.0,)
+
+
+def _name(effect: Effect):
+    """What a column is kept under: the stop operator is made anew for every record, so by name; others by definition."""
+    return effect.name if effect.name == "direction" else effect.step
+
+
+def inverse_dynamics(records: Sequence[Record], bandwidth: float) -> tuple[InverseDynamics, ...]:
+    """Return passes over the motions of the records; they may be shared by fits of many plants."""
+    return tuple(InverseDynamics(motion(r, bandwidth)) for r in relaxed(records, bandwidth))

@@ -1,0 +1,90 @@
+"""Free run: the recorded drive goes in, no controller holds the axis, and the position that comes out is compared.
+
+The hardest of three questions to a model. What the drive that a measured motion needs lacks is asked without memory; a
+simulated loop corrects what it lacks; here it is integrated: b dx/dt = dF, so 1 N of friction more than the model's moves an
+axis of b = 200 N*s/m by 5 mm every second of motion, and back on the way back.
+
+Source: Ljung 1999, chapters 3 and 7 (simulation and output error); Forgione and Piga 2021 (position error of EMPS, free run).
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from workbench.errors import WorkbenchError
+from workbench.identification.problem import Problem
+from workbench.inverse.dynamics import InverseDynamics
+from workbench.motion import Motion
+from workbench.output_error.refine import Loops, nearest_to_measured
+from workbench.output_error.rerun import payload_inertia
+from workbench.plant import ONE_MASS, Plant
+from workbench.record import Record
+from workbench.simulation import Scenario, open_loop
+
+START = 20  # samples that give the first position and speed, and no error: those that the benchmark's protocol grants
+SUBSTEPS = 2  # of a sample; ten change the errors of a millisecond's loop by less than 0.5 %
+
+
+@dataclass(frozen=True, eq=False)
+class FreeRun:
+    """simulated: position (n,) in rad or m. error: rms of its difference from the measured one after the first START samples."""
+
+    record: Record
+    simulated: np.ndarray
+    error: float
+
+
+def beginning(record: Record) -> tuple[float, float]:
+    """Return (position in rad or m, speed in rad/s or m/s) at the first sample: a parabola through the first START."""
+    time = np.arange(START) * record.dt
+    _, speed, position = np.polyfit(time, record.channels["position"][:START], 2)
+    return float(position), float(speed)
+
+
+def _positions(plants: Sequence[Plant], motion: Motion) -> np.ndarray:
+    """Return the positions (n, plants) that the recorded drive gives, each plant from the record's first position and speed."""
+    if plants[0].kind != ONE_MASS:
+        raise WorkbenchError(
+            f"a free run is compared by one position; the plant is of {plants[0].kind}, not {ONE_MASS}."
+        )
+    record = motion.record
+    start, speed = beginning(record)
+    drive = np.repeat(motion.u[:, None], len(plants), axis=1)
+    scenarios = [Scenario(start=start, speed=speed, load_inertia=payload_inertia(record))] * len(plants)
+    counts = record.resolution.get("position", 0.0)
+    return open_loop(list(plants), drive, record.dt, SUBSTEPS, scenarios=scenarios, resolution=counts)["q"]
+
+
+def free_run(plant: Plant, motion: Motion) -> FreeRun:
+    """Return the record as its own drive moves this plant of one mass. Raises WorkbenchError where that goes to infinity."""
+    simulated = _positions([plant], motion)[:, 0]
+    if not np.isfinite(simulated).all():
+        raise WorkbenchError(f"the free run of record '{motion.record.name}' goes to infinity with this plant.")
+    away = (simulated - motion.record.channels["position"])[START:]
+    return FreeRun(motion.record, simulated, float(np.sqrt(np.mean(away**2))))
+
+
+class FreeRuns(Loops):
+    """The positions of the records' free runs as functions of the free parameters, as `Loops` has the drives of their loops."""
+
+    def __init__(self, problem: Problem):
+        self.motions = [p.motion for p in problem.passes]
+        super().__init__(problem, None, None)
+        self.measured = np.concatenate([m.record.channels["position"][START:] for m in self.motions])
+
+    def drives(self, points: Sequence[np.ndarray]) -> np.ndarray:
+        plants = [self.plant(x) for x in points]
+        found = np.concatenate([_positions(plants, m)[START:] for m in self.motions])
+        return np.where(np.isfinite(found).all(axis=0), found, np.inf)
+
+
+def refine_free_run(plant: Plant, passes: Sequence[InverseDynamics]) -> Plant:
+    """Return `plant` with its free parameters moved until the free runs of all the records are nearest to their positions.
+
+    passes: of the records to fit, whatever their role. Start from `identify(...).plant`: the search is local, and rough,
+    for where a simulated axis stands or reverses changes by leaps. No intervals: the error of a free run wanders through
+    all of the record, which is then one sample of it. Raises WorkbenchError as `free_run` does.
+    """
+    runs = FreeRuns(Problem(plant, passes))
+    return runs.plant(nearest_to_measured(runs)[0])
