@@ -10,9 +10,10 @@ from workbench.firmware.naming import identifier
 from workbench.firmware.numbers import Numbers
 from workbench.firmware.parts import Part
 from workbench.firmware.scales import REACH, Scales
+from workbench.firmware.stage_text import parameter
 from workbench.firmware.stages import ADDED, COMMAND
 from workbench.firmware.units import power_of, unit
-from workbench.firmware.write import Source, parameter
+from workbench.firmware.write import Source
 from workbench.kernel.c import LONGEST, bare
 
 PRODUCT = re.compile(r"(wb_times\(.*, )(\d+)\)", re.DOTALL)

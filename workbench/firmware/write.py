@@ -7,15 +7,14 @@ from string import Template
 from workbench import control
 from workbench.firmware.identity import law_code
 from workbench.firmware.naming import identifier
-from workbench.firmware.parts import Part, Stages
+from workbench.firmware.parts import Stages
 from workbench.firmware.shared import interpolated
+from workbench.firmware.stage_text import StageText, commented
 from workbench.firmware.stages import COMMAND, POSITIONS
-from workbench.firmware.units import power_of, unit
-from workbench.kernel.c import Writer, bare
+from workbench.firmware.units import unit
 from workbench.simulation.sampled import AMPLITUDE
 
 HERE = Path(__file__).parent
-PARAMETERS = {"now.y": "y", "now.motor.y": "motor_counts", "now.load.y": "load_counts"}
 MOST_KNOTS = 64  # memory that a header sets aside where no table says how many
 
 
@@ -25,78 +24,21 @@ def _formula_of(stages: Stages) -> str:
     return maker.__doc__.split("\n")[0].strip()
 
 
-def parameter(row: str) -> str:
-    """Return the C name of what is handed to a stage from outside its state."""
-    return PARAMETERS.get(row, identifier(row.removeprefix("gain.")))
-
-
-def _commented(text: str, said: str, indent: str = "    ") -> str:
-    return f"{indent}{text} /* [{said}] */"
-
-
-class Source:
+class Source(StageText):
     """The C of one law. name: of files and, behind "wb_", of functions. knots: memory for the table. effort: "N*m" or "N"."""
 
-    kind = "float"
     template = "law_float.c.in"
     runtime: tuple[str, ...] = ("wb_runtime.h", "wb_runtime.c", "wb_root.c")
     include = "wb_runtime.h"
     end = "WB_END"  # where an axis of two encoders stops
 
     def __init__(self, stages: Stages, name: str, knots: int = MOST_KNOTS, effort: str = "N*m"):
-        self.stages, self.name, self.effort = stages, name, effort
-        self.knots = knots if stages.columns else 0
-        self.p = f"wb_{name}"
+        super().__init__(stages, f"wb_{name}", effort)
+        self.name, self.knots = name, knots if stages.columns else 0
 
     @property
     def rows(self) -> int:
         return 2 * len(self.stages.columns)
-
-    def unit_of(self, name: str) -> str:
-        return unit(power_of(name), self.effort)
-
-    def number(self, place: int) -> str:
-        return f"k[{self.stages.constants[place].identifier.upper()}]"
-
-    def arguments(self, part: Part) -> list[str]:
-        """Rows of a part that are no state."""
-        return [n for n in part.rows if n not in self.stages.states]
-
-    def body(self, part: Part) -> tuple[list[str], Mapping[str, str]]:
-        """Return the declarations of a part, and the text of each of its outputs."""
-        inputs = {
-            f"i0_{j}": f"s->{identifier(n)}" if n in self.stages.states else parameter(n)
-            for j, n in enumerate(part.rows)
-        }
-        inputs |= {f"i1_{j}": self.number(place) for j, place in enumerate(part.constants)}
-        names = {v: n for v, n in part.names.items() if n not in map(parameter, self.arguments(part))}
-        numbers = {n for n in inputs if n.startswith("i1_")}
-        writer = Writer(part.program, self.kind, inputs, names, numbers, finite=True)
-        back = {name: value for value, name in names.items()}
-        lines = []
-        for line in writer.lines():
-            declared = line.split(" = ")[0].split()[-1]
-            lines.append(_commented(line, unit(part.powers[back.get(declared, declared)], self.effort)))
-        return lines, {n: bare(writer.value(v)) for n, v in zip(part.outputs, part.program.outputs[0], strict=True)}
-
-    def function(self, part: Part, name: str, result: str | None) -> str:
-        """Return one stage as a static function; result: the output that it returns."""
-        lines, values = self.body(part)
-        kept = [n for n in part.outputs if n in self.stages.states]
-        reads = any(n in self.stages.states for n in part.rows)
-        given = [f"{self.kind} {parameter(n)}" for n in self.arguments(part)]
-        states = [f"{'' if kept else 'const '}{self.p}_state *s"] if kept or reads else []
-        table = [f"const {self.kind} *k"] if part.constants else []
-        head = f"static {self.kind if result else 'void'} {name}({', '.join(states + table + given)})"
-        lines += [f"    s->{identifier(n)} = {values[n]};" for n in kept if values[n] != f"s->{identifier(n)}"]
-        lines += [f"    return {values[result]};"] if result else []
-        return "\n".join([head, "{", *lines, "}"])
-
-    def call(self, part: Part, name: str, given: Mapping[str, str]) -> str:
-        kept = [n for n in part.outputs if n in self.stages.states]
-        reads = any(n in self.stages.states for n in part.rows)
-        arguments = ["state"] * bool(kept or reads) + ["table->number"] * bool(part.constants)
-        return f"{name}({', '.join(arguments + [given[n] for n in self.arguments(part)])})"
 
     def given(self) -> dict[str, str]:
         """What is handed to the stages: row -> C text in start and step."""
@@ -197,7 +139,7 @@ class Source:
         return law_code(self.stages)
 
     def state_lines(self) -> list[str]:
-        return [_commented(f"{self.number_type} {identifier(n)};", self.unit_of(n)) for n in self.stages.states]
+        return [commented(f"{self.number_type} {identifier(n)};", self.unit_of(n)) for n in self.stages.states]
 
     def enumeration(self) -> str:
         constants = self.stages.constants
