@@ -7,7 +7,7 @@ import pytest
 from paper_axis import LOOP, plant
 
 from workbench.description import Equivalent
-from workbench.design.climb import climb
+from workbench.design.climb import Climbing, climb
 from workbench.design.families.family import pd_family
 from workbench.design.families.gain_table import fixed_family, gain_table, switched_family, table_family
 from workbench.design.families.linear import Linear
@@ -100,7 +100,7 @@ def test_a_search_over_the_ladder_is_the_same_again_and_beats_no_reference(short
     table = gain_table(LINEAR, AMPLITUDES, 2.5 * COUNT, 2.0)
     starts = [table_family(table, GAINS, LINEAR, "error", ahead) for ahead in (4.0, 2.0)]
     fixed = FIXED, first_grid(table)[::9]
-    found, again = (climb(short, starts, fixed, seeds=(1, 2), generations=2) for _ in range(2))
+    found, again = (climb(short, starts, fixed, seeds=(1, 2), budget=Climbing(generations=2)) for _ in range(2))
     assert (found.best.point == again.best.point).all() and found.spread >= 1.0
     own = prices(short, found.best.figures, found.references.scale)
     assert (own >= found.references.cost - BEATEN).all()
@@ -143,8 +143,8 @@ def test_fixed_gains_and_a_switch_are_tables_of_one_and_of_two_ratios():
 def test_what_has_fewer_levels_is_tuned_alike_and_the_sentence_says_who_is_behind(short):
     table = gain_table(LINEAR, AMPLITUDES, 2.5 * COUNT, 2.0)
     start = table_family(table, GAINS, LINEAR, "error", 4.0)
-    found = climb(short, [start], (FIXED, first_grid(table)[::9]), seeds=(1,), generations=1)
-    fixed = rivals(found, (fixed_family(table, GAINS, LINEAR, "error", 0.02),), 1).found[0]
+    found = climb(short, [start], (FIXED, first_grid(table)[::9]), seeds=(1,), budget=Climbing(generations=1))
+    fixed = rivals(found, (fixed_family(table, GAINS, LINEAR, "error", 0.02),), Climbing(generations=1)).found[0]
     own = regret_of(short, fixed, found.references)
     assert own.time.shape == found.regret.time.shape and list(fixed.numbers) == ["ratio", "velocity_filter"]
     ours, behind = (Regret(np.full((1, 2), v), np.ones((1, 2)), np.zeros((1, 2))) for v in (1.2, 1.5))

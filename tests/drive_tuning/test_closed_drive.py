@@ -13,10 +13,9 @@ from workbench.control import drive_cascade, pi_cascade
 from workbench.control.notched import coefficients, response
 from workbench.definition import find
 from workbench.description import Equivalent
-from workbench.drive_tuning import search as drive_search
 from workbench.drive_tuning.beside import beside, following
 from workbench.drive_tuning.cases import Lagged, slowed
-from workbench.drive_tuning.search import ClosedDrive, behind, sizes_of, tune_drive
+from workbench.drive_tuning.search import ClosedDrive, Strategy, behind, cases, sizes_of, tune_drive
 from workbench.drives import Units, elmo
 from workbench.drives.files import Told, files
 from workbench.drives.objects import Object, entries, value_of
@@ -122,19 +121,15 @@ def test_a_notch_in_the_loop_that_is_tuned_allows_more_gain_on_a_measured_mode()
 @pytest.fixture(scope="module")
 def found():
     """A small search, of four sets."""
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(drive_search, "GENERATIONS", 4)
-        patch.setattr(drive_search, "OFFSPRING", 4)
-        closed = ClosedDrive(1e-4, sets=4, speed=True, acceleration=True)
-        return tune_drive(closed, TASK, DESCRIBED, BEGIN)
+    closed = ClosedDrive(1e-4, sets=4, speed=True, acceleration=True)
+    return tune_drive(closed, TASK, DESCRIBED, BEGIN, budget=Strategy(4, 4))
 
 
 def test_every_set_keeps_the_sensitivity_and_costs_no_more_than_where_it_began(found):
     assert found.points.shape == (4, 3) and (np.diff(found.sizes) > 0.0).all() and found.sizes[-1] == TASK.step
     assert (found.sensitivity <= 2.0 * 1.001).all() and np.isfinite(found.cost).all()
     again = [
-        drive_search.cases(TASK, 1e-4, DESCRIBED, found.sizes, (), None)[i].sensitivity(found.points[i : i + 1])[0]
-        for i in range(4)
+        cases(TASK, 1e-4, DESCRIBED, found.sizes, (), None)[i].sensitivity(found.points[i : i + 1])[0] for i in range(4)
     ]
     assert again == pytest.approx(list(found.sensitivity))
 
@@ -227,14 +222,12 @@ def test_what_no_gains_can_keep_is_refused():
     assert sizes_of(TASK, 1).tolist() == [TASK.step]
 
 
-def test_a_study_leaves_its_drives_files_and_figures(monkeypatch, tmp_path):
-    monkeypatch.setattr(drive_search, "GENERATIONS", 1)
-    monkeypatch.setattr(drive_search, "OFFSPRING", 2)
+def test_a_study_leaves_its_drives_files_and_figures(tmp_path):
     text = TEXT.replace("sets = 16", "sets = 2\namps = 2.0")
     gains = SimpleNamespace(amplitude=BEGIN[0], kp=BEGIN[1], kd=BEGIN[2])
     law = SimpleNamespace(controller=lambda lanes: pi_cascade(60.0, 1.2, 20.0, 15.0))
     made = SimpleNamespace(gains=gains, equivalent=DESCRIBED, tuned={"scheduled PD (error)": law})
-    part = driven(SimpleNamespace(table=declared(text)), TASK, made, (), 100.0, "error", lambda _: None)
+    part = driven(SimpleNamespace(table=declared(text)), TASK, made, (), 100.0, "error", lambda _: None, Strategy(2, 1))
     assert part.figures["drive_sensitivity_peak"] <= 2.01 and set(part.units) < set(part.figures)
     json.dumps(part.tables, allow_nan=True)
     (write,) = part.files

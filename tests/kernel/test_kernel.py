@@ -99,6 +99,12 @@ def assert_same_bits(a, b):
     np.testing.assert_array_equal(bits(a), bits(b))
 
 
+def assert_all_agree(function, program, signals, rest, constants):
+    expected = by_casadi(function, signals, rest, constants)
+    assert_same_bits(by_numpy(program, signals, rest, constants), expected)
+    assert_same_bits(scan.scan(program, signals, rest, constants), expected)
+
+
 @pytest.mark.parametrize("name", catalogue())
 def test_numpy_numba_and_casadi_give_the_same_bits(name):
     effect = find(name)
@@ -107,9 +113,7 @@ def test_numpy_numba_and_casadi_give_the_same_bits(name):
     rest = np.zeros(sum(effect.states.values()))
     for seed in range(2):
         signals, constants = motion(effect.reads, seed), np.array(derive(values(effect, seed))).ravel()
-        expected = by_casadi(function, signals, rest, constants)
-        assert_same_bits(by_numpy(program, signals, rest, constants), expected)
-        assert_same_bits(scan.scan(program, signals, rest, constants), expected)
+        assert_all_agree(function, program, signals, rest, constants)
 
 
 @pytest.mark.parametrize("name", catalogue())
@@ -121,9 +125,7 @@ def test_a_signal_that_is_not_a_number_gives_the_same_bits_too(name):
     for bad in (np.nan, np.inf, -np.inf):
         signals, constants = motion(effect.reads, 3), np.array(derive(values(effect, 3))).ravel()
         signals[:, 20] = bad
-        expected = by_casadi(function, signals, rest, constants)
-        assert_same_bits(by_numpy(program, signals, rest, constants), expected)
-        assert_same_bits(scan.scan(program, signals, rest, constants), expected)
+        assert_all_agree(function, program, signals, rest, constants)
 
 
 @pytest.mark.parametrize("name", catalogue())

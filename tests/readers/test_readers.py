@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+from refusals import sentence_of, write
 
 from workbench.errors import WorkbenchError
 from workbench.readers import load, read, reader
@@ -15,18 +16,8 @@ COLUMNS = {"time": "time_s", "position": "position_rad"}
 GOOD = b"time_s,torque_Nm,position_rad\n0.0,1,-0.5\n0.001,2,-1e-3\n0.002,3,+.25\n"
 
 
-def write(folder, content, name="run.csv"):
-    path = folder / name
-    path.write_bytes(content)
-    return path
-
-
 def refused(path, columns=COLUMNS):
-    with pytest.raises(WorkbenchError) as caught:
-        read(path, columns)
-    sentence = str(caught.value)
-    assert sentence.startswith(str(path)) and sentence[-1] in ".?"
-    return sentence.removeprefix(str(path))
+    return sentence_of(path, columns)
 
 
 @pytest.mark.parametrize(

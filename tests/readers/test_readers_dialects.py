@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+from refusals import sentence_of
 
 from workbench.errors import WorkbenchError
 from workbench.readers import load, read
@@ -18,11 +19,7 @@ def write(folder, content, name="run.csv"):
 
 
 def refused(path, columns=COLUMNS):
-    with pytest.raises(WorkbenchError) as caught:
-        read(path, columns)
-    sentence = str(caught.value)
-    assert sentence.startswith(str(path)) and sentence[-1] in ".?" and "\n" not in sentence
-    return sentence.removeprefix(str(path))
+    return sentence_of(path, columns)
 
 
 @pytest.mark.parametrize(

@@ -1,7 +1,6 @@
 """Binary record files: what a format's own library wrote is read back to the last bit; the rest is refused in words."""
 
 import gc
-import importlib
 import io
 import struct
 import sys
@@ -11,6 +10,7 @@ import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+from refusals import sentence_of, take_away, write
 
 from workbench.errors import WorkbenchError
 from workbench.readers import load, read, survey
@@ -23,18 +23,8 @@ FORCE = np.random.default_rng(3).normal(size=250) * 10.0 ** np.random.default_rn
 COLUMNS = {"time": "t", "force": "F"}
 
 
-def write(folder, content, name):
-    path = folder / name
-    path.write_bytes(content)
-    return path
-
-
 def refused(path, columns=COLUMNS):
-    with pytest.raises(WorkbenchError) as caught:
-        read(path, columns)
-    sentence = str(caught.value)
-    assert sentence.startswith(str(path)) and sentence[-1] in ".?" and "\n" not in sentence, sentence
-    return sentence.removeprefix(str(path))
+    return sentence_of(path, columns)
 
 
 # --- how each format is written --------------------------------------------------------------------------------------
@@ -203,14 +193,7 @@ def unharmed(path, columns):
 )
 def test_an_extra_that_is_not_installed_is_named(tmp_path, monkeypatch, module, name, make, sentence):
     path = write(tmp_path, make(both()) if make else b"", name)
-    there = importlib.import_module
-
-    def absent(wanted):
-        if wanted == module:
-            raise ImportError(wanted)
-        return there(wanted)
-
-    monkeypatch.setattr(importlib, "import_module", absent)
+    take_away(monkeypatch, module)
     assert refused(path) == f": reading {sentence}"
 
 

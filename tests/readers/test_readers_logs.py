@@ -1,7 +1,6 @@
 """Logs of tools and robots: what a format's library wrote, or its specification says, is read; the rest is refused in words."""
 
 import gzip
-import importlib
 import io
 import json
 import zlib
@@ -9,6 +8,7 @@ import zlib
 import numpy as np
 import pytest
 from logs import binary, text
+from refusals import take_away
 
 from workbench.errors import WorkbenchError
 from workbench.readers import SUFFIXES, limits, load, read, stem, survey
@@ -109,14 +109,7 @@ def test_a_file_that_is_cut_off_or_changed_is_refused_or_read_and_nothing_else(f
 )  # fmt: skip
 def test_an_extra_that_is_not_installed_is_named(tmp_path, monkeypatch, module, name, extra):
     (tmp_path / name).write_bytes(b"\x89HDF\r\n\x1a\n")
-    there = importlib.import_module
-
-    def absent(wanted):
-        if wanted == module:
-            raise ImportError(wanted)
-        return there(wanted)
-
-    monkeypatch.setattr(importlib, "import_module", absent)
+    take_away(monkeypatch, module)
     assert f"needs the extra '{extra}': pip install 'servo-workbench[{extra}]'" in refused(tmp_path / name)
 
 

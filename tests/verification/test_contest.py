@@ -12,7 +12,7 @@ from workbench.definition import find
 from workbench.design.families.family import Blend, cascade_family, pd_family, scheduled_family, soft_gains
 from workbench.design.families.linear import Linear, TwoMasses
 from workbench.design.families.shaped import shaped
-from workbench.design.optimise import first_members
+from workbench.design.optimise import Budget, first_members
 from workbench.errors import WorkbenchError
 from workbench.exporting.feed_forward import export_feed_forward
 from workbench.plant import ONE_MASS, TWO_MASS, Limits, Plant
@@ -26,6 +26,7 @@ from workbench.verification.controllers import feed_forward_of
 from workbench.verification.margin import Asked, against_margin
 
 LOOP = Loop(2.5e-4, 4, 2.5e-4, 2.5e-4, 4.848e-6)
+SMALL = Budget(population=3, generations=2, local=4)
 LIMITS = Limits(3.3, 12.57)
 STEP = 2.513
 
@@ -100,16 +101,12 @@ def test_a_verdict_says_who_is_beaten_on_what_nominally_and_over_the_grid():
     assert ours.span("time") == (0.2, 0.24) and held.over_bound("ours") == pytest.approx(1.1)
 
 
-def test_a_contest_tunes_without_load_and_judges_with_it_and_over_the_grid(monkeypatch):
-    from workbench.design import optimise as module
-
-    for name, value in (("GENERATIONS", 2), ("LOCAL", 4), ("POPULATION", 3)):
-        monkeypatch.setattr(module, name, value)
+def test_a_contest_tunes_without_load_and_judges_with_it_and_over_the_grid():
     task = Task(rigid(), LOOP, STEP, 0.4, (0.0, 5.3e-4), (0.5, 1.5), (1.0,), 0.0, 1, Weights())
     linear = Linear(LOOP, 0.0074, 0.0, np.array([0.0]))
     found = contest(
         task, [cascade_family(linear, (45.0, 2.0, 20.0), 12.0)], {"stated": lambda lanes: fixed_pd(60.0, 1.3)},
-        tuning_time=0.3, seeds=(1, 2, 3),
+        tuning_time=0.3, seeds=(1, 2, 3), budget=SMALL,
     )  # fmt: skip
     tuned = found["PI cascade"]
     assert tuned.values["time"].shape == (3,) and found["stated"].values["time"].shape == (1,)
@@ -119,16 +116,14 @@ def test_a_contest_tunes_without_load_and_judges_with_it_and_over_the_grid(monke
     assert tuned.median("error_grid") >= tuned.median("error_spread")
 
 
-def test_the_searchs_own_run_stands_for_the_tasks_own_limit_on_the_sensitivity(monkeypatch):
-    from workbench.design import optimise as module
-
-    for name, value in (("GENERATIONS", 2), ("LOCAL", 4), ("POPULATION", 3)):
-        monkeypatch.setattr(module, name, value)
+def test_the_searchs_own_run_stands_for_the_tasks_own_limit_on_the_sensitivity():
     task = Task(rigid(), LOOP, STEP, 0.3, (0.0, 5.3e-4), (0.5, 1.5), (1.0,), 0.0, 1, Weights())
     family = pd_family(Linear(LOOP, 0.0074, 0.0, np.array([0.0])), (400.0, 5.0))
-    found = contest(task, [family], tuning_time=0.3, seeds=(4, 5))
-    again = against_margin(task, (2.0, 3.0), lambda _: {"fixed PD": family}, tuning_time=0.3, seed=5)
-    known = against_margin(task, (2.0, 3.0), lambda _: {"fixed PD": family}, tuning_time=0.3, seed=5, found=found)
+    found = contest(task, [family], tuning_time=0.3, seeds=(4, 5), budget=SMALL)
+    again = against_margin(task, (2.0, 3.0), lambda _: {"fixed PD": family}, tuning_time=0.3, seed=5, budget=SMALL)
+    known = against_margin(
+        task, (2.0, 3.0), lambda _: {"fixed PD": family}, tuning_time=0.3, seed=5, budget=SMALL, found=found
+    )
     assert found["fixed PD"].of_seed(6) is None
     for figure, values in again.values["fixed PD"].items():
         assert (values == known.values["fixed PD"][figure]).all()

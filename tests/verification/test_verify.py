@@ -12,7 +12,7 @@ from workbench.description.friction import equivalent_of, friction_of
 from workbench.design.design import gains_of, linear_of
 from workbench.design.families.family import blended, cascade_family, pd_family
 from workbench.design.families.linear import Linear
-from workbench.design.optimise import Trail, optimise, optimise_seeds
+from workbench.design.optimise import Budget, Trail, optimise, optimise_seeds
 from workbench.errors import WorkbenchError
 from workbench.plant import ONE_MASS, Limits, Plant
 from workbench.simulation import Loop
@@ -121,11 +121,8 @@ def test_a_step_that_never_settles_costs_more_than_any_that_does():
     assert cost(task, idle, task.bound(), 1)[0] > 10 > cost(task, good, task.bound(), 1)[0]
 
 
-def test_the_search_improves_on_its_start_and_keeps_to_the_sensitivity_limit(monkeypatch):
-    from workbench.design import optimise as module
-
-    monkeypatch.setattr(module, "GENERATIONS", 6)
-    monkeypatch.setattr(module, "LOCAL", 20)
+def test_the_search_improves_on_its_start_and_keeps_to_the_sensitivity_limit():
+    small = Budget(generations=6, local=20)
     plant = axis()
     task = Task(plant, LOOP, STEP, 0.4, phases=1, weights=Weights(overshoot=0.008))
     from workbench.tuning import TuningGoal
@@ -133,11 +130,11 @@ def test_the_search_improves_on_its_start_and_keeps_to_the_sensitivity_limit(mon
     equivalents, _ = gains_of(plant, np.geomspace(1e-3, 1.0, 4), TuningGoal(drive=3.3, speed=12.57), LOOP)
     linear = linear_of(plant, equivalents, LOOP)
     for family in (pd_family(linear, (60.0, 1.0)), cascade_family(linear, (60.0, 1.0, 5.0), 12.57)):
-        found = optimise(task, family, seed=3)
+        found = optimise(task, family, 3, small)
         first = task.run(family.controller(family.start[None, :], 1), task.scenarios())
         assert found.value <= cost(task, first, task.bound(), 1)[0]
         assert family.sensitivity(found.point[None, :])[0] <= 2.0 * 1.01
-        both = optimise_seeds(task, family, (3, 4, 5))
+        both = optimise_seeds(task, family, (3, 4, 5), small)
         assert found.value == both.runs[0].value and found.trail.time.size == found.evaluations
         assert sorted(r.value for r in both.runs)[1] == both.median.value
 

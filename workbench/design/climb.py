@@ -16,14 +16,25 @@ from workbench.design.ladder import Ladder, all_rungs, climbed
 from workbench.design.regret import References, Regret, cost, raised, references, regret
 from workbench.keeping import kept
 
-MEMBERS = 16  # points of a generation. On the main study an evolution strategy of as many points from one best ended up to 12 % apart
-GENERATIONS = 24
 NEAR = 0.35  # of the first members about a start, of a logarithm
 BEST, CROSSED, FACTOR = 3, 0.9, (0.4, 0.9)  # how many are the best, share of numbers that cross, range of the step
-# Of the local search: points a step, its first width, what that grows by with success and shrinks by without (Rechenberg's rule), and the
+# Of the local search: its first width, what that grows by with success and shrinks by without (Rechenberg's rule), and the
 # share of the numbers that every other step moves. On the main study it takes 4 % off the best run's cost.
-OFFSPRING, WIDTH, GROW, SHRINK, ALONE = 10, 0.06, 1.15, 0.85, 0.3
+WIDTH, GROW, SHRINK, ALONE = 0.06, 1.15, 0.85, 0.3
 BEYOND = 100.0  # what a start costs that |S| forbids
+
+
+@dataclass(frozen=True)
+class Climbing:
+    """Budget of a run. members: points of a generation; on the main study an evolution strategy of as many points from one best
+    ended up to 12 % apart. offspring: points of a step of the local search."""
+
+    members: int = 16
+    generations: int = 24
+    offspring: int = 10
+
+
+CLIMBING = Climbing()
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,7 +98,7 @@ def climb(
     informed: Callable[[References], Family] | None = None,
     *,
     seeds: Sequence[int] = (1, 2, 3),
-    generations: int = GENERATIONS,
+    budget: Climbing = CLIMBING,
     say: Callable[[str], None] = lambda _: None,
 ) -> Climbed:
     """Tune a table over the ladder from each seed; raise the references that it beats, and tune on.
@@ -99,11 +110,12 @@ def climb(
     known = references(on, *fixed)
     say("tuning the gain table over all moves")
     every = [f.start for f in (*starts, *([informed(known)] if informed else []))]
-    runs = [_evolved(on, _begun(on, starts[0], seed, every), known, generations) for seed in seeds]
+    generations = budget.generations
+    runs = [_evolved(on, _begun(on, starts[0], seed, every, budget.members), known, generations) for seed in seeds]
     say("tuning the references again that it beats")
     known = _raised(on, known, [r.best(on, known) for r in runs])
     runs = [_evolved(on, r, known, generations // 2) for r in runs]
-    near = [_refined(on, r.best(on, known), known, 2 * generations // 3) for r in runs]
+    near = [_refined(on, r.best(on, known), known, 2 * generations // 3, budget.offspring) for r in runs]
     known = _raised(on, known, near)
     values = [float(cost(regret(on, r.figures[None], known))[0]) for r in near]
     found = tuple(replace(near[i], value=values[i]) for i in np.argsort(values))
@@ -116,12 +128,12 @@ def _raised(on: Ladder, known: References, runs: Sequence[Climb]) -> References:
     return raised(on, known, best.family, best.point)
 
 
-def _refined(on: Ladder, run: Climb, known: References, steps: int) -> Climb:
+def _refined(on: Ladder, run: Climb, known: References, steps: int, offspring: int) -> Climb:
     """Return the best that a local search finds about a run's point."""
     draw, family, width = np.random.default_rng(run.seed + 100), run.family, WIDTH
     limit = on.task.weights.sensitivity * 1.001
     for k in range(steps):
-        moved = width * draw.standard_normal((OFFSPRING, run.point.size))
+        moved = width * draw.standard_normal((offspring, run.point.size))
         if k % 2:
             moved = np.where(draw.random(moved.shape) < ALONE, moved, 0.0)
         points = family.settled(np.clip(run.point * np.exp(moved), family.lower, family.upper))
@@ -131,21 +143,23 @@ def _refined(on: Ladder, run: Climb, known: References, steps: int) -> Climb:
         better = costs[i] < run.value
         width *= GROW if better else SHRINK
         run = replace(run, point=points[i], value=float(costs[i]), figures=tried[i]) if better else run
-    return replace(run, evaluations=run.evaluations + steps * OFFSPRING)
+    return replace(run, evaluations=run.evaluations + steps * offspring)
 
 
-def evolved(on: Ladder, family: Family, known: References, seed: int, generations: int) -> Climb:
+def evolved(on: Ladder, family: Family, known: References, seed: int, budget: Climbing) -> Climb:
     """Return the best point of a family that a search from its own start finds."""
-    return _evolved(on, _begun(on, family, seed, [family.start]), known, generations).best(on, known)
+    return _evolved(on, _begun(on, family, seed, [family.start], budget.members), known, budget.generations).best(
+        on, known
+    )
 
 
-def _begun(on: Ladder, family: Family, seed: int, starts: Sequence[np.ndarray]) -> Members:
+def _begun(on: Ladder, family: Family, seed: int, starts: Sequence[np.ndarray], many: int) -> Members:
     """Return the first members: the starts (numbers,), and others about each of them."""
     draw = np.random.default_rng(seed)
-    about = np.array([starts[k % len(starts)] for k in range(MEMBERS)])
-    away = np.where(np.arange(MEMBERS)[:, None] < len(starts), 0.0, NEAR) * draw.standard_normal(about.shape)
+    about = np.array([starts[k % len(starts)] for k in range(many)])
+    away = np.where(np.arange(many)[:, None] < len(starts), 0.0, NEAR) * draw.standard_normal(about.shape)
     points = family.settled(np.clip(about * np.exp(away), family.lower, family.upper))
-    return Members(family, seed, draw, points, climbed(on, family, points, all_rungs(on, points)), MEMBERS)
+    return Members(family, seed, draw, points, climbed(on, family, points, all_rungs(on, points)), many)
 
 
 def _evolved(on: Ladder, members: Members, known: References, generations: int) -> Members:
@@ -159,7 +173,7 @@ def _evolved(on: Ladder, members: Members, known: References, generations: int) 
         price = new.costs(on, known)
         ok = price <= costs
         points[ok], figures[ok], costs[ok] = tried[ok], new.figures[ok], price[ok]
-    return replace(members, points=points, figures=figures, evaluations=members.evaluations + generations * MEMBERS)
+    return replace(members, points=points, figures=figures, evaluations=members.evaluations + generations * len(points))
 
 
 def _crossed(family: Family, draw: np.random.Generator, points: np.ndarray, costs: np.ndarray) -> np.ndarray:

@@ -14,15 +14,26 @@ from workbench.keeping import kept
 from workbench.simulation import Metrics
 from workbench.task.task import Task, cost
 
-POPULATION = 12  # members a searched number
-GENERATIONS = 60
 UNSTABLE = 10.0  # what an unstable linearisation counts as, of sensitivity over its limit
-LOCAL = 240  # evaluations of the local search
-CLOSE, NEAR = 10, 0.1  # members about each start, and how far from it, of a logarithm
+NEAR = 0.1  # how far members about a start lie from it, of a logarithm
 ROUNDED = 1.001  # by what a limit may be missed and still counts as kept
 
 
 SEEDS = (1, 2, 3)
+
+
+@dataclass(frozen=True)
+class Budget:
+    """What one search may spend. population: members a searched number; close: of them about each start; local: evaluations of
+    the local search."""
+
+    population: int = 12
+    generations: int = 60
+    close: int = 10
+    local: int = 240
+
+
+BUDGET = Budget()
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,13 +99,13 @@ class Seeded:
         return Trail.joined([r.trail for r in self.runs])
 
 
-def optimise_seeds(task: Task, family: Family, seeds: Sequence[int] = SEEDS) -> Seeded:
+def optimise_seeds(task: Task, family: Family, seeds: Sequence[int] = SEEDS, budget: Budget = BUDGET) -> Seeded:
     """Return the family tuned from each seed."""
-    return Seeded(tuple(optimise(task, family, seed) for seed in seeds))
+    return Seeded(tuple(optimise(task, family, seed, budget) for seed in seeds))
 
 
 @kept
-def optimise(task: Task, family: Family, seed: int = 1) -> Tuned:
+def optimise(task: Task, family: Family, seed: int = 1, budget: Budget = BUDGET) -> Tuned:
     """Return the point of the family with the least worst-case cost over the task's scenarios."""
     from scipy.optimize import differential_evolution, minimize
 
@@ -117,9 +128,9 @@ def optimise(task: Task, family: Family, seed: int = 1) -> Tuned:
     found = differential_evolution(
         values,
         bounds,
-        **first_members(task, family, seed, np.array(bounds).T),
-        popsize=POPULATION,
-        maxiter=GENERATIONS,
+        **first_members(task, family, seed, np.array(bounds).T, budget),
+        popsize=budget.population,
+        maxiter=budget.generations,
         tol=1e-4,
         polish=False,
         vectorized=True,
@@ -131,27 +142,29 @@ def optimise(task: Task, family: Family, seed: int = 1) -> Tuned:
         found.x,
         method="Nelder-Mead",
         bounds=bounds,
-        options={"maxfev": LOCAL, "xatol": 1e-3, "fatol": 1e-4, "initial_simplex": _simplex(found.x)},
+        options={"maxfev": budget.local, "xatol": 1e-3, "fatol": 1e-4, "initial_simplex": _simplex(found.x)},
     )
     best, value = (local.x, local.fun) if local.fun <= found.fun else (found.x, found.fun)
     trail = Trail.joined(trails)
     return Tuned(family, np.exp(best), float(value), trail.time.size, seed, trail)
 
 
-def first_members(task: Task, family: Family, seed: int, bounds: np.ndarray) -> dict[str, np.ndarray]:
-    """Return how a search begins: evenly over the space, at the family's start and CLOSE members about it. bounds (2, numbers):
+def first_members(
+    task: Task, family: Family, seed: int, bounds: np.ndarray, budget: Budget = BUDGET
+) -> dict[str, np.ndarray]:
+    """Return how a search begins: evenly over the space, at the family's start and close about it. bounds (2, numbers):
     logarithms.
 
-    Where the nominal axis is what counts, CLOSE members lie about the family's soft start: that optimum is narrow, and no even start
+    Where the nominal axis is what counts, members lie close about the family's soft start: that optimum is narrow, and no even start
     finds it. Over the worst case it is none, since a soft arrival leaves millimetres or milliradians in some corner.
     """
     from scipy.stats import qmc
 
     start, draw = np.clip(np.log(family.start), *bounds), np.random.default_rng(seed)
     low, high = bounds
-    even = low + (high - low) * qmc.LatinHypercube(start.size, rng=draw).random(POPULATION * start.size)
+    even = low + (high - low) * qmc.LatinHypercube(start.size, rng=draw).random(budget.population * start.size)
     first = [start, np.log(family.soft)] if task.nominal and family.soft is not None else [start]
-    made = [one + NEAR * np.vstack([0.0 * one, draw.standard_normal((CLOSE - 1, one.size))]) for one in first]
+    made = [one + NEAR * np.vstack([0.0 * one, draw.standard_normal((budget.close - 1, one.size))]) for one in first]
     made = np.vstack([*made, even])[: len(even)]
     return {"init": np.clip(made, low, high)}
 

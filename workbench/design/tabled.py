@@ -6,7 +6,7 @@ from functools import partial
 
 import numpy as np
 
-from workbench.design.climb import GENERATIONS, Climbed, climb
+from workbench.design.climb import CLIMBING, Climbed, Climbing, climb
 from workbench.design.families.family import pd_family
 from workbench.design.families.gain_table import BEGUN, fixed_family, gain_table, switched_family, table_family
 from workbench.design.families.linear import Linear
@@ -59,14 +59,14 @@ def tabled(
     tolerance: float = 0.1,
     load: float | None = None,
     seeds: Sequence[int] = RUNS,
-    generations: int = GENERATIONS,
+    budget: Climbing = CLIMBING,
     sizes: int | None = None,
     against: bool = True,
     say: Callable[[str], None] = lambda _: None,
 ) -> Tabled:
     """Return the table of one rule for the plant of a task, tuned for every move of its ladder.
 
-    load: N*m or N, of the ladder. seeds, generations: of the search. sizes: of the ladder's steps. against: whether rivals are tuned.
+    load: N*m or N, of the ladder. seeds, budget: of the search. sizes: of the ladder's steps. against: whether rivals are tuned.
     """
     robust = polished.gains(polished.robust, goal)
     amplitude, plant = robust.amplitude, task.plant
@@ -88,10 +88,10 @@ def tabled(
     fixed = shaped(lambda judge: pd_family(judge, pair), linear, BEGUN * task.loop.sample_time)
     on = ladder(task, load) if sizes is None else ladder(task, load, sizes=sizes)
     informed = partial(from_references, starts[0], table, on, SEEN[rule])
-    found = climb(on, starts, (fixed, first_grid(table)), informed, seeds=seeds, generations=generations, say=say)
+    found = climb(on, starts, (fixed, first_grid(table)), informed, seeds=seeds, budget=budget, say=say)
     kp, kd = table.gains(found.best.point[None, :])
     schedule = replace(interpolated, knots=table.knots, kp=kp[0], kd=kd[0], rule=rule, findings=())
     fewer = (fixed_family(table, robust, linear, rule, 1e-2 * task.step), switched_family(table, robust, linear, rule))
     if against:
         say("tuning fixed gains and a two-level switch over all moves")
-    return Tabled(schedule, interpolated, found, rivals(found, fewer if against else (), generations))
+    return Tabled(schedule, interpolated, found, rivals(found, fewer if against else (), budget))

@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
-from workbench.design.climb import Climbed, evolved
+from workbench.design.climb import Climbed, Climbing, evolved
 from workbench.design.families.family import Family, OfFamily
 from workbench.design.ladder import Ladder, all_rungs, climbed
 from workbench.design.regret import OVERSHOOT, References, Regret, regret
@@ -19,10 +19,10 @@ class Rivals:
     found: tuple[OfFamily, ...]
 
 
-def rivals(climbed_by: Climbed, families: tuple[Family, ...], generations: int) -> Rivals:
+def rivals(climbed_by: Climbed, families: tuple[Family, ...], budget: Climbing) -> Rivals:
     """Tune families over the ladder of a table, from its best run's seed, against its references."""
     seed = climbed_by.best.seed
-    return Rivals(tuple(evolved(climbed_by.on, f, climbed_by.references, seed, generations) for f in families))
+    return Rivals(tuple(evolved(climbed_by.on, f, climbed_by.references, seed, budget) for f in families))
 
 
 def regret_of(on: Ladder, one: OfFamily, known: References, task: Task | None = None) -> Regret:

@@ -31,7 +31,7 @@ from workbench.checking.modes import resonances
 from workbench.control.drive import MOST
 from workbench.design.design import Designed
 from workbench.drive_tuning.beside import beside, following
-from workbench.drive_tuning.search import NUMBERS, ClosedDrive, DriveGains, tune_drive
+from workbench.drive_tuning.search import NUMBERS, STRATEGY, ClosedDrive, DriveGains, Strategy, tune_drive
 from workbench.drives import Cascade, Units
 from workbench.drives.elmo import SETS
 from workbench.drives.files import Told, files, writer
@@ -154,7 +154,7 @@ def cascades(gains: DriveGains, plant: Plant) -> tuple[Cascade, ...]:
     )
 
 
-def driven(study: Study, task: Task, made: Designed, records: Sequence[Record], bandwidth: float, rule: str, say) -> Part:  # fmt: skip
+def driven(study: Study, task: Task, made: Designed, records: Sequence[Record], bandwidth: float, rule: str, say, budget: Strategy = STRATEGY) -> Part:  # fmt: skip
     """Tune the drive that a study states, hold it beside the scheduled PD, and write its files."""
     plant = task.plant
     given = stated(study.table, plant, task.loop.count)
@@ -163,6 +163,7 @@ def driven(study: Study, task: Task, made: Designed, records: Sequence[Record], 
     g = made.gains
     gains = tune_drive(
         given.closed, task, made.equivalent, (g.amplitude, g.kp, g.kd), notches=notches, measured=response, seed=given.seed,
+        budget=budget,
     )  # fmt: skip
     name = f"scheduled PD ({rule})"
     rows = beside(gains, made.tuned[name].controller)

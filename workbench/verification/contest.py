@@ -11,7 +11,7 @@ import numpy as np
 
 from workbench.control import Controller
 from workbench.design.families.family import Family
-from workbench.design.optimise import SEEDS, Seeded, optimise_seeds
+from workbench.design.optimise import BUDGET, SEEDS, Budget, Seeded, optimise_seeds
 from workbench.finding import Finding
 from workbench.keeping import kept
 from workbench.plant import Plant
@@ -87,13 +87,14 @@ def contest(
     *,
     tuning_time: float,
     seeds: Sequence[int] = SEEDS,
+    budget: Budget = BUDGET,
     loaded: bool = False,
     known: Plant | None = None,
     say: Callable[[str], None] = lambda _: None,
 ) -> Contest:
     """Tune every family from every seed on the grid of `task` (its frictions and inertias), and judge it with the stated ones.
 
-    known: the plant that is tuned for, where it is not the task's own, which judges. tuning_time: duration of a simulation while tuning, s. The task's load inertias are none, then the load; tuning meets
+    budget: of each search. known: the plant that is tuned for, where it is not the task's own, which judges. tuning_time: duration of a simulation while tuning, s. The task's load inertias are none, then the load; tuning meets
     the load where `loaded`.
     """
     loads = task.load_inertias if loaded else task.load_inertias[:1]
@@ -101,7 +102,7 @@ def contest(
     standings = {}
     for family in families:
         say(f"tuning {family.name} from {len(seeds)} seeds")
-        standings[family.name] = entered(task, training, family, seeds)
+        standings[family.name] = entered(task, training, family, seeds, budget=budget)
     for name, factory in (stated or {}).items():
         standings[name] = Result(name, judged(task, (factory,)), (factory,))
     loads = task.load_inertias
@@ -109,9 +110,16 @@ def contest(
 
 
 @kept
-def entered(task: Task, training: Task, family: Family, seeds: Sequence[int] = SEEDS, name: str = "") -> Result:
+def entered(
+    task: Task,
+    training: Task,
+    family: Family,
+    seeds: Sequence[int] = SEEDS,
+    name: str = "",
+    budget: Budget = BUDGET,
+) -> Result:
     """Tune a family from every seed on the scenarios of `training`, and judge it on `task`. name: the family's where empty."""
-    tuned = optimise_seeds(training, family, seeds)
+    tuned = optimise_seeds(training, family, seeds, budget)
     factories = tuple(run.controller for run in tuned.runs)
     values = judged(task, factories) | {
         "sensitivity": np.array([float(family.sensitivity(run.point[None, :])[0]) for run in tuned.runs]),

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from workbench.design.families.family import Family
-from workbench.design.optimise import optimise
+from workbench.design.optimise import BUDGET, Budget, optimise
 from workbench.task.task import Task
 from workbench.verification.contest import Contest, judged
 
@@ -46,6 +46,7 @@ def against_margin(
     tuning_time: float,
     loaded: bool = False,
     seed: int = 1,
+    budget: Budget = BUDGET,
     found: Contest | None = None,
     say: Callable[[str], None] = lambda _: None,
 ) -> AgainstMargin:
@@ -63,7 +64,7 @@ def against_margin(
         training = replace(bounded, load_inertias=loads, duration=tuning_time)
         for name, family in families(limit).items():
             of = known[name].of_seed(seed) if name in known else None
-            values = of or judged(task, (optimise(training, family, seed).controller,))
+            values = of or judged(task, (optimise(training, family, seed, budget).controller,))
             rows.setdefault(name, []).append(values)
     values = {n: {k: np.array([row[k][0] for row in each]) for k in each[0]} for n, each in rows.items()}
     return AgainstMargin(np.array(limits), values)

@@ -23,12 +23,7 @@ from workbench.frequency.notch import DAMPEST
 FILTER, NOTCH = ("velocity_filter",), ("notch", "notch depth")
 FASTEST, SLOWEST = 0.2, 64.0  # samples: range of the filter; at a fifth of one it passes 99 % of a new difference
 LOW, HIGH = 0.01, 0.45  # of the sampling rate: where a notch may lie
-WIDE, STEEP, POPULATION, GENERATIONS = (
-    16.0,
-    100.0,
-    12,
-    80,
-)  # of `stiffest`: range of log Kp each way, cost of Ms, the search
+WIDE, STEEP = 16.0, 100.0  # of `stiffest`: range of log Kp each way, cost of Ms
 DEEPEST = 0.05  # of a notch at its centre
 
 
@@ -110,7 +105,9 @@ def shaped(
     )
 
 
-def stiffest(judge: Judge, ratio: float, sensitivity: float, seed: int = 1) -> dict[str, float]:
+def stiffest(
+    judge: Judge, ratio: float, sensitivity: float, seed: int = 1, *, population: int = 12, generations: int = 80
+) -> dict[str, float]:
     """Return kp, velocity_filter, notch and notch depth with which a fixed PD of Kp/Kd = ratio, 1/s, is as stiff as |S| allows.
 
     Where a search on the simulated loop begins: of linearisations alone this takes a second, and from elsewhere it may end with the
@@ -129,7 +126,7 @@ def stiffest(judge: Judge, ratio: float, sensitivity: float, seed: int = 1) -> d
         return STEEP * np.clip(peak / sensitivity - 1.0, 0.0, 10.0) - logs[0]
 
     found = differential_evolution(
-        softness, bounds, popsize=POPULATION, maxiter=GENERATIONS, polish=False, vectorized=True, updating="deferred",
+        softness, bounds, popsize=population, maxiter=generations, polish=False, vectorized=True, updating="deferred",
         rng=np.random.default_rng(seed),
     )  # fmt: skip
     return dict(zip(("kp", *FILTER, *NOTCH), map(float, np.exp(found.x)), strict=True))
