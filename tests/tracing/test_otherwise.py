@@ -7,7 +7,7 @@ import pytest
 from scipy.signal import lfilter
 
 from workbench.definition import find
-from workbench.identification.fit import inverse_dynamics
+from workbench.inverse.dynamics import inverse_dynamics
 from workbench.plant import ONE_MASS, Plant
 from workbench.record import IDENTIFICATION, VALIDATION, Record, Source
 from workbench.tracing.candidates import suspects

@@ -9,9 +9,9 @@ from dataclasses import replace
 
 from workbench.definition import catalogue
 from workbench.effects.families import FREE_FORMS, family_of
-from workbench.identification.passes import InverseDynamics
 from workbench.identification.result import Fit
 from workbench.identification.solve import NoValue
+from workbench.inverse.dynamics import InverseDynamics
 from workbench.plant import Plant
 from workbench.record import IDENTIFICATION, VALIDATION
 from workbench.tracing.candidates import ADDITION, Offer, without
