@@ -69,10 +69,11 @@ CONTROLLERS = [
     scheduled_pd([SCHEDULE, LIVELY], "following", table=np.arange(37) % 2),
     scheduled_pd(SCHEDULE, "frozen", scale=np.linspace(0.5, 1.0, 37)),
     pi_cascade(30.0, 1.0, 20.0, np.linspace(0.5, 2.0, 37)),
+    scheduled_pd(SCHEDULE, "closing"),
 ]
 
 
-@pytest.mark.parametrize("which", [0, 1, 2])
+@pytest.mark.parametrize("which", [0, 1, 2, 3])
 def test_lanes_have_the_bits_of_numpy_over_scenarios(which):
     bound = bind(rich(which), LOOP, CONTROLLERS[which], arrays_of(scenarios(37, which)), 700, Criteria())
     lanes, _ = run_lanes(bound)

@@ -62,6 +62,11 @@ class Ladder:
         return tuple(m for rung in self.rungs for m in rung)
 
     @property
+    def sizes(self) -> np.ndarray:
+        """Sizes of the steps, (n,), rising."""
+        return np.unique([abs(r[0].size) for r in self.rungs if r[0].kind == "step"])
+
+    @property
     def hold(self) -> int:
         """Samples before the first step."""
         return int(round(HOLD / self.task.loop.sample_time))
