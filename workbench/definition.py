@@ -51,7 +51,8 @@ class Effect:
     family: class of causes, of which the law is a second question (docs/architecture/ has the list). reduces: parameter ->
     (neutral value, name of the simpler effect that it then is, "" for none): a number, or TWO_COUNTS for a length of no more
     than that. parts: names of the simpler effects that a composite joins. knots: parameters that are held by definition, as
-    where a table has its values; no data sheet gave them, so none is wrong.
+    where a table has its values; no data sheet gave them, so none is wrong. nearest: traced effect of its class in whose place, and
+    under whose name, a law is asked where validation does not carry that one's formula.
     """
 
     name: str
@@ -73,6 +74,7 @@ class Effect:
     at: str = "axis"
     border: Border | None = None
     traced: bool = True
+    nearest: str = ""
     stated: tuple[str, ...] = ()
     free_at: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     rare: bool = False

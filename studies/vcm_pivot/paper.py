@@ -3,7 +3,7 @@
 from math import inf
 
 from workbench.report.contents import Chapter, Heading, Items, Paragraph
-from workbench.report.reproduction import Printed, as_table, counted, places_table, reproduction_table
+from workbench.report.reproduction import INPUT, Printed, as_table, counted, places_table, reproduction_table
 
 from .compensated import Compensated
 from .identified import Identified
@@ -87,10 +87,10 @@ def rows(fits: Identified, held: Compensated) -> list[Printed]:
         ),
         *(Printed(f"weight {n}", p, o, 0.1, "mV/V", reason=ONE_FREQUENCY, within=inf) for n, p, o in weights),
         *(
-            Printed(f"radius {i}, over the amplitude", r / size, 0.5, 0.01)
+            Printed(f"radius {i}, over the amplitude", r / size, 0.5, 0.01, kind=INPUT)
             for i, (r, size) in enumerate(zip(RADII, (0.5, 1.0, 3.0), strict=True), 1)
         ),
-        Printed("evaluations of the search", 2000.0, float(min(best.evaluations, EVALUATIONS)), 0.01, "1",
+        Printed("evaluations of the search", 2000.0, float(min(best.evaluations, EVALUATIONS)), 0.01, "1", kind=INPUT,
                 reason="that start met the tolerances before", within=4.0),
         Printed("|S| at 10 Hz, 0.5 V, that operator", -20.0, held.simplex[0.5], 0.25, "dB", reason=OTHER_PIVOT, within=inf),
         Printed("|S| at 10 Hz, 1 V, that operator", -20.0, held.simplex[1.0], 0.25, "dB", reason=OTHER_PIVOT, within=inf),

@@ -152,14 +152,15 @@ def test_a_reproduction_can_fail():
     derived = Printed("b over a", 1.0, 5.0, kind="derived")
     assert met.met and not told.met and told.explained and not worse.explained and not derived.explained
     assert fitted.met and not replace(fitted, obtained=1.3).met and Printed("e", 2.0, -1.0, factor=1.5).ratio == np.inf
-    every = [met, told, worse, fitted, derived]
+    given = Printed("d", 0.5, 0.5, kind="input")
+    every = [met, told, worse, fitted, derived, given]
     assert counted(every) == {
         "reproduction_rows": 3.0, "reproduction_met": 2.0, "reproduction_fitted": 1.0, "reproduction_unexplained": 2.0
     }  # fmt: skip
-    said = [r[-1].text for r in reproduction_table(every, "caption").rows]
+    said = [getattr(r[-1], "text", r[-1]) for r in reproduction_table(every, "caption").rows]
     assert said == [
         "within 2.0\u00a0%", "missed: half of it is friction", "missed, and more than a factor of 1.6 off",
-        "fitted, within a factor of 1.5", "missed",
+        "fitted, within a factor of 1.5", "missed", "put in as printed",
     ]  # fmt: skip
 
 

@@ -38,7 +38,7 @@ def scene(effect: Effect, samples: int = 600, faster: float = 1.0) -> Scene:
     if speeds := _scaled(effect, "speed"):
         omega = 3.0 * max(speeds) / length
     for p in effect.parameters.values():
-        if p.scale == "rate" and p.value:
+        if p.scale in ("rate", "resonance") and p.value:
             omega = 0.37 * p.value * (2.0 * pi if p.unit == "Hz" else 1.0)
         if p.scale == "time" and p.value:
             omega = 0.3 / abs(p.value)

@@ -38,7 +38,7 @@ def flexible_mode() -> Effect:
         family="mode",
         parameters={
             "mass": Parameter(0.0, "F*s^2/x", "inertia or mass of the part that swings", lower=0.0),
-            "frequency": Parameter(50.0, "Hz", "its frequency with the axis held", lower=1e-3, scale="rate"),
+            "frequency": Parameter(50.0, "Hz", "its frequency with the axis held", lower=1e-3, scale="resonance"),
             "damping": Parameter(0.1, "1", "its damping ratio", lower=1e-4, upper=0.95, scale="number"),
         },
         linear=("mass",),

@@ -1,7 +1,7 @@
-"""Friction of a lubricant film that is sheared until it yields."""
+"""Friction of a lubricant film: sheared until it yields, or with a viscosity that goes with the rate of shear."""
 
 from workbench.definition import FORCE, Effect, effect
-from workbench.effects.elementary import tanh
+from workbench.effects.elementary import absolute, power, sign0, tanh
 from workbench.parameter import Parameter
 
 
@@ -34,4 +34,37 @@ def film_friction() -> Effect:
         step=step,
         holds=("passive", "odd"),
         traced=False,
+        nearest="nonlinear_viscous_friction",
+    )
+
+
+@effect
+def power_law_friction() -> Effect:
+    """T = T1 (|v|/v1)^n sgn(v): a lubricant whose viscosity falls (n < 1) or rises (n > 1) with the rate of shear.
+
+    v1 is a reference and no number of the axis: T1 is the friction there.
+    """
+
+    def step(s, z, p):
+        return {}, p.level * sign0(s.v) * power(absolute(s.v) / p.speed, p.exponent)
+
+    return Effect(
+        name="power_law_friction",
+        cause="a lubricant that shears thinner or thicker, so that friction goes with a power of speed",
+        formula="T = T1 (|v|/v1)^n sgn(v)",
+        source="Ostwald 1925; de Waele 1923; Waiboer, Aarts, Jonker 2005 (joints of robots)",
+        port=FORCE,
+        family="friction over speed",
+        parameters={
+            "level": Parameter(0.0, "F", "friction at the reference speed", lower=0.0),
+            "speed": Parameter(0.1, "x/s", "reference speed", lower=1e-9, fixed=True),
+            "exponent": Parameter(0.5, "1", "exponent of speed", lower=0.1, upper=3.0, scale="number"),
+        },
+        linear=("level",),
+        reads=("v",),
+        step=step,
+        holds=("passive", "odd"),
+        traced=False,
+        nearest="nonlinear_viscous_friction",
+        knots=("speed",),
     )

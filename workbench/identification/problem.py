@@ -17,7 +17,7 @@ from workbench.identification.passes import InverseDynamics
 from workbench.parameter import Parameter
 from workbench.plant import Plant, reads_load
 
-LOGARITHMIC = ("speed", "stroke", "rate", "settling")
+LOGARITHMIC = ("speed", "stroke", "rate", "resonance", "settling")
 STEP = 1e-4  # relative step of the directional derivative of a pass
 
 

@@ -2,12 +2,14 @@
 
 import numpy as np
 
+from workbench.description.result import Equivalent
 from workbench.finding import capital, title
 from workbench.report import figures, numbers
 from workbench.report.contents import Chapter, Figure, Paragraph, StudyResult, Table
 from workbench.report.wording import listed
 
 ROWS = 8
+ROUNDING = 1e-9  # of the stiffness: a loss of less is what rounding leaves of a spring (1e-11 of it was met); halved or doubled, the same
 
 
 def description(result: StudyResult) -> Chapter:
@@ -30,12 +32,17 @@ def _drawn(result: StudyResult) -> Figure:
     return Figure("equivalent", draw, caption, f"Two graphs over amplitude. {heading}.")
 
 
+def _lost(q: Equivalent, i: int) -> float:
+    """Return the loss at one amplitude; 0 where it is what rounding leaves of a spring."""
+    return 0.0 if abs(q.loss[i]) < ROUNDING * abs(q.stiffness[i]) else float(q.loss[i])
+
+
 def _lossy(result: StudyResult) -> str:
     """Say of the effect that is described first how much of it is spring and how much loss, at both ends of the amplitudes."""
     effect, q = result.equivalent[0]
     unit = result.plant.displacement
     ends = [
-        f"{numbers.number(float(q.loss[i] / q.stiffness[i]), 2)} times its stiffness at {numbers.scaled(float(q.amplitude[i]), unit, 2)}"
+        f"{numbers.number(_lost(q, i) / float(q.stiffness[i]), 2)} times its stiffness at {numbers.scaled(float(q.amplitude[i]), unit, 2)}"
         for i in (0, -1)
         if q.stiffness[i]
     ]
@@ -71,9 +78,9 @@ def _table(result: StudyResult) -> Table:
     rows = []
     for effect, q in result.equivalent:
         for k, i in enumerate(np.unique(np.linspace(0, q.amplitude.size - 1, ROWS).astype(int))):
-            values = (float(a[i]) for a in (q.stiffness, q.loss))
+            values = (float(q.stiffness[i]), _lost(q, i))
             amplitude = numbers.scaled(float(q.amplitude[i]), result.plant.displacement)
-            loss_factor = numbers.number(float(q.loss[i] / q.stiffness[i]), 2) if q.stiffness[i] else "\u2013"
+            loss_factor = numbers.number(_lost(q, i) / float(q.stiffness[i]), 2) if q.stiffness[i] else "\u2013"
             name = capital(title(effect.name)) if k == 0 else ""
             rows.append((name, amplitude, *map(numbers.number, values), loss_factor))
     columns = (

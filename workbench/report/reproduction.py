@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from workbench.report import numbers
 from workbench.report.contents import BAD, GOOD, Cell, Marked, Table
 
-RESULT, FIT, DERIVED = "result", "fit", "derived"  # kinds of a row
+RESULT, FIT, DERIVED, INPUT = "result", "fit", "derived", "input"  # kinds of a row
 
 
 @dataclass(frozen=True)
@@ -15,7 +15,7 @@ class Printed:
     error may be larger or smaller. unit: SI.
 
     kind: "result", "fit" (its numbers were fitted to the print, and a row of the same printed number says what is had without),
-    or "derived" (a ratio of others, which counts for nothing). of: the printed number that the row is of; `what` where empty.
+    "derived" (a ratio of others) or "input" (put in as printed), which count for nothing. of: the printed number that the row is of; `what` where empty.
     reason, within: why a row that is missed is excused, computed from what was found, and the factor up to which that holds.
     """
 
@@ -52,6 +52,8 @@ class Printed:
 
     @property
     def verdict(self) -> Cell:
+        if self.kind == INPUT and self.met:
+            return "put in as printed"
         if self.met:
             said = f"within a factor of {self.factor:g}" if self.factor else f"within {numbers.percent(self.tolerance)}"
             return Marked(f"fitted, {said}" if self.kind == FIT else said, GOOD)
@@ -82,10 +84,10 @@ def places_table(places: Sequence[tuple[str, str]]) -> Table:
 
 def counted(rows: Sequence[Printed]) -> dict[str, float]:
     """Figures by which a study may be judged: printed results, those that a row meets (and those of them that only a fit
-    does), and rows without an excuse that holds. A derived row is none of the results."""
+    does), and rows without an excuse that holds. What is derived or was put in is none of the results."""
     results: dict[str, list[Printed]] = {}
     for r in rows:
-        if r.kind != DERIVED:
+        if r.kind not in (DERIVED, INPUT):
             results.setdefault(r.of or r.what, []).append(r)
     met = {n: [r for r in each if r.met] for n, each in results.items()}
     return {

@@ -22,7 +22,8 @@ class Candidate:
     """effect, at: what would be added, or whose fixed parameters would be set free. plant: the plant with it.
 
     instead: keys of declared effects that an addition takes the place of. restored: keys of declared laws that it brings back in the
-    place of their free virgin curve. stands: name of the nearest formula, of a free form.
+    place of their free virgin curve. stands: name of the nearest formula, of a free form. part: name that it bears else: of a
+    composite of which the rest is declared, the part that is missing; of another law of a class, that class' traced effect.
     """
 
     effect: str
@@ -32,11 +33,12 @@ class Candidate:
     instead: tuple[str, ...] = ()
     stands: str = ""
     restored: tuple[str, ...] = ()
+    part: str = ""
 
     @property
     def name(self) -> str:
-        """What it is called: of a free form its class' nearest formula."""
-        return self.stands or self.effect
+        """What it is called: of a free form its class' nearest formula, of a composite the part that is missing."""
+        return self.stands or self.part or self.effect
 
     @property
     def key(self) -> str:
@@ -105,7 +107,10 @@ def suspects(
                 restored = tuple(stands_for[key].key for key in same)
                 for key in same:
                     rest = rest + stands_for[key]
-            found.append(Candidate(another.named, place, ADDITION, rest + another, instead, restored=restored))
+            part = _missing_part(another, [stands_for.get(key) or plant[key] for key in same])
+            found.append(
+                Candidate(another.named, place, ADDITION, rest + another, instead, restored=restored, part=part)
+            )
             if same and FREE_CURVE not in {k.partition("@")[0] for k in same}:
                 # the same beside what it may take the place of: two contacts
                 found.append(Candidate(another.named, place, ADDITION, plant + another))
@@ -165,6 +170,17 @@ def needless(effect: Effect, plant: Plant) -> tuple[str, ...]:
         for e in plant.effects
         if e.at == effect.at and (e.name == FREE_CURVE or (effect.linear and tuple(e.reads) == ("dir",)))
     )
+
+
+def _missing_part(effect: Effect, replaced: Collection[Effect]) -> str:
+    """Return the one part of a composite that is missing where the rest of it is declared, "" where that is not one.
+
+    What gives the direction stands for whatever friction is replaced; a part of the class of what is replaced may be what that was
+    taken for: LuGre in the place of Coulomb friction is both, in that of a presliding hysteresis it is Stribeck's peak.
+    """
+    classes = {e.family for e in replaced}
+    left = [c for c in (catalogue()[n] for n in effect.parts) if "dir" not in c.provides and c.family not in classes]
+    return left[0].name if replaced and len(left) == 1 else ""
 
 
 def _periodic(effect: Effect) -> bool:

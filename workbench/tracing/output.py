@@ -45,6 +45,7 @@ def _cause(c: Cause) -> dict:
         "at": c.at,
         "kind": c.kind,
         "law": c.law,
+        **({"form": c.form} if c.form else {}),
         "sentence": c.sentence,
         "parameters": {e.parameter: estimate(e) | _was(c, e) for e in c.parameters},
         "size": _number(c.size),

@@ -103,7 +103,7 @@ def reported(o: Outcome, progress: Progress) -> Trace:
         o.verdict.verdict,
         sentence + (named(shows) if o.verdict.verdict == NOTHING else ""),
         _ranked(o),
-        tuple(tuple(j.candidate for j in s.judgements) for s in selected.steps),
+        tuple(tuple(_of_step(j) for j in s.judgements) for s in selected.steps),
         tuple(causes),
         before,
         after,
@@ -140,6 +140,11 @@ def _residual_place(o: Outcome) -> Unexplained | None:
 def _named_as(j: ScoredCandidate) -> CandidateScore:
     """Return a candidate under the name that it bears: of a free form that of its class' nearest formula."""
     return replace(j.candidate, effect=j.suspect.name)
+
+
+def _of_step(j: ScoredCandidate) -> CandidateScore:
+    """Return a candidate as it was judged in its step, where no free form had been asked."""
+    return replace(j.candidate, effect=j.suspect.part or j.candidate.effect)
 
 
 def _candidate_of(skew: Skew, fit: Fit) -> CandidateScore:

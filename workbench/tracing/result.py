@@ -57,7 +57,8 @@ class Cause:
     """One effect that was added: where it acts, its parameters, and the share of the residual's power that it explains.
 
     kind: "addition", or "correction" of a fixed value. was: parameter -> the fixed value that was corrected. law: "catalogue",
-    or "free form" where no formula of its class comes near; form: name of that free form, `effect` being the nearest formula's.
+    or "free form" where no formula of its class comes near; form: name of that free form (`effect` is the nearest formula), or of the
+    composite that a missing part makes with what is declared.
     size: what it takes away, over the drive's rms, on identification.
     """
 

@@ -21,6 +21,12 @@ PEAKS = 4  # orders tried, the largest first, beside the known ones
 MOST = 64  # starts a candidate
 SHORTEST = 4.0  # counts, of the shortest stroke that is tried
 STROKES, APART = 6, 8.0  # strokes tried at most, and the factor between two of them
+SEGMENT, RESONANCES, NEAR, WIDE = (
+    1.0,
+    3,
+    0.1,
+    6,
+)  # s; peaks; relative distance of two; values over the whole band beside them
 SLOW = 0.05  # share of the distance travelled at a speed at which a wave must pass the evaluation filter
 
 
@@ -103,6 +109,8 @@ def _grid(
     if scale == "rate":
         longest = max(float(np.ptp(m.t)) for m in motions)
         return list(np.geomspace(3.0 / longest, 0.1 / min(m.dt for m in motions), 6))
+    if scale == "resonance":
+        return resonances(passes, residuals)
     if scale == "settling":  # from hardly within all the records to within a third of one
         span = max(float(m.t[-1]) for m in motions) - min(float(m.t[0]) for m in motions)
         return list(np.array([0.3, 1.0, 3.0, 10.0]) / span)
@@ -119,6 +127,33 @@ def _grid(
             found += sorted(k for k in known if 2 * np.pi < k * travel and k <= most)
         return found + halves
     return []
+
+
+def resonances(passes: Sequence[InverseDynamics], residuals: Sequence[np.ndarray]) -> list[float]:
+    """Return frequencies in Hz, the most telling first, at which residuals go with the acceleration: local maxima of
+
+    |S_ra|^2/S_aa, the power of a residual that a linear answer to acceleration explains at a frequency (Welch's segments of half
+    overlap), below the evaluation bandwidth. A swinging part shows there, within a segment's resolution; beside them WIDE even ones.
+    """
+    from scipy.signal import csd
+
+    motions = [p.motion for p in passes]
+    band = min(m.filter.bandwidth for m in motions)
+    found = []
+    for m, r in zip(motions, residuals, strict=True):
+        size = min(max(int(SEGMENT / m.dt), 16), m.a.size)
+        rate = 1.0 / m.dt
+        f, cross = csd(r, m.a, rate, nperseg=size)
+        _, own = csd(m.a, m.a, rate, nperseg=size)
+        power = np.abs(cross) ** 2 / np.maximum(own.real, 1e-12 * own.real.max(initial=1e-300)) * r.size
+        inside = np.flatnonzero(
+            (power[1:-1] > power[:-2]) & (power[1:-1] >= power[2:]) & (f[1:-1] > 2.0 / (size * m.dt)) & (f[1:-1] < band)
+        )
+        found += [(float(power[i + 1]), float(f[i + 1])) for i in inside]
+    tops = [f for _, f in sorted(found, reverse=True)]
+    chosen = [f for i, f in enumerate(tops) if all(abs(f / g - 1.0) > NEAR for g in tops[:i])][:RESONANCES]
+    longest = max(float(np.ptp(m.t)) for m in motions)
+    return [*chosen, *np.geomspace(3.0 / longest, 0.1 / min(m.dt for m in motions), WIDE)]
 
 
 def lateness(passes: Sequence[InverseDynamics], plant: Plant, channel: str) -> dict[str, float]:

@@ -23,6 +23,7 @@ from workbench.tracing.floor import floor as noise_floor
 from workbench.tracing.floor import levels
 from workbench.tracing.judge import STANDARD, Progress, ScoredCandidate
 from workbench.tracing.near_law import as_declared
+from workbench.tracing.otherwise import otherwise
 from workbench.tracing.reporting import Confirmed, Declared, Outcome, reported
 from workbench.tracing.result import Trace
 from workbench.tracing.selection import Selection, select
@@ -48,8 +49,8 @@ def trace(
 
     plant: as declared, or a fit of it. most: effects added at most, as the criteria say where absent. only: names of the effects
     that are judged, all where absent. own: effects that are judged beside those of the catalogue. criteria: what
-    decides. Returns the verdict with its evidence. Validation records choose no effect; they decide whether what was found is
-    borne out.
+    decides. Returns the verdict with its evidence. Validation records choose no class of effects; they decide whether what was found
+    is borne out, and where it is not, which law of its class is.
     """
     plant = plant.plant if isinstance(plant, Fit) else plant
     whole = fitted_on(passes)
@@ -71,6 +72,11 @@ def trace(
     confirmed = Confirmed(added, fits, levels(passes, fits[-1].plant))
     progress("weighing the evidence")
     evidence, place = _evidence_of(selected, confirmed, passes, criteria)
+    again = otherwise(selected, confirmed, evidence.added, late.plant, passes, offer, criteria, progress)
+    if again[0] is not selected:
+        selected, confirmed = again
+        found = as_declared(selected.answer.last.plant, selected.laws)
+        evidence, place = _evidence_of(selected, confirmed, passes, criteria)
     evidence = replace(evidence, clock=late.skew is not None, idle=late.idle is not None)
     verdict = decide(evidence, criteria)
     if (order := later(confirmed.added, verdict)) is not None:

@@ -17,6 +17,7 @@ from workbench.tracing.skew import Skew
 from workbench.tracing.unexplained import Unexplained
 
 SPANS = 6  # that are told in words
+CARRIED = 0.5  # of the share on identification, below which validation does not carry a cause: halved, what lies in one place passes
 UNSEEN = 1e-4  # of the drive, a floor below which the records show no noise that could be told
 # what each kind of what is explainable could be predicted from
 FROM = {
@@ -43,7 +44,8 @@ def cause(
     was not certain alone, and the candidate is what it came to with the others in place.
     """
     candidate, name = judgement.candidate, judgement.suspect.name
-    effect = find(name.partition(" ")[0])  # without its label
+    suspect = judgement.suspect
+    effect = find((candidate.effect if suspect.part else name).partition(" ")[0])  # without its label
     estimates = tuple(e for e in last.estimates if (e.effect, e.at) == (candidate.effect, candidate.at))
     identification, validation = (
         1.0 - (here.rms[r] / before.rms[r]) ** 2 if before.rms[r] > 0.0 else 0.0 for r in (IDENTIFICATION, VALIDATION)
@@ -54,8 +56,11 @@ def cause(
         f"{100 * identification:.1f} % of the residual power on the identification records and {100 * validation:.1f} % "
         "on the validation record."
     )
-    if judgement.suspect.stands:
-        family = family_of(last.plant[judgement.suspect.key])
+    if suspect.part:
+        whose = "With what is declared there it is" if effect.parts else "Its law is that of"
+        sentence += f" {whose} {title(candidate.effect)}, {effect.formula}."
+    if suspect.stands:
+        family = family_of(last.plant[suspect.key])
         sentence += f" It is {family}, of no catalogued law: its curve is in the parameters, and the name is that of the nearest law."
     if weight.implausible:
         sentence += f" Doubt it: {weight.implausible}."
@@ -68,7 +73,7 @@ def cause(
         name, candidate.at, sentence, estimates, identification, validation,
         kind=candidate.kind,
         was=_held(declared, candidate) if candidate.kind == CORRECTION else {}, law=weight.law, size=weight.size(IDENTIFICATION),
-        form=candidate.effect if judgement.suspect.stands else "",
+        form=candidate.effect if name != candidate.effect else "",
     )  # fmt: skip
 
 
@@ -134,7 +139,7 @@ def _held(plant: Plant, candidate: CandidateScore) -> dict[str, float]:
 def not_carried(causes: Sequence[Cause]):
     """Yield a finding for each cause that explains much less on validation than on identification."""
     for c in causes:
-        if c.share_validation < 0.5 * c.share_identification:
+        if c.share_validation < CARRIED * c.share_identification:
             yield Finding(
                 "not carried over", c.effect,
                 f"{capital(title(c.effect))} explains {100 * c.share_identification:.0f} % on identification but only "
@@ -212,8 +217,7 @@ def verdict_sentence(
         return (
             f"{capital(what_of(causes, after.plant))}. With {'it' if len(causes) == 1 else 'them'}, the validation error {falls} from "
             f"{100 * before.validation:.2f} % to {100 * after.validation:.2f} % and the identification error from "
-            f"{100 * before.identification:.2f} % to {100 * after.identification:.2f} % "
-            f"(noise alone would leave {100 * evidence.floor[IDENTIFICATION]:.2g} % or more)."
+            f"{100 * before.identification:.2f} % to {100 * after.identification:.2f} %{_at_least(evidence.floor[IDENTIFICATION])}."
         )
     if verdict == UNKNOWN:
         said = (

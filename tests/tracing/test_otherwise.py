@@ -1,0 +1,67 @@
+"""Other laws of a class, parts of a composite, and starts at a resonance."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.signal import lfilter
+
+from workbench.definition import find
+from workbench.identification.fit import inverse_dynamics
+from workbench.plant import ONE_MASS, Plant
+from workbench.record import IDENTIFICATION, VALIDATION, Record, Source
+from workbench.tracing.candidates import suspects
+from workbench.tracing.starts import resonances
+from workbench.tracing.tracing import trace
+
+SOURCE = Source(Path("made"), "", "made", {})
+COUNT, DT = 1e-6, 1e-3
+PLANT = Plant(ONE_MASS) + find("inertia")(inertia=0.01) + find("viscous_friction") + find("coulomb_friction")
+
+
+def recorded(name: str, role: str, speed: float, force, seconds: float = 12.0) -> Record:
+    """A record of slow and fast sines, up to about `speed`, whose drive is inertia, friction and force(v), with noise."""
+    t = DT * np.arange(round(seconds / DT))
+    waves = [(0.6 * speed, 2.1), (0.3 * speed, 7.3), (0.1 * speed, 23.0)]
+    q = sum(s / w * np.sin(w * t + k) for k, (s, w) in enumerate(waves))
+    v = sum(s * np.cos(w * t + k) for k, (s, w) in enumerate(waves))
+    a = sum(-s * w * np.sin(w * t + k) for k, (s, w) in enumerate(waves))
+    rng = np.random.default_rng(len(name))
+    drive = 0.01 * a + 0.02 * v + 0.3 * np.sign(v) + force(v) + 0.01 * rng.normal(size=t.size)
+    read = COUNT * np.round(q / COUNT)
+    channels = {"torque": drive, "position": read, "reference": q}
+    return Record(name, role, t, channels, {}, SOURCE, {"position": COUNT})
+
+
+def test_friction_that_levels_off_is_carried_to_speeds_that_were_not_fitted():
+    """-v|v| bends as it does where it was fitted and turns to a drive beyond; a power of speed goes on."""
+    levels = lambda v: 0.5 * np.sign(v) * np.abs(v) ** 0.5  # noqa: E731
+    records = [recorded(n, r, s, levels) for n, r, s in (("a", IDENTIFICATION, 1.0), ("bb", VALIDATION, 2.5))]
+    found = trace(PLANT, inverse_dynamics(records, 50.0))
+    cause = found.causes[0]
+    assert (found.verdict, cause.effect, cause.form) == ("cause", "nonlinear_viscous_friction", "power_law_friction")
+    assert "Its law is that of power law friction" in cause.sentence and cause.share_validation > 0.9
+    assert {e.parameter: e.value for e in cause.parameters}["exponent"] == pytest.approx(0.5, abs=0.1)
+
+
+def test_a_composite_bears_the_name_of_the_part_that_is_missing():
+    named = {s.effect: s.name for s in suspects(PLANT) if s.instead}
+    assert named["friction_behind_gap"] == "backlash"  # the friction is declared
+    assert named["lugre_friction"] == "lugre_friction"  # of its parts either may be what Coulomb friction lacks
+    bare = Plant(ONE_MASS) + find("inertia")(inertia=0.01)
+    assert {s.effect: s.name for s in suspects(bare)}["friction_behind_gap"] == "friction_behind_gap"
+
+
+def test_a_sharp_resonance_is_where_a_search_starts():
+    """A part that swings at 38 Hz, damped by 2 %: none of the six even values of the band is near it."""
+    frequency, t = 38.0, DT * np.arange(20_000)
+    rng = np.random.default_rng(1)
+    a = lfilter(*(np.ones(4) / 4, [1.0]), rng.normal(size=t.size))
+    q = DT**2 * np.cumsum(np.cumsum(a))
+    q -= np.polyval(np.polyfit(t, q, 5), t)
+    record = Record("made", IDENTIFICATION, t, {"position": q, "torque": a.copy()}, {}, SOURCE, {"position": 1e-9})
+    (seen,) = inverse_dynamics([record], 60.0)
+    w = 2.0 * np.pi * frequency * DT
+    swings = lfilter([1.0], [1.0, -2.0 * np.cos(w) * np.exp(-0.02 * w), np.exp(-0.04 * w)], seen.motion.a)
+    first = resonances((seen,), (swings,))[0]
+    assert first == pytest.approx(frequency, abs=1.0)

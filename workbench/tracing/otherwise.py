@@ -1,0 +1,109 @@
+"""What validation does not carry, asked again: another law of its class that says as much, and there, too.
+
+A formula that is only near bends within the records that were fitted, and goes astray beyond them: -v|v| stands for friction that
+levels off, until an axis moves faster. A class has other laws; which one it is shows where the motion is another one.
+"""
+
+from collections.abc import Collection, Sequence
+from dataclasses import replace
+
+from workbench.definition import catalogue
+from workbench.effects.families import FREE_FORMS, family_of
+from workbench.identification.passes import InverseDynamics
+from workbench.identification.result import Fit
+from workbench.identification.solve import NoValue
+from workbench.plant import Plant
+from workbench.record import IDENTIFICATION, VALIDATION
+from workbench.tracing.candidates import ADDITION, Offer, without
+from workbench.tracing.criteria import Criteria
+from workbench.tracing.evidence import Weighed
+from workbench.tracing.free_forms import MEMORY, free_forms
+from workbench.tracing.judge import Progress, ScoredCandidate, judged, refitted_as
+from workbench.tracing.near_law import as_declared
+from workbench.tracing.ranking import step
+from workbench.tracing.reporting import Confirmed
+from workbench.tracing.selection import Answer, Selection
+from workbench.tracing.state import State
+from workbench.tracing.whole import in_turn
+from workbench.tracing.wording import CARRIED
+
+TRIED = 3  # other laws that are fitted to whole records, the best first; one more costs a fit
+
+
+def otherwise(
+    selected: Selection,
+    confirmed: Confirmed,
+    weights: Sequence[Weighed],
+    declared: Plant,
+    passes: Sequence[InverseDynamics],
+    offer: Offer,
+    criteria: Criteria,
+    progress: Progress,
+) -> tuple[Selection, Confirmed]:
+    """Return both with other laws in the place of additions that validation does not carry, where these leave plainly less there.
+
+    weights: of each addition. A law takes another one's place that leaves no more on identification, and less on validation, by what
+    is of practical size; of several the one that leaves least there. Both are returned as they are where there is none.
+    """
+    for i, (j, w) in enumerate(zip(confirmed.added, weights, strict=True)):
+        if _carried(w) or j.suspect.kind != ADDITION or j.suspect.instead:
+            continue
+        progress(f"asking for another law than {j.suspect.key}, which validation does not carry")
+        best, now = None, confirmed.fits[-1]
+        for k in _laws(selected, j, offer, criteria, progress):
+            added = [*confirmed.added[:i], k, *confirmed.added[i + 1 :]]
+            kept, fits = in_turn(declared, added, as_declared(k.state.plant, selected.laws), passes)
+            if len(kept) == len(added) and _better(fits[-1], now, criteria):
+                now, best = fits[-1], (k, kept, fits)
+        if best is not None:
+            answer = Answer(best[1], selected.answer.declared, best[0].state)
+            return replace(selected, answer=answer), replace(confirmed, added=best[1], fits=best[2])
+    return selected, confirmed
+
+
+def _carried(w: Weighed) -> bool:
+    """Whether validation carries an addition, by the error of the drive alone: that is what it is reported by."""
+    identification, validation = (
+        1.0 - (w.after[r] / max(w.before[r], 1e-300)) ** 2 for r in (IDENTIFICATION, VALIDATION)
+    )
+    return validation >= CARRIED * identification
+
+
+def _better(fit: Fit, than: Fit, criteria: Criteria) -> bool:
+    """Whether a fit leaves no more than another one on identification, and less on validation, by what is of practical size."""
+    small = criteria.practical**2
+    return fit.identification**2 <= than.identification**2 + small and fit.validation**2 < than.validation**2 - small
+
+
+def _laws(
+    selected: Selection, j: ScoredCandidate, offer: Offer, criteria: Criteria, progress: Progress
+) -> list[ScoredCandidate]:
+    """Return the other laws of an addition's class at its place, fitted beside all else that was added, best first."""
+    last = selected.answer.last
+    try:
+        state = State(without(last.plant, j.suspect, selected.base.plant), last.passes)
+    except NoValue:
+        return []
+    own = last.plant[j.suspect.key]
+    same = [e for e in catalogue().values() if e.name != own.name and e.family == own.family]
+    asked = [e for e in same if e.traced and (offer.only is None or e.name in offer.only)]
+    near = [e for e in same if e.nearest == j.suspect.name]
+    found: list[ScoredCandidate] = []
+    if asked or near:
+        offered = replace(offer, only={e.name for e in (*asked, *near)}, own=(*offer.own, *near))
+        found += step(state, progress, offered, criteria)
+    if (family := family_of(own)) in FREE_FORMS and family != MEMORY and not j.suspect.stands:
+        forms = free_forms(state.plant, state.passes, [family], state.residuals)
+        found += [ScoredCandidate(f.suspect, **judged(state, f.suspect, criteria)) for f in forms]
+    here = [k for k in found if k.suspect.at == j.suspect.at and k.candidate.earns and k.theta is not None]
+    best = sorted(here, key=lambda k: (k.errors.total, k.suspect.key))[:TRIED]
+    fitted = (k if k.state else refitted_as(state, k, criteria) for k in best)
+    return [_called(k, j, {e.name for e in asked}) for k in fitted if k.state]
+
+
+def _called(k: ScoredCandidate, j: ScoredCandidate, named: Collection[str]) -> ScoredCandidate:
+    """Return a law under the name that it bears: its own, if that is one that causes have; else that of the law it is in place of."""
+    if k.suspect.effect in named:
+        return k
+    bears = {"part": j.suspect.name} if k.suspect.plant[k.suspect.key].nearest else {"stands": j.suspect.name}
+    return replace(k, suspect=replace(k.suspect, **bears))
