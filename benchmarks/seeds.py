@@ -10,7 +10,7 @@ from time import process_time
 
 from workbench.campaign import load
 from workbench.identification.fit import inverse_dynamics
-from workbench.study.configuration import load_study
+from workbench.study import configuration
 from workbench.study.control import designed
 from workbench.study.controlling import control_of
 from workbench.tracing.tracing import trace
@@ -22,7 +22,7 @@ MOST = 1.05
 
 
 def main() -> int:
-    study = load_study(STUDY)
+    study = configuration.load(STUDY)
     campaign = load(study.campaign)
     found = trace(campaign.plant, inverse_dynamics(campaign.records, campaign.bandwidth), lambda _: None)
     control = control_of(study.table, found.after.plant)

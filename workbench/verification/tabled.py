@@ -21,12 +21,8 @@ from workbench.verification.shaped import shaped
 from workbench.verification.task import Task
 from workbench.verification.worth import Rivals, regret_of, rivals
 
-AHEAD = {
-    "error": (4.0, 2.0),
-    "following": (2.0, 1.0),
-    "frozen": (1.0, 0.5),
-    "closing": (2.0, 1.0),
-}  # soft and stiff arrivals of each rule
+# soft and stiff arrivals of each rule
+AHEAD = {"error": (4.0, 2.0), "following": (2.0, 1.0), "frozen": (1.0, 0.5), "closing": (2.0, 1.0)}
 SEEN = {
     "error": 0.5,
     "following": 1.0,
