@@ -57,7 +57,7 @@ def firmware_part(named: Mapping[str, Callable[[int], Controller]], task: Task, 
         for kind, name in (("fixed", ""), ("float32", "_float32")):
             if errors := [s.moved.final_error for s in each if s.arithmetic == kind]:
                 figures[f"firmware_error_counts{name}"] = max(errors)
-        figures["firmware_moves_not_steady"] = max(s.moved.chaotic for s in each)
+        figures["firmware_moves_scattered"] = max(s.moved.scattered for s in each)
         figures["firmware_bits_equal"] = min(s.moved.same / s.moved.samples for s in each)
     chapter = firmware_chapter({n: (found, folders[n]) for n, found in made.items()})
     tables = [as_table(n, found) for n, found in made.items()]
