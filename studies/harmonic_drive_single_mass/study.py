@@ -46,7 +46,7 @@ from .records import FIRST, SECOND
 
 FURTHER = ("actuators", "friction", "records", "contest")
 SUSPECTS = ("viscous_friction", "stribeck_friction", "coulomb_asymmetry")  # the trace is asked about these
-TABLE = "gain table (error)"
+TABLE = "gain table (closing)"
 BASELINES = (FIXED, CASCADE, SOFT)
 SHOWN = (PAPER, ERROR, CASCADE, PROFILE_PI, SOFT)  # steps
 

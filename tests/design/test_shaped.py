@@ -64,3 +64,17 @@ def test_on_one_mass_a_quick_filter_keeps_a_margin_that_a_slow_one_does_not():
     family = shaped(fixed, linear, 1e-4)
     quick, slow = family.sensitivity(np.array([[2000.0, 8.0, 5e-5], [2000.0, 8.0, 1e-3]]))
     assert family.numbers[-1] == "velocity_filter" and quick < slow
+
+
+@pytest.mark.parametrize("ratio", [50.0, 300.0])
+def test_on_one_mass_a_wide_notch_lets_a_pd_be_half_as_stiff_again_within_the_same_sensitivity(ratio):
+    linear = Linear(LOOP, 0.0074, 0.0, np.array([0.0, 95.0]))
+    bare = np.geomspace(100.0, 5000.0, 600)
+    plain = np.stack([bare, bare / ratio, np.full_like(bare, 5e-5)], axis=1)
+    kept = shaped(fixed, linear, 5e-5).sensitivity(plain) <= 2.0
+    found = stiffest(linear, ratio, 2.0)
+    point = np.array(
+        [[found["kp"], found["kp"] / ratio, *(found[n] for n in ("velocity_filter", "notch", "notch depth"))]]
+    )
+    assert shaped(fixed, linear, 5e-5, (260.0, 0.5)).sensitivity(point)[0] <= 2.001
+    assert found["kp"] > 1.5 * bare[kept].max()

@@ -100,7 +100,7 @@ def test_four_files_are_written_and_hold_one_crc(tmp_path):
 
 
 @pytest.mark.parametrize("scale", [None, SCALE])
-@pytest.mark.parametrize("rule", ["frozen", "following", "error"])
+@pytest.mark.parametrize("rule", ["frozen", "following", "error", "closing"])
 def test_every_file_says_everything(tmp_path, scale, rule):
     s, p = schedule(rule=rule), plant()
     h, j, _, b = export(s, p, tmp_path, scale=scale)

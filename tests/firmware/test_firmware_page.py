@@ -93,7 +93,14 @@ def test_rounding_moves_the_sensitivity_by_no_more_than_said():
 
 def test_the_measured_numbers_keep_what_a_schedule_may_take():
     """Those of the laws that a study's schedule may choose; the target's own tests hold the numbers themselves."""
-    for rule in ("following", "frozen", "error", "following, joint, speed of the motor", "frozen, speed of the motor"):
+    for rule in (
+        "following",
+        "frozen",
+        "error",
+        "closing",
+        "following, joint, speed of the motor",
+        "frozen, speed of the motor",
+    ):
         found = known()[f"scheduled_pd, {rule}"]
         assert found["float32"]["worst"] <= 120 and found["fixed"]["worst"] <= 200
         assert max(v["code"] for v in found.values()) <= 4096

@@ -23,6 +23,7 @@ NAMES = (
     "following",
     "frozen",
     "error",
+    "closing",
     "cascade",
     "drive",
     "drive, notch",

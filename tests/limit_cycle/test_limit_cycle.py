@@ -234,7 +234,7 @@ def test_a_profile_with_pi_hunts_where_it_is_predicted_to():
     assert (r.judged & ~r.right).sum() == 0 and 1 <= r.exists.sum() <= 6
 
 
-@pytest.mark.parametrize("rule", ["following", "error", "frozen"])
+@pytest.mark.parametrize("rule", ["following", "error", "frozen", "closing"])
 def test_a_schedule_hunts_where_it_is_predicted_to(rule):
     factors = np.geomspace(0.2, 8.0, 5)
     r = region(axis(), FAST, scheduled_pd(schedule(), rule), factors, factors, 1.0, 2.0)

@@ -7,7 +7,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from workbench.control import fixed_pd, grid, pi_cascade, scheduled_pd
+from workbench.control import Table, fixed_pd, gains_at, grid, pi_cascade, scheduled_pd
 from workbench.definition import FORCE, Effect, find
 from workbench.errors import WorkbenchError
 from workbench.identification.fit import identify
@@ -70,10 +70,11 @@ CONTROLLERS = [
     scheduled_pd([SCHEDULE, LIVELY], "following", table=np.arange(37) % 2),
     scheduled_pd(SCHEDULE, "frozen", scale=np.linspace(0.5, 1.0, 37)),
     pi_cascade(30.0, 1.0, 20.0, np.linspace(0.5, 2.0, 37)),
+    scheduled_pd(SCHEDULE, "closing"),
 ]
 
 
-@pytest.mark.parametrize("which", [0, 1, 2])
+@pytest.mark.parametrize("which", [0, 1, 2, 3])
 def test_lanes_have_the_bits_of_numpy_over_scenarios(which):
     bound = bind(rich(which), LOOP, CONTROLLERS[which], arrays_of(scenarios(37, which)), 700, Criteria())
     lanes, _ = run_lanes(bound)
@@ -322,3 +323,26 @@ def test_what_cannot_be_simulated_is_a_sentence():
         simulate(plain(), LOOP, law, one, 0.1, record=("positon",))
     with pytest.raises(WorkbenchError, match="sample time"):
         Loop(0.0)
+
+
+def test_under_the_rule_closing_a_short_move_has_gains_of_its_own_and_a_long_one_ends_with_those_of_40_counts():
+    """Up to 40 counts it is a fixed PD with the gains of the move's size; a longer one ends as a fixed PD with those of 40 counts."""
+    loop, gains = (
+        Loop(1e-4, 2, velocity_filter=5e-4, resolution=COUNT),
+        Table(KNOTS, {"kp": SCHEDULE.kp, "kd": SCHEDULE.kd}),
+    )
+    for size, met in ((10.0, 10.0), (35.0, 35.0), (40.0, 40.0)):
+        kp, kd = gains_at(gains, met * COUNT)
+        lanes = ScenarioArrays(1, target=size * COUNT, phase=0.5)
+        ours, fixed = (
+            simulate(hysteretic(), loop, c, lanes, 0.05, ("y",)).trajectories["y"]
+            for c in (scheduled_pd(SCHEDULE, "closing"), fixed_pd(kp, kd))
+        )
+        np.testing.assert_allclose(ours, fixed, atol=1e-12)
+    kp, kd = gains_at(gains, 40.0 * COUNT)
+    lanes = ScenarioArrays(1, target=2000.0 * COUNT, phase=0.5)
+    run = simulate(plain(), loop, scheduled_pd(SCHEDULE, "closing"), lanes, 0.5, ("y", "vh", "u_c")).trajectories
+    y, vh, u = (run[n][:, 0] for n in ("y", "vh", "u_c"))
+    near = np.abs(2000.0 * COUNT - y) < 40.0 * COUNT
+    assert near.sum() > 100 and np.ptp(y[near]) > 10.0 * COUNT
+    np.testing.assert_allclose(u[near], kp * (2000.0 * COUNT - y[near]) - kd * vh[near], rtol=1e-9, atol=1e-12)

@@ -1,7 +1,8 @@
 """A control law: declarative data and short functions in CasADi SX, as an effect is, for the sampled loop to run.
 
 `step(s, z, p)` returns ({state: next value}, command). It sees in `s`: r (target), y (reading), e = r - y, vh (filtered
-velocity), dt (sample time), limit (of the drive; infinite where not stated), and the columns of its table by name.
+velocity), dt (sample time), limit (of the drive; infinite where not stated), back (how far back a reversal counts), and the
+columns of its table by name.
 A law with a table also has `amplitude(s, z, p)`, which returns ({state: next value}, where to look up) and sees besides
 stroke (distance since the last motion reversal), share (1 from rest, 1/2 after a reversal), reversal (1 in the sample in
 which one is found) and count (the encoder's resolution).

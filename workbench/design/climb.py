@@ -18,20 +18,22 @@ from workbench.keeping import kept
 
 NEAR = 0.35  # of the first members about a start, of a logarithm
 BEST, CROSSED, FACTOR = 3, 0.9, (0.4, 0.9)  # how many are the best, share of numbers that cross, range of the step
-# Of the local search: its first width, what that grows by with success and shrinks by without (Rechenberg's rule), and the
-# share of the numbers that every other step moves. On the main study it takes 4 % off the best run's cost.
-WIDTH, GROW, SHRINK, ALONE = 0.06, 1.15, 0.85, 0.3
+# Of the local search: widths between two, every which step moves a share
+# of the numbers together, and steps a generation. A ratio acts on steps of one size and on the last part of longer ones. Where steps are of few
+# counts the landscape is so rugged that only many points find a good one, and there a point costs the least.
+NARROW, WIDE, FAR, THIRD, OTHERS, STEPS = 0.01, 0.15, 2.0, 4, 0.3, 4
 BEYOND = 100.0  # what a start costs that |S| forbids
 
 
 @dataclass(frozen=True)
 class Climbing:
     """Budget of a run. members: points of a generation; on the main study an evolution strategy of as many points from one best
-    ended up to 12 % apart. offspring: points of a step of the local search."""
+    ended up to 12 % apart. offspring: points of a step of the local search; many: of one where a number touches few rungs, at most."""
 
     members: int = 16
-    generations: int = 24
+    generations: int = 16
     offspring: int = 10
+    many: int = 80
 
 
 CLIMBING = Climbing()
@@ -114,8 +116,7 @@ def climb(
     runs = [_evolved(on, _begun(on, starts[0], seed, every, budget.members), known, generations) for seed in seeds]
     say("tuning the references again that it beats")
     known = _raised(on, known, [r.best(on, known) for r in runs])
-    runs = [_evolved(on, r, known, generations // 2) for r in runs]
-    near = [_refined(on, r.best(on, known), known, 2 * generations // 3, budget.offspring) for r in runs]
+    near = [_refined(on, r.best(on, known), known, STEPS * generations, budget) for r in runs]
     known = _raised(on, known, near)
     values = [float(cost(regret(on, r.figures[None], known))[0]) for r in near]
     found = tuple(replace(near[i], value=values[i]) for i in np.argsort(values))
@@ -128,22 +129,57 @@ def _raised(on: Ladder, known: References, runs: Sequence[Climb]) -> References:
     return raised(on, known, best.family, best.point)
 
 
-def _refined(on: Ladder, run: Climb, known: References, steps: int, offspring: int) -> Climb:
-    """Return the best that a local search finds about a run's point."""
-    draw, family, width = np.random.default_rng(run.seed + 100), run.family, WIDTH
-    limit = on.task.weights.sensitivity * 1.001
+def _refined(on: Ladder, run: Climb, known: References, steps: int, budget: Climbing) -> Climb:
+    """Return the best that a local search finds about a run's point: one number moved at a time, or all of them."""
+    draw = np.random.default_rng(run.seed + 100)
     for k in range(steps):
-        moved = width * draw.standard_normal((offspring, run.point.size))
-        if k % 2:
-            moved = np.where(draw.random(moved.shape) < ALONE, moved, 0.0)
-        points = family.settled(np.clip(run.point * np.exp(moved), family.lower, family.upper))
-        tried = climbed(on, family, points, all_rungs(on, points))
-        costs = cost(regret(on, tried, known)) + np.where(family.sensitivity(points) > limit, BEYOND, 0.0)
-        i = int(costs.argmin())
-        better = costs[i] < run.value
-        width *= GROW if better else SHRINK
-        run = replace(run, point=points[i], value=float(costs[i]), figures=tried[i]) if better else run
-    return replace(run, evaluations=run.evaluations + steps * offspring)
+        run = _jointly(on, run, known, draw, budget) if k % THIRD == THIRD - 1 else _alone(on, run, known, draw, budget)
+    return run
+
+
+def _width(draw: np.random.Generator) -> float:
+    return NARROW + WIDE * draw.random() ** 1.5  # more often narrow than wide
+
+
+def _jointly(on: Ladder, run: Climb, known: References, draw: np.random.Generator, budget: Climbing) -> Climb:
+    """Move a share of the numbers together."""
+    family, width = run.family, _width(draw)
+    moved = width * np.where(draw.random((budget.offspring, run.point.size)) < OTHERS, 1.0, 0.0)
+    moved *= draw.standard_normal(moved.shape)
+    points = family.settled(np.clip(run.point * np.exp(moved), family.lower, family.upper))
+    return _better(on, run, known, points, climbed(on, family, points, all_rungs(on, points)))
+
+
+def _alone(on: Ladder, run: Climb, known: References, draw: np.random.Generator, budget: Climbing) -> Climb:
+    """Move one number; rungs that it does not touch are not climbed again, and the fewer it touches, the more points are tried."""
+    family, j, width = run.family, int(draw.integers(run.point.size)), _width(draw)
+
+    def away(by: np.ndarray) -> np.ndarray:
+        points = np.tile(run.point, (by.size, 1))
+        points[:, j] = np.clip(run.point[j] * np.exp(width * by), family.lower[j], family.upper[j])
+        return family.settled(points)
+
+    probe = away(np.array([-FAR, FAR]))  # what a lesser move touches, these touch
+    seen = climbed(on, family, probe, all_rungs(on, probe))
+    touched = np.flatnonzero((seen != run.figures).any(axis=(0, 2, 3)))
+    run = _better(on, run, known, probe, seen)
+    if not touched.size:
+        return run
+    points = away(
+        np.clip(draw.standard_normal(min(budget.offspring * len(on.rungs) // touched.size, budget.many)), -FAR, FAR)
+    )
+    tried = np.repeat(run.figures[None], len(points), axis=0)
+    tried[:, touched] = climbed(on, family, points, np.tile(touched, (len(points), 1)))
+    return _better(on, run, known, points, tried)
+
+
+def _better(on: Ladder, run: Climb, known: References, points: np.ndarray, tried: np.ndarray) -> Climb:
+    """Return a run with the best of some points where that costs less. points (p, numbers), tried (p, rungs, 2, 3): their figures."""
+    run = replace(run, evaluations=run.evaluations + len(points))
+    beyond = run.family.sensitivity(points) > on.task.weights.sensitivity * 1.001
+    costs = cost(regret(on, tried, known)) + np.where(beyond, BEYOND, 0.0)
+    i = int(costs.argmin())
+    return replace(run, point=points[i], value=float(costs[i]), figures=tried[i]) if costs[i] < run.value else run
 
 
 def evolved(on: Ladder, family: Family, known: References, seed: int, budget: Climbing) -> Climb:

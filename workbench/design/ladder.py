@@ -62,6 +62,11 @@ class Ladder:
         return tuple(m for rung in self.rungs for m in rung)
 
     @property
+    def sizes(self) -> np.ndarray:
+        """Sizes of the steps, (n,), rising."""
+        return np.unique([abs(r[0].size) for r in self.rungs if r[0].kind == "step"])
+
+    @property
     def hold(self) -> int:
         """Samples before the first step."""
         return int(round(HOLD / self.task.loop.sample_time))
@@ -166,13 +171,14 @@ def _climbed(on: Ladder, family: Family, points: np.ndarray, rungs: np.ndarray) 
     phase = (0.5 + GOLDEN * (each + np.tile(np.arange(count), rungs.size))) % 1.0
     load = np.array([on.rungs[r][0].load for r in each])
     lanes = ScenarioArrays(each.size, phase=phase, friction=friction, inertia=inertia, load=load)
-    known = {r: on.reference(r, samples) for r in np.unique(each)}
+    every, which = np.unique(each, return_inverse=True)
+    known = np.stack([on.reference(r, samples) for r in every], axis=1)
     q = simulate(
         on.task.plant, on.task.loop, family.controller(points, rungs.shape[1] * count), lanes,
-        samples * on.task.loop.sample_time, ("q",), reference=np.stack([known[r] for r in each], axis=1),
+        samples * on.task.loop.sample_time, ("q",), reference=known[:, which],
     ).trajectories["q"]  # fmt: skip
     out = np.empty((each.size, 2, len(FIGURES)))
-    for r in np.unique(each):
+    for r in every:
         out[each == r] = _figures_of(on, r, q[: on.samples[r], each == r])
     return out.reshape(*rungs.shape, count, 2, len(FIGURES)).max(axis=2)
 

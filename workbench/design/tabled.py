@@ -21,11 +21,13 @@ from workbench.schedule.fit import REVERSAL
 from workbench.task.task import Task
 from workbench.tuning import TuningGoal
 
-AHEAD = {"error": (4.0, 2.0), "following": (2.0, 1.0), "frozen": (1.0, 0.5)}  # soft and stiff arrivals of each rule
+# soft and stiff arrivals of each rule
+AHEAD = {"error": (4.0, 2.0), "following": (2.0, 1.0), "frozen": (1.0, 0.5), "closing": (2.0, 1.0)}
 SEEN = {
     "error": 0.5,
     "following": 1.0,
     "frozen": 0.5,
+    "closing": 1.0,
 }  # of a step from rest: the largest amplitude that its gains are looked up at
 # An arrival is soft where gains are those tuned for a longer step than the one that is left. Under "error" a step that ends a
 # motion is seen by its last part; after a reversal the amplitude is half the stroke.
@@ -81,12 +83,13 @@ def tabled(
         plant_lines=plant.digest_lines(),
         loop=task.loop,
     )
-    table = gain_table(linear, amplitude, REVERSAL * task.loop.count, goal.sensitivity, per_octave)
+    on = ladder(task, load) if sizes is None else ladder(task, load, sizes=sizes)
+    # a ratio for each size of step: under "closing" it then serves that size and the last part of longer ones
+    table = gain_table(linear, amplitude, REVERSAL * task.loop.count, goal.sensitivity, per_octave, on.sizes)
     starts = [table_family(table, robust, linear, rule, ahead) for ahead in AHEAD[rule]]
     middle = int(np.argmin(np.abs(np.log(amplitude / (1e-2 * task.step)))))
     pair = float(robust.kp[middle]), float(robust.kd[middle])
     fixed = shaped(lambda judge: pd_family(judge, pair), linear, BEGUN * task.loop.sample_time)
-    on = ladder(task, load) if sizes is None else ladder(task, load, sizes=sizes)
     informed = partial(from_references, starts[0], table, on, SEEN[rule])
     found = climb(on, starts, (fixed, first_grid(table)), informed, seeds=seeds, budget=budget, say=say)
     kp, kd = table.gains(found.best.point[None, :])

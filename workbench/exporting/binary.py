@@ -8,7 +8,7 @@
 | 16 | uint32 | number of knots m |
 | 20 | uint32 | number of rows n: 5, or 9 with gains in the drive's units |
 | 24 | uint32 | knots an octave, a power of two |
-| 28 | uint32 | rule: 0 following, 1 frozen, 2 error |
+| 28 | uint32 | rule: 0 following, 1 frozen, 2 error, 3 closing |
 | 32 | float32 | reversal threshold, rad or m |
 | 36 | float32 | sample time, s |
 | 40 | uint32 | CRC-32 of the payload |
@@ -98,7 +98,7 @@ def load_binary(path: str | PathLike) -> dict:
     (own,) = CRC.unpack_from(data, length - CRC.size)
     insist(own == zlib.crc32(data[: length - CRC.size]), "the header's CRC-32 is wrong: the file is damaged")
     insist(n in map(len, NAMES), f"number of rows is {n}; 5 or 9 are known")
-    insist(rule < len(RULES), f"rule is {rule}; 0 (following), 1 (frozen) and 2 (error) are known")
+    insist(rule < len(RULES), f"rule is {rule}; 0 (following), 1 (frozen), 2 (error) and 3 (closing) are known")
     insist(len(data) == length + 4 * m * n, f"the file has {len(data)} bytes, and {length + 4 * m * n} are declared")
     insist(crc == zlib.crc32(data[length:]), "the payload's CRC-32 is wrong: the file is damaged")
     rows = np.frombuffer(data, "<f4", offset=length).astype(np.float32).reshape(n, m)

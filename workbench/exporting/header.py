@@ -45,6 +45,7 @@ def header(contents: dict, held: Tables) -> bytes:
         "rule": contents["rule"],
         "frozen": int(contents["rule"] == "frozen"),
         "error": int(contents["rule"] == "error"),
+        "closing": int(contents["rule"] == "closing"),
         "reversal": _literal(contents["reversal"]),
         "reversal_said": f"{contents['reversal']:.9g}",
         "sample_time": _literal(contents["sample_time"]),

@@ -30,5 +30,6 @@ def formulas(program: Program, given: tuple[str, ...]) -> dict[str, tuple[str, s
             name, text = f"{a}_{word}", sign
         else:
             name, text = f"number_{k}", line.text
-        known[line.out] = (name if len(name) <= LONGEST else f"number_{k}", text)
+        plain = len(name) <= LONGEST and not name[0].isdigit()  # no name in C begins with a digit
+        known[line.out] = (name if plain else f"number_{k}", text)
     return known

@@ -25,7 +25,16 @@ def interpolated(gain: str, slope: str) -> str:
     return f"{gain} + {slope} * beyond"
 
 
-HELPERS = "wb_word", "wb_real", "wb_bits", "wb_absf", "wb_minf", "wb_segment"  # of wb_runtime.h that a header needs
+HELPERS = (
+    "wb_word",
+    "wb_real",
+    "wb_bits",
+    "wb_minf",
+    "wb_maxf",
+    "wb_absf",
+    "wb_lowf",
+    "wb_segment",
+)  # of wb_runtime.h that a header needs
 PREFIX = "wb_table_"  # their names in a header, which may stand beside wb_runtime.h
 
 
@@ -41,7 +50,7 @@ def helpers() -> str:
 
 def _joined(lines: list[str]) -> str:
     """Lines with their helpers by the names that they have in a header."""
-    return re.sub(r"\bwb_(absf|minf)\b", rf"{PREFIX}\1", "\n".join(lines))
+    return re.sub(r"\bwb_(absf|minf|maxf|lowf)\b", rf"{PREFIX}\1", "\n".join(lines))
 
 
 def _observing(rule: str) -> tuple[Part, Part]:
@@ -67,7 +76,7 @@ def _pruned(part: Part, wanted: set[str]) -> Part:
 
 
 def _text_of(part: Part, known: dict[str, str], position: str) -> tuple[list[str], dict[str, str]]:
-    """Return (declarations, text of each output) of a part in float32. known: formula of a constant -> its C.
+    """Return (declarations, text of each output) of a part in float32. known: number of a constant -> its C.
 
     position: the unit of a place. Whatever comes in, a NaN too: unlike the firmware's, this C knows no loader or encoder before it.
     """
@@ -83,16 +92,17 @@ def _text_of(part: Part, known: dict[str, str], position: str) -> tuple[list[str
     return lines, {n: bare(writer.value(v)) for n, v in zip(part.outputs, part.program.outputs[0], strict=True)}
 
 
-def _back_of(rule: str) -> str:
-    """Return the number, as text, of the constant that a reversal has to come back by."""
+def _known(rule: str, p: str) -> dict[str, str]:
+    """Return number -> C of the constants that a header states: how far a reversal has to come back, and multiples of that."""
     made = stages(every()[f"scheduled_pd, {rule}"], "position", False)
-    return str(made.place("back"))
+    formulas = {str(i): c.formula for i, c in enumerate(made.constants) if "back" in c.formula}
+    return {i: re.sub(r"(\d+\.\d+)", r"\1f", f).replace("back", f"{p.upper()}_REVERSAL") for i, f in formulas.items()}
 
 
 def scheduling(rule: str, p: str, position: str) -> dict[str, str]:
     """Return the state, the first sample and every further one of a schedule over amplitude, as C behind the prefix p."""
     start, observe = _observing(rule)
-    lines, values = _text_of(observe, {_back_of(rule): f"{p.upper()}_REVERSAL"}, position)
+    lines, values = _text_of(observe, _known(rule, p), position)
     first, begun = _text_of(start, {}, position)
     states = [n for n in observe.outputs if n != AMPLITUDE]
     units = dict(zip(observe.rows, (observe.powers.get(f"i0_{j}", ()) for j in range(len(observe.rows))), strict=True))

@@ -92,7 +92,7 @@ def fit_schedule(
 
     loop: that they were tuned for. model: its plant is named in the schedule; `export` needs it. per_octave: knots an octave,
     a power of two. lowest, highest: range of amplitudes, rad or m. monotone: gains never rise with amplitude. slope: bounds of
-    d log gain/d log amplitude. tolerance: a larger interpolation error is a finding. rule: "frozen", "following" or "error"
+    d log gain/d log amplitude. tolerance: a larger interpolation error is a finding. rule: "frozen", "following", "error" or "closing"
     (Schedule says which). Raises WorkbenchError for no such knots, range or rule.
     """
     plant = None if model is None else plant_of(model)

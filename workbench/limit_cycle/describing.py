@@ -9,9 +9,10 @@ A reversal is found a few encoder counts after it, and gains jump there. So the 
 and end where the next one is, half a cycle later: within, its command is smooth, and beyond, it is the same with its sign turned.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import lru_cache
+from types import MappingProxyType
 
 import casadi as ca
 import numpy as np
@@ -26,7 +27,7 @@ from workbench.simulation.binding import BACK
 from workbench.simulation.stage import Stage, stage
 
 CYCLES = 2  # that states are stepped until they repeat
-SIGNALS = ("r", "y", "e", "vh", "dt", "limit", "count", "stroke", "share", "reversal")
+SIGNALS = ("r", "y", "e", "vh", "dt", "limit", "count", "back", "stroke", "share", "reversal")
 MEMORY = ("stroke", "share", "reversal")  # signals that know the last reversal
 
 # (q (..., n), vh (..., n), orders (n,), theta (...), phases of a cycle, even) -> harmonics of u (..., n); complex amplitudes
@@ -98,6 +99,7 @@ def command(controller: Controller, limit: float, loop: Loop) -> Command:
     dials(controller)
     law = controller.law
     known = {"r": 0.0, "limit": limit, "count": loop.count, "share": 0.5, "reversal": 0.0, "stroke": 0.0}
+    known["back"] = BACK * loop.count if controller.reversal is None else controller.reversal
     known |= {f"p.{n}": float(np.ravel(v)[0]) for n, v in controller.parameters.items()}
     back = comes_back(controller, loop)
 
@@ -119,7 +121,10 @@ def command(controller: Controller, limit: float, loop: Loop) -> Command:
 
     def looked_up(given, shape):
         # where a schedule looks up hangs on the reading alone: a law that asked for the speed would get none
-        at = _stepped(_stage(law, True), given | {"vh": np.nan, "dt": np.nan}, shape)[0]
+        begun = (
+            law.start(0.0, given["y"][..., 0]) if law.start is not None else {}
+        )  # at rest, and released where the cycle turns
+        at = _stepped(_stage(law, True), given | {"vh": np.nan, "dt": np.nan}, shape, begun)[0]
         columns = gains_at(controller.tables[0], np.nan_to_num(at.ravel()))
         return {n: c.reshape(shape) for n, c in zip(law.columns, columns, strict=True)}
 
@@ -144,16 +149,18 @@ def _values(made: Stage, given: dict) -> dict:
     return dict(zip(made.outputs, evaluate(made.program, [given[n] for n in made.inputs])[0], strict=True))
 
 
-def _stepped(made: Stage, given: dict, shape: tuple[int, ...], centred: bool = False):
+def _stepped(
+    made: Stage, given: dict, shape: tuple[int, ...], begun: Mapping = MappingProxyType({}), centred: bool = False
+):
     """Return (output, state -> its values) over the phases; states are stepped until they repeat.
 
-    centred: a cycle about the target leaves no mean in a state, which a free integral would keep from its start.
+    begun: state -> its first value, zero where absent. centred: a cycle about the target leaves no mean in a state, which a free integral would keep from its start.
     """
     names = [n for n in made.outputs if n != "out"]
     if not names:
         return np.broadcast_to(_values(made, given)["out"], shape), {}
     along = {n: np.empty(shape) for n in ("out", *names)}
-    start = {n: np.zeros(shape[:-1]) for n in names}
+    start = {n: np.zeros(shape[:-1]) + begun.get(n.removeprefix("z."), 0.0) for n in names}
     for _ in range(CYCLES):
         now = start
         for k in range(shape[-1]):

@@ -20,7 +20,7 @@ class Schedule:
     knots (m,): 2^e (1 + j/per_octave), consecutive, rad or m. kp (m,): N*m/rad or N/m. kd (m,): N*m*s/rad or N*s/m. Between
     knots both are linear in A; beyond them they are those of the end. rule: "frozen", gains are taken at each reversal and
     held to the next; "following", they move with the stroke; "error", with the stroke as far as it is no more than the error
-    that is left. reversal: how far back a reversal counts, rad or m.
+    that is left; "closing", with the error, down to the lesser of the move and sixteen reversals. reversal: how far back a reversal counts, rad or m.
     sample_time: s, that they were tuned for. plant_digest, plant_lines: of the plant that was tuned (Plant.digest,
     Plant.digest_lines). interpolation_error: largest relative difference of kp or kd from the tuned gains, between the knots
     too.

@@ -115,7 +115,7 @@ def inputs(symbols: Symbols, shared: tuple[str, ...], own: tuple[str, ...]) -> d
 def _control_signals(law: Law, symbols: Symbols, values: Mapping[str, ca.SX], r: ca.SX) -> dict[str, ca.SX]:
     """What a law reads. values: name -> row of a reading or velocity; r: the reference."""
     y = values["y"]
-    constants = {n: symbols.constant(n) for n in ("limit", "count")}
+    constants = {n: symbols.constant(n) for n in ("limit", "count", "back")}
     more = {n: values[n.replace("_", ".")] for n in law.reads}
     return {"r": r, "y": y, "vh": values["vh"], "e": r - y, "dt": symbols.constant("sample_time"), **constants, **more}
 

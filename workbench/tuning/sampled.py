@@ -8,6 +8,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from workbench.threads import one_thread
+
 
 @dataclass(frozen=True)
 class Clock:
@@ -28,6 +30,7 @@ class Clock:
         return cls(loop.sample_time, whole, part if part > 1e-9 else 0.0, float(filtered))
 
 
+@one_thread  # of many small matrices: on a busy machine threads that wait for one another take a hundred times as long
 def hold(stiffness: np.ndarray, damping: np.ndarray, time: float) -> tuple[np.ndarray, np.ndarray]:
     """Return (Phi (n, 2, 2), Gamma (n, 2)): what state and a constant u make of [y, y'] after `time` samples (Van Loan 1978)."""
     from scipy.linalg import expm
@@ -57,6 +60,7 @@ def response(theta: np.ndarray, motion: tuple[np.ndarray, np.ndarray, np.ndarray
     return top / bottom / z**clock.whole
 
 
+@one_thread
 def forced(system: np.ndarray, theta: np.ndarray, clock: Clock) -> np.ndarray:
     """Return the responses (..., f, n) of the n states of x' = A x + b u to a held and delayed u at theta (f,), exact (Van Loan 1978).
 

@@ -92,5 +92,5 @@ def controllers_of(
     )
     families = tuple(
         shaped(make, linear, BEGUN * loop.sample_time) for make in makers
-    )  # a rigid axis gives a notch nothing
+    )  # the paper's laws have no notch
     return Controllers(plant, goal, equivalent, gains, schedule, linear, known, families)

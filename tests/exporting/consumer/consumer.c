@@ -67,7 +67,7 @@ static int schedule(void)
 
 static int stroke(void)
 {
-#if WB_GAINS_FROZEN || WB_GAINS_ERROR
+#if WB_GAINS_FROZEN || WB_GAINS_ERROR || WB_GAINS_CLOSING
     return 3;
 #else
     wb_gains_state state;

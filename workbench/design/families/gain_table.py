@@ -21,8 +21,7 @@ from workbench.design.families.shaped import FASTEST, FILTER
 from workbench.tuning.axis import Axis
 from workbench.tuning.reach import stiffest
 
-NODES = 8  # ratios that are free, even in log amplitude: three in two decades. On the single-mass study twelve leave the same worst
-# regret in time to a hundredth, 1.31
+NODES = 9  # ratios that are free, even in log amplitude, where no others are asked for
 EDGE = 240  # ratios at which the stiffest Kp is computed; between them it is interpolated to 1e-4
 SAFE = 0.999  # of the stiffest Kp: what interpolation between them and between knots may cost of |S|
 FILTERS = np.geomspace(
@@ -77,18 +76,22 @@ class GainTable:
 
 
 def gain_table(
-    linear: Linear, amplitude: np.ndarray, reversal: float, sensitivity: float, per_octave: int = 2
+    linear: Linear,
+    amplitude: np.ndarray,
+    reversal: float,
+    sensitivity: float,
+    per_octave: int = 2,
+    nodes: np.ndarray | None = None,
 ) -> GainTable:
-    """Return the table over amplitudes (n,) that keeps |S| <= sensitivity, sliding and on the stiffest spring."""
+    """Return the table over amplitudes (n,) that keeps |S| <= sensitivity, sliding and on the stiffest spring. nodes (m,): amplitudes
+    at which its ratio is free; NODES of them where absent."""
     ratio, filters = np.geomspace(1e-3, 1.0, EDGE) / linear.loop.sample_time, FILTERS * linear.loop.sample_time
     stiff = np.stack([_stiff(linear, ratio, f, sensitivity) for f in filters])
     most = ratio[
         stiff.argmax(axis=1)
     ]  # a larger ratio has to be softer again: damping, not stiffness, is then what is short
-    nodes, knots = (
-        np.geomspace(amplitude[0], amplitude[-1], NODES),
-        grid(float(amplitude[0]), float(amplitude[-1]), per_octave),
-    )
+    nodes = np.geomspace(amplitude[0], amplitude[-1], NODES) if nodes is None else nodes
+    knots = grid(float(amplitude[0]), float(amplitude[-1]), per_octave)
     return GainTable(nodes, knots, ratio, filters, stiff, most, reversal)
 
 

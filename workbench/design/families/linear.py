@@ -128,6 +128,18 @@ class Linear(Judge):
         known = self.equivalent
         return np.interp(np.log(amplitude), np.log(known.amplitude), known.stiffness)
 
+    @cached_property
+    def _at_knots(self) -> dict[bytes, tuple[np.ndarray, np.ndarray]]:
+        return {}
+
+    def _sliding_and_sticking(self, knots: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return the responses without a spring (1, f) and with those of amplitudes (n,), (n, f): a search asks for the same knots at
+        every point, and their matrix exponentials take longer than the points."""
+        key = knots.tobytes()
+        if key not in self._at_knots:
+            self._at_knots[key] = self.responses(np.zeros(1)), self.responses(self.spring_at(knots))
+        return self._at_knots[key]
+
     def scheduled_peak(
         self, knots: np.ndarray, kp: np.ndarray, kd: np.ndarray, velocity_filter: np.ndarray | None = None
     ) -> np.ndarray:
@@ -136,7 +148,7 @@ class Linear(Judge):
         pick = checked(knots)
         rate = self.rate if velocity_filter is None else self.rate_of(velocity_filter)[:, None]
         c = kp[:, pick, None] + kd[:, pick, None] * rate
-        sliding, sticking = self.responses(np.zeros(1)), self.responses(self.spring_at(knots[pick]))
+        sliding, sticking = self._sliding_and_sticking(knots[pick])
         free = 1 if self.viscous > 0.0 else 2
         return np.maximum(peak_of(c * sliding, free).max(axis=1), peak_of(c * sticking, 0).max(axis=1))
 
