@@ -40,13 +40,15 @@ def otherwise(
     criteria: Criteria,
     progress: Progress,
 ) -> tuple[Selection, Confirmed]:
-    """Return both with other laws in the place of additions that validation does not carry, where these leave plainly less there.
+    """Return both with another law in the place of the addition that takes most, where validation does not carry it and the other leaves
+    plainly less there. Of lesser ones a free form would take what is left of the greatest.
 
     weights: of each addition. A law takes another one's place that leaves no more on identification, and less on validation, by what
     is of practical size; of several the one that leaves least there. Both are returned as they are where there is none.
     """
     for i, (j, w) in enumerate(zip(confirmed.added, weights, strict=True)):
-        if _carried(w) or j.suspect.kind != ADDITION or j.suspect.instead:
+        most = w.size(IDENTIFICATION) >= max(x.size(IDENTIFICATION) for x in weights)
+        if not most or _carried(w) or j.suspect.kind != ADDITION or j.suspect.instead:
             continue
         progress(f"asking for another law than {j.suspect.key}, which validation does not carry")
         best, now = None, confirmed.fits[-1]
@@ -90,7 +92,8 @@ def _laws(
     near = [e for e in same if e.nearest == j.suspect.name]
     found: list[ScoredCandidate] = []
     if asked or near:
-        offered = replace(offer, only={e.name for e in (*asked, *near)}, own=(*offer.own, *near))
+        known = {**offer.stands_for, **{law.key: law.declared for law in selected.laws}}
+        offered = replace(offer, only={e.name for e in (*asked, *near)}, own=(*offer.own, *near), stands_for=known)
         found += step(state, progress, offered, criteria)
     if (family := family_of(own)) in FREE_FORMS and family != MEMORY and not j.suspect.stands:
         forms = free_forms(state.plant, state.passes, [family], state.residuals)
