@@ -126,7 +126,7 @@ def calibrations(passes: Sequence[InverseDynamics], found: Trace) -> tuple[Calib
     """Return a calibration for every periodic cause of a trace that explains little of the validation records."""
     plant = found.after.plant
     identified = _validation_error(plant, passes)
-    return tuple(calibrate(plant, c.key, passes, identified) for c in _lost(found.causes) if periodic(plant[c.key]))
+    return tuple(calibrate(plant, c.key, passes, identified) for c in _lost(found) if periodic(plant[c.key]))
 
 
 def _validation_error(plant: Plant, passes: Sequence[InverseDynamics]) -> float:
@@ -146,7 +146,7 @@ def withheld(fit: Fit, causes: Sequence[Cause], passes: Sequence[InverseDynamics
     Their phase is that of another power-up, and a ripple of a wrong phase is worse than none. The plant keeps them.
     """
     plant = fit.plant
-    for key in (c.key for c in _lost(causes) if c.share_validation < 0.0):
+    for key in (c.key for c in causes if c.share_validation < 0.0):
         if periodic(fit.plant[key]):
             plant = plant.without(key)
     if plant is fit.plant:
@@ -163,9 +163,9 @@ def withheld(fit: Fit, causes: Sequence[Cause], passes: Sequence[InverseDynamics
     )  # fmt: skip
 
 
-def _lost(causes: Sequence[Cause]) -> list[Cause]:
+def _lost(found: Trace) -> list[Cause]:
     """Return the causes that do not carry over to the validation records."""
-    return [c for c in causes if any(not_carried([c]))]
+    return [c for c in found.causes if any(not_carried([c], found.criteria))]
 
 
 def finding(c: Calibration) -> Finding:

@@ -34,6 +34,8 @@ class Criteria:
     hint: standard errors of a gain that is taken on credit while another effect is still missing.
     carried: share of its identification gain that an effect must take away on validation to be borne out there. Halved, what
         fits noise is kept; doubled, causes that the validation record excites little are withheld.
+    doubted: the same share, below which a finding says that validation does not carry a cause, and another law of its class is asked
+        of what takes most. Halved, a joint of two springs stays where a cubic one is; doubled, every cause is asked again.
     tolerance: relative error of a fixed value, where the campaign states none; a correction within it is a refinement.
     near: share of what a free-form law takes, from which a law of the catalogue says it as well. Halved, a wrong formula of the
         class is named; doubled (1.0 at most), only exact laws are.
@@ -55,6 +57,7 @@ class Criteria:
     plain: float = 0.15
     hint: float = 2.0
     carried: float = 0.05
+    doubted: float = 0.5
     tolerance: float = 0.01
     near: float = 0.8
     resembles: float = 0.5

@@ -25,7 +25,6 @@ from workbench.tracing.reporting import Confirmed
 from workbench.tracing.selection import Answer, Selection
 from workbench.tracing.state import State
 from workbench.tracing.whole import in_turn
-from workbench.tracing.wording import CARRIED
 
 TRIED = 3  # other laws that are fitted to whole records, the best first; one more costs a fit
 
@@ -46,29 +45,31 @@ def otherwise(
     weights: of each addition. A law takes another one's place that leaves no more on identification, and less on validation, by what
     is of practical size; of several the one that leaves least there. Both are returned as they are where there is none.
     """
-    for i, (j, w) in enumerate(zip(confirmed.added, weights, strict=True)):
-        most = w.size(IDENTIFICATION) >= max(x.size(IDENTIFICATION) for x in weights)
-        if not most or _carried(w) or j.suspect.kind != ADDITION or j.suspect.instead:
-            continue
-        progress(f"asking for another law than {j.suspect.key}, which validation does not carry")
-        best, now = None, confirmed.fits[-1]
-        for k in _laws(selected, j, offer, criteria, progress):
-            added = [*confirmed.added[:i], k, *confirmed.added[i + 1 :]]
-            kept, fits = in_turn(declared, added, as_declared(k.state.plant, selected.laws), passes)
-            if len(kept) == len(added) and _better(fits[-1], now, criteria):
-                now, best = fits[-1], (k, kept, fits)
-        if best is not None:
-            answer = Answer(best[1], selected.answer.declared, best[0].state)
-            return replace(selected, answer=answer), replace(confirmed, added=best[1], fits=best[2])
-    return selected, confirmed
+    if not confirmed.added:
+        return selected, confirmed
+    i, w = max(enumerate(weights), key=lambda x: x[1].size(IDENTIFICATION))
+    j = confirmed.added[i]
+    if not _doubted(w, criteria) or j.suspect.kind != ADDITION or j.suspect.instead:
+        return selected, confirmed
+    progress(f"asking for another law than {j.suspect.key}, which validation does not carry")
+    best, now = None, confirmed.fits[-1]
+    for k in _laws(selected, j, offer, criteria, progress):
+        added = [*confirmed.added[:i], k, *confirmed.added[i + 1 :]]
+        kept, fits = in_turn(declared, added, as_declared(k.state.plant, selected.laws), passes)
+        if len(kept) == len(added) and _better(fits[-1], now, criteria):
+            now, best = fits[-1], (k, kept, fits)
+    if best is None:
+        return selected, confirmed
+    answer = Answer(best[1], selected.answer.declared, best[0].state)
+    return replace(selected, answer=answer), replace(confirmed, added=best[1], fits=best[2])
 
 
-def _carried(w: Weighed) -> bool:
-    """Whether validation carries an addition, by the error of the drive alone: that is what it is reported by."""
+def _doubted(w: Weighed, criteria: Criteria) -> bool:
+    """Whether validation hardly carries an addition, by the error of the drive alone; without a validation record nothing says so."""
     identification, validation = (
         1.0 - (w.after[r] / max(w.before[r], 1e-300)) ** 2 for r in (IDENTIFICATION, VALIDATION)
     )
-    return validation >= CARRIED * identification
+    return validation < criteria.doubted * identification
 
 
 def _better(fit: Fit, than: Fit, criteria: Criteria) -> bool:

@@ -108,7 +108,7 @@ def reported(o: Outcome, progress: Progress) -> Trace:
         before,
         after,
         evidence.floor,
-        (*idle, *findings_of(o.verdict, evidence, causes, late.plant)),
+        (*idle, *findings_of(o.verdict, evidence, causes, late.plant, o.criteria)),
         described(lives, evidence),
         shows,
         refinements=tuple(refinements),

@@ -9,6 +9,7 @@ from workbench.identification.result import Fit
 from workbench.plant import Plant
 from workbench.record import IDENTIFICATION, VALIDATION
 from workbench.residual.window import DIRECTIONS, Window, local
+from workbench.tracing.criteria import Criteria
 from workbench.tracing.decide import CAUSE, DRESSING, NOT_BORNE_OUT, UNKNOWN, Verdict
 from workbench.tracing.evidence import ADDITION, CORRECTION, Evidence, Weighed
 from workbench.tracing.judge import ScoredCandidate
@@ -17,7 +18,6 @@ from workbench.tracing.skew import Skew
 from workbench.tracing.unexplained import Unexplained
 
 SPANS = 6  # that are told in words
-CARRIED = 0.5  # of the share on identification, below which validation does not carry a cause: halved, what lies in one place passes
 UNSEEN = 1e-4  # of the drive, a floor below which the records show no noise that could be told
 # what each kind of what is explainable could be predicted from
 FROM = {
@@ -94,7 +94,7 @@ def clock(skew: Skew, before: Fit, here: Fit) -> Cause:
     )  # fmt: skip
 
 
-def findings_of(verdict: Verdict, evidence: Evidence, causes: Sequence[Cause], plant: Plant):
+def findings_of(verdict: Verdict, evidence: Evidence, causes: Sequence[Cause], plant: Plant, criteria: Criteria):
     """Yield the findings that stand beside a verdict: alarms first."""
     if "below floor" in verdict.alarms:
         yield Finding(
@@ -103,7 +103,7 @@ def findings_of(verdict: Verdict, evidence: Evidence, causes: Sequence[Cause], p
             "or the noise is not what it was read to be; do not rely on it before a second validation record.",
             {r: evidence.floor[r] for r in evidence.floor},
         )  # fmt: skip
-    yield from not_carried(causes)
+    yield from not_carried(causes, criteria)
     refused = [(a, NOT_BORNE_OUT) for a in evidence.refused]
     for a, role in (*refused, *zip(evidence.added, verdict.roles, strict=True)):
         name = f"{capital(title(a.effect))} at the {a.at}"
@@ -136,10 +136,10 @@ def _held(plant: Plant, candidate: CandidateScore) -> dict[str, float]:
     return {n: p.value for n, p in plant[f"{candidate.effect}@{candidate.at}"].outside.items() if p.fixed}
 
 
-def not_carried(causes: Sequence[Cause]):
+def not_carried(causes: Sequence[Cause], criteria: Criteria):
     """Yield a finding for each cause that explains much less on validation than on identification."""
     for c in causes:
-        if c.share_validation < CARRIED * c.share_identification:
+        if c.share_validation < criteria.doubted * c.share_identification:
             yield Finding(
                 "not carried over", c.effect,
                 f"{capital(title(c.effect))} explains {100 * c.share_identification:.0f} % on identification but only "
