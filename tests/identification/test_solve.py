@@ -13,7 +13,7 @@ from workbench.inverse.shift import LAGRANGE, between, weights
 from workbench.plant import TWO_MASS, Plant
 from workbench.record import IDENTIFICATION, Record, Source
 from workbench.tracing.candidates import suspects
-from workbench.tracing.linearised import Linearised
+from workbench.identification.linearised import Linearised
 
 DT, BAND = 1e-3, 100.0
 

@@ -5,13 +5,13 @@ from dataclasses import replace
 
 import numpy as np
 
+from workbench.identification.linearised import Linearised
 from workbench.identification.problem import Problem, to_search
 from workbench.identification.solve import Solution, solve
 from workbench.inverse.dynamics import InverseDynamics
 from workbench.parameter import Parameter
 from workbench.plant import Plant
 from workbench.tracing.candidates import ADDITION, Candidate
-from workbench.tracing.linearised import Linearised
 from workbench.tracing.starts import resolved, starts
 
 ROUGH = 3e-3  # relative decrease of the cost at which a start has shown what it is worth

@@ -13,25 +13,22 @@ from workbench.inverse.dynamics import InverseDynamics
 from workbench.keeping import kept
 from workbench.plant import TWO_MASS, Plant
 from workbench.residual.noise_floor import floor as noise_floor
-from workbench.residual.noise_floor import noise_rms
 from workbench.threads import one_thread
 from workbench.tracing.candidates import Offer, within_tolerance
 from workbench.tracing.criteria import Criteria
 from workbench.tracing.decide import CAUSE, NOT_BORNE_OUT, REFINEMENT, Verdict, decide
 from workbench.tracing.decimation import decimate
-from workbench.tracing.evidence import CORRECTION, Evidence, Weighed
+from workbench.tracing.evidence import CORRECTION, Evidence
 from workbench.tracing.explainable import explainable
 from workbench.tracing.judge import STANDARD, Progress, ScoredCandidate
-from workbench.tracing.near_law import as_declared
 from workbench.tracing.otherwise import otherwise
-from workbench.tracing.reporting import Confirmed, Declared, Outcome, reported
+from workbench.tracing.reporting import Declared, Outcome, reported
 from workbench.tracing.result import Trace
 from workbench.tracing.selection import Selection, select
 from workbench.tracing.skew import skew_of
 from workbench.tracing.state import State
 from workbench.tracing.unexplained import Unexplained, instead
-from workbench.tracing.weighing import weighed
-from workbench.tracing.whole import in_turn
+from workbench.tracing.weighing import Confirmed, confirm
 
 
 @one_thread
@@ -53,13 +50,14 @@ def trace(
     is borne out, and where it is not, which law of its class is.
     """
     plant = plant.plant if isinstance(plant, Fit) else plant
-    whole = fitted_on(passes)
     criteria = criteria if most is None else replace(criteria, steps=most)
     progress("fitting the declared model")
     try:
-        late = _late_encoder(plant, passes, only)
+        whole = fitted_on(passes)
+        late = _late_encoder(plant, passes, whole, only)
         loose, told = within_tolerance(late.plant, criteria.tolerance)
-        declared = State(loose, decimate(whole, late.plant))
+        thinned = decimate(whole, late.plant)
+        declared = State(loose, thinned)
     except NoValue:
         raise WorkbenchError(
             "the declared model has no value on these records: a shape parameter lies far from them; check it and its unit."
@@ -67,31 +65,21 @@ def trace(
     offer = Offer(() if late.idle else only, own, [e.key for e in plant.effects], told)
     selected = select(declared, whole, offer, criteria, progress)
     progress("fitting the extended model")
-    found = as_declared(selected.answer.last.plant, selected.laws)
-    added, fits = in_turn(late.plant, selected.answer.added, found, passes)
-    confirmed = Confirmed(added, fits, noise_rms(passes, fits[-1].plant))
+    confirmed = confirm(late.plant, selected.answer.added, selected, passes, criteria)
     progress("weighing the evidence")
-    evidence, place = _evidence_of(selected, confirmed, passes, criteria)
-    again = otherwise(selected, confirmed, evidence.added, late.plant, passes, offer, criteria, progress)
-    if again[0] is not selected:
-        selected, confirmed = again
-        found = as_declared(selected.answer.last.plant, selected.laws)
-        evidence, place = _evidence_of(selected, confirmed, passes, criteria)
-    evidence = replace(evidence, clock=late.skew is not None, idle=late.idle is not None)
+    selected, confirmed = otherwise(selected, confirmed, late.plant, passes, offer, criteria, progress)
+    evidence, place = _evidence_of(selected, confirmed, late, passes, criteria)
     verdict = decide(evidence, criteria)
-    if (order := later(confirmed.added, verdict)) is not None:
-        added, fits = in_turn(late.plant, order, found, passes)
-        confirmed = Confirmed(added, fits, confirmed.levels)
-        evidence = replace(evidence, added=weighed(selected, added, fits, passes, criteria))
+    order, refused = later(confirmed.added, verdict) or _standing(confirmed, verdict), []
+    while (
+        order is not None
+    ):  # without what is not borne out, the others weigh otherwise: one may have been needed by it
+        if len(order) < len(confirmed.added):
+            refused += [a for a, r in zip(confirmed.weighed, verdict.roles, strict=True) if r == NOT_BORNE_OUT]
+        confirmed = confirm(late.plant, order, selected, passes, criteria, confirmed.levels)
+        evidence = replace(evidence, added=confirmed.weighed)
         verdict = decide(evidence, criteria)
-    refused: list[Weighed] = []
-    while verdict.verdict == CAUSE and (kept := _standing(confirmed, verdict)) is not confirmed.added:
-        # without what is not borne out, the others are weighed again: one may have been needed by it alone
-        refused += [a for a, r in zip(evidence.added, verdict.roles, strict=True) if r == NOT_BORNE_OUT]
-        added, fits = in_turn(late.plant, kept, found, passes)
-        confirmed = Confirmed(added, fits, confirmed.levels)
-        evidence = replace(evidence, added=weighed(selected, added, fits, passes, criteria))
-        verdict = decide(evidence, criteria)
+        order = _standing(confirmed, verdict)
     evidence = replace(evidence, refused=tuple(refused))
     return reported(Outcome(late, passes, selected, confirmed, evidence, verdict, place, criteria), progress)
 
@@ -104,25 +92,31 @@ def later(added: Sequence[ScoredCandidate], verdict: Verdict) -> list[ScoredCand
     return [j for j, o in zip(added, out, strict=True) if not o] + [j for j, o in zip(added, out, strict=True) if o]
 
 
-def _standing(confirmed: Confirmed, verdict: Verdict) -> Sequence[ScoredCandidate]:
-    """Return what of the additions stays in the extended model; the same object where all of it does."""
+def _standing(confirmed: Confirmed, verdict: Verdict) -> list[ScoredCandidate] | None:
+    """Return what of the additions stays in the extended model with a cause; None where all of it does, or there is none."""
+    if verdict.verdict != CAUSE:
+        return None
     roles = dict(zip((j.suspect.key for j in confirmed.added), verdict.roles, strict=True))
     kept = [j for j in confirmed.added if roles[j.suspect.key] == CAUSE or _stays(j, roles)]
-    return kept if len(kept) < len(confirmed.added) else confirmed.added
+    return kept if len(kept) < len(confirmed.added) else None
 
 
-def _late_encoder(plant: Plant, passes: Sequence[InverseDynamics], only: Collection[str] | None) -> Declared:
+def _late_encoder(
+    plant: Plant, passes: Sequence[InverseDynamics], whole: Sequence[InverseDynamics], only: Collection[str] | None
+) -> Declared:
     """Ask the angle between two encoders before anything in torque, and whether the joint then carries anything."""
     if plant.kind != TWO_MASS:
-        return Declared(plant, plant)
-    skew = skew_of(decimate(fitted_on(passes)), plant) if only is None or "clock_skew" in only else None
+        return Declared(plant, plant, whole)
+    thinned = decimate(whole) if only is None or "clock_skew" in only else []
+    skew = skew_of(thinned, plant)
     here = skew.suspect.plant if skew else plant
     before = identify(plant, passes) if skew else None
-    return Declared(plant, here, skew, before, idle(passes, identify(here, passes).plant))
+    fit = identify(here, passes)
+    return Declared(plant, here, whole, skew, before, idle(passes, fit.plant))
 
 
 def _evidence_of(
-    selected: Selection, confirmed: Confirmed, passes: Sequence[InverseDynamics], criteria: Criteria
+    selected: Selection, confirmed: Confirmed, late: Declared, passes: Sequence[InverseDynamics], criteria: Criteria
 ) -> tuple[Evidence, Unexplained | None]:
     """Return the numbers that decide, and the place that says more than what was added does, if there is one."""
     answer, base = selected.answer, selected.base
@@ -138,8 +132,10 @@ def _evidence_of(
         floor=noise_floor(passes, steady),
         before=before,
         after=after,
-        added=weighed(selected, confirmed.added, confirmed.fits, passes, criteria),
+        added=confirmed.weighed,
         place_instead=place is not None,
+        clock=late.skew is not None,
+        idle=late.idle is not None,
     )
     return evidence, Unexplained(place, base.solution.cost**0.5) if place else None
 

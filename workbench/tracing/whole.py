@@ -31,11 +31,17 @@ def in_turn(
     plants = [declared]
     for j in added:
         plants.append(valued(brought(plants[-1], j.suspect, found), found))
-    # no search needs another one's result
-    ends = shared(
-        lambda k: _end_of(plants[k], passes, *((SETTLED, FURTHER) if k else (TOLERANCE, ITERATIONS))),
-        range(len(plants)),
-    )
+    whole = fitted_on(passes)
+
+    def end_of(k: int) -> np.ndarray | None:
+        """Return where the search for a plant ends, on the search scale; None where the plant has no value on the records."""
+        tolerance, most = (SETTLED, FURTHER) if k else (TOLERANCE, ITERATIONS)
+        try:
+            return solve(Problem(plants[k], whole), None, tolerance, most=most).theta
+        except NoValue:
+            return None
+
+    ends = shared(end_of, range(len(plants)))  # no search needs another one's result
     fits = [identify(declared, passes, next(ends), solved=True)]
     kept: list[ScoredCandidate] = []
     for i, (j, end) in enumerate(zip(added, ends, strict=True)):
@@ -48,14 +54,6 @@ def in_turn(
             kept.append(j)
             fits.append(better)
     return kept, fits
-
-
-def _end_of(plant: Plant, passes: Sequence[InverseDynamics], tolerance: float, most: int) -> np.ndarray | None:
-    """Return where the search on whole records ends, on the search scale; None where the plant has no value on them."""
-    try:
-        return solve(Problem(plant, fitted_on(passes)), None, tolerance, most=most).theta
-    except NoValue:
-        return None
 
 
 def borne_out(before: Fit, after: Fit, share: float = 0.05) -> bool:

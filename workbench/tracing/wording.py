@@ -47,6 +47,7 @@ def cause(
     suspect = judgement.suspect
     effect = find((candidate.effect if suspect.part else name).partition(" ")[0])  # without its label
     estimates = tuple(e for e in last.estimates if (e.effect, e.at) == (candidate.effect, candidate.at))
+    was = _held(declared, candidate) if candidate.kind == CORRECTION else {}
     identification, validation = (
         1.0 - (here.rms[r] / before.rms[r]) ** 2 if before.rms[r] > 0.0 else 0.0 for r in (IDENTIFICATION, VALIDATION)
     )
@@ -72,7 +73,7 @@ def cause(
     return Cause(
         name, candidate.at, sentence, estimates, identification, validation,
         kind=candidate.kind,
-        was=_held(declared, candidate) if candidate.kind == CORRECTION else {}, law=weight.law, size=weight.size(IDENTIFICATION),
+        was=was, law=weight.law, size=weight.size(IDENTIFICATION),
         form=candidate.effect if name != candidate.effect else "",
     )  # fmt: skip
 
