@@ -88,8 +88,7 @@ def _plant(top: Table, kind: str, rotary: bool, notes: dict[str, str]) -> Plant:
     limits = {name: top.quantity(key, effect_unit(unit, rotary), above=0.0) for name, key, unit in stated if key in top}
     plant = Plant(kind, (), rotary, geometry, Limits(**limits))
     for one in top.tables("effects", "effect", ("effect", "at"), ("law", "parameters", "label")):
-        effect = fx.find(one.text("effect"), one.path("effect"))
-        effect = _declared(replace(effect, at=one.text("at")), one, rotary)
+        effect = _declared(one, rotary)
         try:
             plant = plant + replace(effect, at=one.text("at"), label=one.text("label"))
         except WorkbenchError as e:
@@ -98,8 +97,9 @@ def _plant(top: Table, kind: str, rotary: bool, notes: dict[str, str]) -> Plant:
     return plant
 
 
-def _declared(effect: fx.Effect, one: Table, rotary: bool) -> fx.Effect:
-    """Return the effect with the values of its parameters table."""
+def _declared(one: Table, rotary: bool) -> fx.Effect:
+    """Return the effect that a table names, with the values of its parameters table."""
+    effect = replace(fx.find(one.text("effect"), one.path("effect")), at=one.text("at"))
     known = effect.outside
     given = one.table("parameters", optional=tuple(known))
     values, fixed = {}, {}
