@@ -22,6 +22,7 @@ from workbench.tracing.decimation import decimate
 from workbench.tracing.evidence import CORRECTION, Evidence, Weighed
 from workbench.tracing.explainable import explainable
 from workbench.tracing.judge import STANDARD, Progress, ScoredCandidate
+from workbench.tracing.mending import mended
 from workbench.tracing.near_law import as_declared
 from workbench.tracing.otherwise import otherwise
 from workbench.tracing.reporting import Confirmed, Declared, Outcome, reported
@@ -53,11 +54,13 @@ def trace(
     is borne out, and where it is not, which law of its class is.
     """
     plant = plant.plant if isinstance(plant, Fit) else plant
-    whole = fitted_on(passes)
     criteria = criteria if most is None else replace(criteria, steps=most)
     progress("fitting the declared model")
     try:
-        late = _late_encoder(plant, passes, only)
+        lost = mended(plant, passes, criteria.explainable)
+        passes = lost.passes if lost else passes
+        whole = fitted_on(passes)
+        late = replace(_late_encoder(plant, passes, only), lost=lost)
         loose, told = within_tolerance(late.plant, criteria.tolerance)
         declared = State(loose, decimate(whole, late.plant))
     except NoValue:
@@ -77,7 +80,9 @@ def trace(
         selected, confirmed = again
         found = as_declared(selected.answer.last.plant, selected.laws)
         evidence, place = _evidence_of(selected, confirmed, passes, criteria)
-    evidence = replace(evidence, clock=late.skew is not None, idle=late.idle is not None)
+    evidence = replace(
+        evidence, clock=late.skew is not None, idle=late.idle is not None, lost=lost.size if lost else 0.0
+    )
     verdict = decide(evidence, criteria)
     if (order := later(confirmed.added, verdict)) is not None:
         added, fits = in_turn(late.plant, order, found, passes)

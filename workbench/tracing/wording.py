@@ -13,6 +13,7 @@ from workbench.tracing.criteria import Criteria
 from workbench.tracing.decide import CAUSE, DRESSING, NOT_BORNE_OUT, UNKNOWN, Verdict
 from workbench.tracing.evidence import ADDITION, CORRECTION, Evidence, Weighed
 from workbench.tracing.judge import ScoredCandidate
+from workbench.tracing.mending import Mended
 from workbench.tracing.result import CandidateScore, Cause, Refinement
 from workbench.tracing.skew import Skew
 from workbench.tracing.unexplained import Unexplained
@@ -209,6 +210,7 @@ def verdict_sentence(
     after: Fit,
     evidence: Evidence,
     lives_in: Unexplained | None = None,
+    lost: Mended | None = None,
 ) -> str:
     """Return the verdict as a person reads it, with the errors before and after."""
     size = evidence.before
@@ -219,6 +221,8 @@ def verdict_sentence(
             f"{100 * before.validation:.2f} % to {100 * after.validation:.2f} % and the identification error from "
             f"{100 * before.identification:.2f} % to {100 * after.identification:.2f} %{_at_least(evidence.floor[IDENTIFICATION])}."
         )
+    if verdict == UNKNOWN and lost is not None:
+        return f"Something is missing that no effect of the catalogue explains. {lost.finding.sentence}"
     if verdict == UNKNOWN:
         said = (
             f"Something is missing that no effect of the catalogue explains: {100 * size.size:.1f} % of the drive's rms could be "
