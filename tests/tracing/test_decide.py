@@ -66,6 +66,12 @@ CASES = {
     "a place in which a law is only nearly right says no more": (
         evidence(weighed(), before=0.035, after=0.004, place_instead=True), CAUSE, (CAUSE,),
     ),
+    "an encoder that loses counts, which were put back": (evidence(before=0.0, lost=0.03), UNKNOWN, ()),
+    "what is less than the lost counts may dress what is left of them": (
+        evidence(weighed(id_=(0.02, 0.01)), lost=0.03), UNKNOWN, (DRESSING,),
+    ),
+    "what takes more than the lost counts is a cause": (evidence(weighed(), lost=0.03), CAUSE, (CAUSE,)),
+    "lost counts that take less than could be explained": (evidence(before=0.0, lost=0.004), NOTHING, ()),
     "a clock that the angle says is late needs no torque": (evidence(before=0.0, clock=True), CAUSE, ()),
     "what shows behind the joint alone": (
         evidence(

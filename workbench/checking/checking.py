@@ -7,6 +7,7 @@ from pathlib import Path
 from workbench.campaign import Campaign, load
 from workbench.checking import alignment, channels, clocks, excitation, modes, sampling, scale, sign
 from workbench.checking.glitches import impossible
+from workbench.checking.lost import losing
 from workbench.checking.seen import Seen
 from workbench.errors import UnsoundRecord
 from workbench.finding import ASSUMED_SCALE, ENCODER_RESOLUTION, GLITCH, OTHER_UNIT, SAMPLING_RATE, START_TIME, Finding
@@ -44,7 +45,8 @@ def check(campaign: Campaign | Path) -> tuple[Finding, ...]:
         return _gathered((*found, *short), names)  # nothing can be computed of such records
     found += [*channels.resampled(seen), *sampling.rates(seen), *sampling.strokes(seen)]
     glitches, seen = impossible(seen)
-    found += [*glitches, *_faults(seen)]
+    lost, seen = losing(seen)
+    found += [*glitches, *lost, *_faults(seen)]
     if all(f.kind in HARMLESS for f in found):
         found += [*excitation.missing(seen), *modes.undeclared(seen)]
     return _gathered(found, names)

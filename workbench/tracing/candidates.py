@@ -8,6 +8,7 @@ from workbench.definition import FORCE, Effect, catalogue
 from workbench.effects.free_bank import NAME as FREE_CURVE
 from workbench.parameter import Parameter
 from workbench.plant import Plant, places
+from workbench.tracing.budget import BUDGET, Budget
 from workbench.tracing.evidence import ADDITION, CORRECTION
 
 __all__ = ["ADDITION", "CORRECTION"]
@@ -50,13 +51,14 @@ class Offer:
     """only: names of the effects that are judged, all where None. own: effects offered beside those of the catalogue.
 
     declared: keys of the declared effects; a periodic one of them is offered once more, at another order. stands_for: key of a
-    free virgin curve, or of an effect whose values are free within their tolerance -> what was declared.
+    free virgin curve, or of an effect whose values are free within their tolerance -> what was declared. budget: of the search.
     """
 
     only: Collection[str] | None = None
     own: Collection[Effect] = ()
     declared: Collection[str] = ()
     stands_for: Mapping[str, Effect] = field(default_factory=dict)
+    budget: Budget = BUDGET
 
     def suspects(self, plant: Plant) -> list[Candidate]:
         """Return the candidates of a plant that are judged."""

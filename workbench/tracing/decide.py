@@ -3,6 +3,7 @@
 | question, in this order | answer |
 |---|---|
 | does the angle between two encoders say that one is late? | cause, whatever else |
+| do the counts that an encoder lost take more of the drive than any cause, and at least `explainable`? | unknown |
 | a correction within the fixed value's tolerance, or an effect (a correction beyond its tolerance) below the practical size, or below `explainable` with values that no machine has? | refinement |
 | does the error grow on validation, or does the effect explain nearly nothing there? | not borne out |
 | do the causes take `held` of the validation power, or leave little that is explainable? | cause |
@@ -48,6 +49,9 @@ def decide(evidence: Evidence, criteria: Criteria) -> Verdict:
     if causes and (spread or not _answers(evidence, causes, criteria)):
         roles = tuple(DRESSING if r == CAUSE else r for r in roles)
         causes = []
+    if _lost_most(evidence, causes, criteria):
+        roles = tuple(DRESSING if r == CAUSE else r for r in roles)
+        return Verdict(UNKNOWN, roles, False, _alarms(evidence, roles))
     if causes or evidence.clock:
         size = evidence.after.size
         more = size >= criteria.beside and size >= 0.5 * evidence.before.size and not evidence.idle
@@ -58,6 +62,12 @@ def decide(evidence: Evidence, criteria: Criteria) -> Verdict:
         return Verdict(CAUSE, roles, more, _alarms(evidence, roles), tuple(dict.fromkeys(names)))
     missing = evidence.before.size >= criteria.explainable or _unborne(evidence, roles, criteria)
     return Verdict(UNKNOWN if missing else NOTHING, roles, False, _alarms(evidence, roles))
+
+
+def _lost_most(evidence: Evidence, causes: list[Weighed], criteria: Criteria) -> bool:
+    """Whether the counts that an encoder lost, and that were put back, take more than any cause beside them."""
+    largest = max((a.size(IDENTIFICATION) for a in causes), default=0.0)
+    return evidence.lost >= max(criteria.explainable, largest) and not evidence.clock
 
 
 def _unborne(evidence: Evidence, roles: tuple[str, ...], criteria: Criteria) -> bool:

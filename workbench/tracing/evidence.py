@@ -95,7 +95,8 @@ class Weighed:
 class Evidence:
     """declared: nrmse of the declared model by role; floor: what noise and counts alone would leave. before, after: what is
     explainable of the declared and of the extended model's residual. added: in the order in which they were found. place_instead:
-    whether one place says more of the residual than they do. angle: why no cause may be named from the joint's balance, or ""."""
+    whether one place says more of the residual than they do. clock, idle: whether one of two encoders is late, and whether the joint
+    then carries nothing. refused: what was tried and not borne out. lost: what an encoder's lost counts take of the drive, which were put back."""
 
     declared: Mapping[str, float]
     floor: Mapping[str, float]
@@ -106,6 +107,7 @@ class Evidence:
     clock: bool = False
     idle: bool = False
     refused: tuple[Weighed, ...] = ()
+    lost: float = 0.0
 
     def as_dict(self) -> dict[str, object]:
         """Return plain data, from which `evidence_of` makes it again."""
@@ -117,5 +119,5 @@ def evidence_of(data: Mapping[str, object]) -> Evidence:
     return Evidence(
         data["declared"], data["floor"], Explainable(**data["before"]), Explainable(**data["after"]),
         tuple(Weighed(**a) for a in data["added"]), data["place_instead"], data["clock"], data["idle"],
-        tuple(Weighed(**a) for a in data["refused"]),
+        tuple(Weighed(**a) for a in data["refused"]), data["lost"],
     )  # fmt: skip

@@ -26,8 +26,6 @@ from workbench.tracing.state import State
 from workbench.tracing.weighing import Confirmed, weighed
 from workbench.tracing.whole import in_turn
 
-TRIED = 3  # other laws that are fitted to whole records, the best first; one more costs a fit
-
 
 def otherwise(
     selected: Selection,
@@ -98,9 +96,9 @@ def _laws(
         found += step(state, progress, offered, criteria)
     if (family := family_of(own)) in FREE_FORMS and family != MEMORY and not j.suspect.stands:
         forms = free_forms(state.plant, state.passes, [family], state.residuals)
-        found += [ScoredCandidate(f.suspect, **judged(state, f.suspect, criteria)) for f in forms]
+        found += [ScoredCandidate(f.suspect, **judged(state, f.suspect, criteria, offer.budget)) for f in forms]
     here = [k for k in found if k.suspect.at == j.suspect.at and k.candidate.earns and k.theta is not None]
-    best = sorted(here, key=lambda k: (k.errors.total, k.suspect.key))[:TRIED]
+    best = sorted(here, key=lambda k: (k.errors.total, k.suspect.key))[: offer.budget.laws]
     fitted = (k if k.state else refitted_as(state, k, criteria) for k in best)
     return [_called(k, j, {e.name for e in asked}) for k in fitted if k.state]
 

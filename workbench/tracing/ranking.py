@@ -17,7 +17,6 @@ from workbench.tracing.judge import STANDARD, Progress, ScoredCandidate, free_of
 from workbench.tracing.plausible import implausible
 from workbench.tracing.state import Refitted, State
 
-LEADING = 6  # candidates that are fitted again with everything free
 BEHIND = 0.4  # of the best one's gain, below which a candidate is not
 NEUTRAL = 0.05  # relative distance within which a parameter stands at the value of a simpler law
 # Orders of one mechanism are those of its shafts and teeth: two stand as small numbers. What lives in position without being
@@ -35,18 +34,20 @@ def step(
     # made here, else by every process for itself
     _ = state.power, state.residuals, state.absorbed, state.solution.columns, state.solution.gram
     judgements = []
-    for suspect, found in zip(suspects, shared(lambda s: judged(state, s, criteria), suspects), strict=True):
+    for suspect, found in zip(
+        suspects, shared(lambda s: judged(state, s, criteria, offer.budget), suspects), strict=True
+    ):
         progress(f"trying {suspect.key}")
         judgements.append(ScoredCandidate(suspect, **found))
     judgements = _by_gain(judgements)
     least = max(criteria.share / 2, BEHIND * judgements[0].candidate.gain) if judgements else 0.0
-    leaders = [j for j in judgements[:LEADING] if j.candidate.gain > least and j.theta is not None]
+    leaders = [j for j in judgements[: offer.budget.leading] if j.candidate.gain > least and j.theta is not None]
     for i, more in enumerate(shared(lambda j: refitted(state, j, criteria), leaders)):
         progress(f"fitting {leaders[i].suspect.key} with everything free")
         if more:
             fit = Refitted(free_of(state, leaders[i]), *more.pop("fit"))
             judgements[judgements.index(leaders[i])] = replace(leaders[i], refitted=fit, **more)
-    judgements = _plainest_first(simplest_first(judgements, criteria, state), criteria, state)
+    judgements = _plainest_first(simplest_first(judgements, criteria, state), criteria, state, offer.budget.leading)
     if judgements and (first := judgements[0]).refitted:
         judgements[0] = replace(first, state=first.refitted.state)
     return judgements
@@ -80,7 +81,9 @@ def simplest_first(judgements: Sequence[ScoredCandidate], criteria: Criteria, st
     return [simplest, *(j for j in judgements if j is not simplest)]
 
 
-def _plainest_first(judgements: Sequence[ScoredCandidate], criteria: Criteria, state: State) -> list[ScoredCandidate]:
+def _plainest_first(
+    judgements: Sequence[ScoredCandidate], criteria: Criteria, state: State, most: int
+) -> list[ScoredCandidate]:
     """Let a simpler effect lead in the place of one that it then is: a parameter stands where the law is another one's.
 
     LuGre without presliding is Stribeck's friction, a kinematic error of order 1 an eccentricity. The simpler one leads where it
@@ -89,7 +92,7 @@ def _plainest_first(judgements: Sequence[ScoredCandidate], criteria: Criteria, s
     """
     curved = {e.at for e in state.plant.effects if e.name == FREE_CURVE}
     present = {e.key for e in state.plant.effects}
-    for _ in range(min(LEADING, len(judgements))):
+    for _ in range(min(most, len(judgements))):
         first = judgements[0]
         if _stranger(first):
             judgements = _pushed_back(judgements, criteria, state)

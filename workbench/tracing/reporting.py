@@ -15,22 +15,23 @@ from workbench.tracing.decide import CAUSE, NOTHING, UNKNOWN, Verdict
 from workbench.tracing.decimation import decimate
 from workbench.tracing.evidence import Evidence, Weighed
 from workbench.tracing.judge import Progress, ScoredCandidate, shown
+from workbench.tracing.mending import Mended
 from workbench.tracing.result import CandidateScore, Cause, Refinement, Trace
 from workbench.tracing.rivals import experiment, rivals
 from workbench.tracing.selection import Selection
-from workbench.tracing.skew import Skew
+from workbench.tracing.skew import Skew, clock
 from workbench.tracing.smallest import named
 from workbench.tracing.state import State
 from workbench.tracing.unexplained import Unexplained, described, unexplained
 from workbench.tracing.weighing import Confirmed, curve_of
-from workbench.tracing.wording import cause, clock, findings_of, refinement, verdict_sentence
+from workbench.tracing.wording import cause, findings_of, refinement, verdict_sentence
 
 
 @dataclass(frozen=True, eq=False)
 class Declared:
     """declared: the plant as declared. plant: with the clock that the angle between two encoders says is late, held. whole: the
     identification records. before: the fit of the declared plant, where there is such a clock. idle: a finding that the fit
-    lets the joint carry nothing."""
+    lets the joint carry nothing. lost: counts that an encoder loses, which are put back in all that follows."""
 
     declared: Plant
     plant: Plant
@@ -38,6 +39,7 @@ class Declared:
     skew: Skew | None = None
     before: Fit | None = None
     idle: Finding | None = None
+    lost: Mended | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,16 +84,16 @@ def reported(o: Outcome, progress: Progress) -> Trace:
     causes, refinements = _said_of_each(o, after, progress)
     refinements += curve_of(selected, o.fits[-1], after)
     progress("looking for where the residual lives")
-    lives = _residual_place(o) if o.verdict.verdict == UNKNOWN else None
+    lives = _residual_place(o) if o.verdict.verdict == UNKNOWN and not late.lost else None
     first = []
     if late.skew:
         first = [clock(late.skew, late.before, o.fits[0])]
         after = replace(after, estimates=_with_clock(after.estimates, late.skew))
     after, causes = withheld(after, causes, o.passes), [*first, *causes]
-    before = late.before or o.fits[0]
+    before = late.lost.before if late.lost else late.before or o.fits[0]
     shows = shown(selected.steps[0].judgements)
-    sentence = verdict_sentence(o.verdict.verdict, causes, before, after, evidence, lives)
-    idle = [late.idle] if late.idle else []
+    sentence = verdict_sentence(o.verdict.verdict, causes, before, after, evidence, lives, late.lost)
+    idle = [f for f in (late.idle, late.lost and o.verdict.verdict != UNKNOWN and late.lost.finding) if f]
     return Trace(
         o.verdict.verdict,
         sentence + (named(shows) if o.verdict.verdict == NOTHING else ""),
@@ -102,7 +104,7 @@ def reported(o: Outcome, progress: Progress) -> Trace:
         after,
         evidence.floor,
         (*idle, *findings_of(o.verdict, evidence, causes, late.plant, o.criteria)),
-        described(lives, evidence),
+        described(lives, evidence, late.lost),
         shows,
         refinements=tuple(refinements),
         evidence=evidence,

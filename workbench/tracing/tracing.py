@@ -14,6 +14,7 @@ from workbench.keeping import kept
 from workbench.plant import TWO_MASS, Plant
 from workbench.residual.noise_floor import floor as noise_floor
 from workbench.threads import one_thread
+from workbench.tracing.budget import BUDGET, Budget
 from workbench.tracing.candidates import Offer, within_tolerance
 from workbench.tracing.criteria import Criteria
 from workbench.tracing.decide import CAUSE, NOT_BORNE_OUT, REFINEMENT, Verdict, decide
@@ -21,6 +22,7 @@ from workbench.tracing.decimation import decimate
 from workbench.tracing.evidence import CORRECTION, Evidence
 from workbench.tracing.explainable import explainable
 from workbench.tracing.judge import STANDARD, Progress, ScoredCandidate
+from workbench.tracing.mending import mended
 from workbench.tracing.otherwise import otherwise
 from workbench.tracing.reporting import Declared, Outcome, reported
 from workbench.tracing.result import Trace
@@ -41,20 +43,23 @@ def trace(
     only: Collection[str] | None = None,
     own: Collection[Effect] = (),
     criteria: Criteria = STANDARD,
+    budget: Budget = BUDGET,
 ) -> Trace:
     """Trace the residual of `plant` on the identification records among `passes`.
 
     plant: as declared, or a fit of it. most: effects added at most, as the criteria say where absent. only: names of the effects
     that are judged, all where absent. own: effects that are judged beside those of the catalogue. criteria: what
-    decides. Returns the verdict with its evidence. Validation records choose no class of effects; they decide whether what was found
-    is borne out, and where it is not, which law of its class is.
+    decides. budget: of the search. Returns the verdict with its evidence. Validation records choose no class of effects; they
+    decide whether what was found is borne out, and where it is not, which law of its class is.
     """
     plant = plant.plant if isinstance(plant, Fit) else plant
     criteria = criteria if most is None else replace(criteria, steps=most)
     progress("fitting the declared model")
     try:
+        lost = mended(plant, passes, criteria.explainable)
+        passes = lost.passes if lost else passes
         whole = fitted_on(passes)
-        late = _late_encoder(plant, passes, whole, only)
+        late = replace(_late_encoder(plant, passes, whole, only), lost=lost)
         loose, told = within_tolerance(late.plant, criteria.tolerance)
         thinned = decimate(whole, late.plant)
         declared = State(loose, thinned)
@@ -62,7 +67,7 @@ def trace(
         raise WorkbenchError(
             "the declared model has no value on these records: a shape parameter lies far from them; check it and its unit."
         ) from None
-    offer = Offer(() if late.idle else only, own, [e.key for e in plant.effects], told)
+    offer = Offer(() if late.idle else only, own, [e.key for e in plant.effects], told, budget)
     selected = select(declared, whole, offer, criteria, progress)
     progress("fitting the extended model")
     confirmed = confirm(late.plant, selected.answer.added, selected, passes, criteria)
@@ -71,9 +76,7 @@ def trace(
     evidence, place = _evidence_of(selected, confirmed, late, passes, criteria)
     verdict = decide(evidence, criteria)
     order, refused = later(confirmed.added, verdict) or _standing(confirmed, verdict), []
-    while (
-        order is not None
-    ):  # without what is not borne out, the others weigh otherwise: one may have been needed by it
+    while order is not None:  # without what is not borne out others weigh otherwise: one may have been needed by it
         if len(order) < len(confirmed.added):
             refused += [a for a, r in zip(confirmed.weighed, verdict.roles, strict=True) if r == NOT_BORNE_OUT]
         confirmed = confirm(late.plant, order, selected, passes, criteria, confirmed.levels)
@@ -136,6 +139,7 @@ def _evidence_of(
         place_instead=place is not None,
         clock=late.skew is not None,
         idle=late.idle is not None,
+        lost=late.lost.size if late.lost else 0.0,
     )
     return evidence, Unexplained(place, base.solution.cost**0.5) if place else None
 

@@ -9,6 +9,7 @@ from workbench.residual.localisation import change_windows, localise, plainer
 from workbench.residual.samples import Samples, excess_of, left_in, samples, times_floor
 from workbench.residual.window import DIRECTIONS, Window, local
 from workbench.tracing.evidence import Evidence
+from workbench.tracing.mending import Mended
 from workbench.tracing.state import State
 
 PLAIN = 2.0  # residual over floor from which something is plainly left
@@ -101,8 +102,10 @@ def _named(place: Window | None, state: State, known: Samples) -> Window | None:
     return max(moments, key=lambda w: w.contrast, default=None)
 
 
-def described(found: Unexplained | None, evidence: Evidence) -> dict[str, object]:
+def described(found: Unexplained | None, evidence: Evidence, lost: Mended | None = None) -> dict[str, object]:
     """Return what trace.json says of where an unexplained residual lives; empty where nothing is unexplained."""
+    if lost is not None:
+        return _of_lost(lost)
     if found is None:
         return {}
     size = evidence.before
@@ -121,4 +124,17 @@ def described(found: Unexplained | None, evidence: Evidence) -> dict[str, object
         "size": size.size,
         "times_calm": found.times,
         "times_calm_outside": p.outside,
+    }
+
+
+def _of_lost(found: Mended) -> dict[str, object]:
+    """Return what trace.json says of counts that an encoder lost: the moments, each by record, and what they take of the drive."""
+    times = [s.time for s in found.lost.all]
+    return {
+        "coordinate": "time",
+        "low": min(times),
+        "high": max(times),
+        "channel": found.lost.channel,
+        "shifts": {name: [[s.time, s.size] for s in shifts] for name, shifts in found.lost.shifts.items()},
+        "size": found.size,
     }

@@ -13,8 +13,8 @@ from workbench.tracing.criteria import Criteria
 from workbench.tracing.decide import CAUSE, DRESSING, NOT_BORNE_OUT, UNKNOWN, Verdict
 from workbench.tracing.evidence import ADDITION, CORRECTION, Evidence, Weighed
 from workbench.tracing.judge import ScoredCandidate
+from workbench.tracing.mending import Mended
 from workbench.tracing.result import CandidateScore, Cause, Refinement
-from workbench.tracing.skew import Skew
 from workbench.tracing.unexplained import Unexplained
 
 SPANS = 6  # that are told in words
@@ -82,17 +82,6 @@ def refinement(c: Cause) -> Refinement:
     """Return what would be a cause, were it not too small for one: nothing says that it is missing."""
     sentence = f"{capital(title(c.effect))} at the {c.at} takes away {100 * c.size:.2g} % of the drive's rms on the identification records."
     return Refinement(c.effect, c.at, c.kind, sentence, c.parameters, c.size)
-
-
-def clock(skew: Skew, before: Fit, here: Fit) -> Cause:
-    """Return the cause that a late clock is, as the angle between two encoders tells it; shares are of the drive."""
-    identification, validation = (
-        1.0 - (here.rms[r] / before.rms[r]) ** 2 if before.rms[r] > 0.0 else 0.0 for r in (IDENTIFICATION, VALIDATION)
-    )
-    power = max(before.identification**2 - here.identification**2, 0.0)
-    return Cause(
-        skew.suspect.effect, skew.suspect.at, skew.sentence, skew.parameters, identification, validation, size=power**0.5,
-    )  # fmt: skip
 
 
 def findings_of(verdict: Verdict, evidence: Evidence, causes: Sequence[Cause], plant: Plant, criteria: Criteria):
@@ -210,6 +199,7 @@ def verdict_sentence(
     after: Fit,
     evidence: Evidence,
     lives_in: Unexplained | None = None,
+    lost: Mended | None = None,
 ) -> str:
     """Return the verdict as a person reads it, with the errors before and after."""
     size = evidence.before
@@ -220,6 +210,8 @@ def verdict_sentence(
             f"{100 * before.validation:.2f} % to {100 * after.validation:.2f} % and the identification error from "
             f"{100 * before.identification:.2f} % to {100 * after.identification:.2f} %{_at_least(evidence.floor[IDENTIFICATION])}."
         )
+    if verdict == UNKNOWN and lost is not None:
+        return f"Something is missing that no effect of the catalogue explains. {lost.finding.sentence}"
     if verdict == UNKNOWN:
         said = (
             f"Something is missing that no effect of the catalogue explains: {100 * size.size:.1f} % of the drive's rms could be "
