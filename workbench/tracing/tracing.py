@@ -70,19 +70,20 @@ def trace(
     offer = Offer(() if late.idle else only, own, [e.key for e in plant.effects], told, budget)
     selected = select(declared, whole, offer, criteria, progress)
     progress("fitting the extended model")
-    confirmed = confirm(late.plant, selected.answer.added, selected, passes, criteria)
-    progress("weighing the evidence")
-    selected, confirmed = otherwise(selected, confirmed, late.plant, passes, offer, criteria, progress)
-    evidence, place = _evidence_of(selected, confirmed, late, passes, criteria)
-    verdict = decide(evidence, criteria)
-    order, refused = later(confirmed.added, verdict) or _standing(confirmed, verdict), []
-    while order is not None:  # without what is not borne out others weigh otherwise: one may have been needed by it
-        if len(order) < len(confirmed.added):
-            refused += [a for a, r in zip(confirmed.weighed, verdict.roles, strict=True) if r == NOT_BORNE_OUT]
-        confirmed = confirm(late.plant, order, selected, passes, criteria, confirmed.levels)
+    order, confirmed, refused = selected.answer.added, None, []
+    while order is not None:
+        first = confirmed is None
+        confirmed = confirm(late.plant, order, selected, passes, criteria, None if first else confirmed.levels)
+        if first:
+            progress("weighing the evidence")
+            selected, confirmed = otherwise(selected, confirmed, late.plant, passes, offer, criteria, progress)
+            evidence, place = _evidence_of(selected, confirmed, late, passes, criteria)
         evidence = replace(evidence, added=confirmed.weighed)
         verdict = decide(evidence, criteria)
-        order = _standing(confirmed, verdict)
+        order = (later(confirmed.added, verdict) if first else None) or _standing(confirmed, verdict)
+        if order is not None and len(order) < len(confirmed.added):
+            # without what is not borne out, the others are weighed again: one may have been needed by it alone
+            refused += [a for a, r in zip(confirmed.weighed, verdict.roles, strict=True) if r == NOT_BORNE_OUT]
     evidence = replace(evidence, refused=tuple(refused))
     return reported(Outcome(late, passes, selected, confirmed, evidence, verdict, place, criteria), progress)
 
