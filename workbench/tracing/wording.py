@@ -45,9 +45,9 @@ def cause(
     """
     candidate, name = judgement.candidate, judgement.suspect.name
     suspect = judgement.suspect
+    was = _held(declared, candidate) if candidate.kind == CORRECTION else {}
     effect = find((candidate.effect if suspect.part else name).partition(" ")[0])  # without its label
     estimates = tuple(e for e in last.estimates if (e.effect, e.at) == (candidate.effect, candidate.at))
-    was = _held(declared, candidate) if candidate.kind == CORRECTION else {}
     identification, validation = (
         1.0 - (here.rms[r] / before.rms[r]) ** 2 if before.rms[r] > 0.0 else 0.0 for r in (IDENTIFICATION, VALIDATION)
     )
