@@ -80,7 +80,7 @@ def cause(
 
 def refinement(c: Cause) -> Refinement:
     """Return what would be a cause, were it not too small for one: nothing says that it is missing."""
-    sentence = f"{capital(c.title)} at the {c.at} takes away {100 * c.size:.2g} % of the drive's rms on the identification records."
+    sentence = f"{capital(title(c.effect))} at the {c.at} takes away {100 * c.size:.2g} % of the drive's rms on the identification records."
     return Refinement(c.effect, c.at, c.kind, sentence, c.parameters, c.size)
 
 
@@ -132,7 +132,7 @@ def not_carried(causes: Sequence[Cause], criteria: Criteria):
         if c.share_validation < criteria.doubted * c.share_identification:
             yield Finding(
                 "not carried over", c.effect,
-                f"{capital(c.title)} explains {100 * c.share_identification:.0f} % on identification but only "
+                f"{capital(title(c.effect))} explains {100 * c.share_identification:.0f} % on identification but only "
                 f"{100 * c.share_validation:.0f} % on validation; do not rely on it before a second validation record.",
                 {"identification": c.share_identification, "validation": c.share_validation},
             )  # fmt: skip
@@ -184,7 +184,7 @@ def _named(causes: Sequence[Cause], plant: Plant) -> list[str]:
 def _name_of(c: Cause, plant: Plant) -> str:
     """Return the name of a cause, with its place where the plant has another effect of this name."""
     alike = [e for e in plant.effects if e.named == c.effect]
-    return f"{c.title} at the {c.at}" if len(alike) > 1 else c.title
+    return f"{title(c.effect)} at the {c.at}" if len(alike) > 1 else title(c.effect)
 
 
 def _at_least(floor: float) -> str:
