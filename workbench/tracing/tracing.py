@@ -30,7 +30,7 @@ from workbench.tracing.result import Trace
 from workbench.tracing.selection import Selection, select
 from workbench.tracing.skew import skew_of
 from workbench.tracing.state import State
-from workbench.tracing.unexplained import Unexplained, instead
+from workbench.tracing.unexplained import Unexplained, instead, traded
 from workbench.tracing.weighing import weighed
 from workbench.tracing.whole import in_turn
 
@@ -135,7 +135,8 @@ def _evidence_of(
     even = {p.motion.record.name: calm for p in passes}
     before = explainable(base, criteria)
     after = explainable(answer.last, criteria) if answer.added else before
-    place = instead(base, answer.last, even) if confirmed.added else None
+    paid = traded(base, answer.last, even) if confirmed.added else None
+    place = paid or (instead(base, answer.last, even) if confirmed.added else None)
     first = confirmed.fits[0]
     steady = {name: min(x, max(base.steady, 1e-300)) for name, x in confirmed.levels.items()}
     evidence = Evidence(
@@ -145,6 +146,7 @@ def _evidence_of(
         after=after,
         added=weighed(selected, confirmed.added, confirmed.fits, passes, criteria),
         place_instead=place is not None,
+        traded=paid is not None,
     )
     return evidence, Unexplained(place, base.solution.cost**0.5) if place else None
 
