@@ -45,6 +45,15 @@ def localised(result: StudyResult) -> Items:
     """Where an unexplained residual lives, in words."""
     unknown = result.trace.located
     facts = []
+    if channel := unknown.get("channel"):
+        facts.append(f"The reading of {channel} shifts {_whereabouts(unknown)}{_moments(unknown)}.")
+        gone = numbers.percent(unknown["share"])
+        return Items(
+            (
+                *facts,
+                f"Putting the counts back takes away {gone} of the residual's power on the identification records.",
+            )
+        )
     if spans := unknown.get("spans"):
         facts.append(f"{capital(_whereabouts(unknown))} ({unknown['coordinate']}){_moments(unknown)}.")
         facts.append(f"It holds {numbers.percent(unknown['share'])} of the power above what is calm.")

@@ -29,7 +29,7 @@ from workbench.tracing.result import Trace
 from workbench.tracing.selection import Selection, select
 from workbench.tracing.skew import skew_of
 from workbench.tracing.state import State
-from workbench.tracing.unexplained import Unexplained, instead
+from workbench.tracing.unexplained import Unexplained, instead, traded
 from workbench.tracing.weighing import Confirmed, confirm
 
 
@@ -128,7 +128,8 @@ def _evidence_of(
     even = {p.motion.record.name: calm for p in passes}
     before = explainable(base, criteria)
     after = explainable(answer.last, criteria) if answer.added else before
-    place = instead(base, answer.last, even) if confirmed.added else None
+    paid = traded(base, answer.last, even) if confirmed.added else None
+    place = paid or (instead(base, answer.last, even) if confirmed.added else None)
     first = confirmed.fits[0]
     steady = {name: min(x, max(base.steady, 1e-300)) for name, x in confirmed.levels.items()}
     evidence = Evidence(
@@ -141,6 +142,7 @@ def _evidence_of(
         clock=late.skew is not None,
         idle=late.idle is not None,
         lost=late.lost.size if late.lost else 0.0,
+        traded=paid is not None,
     )
     return evidence, Unexplained(place, base.solution.cost**0.5) if place else None
 

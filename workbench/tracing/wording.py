@@ -205,8 +205,10 @@ def verdict_sentence(
     size = evidence.before
     if verdict == CAUSE:
         falls = "falls" if after.validation < 0.99 * before.validation else "goes"
+        what = what_of(causes, after.plant)
+        one = what.count(" is ") == 1 and " are " not in what
         return (
-            f"{capital(what_of(causes, after.plant))}. With {'it' if len(causes) == 1 else 'them'}, the validation error {falls} from "
+            f"{capital(what)}. With {'it' if one else 'them'}, the validation error {falls} from "
             f"{100 * before.validation:.2f} % to {100 * after.validation:.2f} % and the identification error from "
             f"{100 * before.identification:.2f} % to {100 * after.identification:.2f} %{_at_least(evidence.floor[IDENTIFICATION])}."
         )
