@@ -69,6 +69,9 @@ CASES = {
     "what is paid for with residual outside a window of the stroke": (
         evidence(weighed(), before=0.07, after=0.03, traded=True), UNKNOWN, (DRESSING,),
     ),
+    "values that no machine has, which leave much": (
+        evidence(weighed(implausible="its order stands on its bound"), before=0.1, after=0.04), UNKNOWN, (DRESSING,),
+    ),
     "little is left, but a line as it was": (
         replace(
             evidence(weighed(val=(0.05, 0.046))), before=Explainable(line=0.028, burst=0.068), after=Explainable(line=0.026, burst=0.027)

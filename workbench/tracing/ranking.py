@@ -109,11 +109,28 @@ def _plainest_first(
             break
         whole = state.errors.total
         if other.candidate.earns and whole - other.errors.total >= criteria.near * (whole - first.errors.total):
-            other = other if other.refitted else refitted_as(state, other, criteria)
+            other = _as_simple(
+                other if other.refitted else refitted_as(state, other, criteria), judgements, criteria, state
+            )
             judgements = [other, *(j for j in judgements if j.suspect is not other.suspect)]
             break
         judgements = _pushed_back(judgements, criteria, state)
     return judgements
+
+
+def _as_simple(
+    first: ScoredCandidate, others: Sequence[ScoredCandidate], criteria: Criteria, state: State
+) -> ScoredCandidate:
+    """Return what explains practically the same as `first` with fewer free parameters, `first` where nothing does.
+
+    What led to `first` may take plainly more (what LuGre takes of a count, and Stribeck's friction does not), so that these two
+    were not held against each other: Stribeck's, of a speed above all that is driven, is Coulomb's.
+    """
+    for j in (j for j in others if j.candidate.earns and j.theta is not None and j.freedom < first.freedom):
+        fitted = j if j.refitted else refitted_as(state, j, criteria)
+        if alike(first, fitted, criteria, state.power) and not absurd(fitted, state):
+            return fitted
+    return first
 
 
 def _stranger(j: ScoredCandidate) -> bool:
