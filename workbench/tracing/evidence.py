@@ -126,5 +126,5 @@ def evidence_of(data: Mapping[str, object]) -> Evidence:
     return Evidence(
         data["declared"], data["floor"], Explainable(**data["before"]), Explainable(**data["after"]),
         tuple(Weighed(**a) for a in data["added"]), data["place_instead"], data["clock"], data["idle"],
-        tuple(Weighed(**a) for a in data["refused"]), data["lost"], data["traded"],
+        tuple(Weighed(**a) for a in data["refused"]), data.get("lost", 0.0), data.get("traded", False),
     )  # fmt: skip

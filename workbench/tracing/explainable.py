@@ -11,7 +11,6 @@ bench time (instruments: Young 2011; Janot, Gautier, Brunot 2019). Four kinds ar
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from math import sqrt
 
 import numpy as np
@@ -21,6 +20,7 @@ from workbench.inverse.dynamics import InverseDynamics
 from workbench.motion import MOTION_BAND, LowPass
 from workbench.tracing.criteria import Criteria
 from workbench.tracing.evidence import Explainable
+from workbench.tracing.lines import Part, strongest_line
 from workbench.tracing.state import State
 
 BLOCK = 0.7  # s, left out together: longer than the memory of filters and of trees over neighbouring samples
@@ -31,29 +31,7 @@ CERTAIN = 3.0  # standard errors over blocks by which a share must differ from z
 TREES, LEAVES, LEAST_LEAF = 80, 16, 40
 RANKS = 128
 STILL, TURNING = 0.05, 0.06  # of the speed's rms, and s after a reversal, that are standstill
-MAINS, NEAR = (
-    (50.0, 60.0),
-    0.005,
-)  # Hz, and relative distance within which a line is a multiple of these: grids keep to 0.4 %
-# Power of what the model asks for over the residual's, in such a line, below which the axis does not feel it: a force that a drive
-# knows nothing of asks for as much. Half and twice of it change no verdict
-FELT = 0.25
 HEAVY = 20.0  # evaluation bandwidth over that of the position's low pass, where no reference was logged
-
-
-@dataclass(frozen=True, eq=False)
-class Part:
-    """One record's residual of the drive (n,), what is outside the loop (n, features), and when it moves (n,) of bool."""
-
-    residual: np.ndarray
-    outside: np.ndarray
-    moves: np.ndarray
-    way: np.ndarray
-    time: np.ndarray
-    dt: float
-    drive: np.ndarray
-    reference: np.ndarray
-    bandwidth: float
 
 
 def explainable(state: State, criteria: Criteria) -> Explainable:
@@ -63,7 +41,7 @@ def explainable(state: State, criteria: Criteria) -> Explainable:
     whole = sum(float(p.residual @ p.residual) for p in parts)
     unit = 1.0 / sqrt(state.power) if state.power > 0.0 else 0.0
     referenced = all("reference" in p.motion.record.channels for p in state.passes)
-    share, frequency = _strongest_line(parts, criteria.line)
+    share, frequency = strongest_line(parts, criteria.line)
     return Explainable(
         exogenous=unit * sqrt(_exogenous(parts)),
         time=unit * sqrt(_over_time(parts)),
@@ -207,48 +185,6 @@ def _over_time(parts: Sequence[Part]) -> float:
             mean = near @ total / np.maximum(near @ weight, 1e-300)
             best = max(best, _gained(power, power - 2.0 * mean * total + mean**2 * weight))
     return best
-
-
-def _strongest_line(parts: Sequence[Part], least: float) -> tuple[float, float]:
-    """Return (share of the residual's power, Hz) of the strongest spectral line; zeros where none stands out of its
-    surroundings by `least` in power, or where the reference or the drive has it."""
-    whole = sum(float(p.residual @ p.residual) for p in parts)
-    best = (0.0, 0.0)
-    for p in parts:
-        own, drive, reference = (_lines(x, p.dt, p.bandwidth) for x in (p.residual, p.drive, p.reference))
-        if own is None:
-            continue
-        f, power, ratio = own
-        asked = _lines(p.drive - p.residual, p.dt, p.bandwidth)[1]
-        known = (drive[2] > 0.5 * ratio) | (reference[2] > least) | _hum(f, power, drive[1], asked)
-        ratio = np.where(known, 0.0, ratio)
-        k = int(np.argmax(ratio))
-        if ratio[k] < least or whole <= 0.0:
-            continue
-        inside = power[max(k - 2, 0) : k + 3].sum() / power.sum() * float(p.residual @ p.residual) / whole
-        best = max(best, (float(inside), float(f[k])))
-    return best
-
-
-def _hum(f: np.ndarray, power: np.ndarray, drive: np.ndarray, asked: np.ndarray) -> np.ndarray:
-    """Return where (k,) a multiple of the mains is in the reported drive and the motion does not answer it, by power at f, Hz."""
-    cycles = f[:, None] / np.array(MAINS)
-    near = (np.abs(cycles - np.round(cycles)) < NEAR * np.round(cycles)).any(axis=1)
-    return near & (drive > 0.5 * power) & (asked < FELT * power)
-
-
-def _lines(x: np.ndarray, dt: float, bandwidth: float) -> tuple[np.ndarray, np.ndarray, np.ndarray] | None:
-    """Return (Hz, power, power over the median of 101 neighbours) in the band, or None for a record too short."""
-    from scipy.ndimage import median_filter
-
-    power = np.abs(np.fft.rfft((x - x.mean()) * np.hanning(x.size))) ** 2
-    f = np.fft.rfftfreq(x.size, dt)
-    power, f = power[f <= bandwidth], f[f <= bandwidth]
-    if f.size < 200:
-        return None
-    ratio = power / np.maximum(median_filter(power, 101), 1e-300)
-    ratio[f < 1.0] = 0.0  # slow changes are the business of bench time
-    return f, power, ratio
 
 
 def _bursts(parts: Sequence[Part], least: float) -> float:
