@@ -8,27 +8,14 @@ Nothing is imported: the files are read. Listed is a public dataclass that a fil
 import ast
 import re
 from collections.abc import Iterator
-from pathlib import Path
 
-ROOT = Path(__file__).resolve().parent.parent
-PACKAGE = ROOT / "workbench"
+from layers import PACKAGE, layers, room
+
 HEAD = """# Types
 
 Written by `python tools/type_table.py > docs/types.md` from the code, as the catalogue is: each value that passes from one
 package to another, with its fields and what it is. Nearly all are frozen: a change is a new value (`dataclasses.replace`).
 """
-
-
-def layers() -> dict[str, int]:
-    """Return the layer of each module and package, from the table of docs/architecture.md."""
-    text = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
-    rows = re.findall(r"^\| (\d+) \| (.+?) \|", text, flags=re.MULTILINE)
-    return {name: int(layer) for layer, cell in rows for name in re.findall(r"`(\w+)/?`", cell)}
-
-
-def room(path: Path) -> str:
-    """Return the module or package directly under workbench/ that a file belongs to."""
-    return path.relative_to(PACKAGE).parts[0].removesuffix(".py")
 
 
 def asked() -> dict[str, set[str]]:

@@ -8,15 +8,13 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from types import MappingProxyType
 
-from workbench import definition as fx
-from workbench.errors import UnsoundRecord, WorkbenchError
+from workbench.errors import UnsoundRecord
 from workbench.finding import SAMPLING_RATE, Finding
-from workbench.plant import KINDS, TWO_MASS, Geometry, Limits, Plant
+from workbench.plant import KINDS, TWO_MASS, Plant
 from workbench.readers import declaration
-from workbench.readers.declaration import Table
+from workbench.readers.plant import declared_plant
 from workbench.readers.records import assumptions, channels, records
 from workbench.record import Record
-from workbench.units import effect_unit
 
 FILE = "campaign.toml"
 BAND = 0.45  # of the sampling rate: what is left below Nyquist for the filters to fall
@@ -63,7 +61,7 @@ def load(folder: Path | str, *, resample: bool = False) -> Campaign:
     kind = top.choice("plant", KINDS, "plant")
     title, bandwidth = top.text("title"), top.quantity("evaluation_bandwidth", "Hz", above=0.0)
     measured = channels(top, kind == TWO_MASS, notes)
-    plant = _plant(top, kind, "torque" in measured, notes)
+    plant = declared_plant(top, kind, "torque" in measured, notes)
     frozen, findings = records(top, folder, measured, resample or top.flag("resample"))
     if not notes["initial_condition"]:
         frozen = tuple(replace(r, history=None) for r in frozen)
@@ -78,39 +76,3 @@ def load(folder: Path | str, *, resample: bool = False) -> Campaign:
         )
     tolerance = top.number("tolerance", above=0.0) if "tolerance" in top.values else None
     return Campaign(folder, title, plant, frozen, bandwidth, findings, {k: n for k, n in notes.items() if n}, tolerance)
-
-
-def _plant(top: Table, kind: str, rotary: bool, notes: dict[str, str]) -> Plant:
-    """Return the plant as declared, values in SI."""
-    given = top.table("geometry", optional=("gear_ratio", "pole_pairs"))
-    geometry = Geometry(**{key: given.number(key, above=0.0) for key in given.values})
-    stated = (("drive", "actuator_limit", "F"), ("speed", "speed_limit", "x/s"))
-    limits = {name: top.quantity(key, effect_unit(unit, rotary), above=0.0) for name, key, unit in stated if key in top}
-    plant = Plant(kind, (), rotary, geometry, Limits(**limits))
-    for one in top.tables("effects", "effect", ("effect", "at"), ("law", "parameters", "label")):
-        effect = fx.find(one.text("effect"), one.path("effect"))
-        effect = _declared(replace(effect, at=one.text("at")), one, rotary)
-        try:
-            plant = plant + replace(effect, at=one.text("at"), label=one.text("label"))
-        except WorkbenchError as e:
-            raise WorkbenchError(f"{one.path('at')}: {e}") from e
-        notes[f"effects.{plant.effects[-1].key}.law"] = one.text("law")
-    return plant
-
-
-def _declared(effect: fx.Effect, one: Table, rotary: bool) -> fx.Effect:
-    """Return the effect with the values of its parameters table."""
-    known = effect.outside
-    given = one.table("parameters", optional=tuple(known))
-    values, fixed = {}, {}
-    # Numbers without unit first: they may be the exponent in the unit of another ("1/x^d").
-    for name in sorted(given.values, key=lambda n: known[n].unit != "1"):
-        powers = {n: values.get(n, p.value) for n, p in known.items() if p.unit == "1"}
-        values[name] = given.quantity(name, effect_unit(known[name].unit, rotary, powers), optional=("fixed",))
-        known[name].at(values[name], where=given.path(name))
-        if "fixed" in (table := given.table(name, optional=("value", "unit", "fixed"))):
-            fixed[name] = table.flag("fixed")
-    try:
-        return effect.declared(values, fixed, given.where)
-    except ArithmeticError as e:
-        raise WorkbenchError(f"{given.where}: these values cannot be held together ({e}); check their sizes.") from e

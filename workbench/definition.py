@@ -45,9 +45,11 @@ class Effect:
     """See the module. motions: kinds of axis on which it exists. `linear` parameters enter the output linearly and no state;
     this is checked when steps are built. traced: offered as what a model may lack (False: another spelling of an effect
     that is, or one that a study has to offer). stated: places at which it is declared and not offered, because another effect
-    is traced there that says the same. free_at: parameter -> places at which it may be free; elsewhere it is held, because it
-    changes nothing there. rare: where it explains no more than another effect as simple, a trace names the
-    other one. label: tells effects of one name at one place apart, as two resonances. An effect that can be at a joint and at a sensor is the same map of both, and takes its port from `at`.
+    is traced there that says the same. beside: place -> effect beside which alone it is offered there. free_at: parameter -> places
+    at which it may be free; elsewhere it is held, because it changes nothing there. harmonic: parameter of which a second effect of
+    this name at its place has twice the value. rare: where it explains no more than another effect as simple, a trace names the
+    other one. label: tells effects of one name at one place apart, as two resonances. An effect that can be at a joint and at a
+    sensor is the same map of both, and takes its port from `at`.
     family: class of causes, of which the law is a second question (docs/architecture/ has the list). reduces: parameter ->
     (neutral value, name of the simpler effect that it then is, "" for none): a number, or TWO_COUNTS for a length of no more
     than that. parts: names of the simpler effects that a composite joins. knots: parameters that are held by definition, as
@@ -76,7 +78,9 @@ class Effect:
     traced: bool = True
     nearest: str = ""
     stated: tuple[str, ...] = ()
+    beside: Mapping[str, str] = field(default_factory=dict)
     free_at: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+    harmonic: str = ""
     rare: bool = False
     label: str = ""
     family: str = ""
@@ -96,7 +100,7 @@ class Effect:
             n: replace(self.parameters[n], fixed=True) for n, places in self.free_at.items() if self.at not in places
         }
         object.__setattr__(self, "parameters", {**self.parameters, **held})
-        for name in ("parameters", "states", "free_at", "reduces"):
+        for name in ("parameters", "states", "beside", "free_at", "reduces"):
             object.__setattr__(self, name, MappingProxyType(dict(getattr(self, name))))
         if self.port not in PORTS:
             raise WorkbenchError(f"effect '{self.name}': unknown port '{self.port}'; {nearest(self.port, PORTS)}")

@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import rig
+from made_motions import sines
 from rig.motions import RECORDS
 from scipy.signal import lfilter
 
@@ -36,12 +37,7 @@ def measured(seed: int, memory: float = 0.05, seconds: float = 8.0, **changed: f
     is_now, rng, records = TRUTH | changed, np.random.default_rng(seed), []
     t = np.arange(round(seconds * RATE)) / RATE
     for name in ("one", "two"):
-        q, v, a = np.zeros((3, t.size))
-        for amplitude, frequency in ((1.0, 0.4), (0.2, 1.7), (0.03, 5.0)):
-            w, phase = 2 * np.pi * frequency * rng.uniform(0.9, 1.1), rng.uniform(0, 2 * np.pi)
-            q += amplitude * np.sin(w * t + phase)
-            v += amplitude * w * np.cos(w * t + phase)
-            a -= amplitude * w**2 * np.sin(w * t + phase)
+        q, v, a = sines(rng, t)
         keep = np.exp(-1 / (memory * RATE))
         noise = lfilter([NOISE * np.sqrt(1 - keep**2)], [1, -keep], rng.standard_normal(t.size))
         u = is_now["inertia"] * a + is_now["viscous"] * v + is_now["h0"] * rig.masing(q - q[0], is_now["a"]) + noise

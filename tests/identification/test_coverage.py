@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import rig
+from made_motions import sines
 from scipy.signal import lfilter
 
 from workbench.definition import find
@@ -24,13 +25,7 @@ def moved(seed: int, seconds: float) -> tuple[np.ndarray, ...]:
     """Return (t, q, v, a): slow and fast, large and small sines in closed form."""
     rng = np.random.default_rng(seed)
     t = np.arange(round(seconds * RATE)) / RATE
-    q, v, a = np.zeros((3, t.size))
-    for amplitude, frequency in ((1.0, 0.4), (0.2, 1.7), (0.03, 5.0)):
-        w, phase = 2 * np.pi * frequency * rng.uniform(0.9, 1.1), rng.uniform(0, 2 * np.pi)
-        q += amplitude * np.sin(w * t + phase)
-        v += amplitude * w * np.cos(w * t + phase)
-        a -= amplitude * w**2 * np.sin(w * t + phase)
-    return t, q, v, a
+    return t, *sines(rng, t)
 
 
 def coloured(rng, n: int, size: float, memory: float) -> np.ndarray:

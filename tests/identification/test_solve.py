@@ -6,6 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from workbench.definition import find
+from workbench.identification.linearised import Linearised
 from workbench.identification.problem import Problem
 from workbench.identification.solve import bounded, solve, solved_at
 from workbench.inverse.dynamics import inverse_dynamics
@@ -13,7 +14,6 @@ from workbench.inverse.shift import LAGRANGE, between, weights
 from workbench.plant import TWO_MASS, Plant
 from workbench.record import IDENTIFICATION, Record, Source
 from workbench.tracing.candidates import suspects
-from workbench.tracing.linearised import Linearised
 
 DT, BAND = 1e-3, 100.0
 

@@ -69,6 +69,16 @@ def test_a_joint_is_identified_whatever_the_zeros_of_its_encoders(apart):
         assert said == [] and relaxed(records, BAND) == tuple(records)
 
 
+def test_a_kinematic_error_is_found_between_encoders_whose_zeros_lie_apart():
+    """Every record has a zero of its own, so the wave's is no parameter: what rounding makes of its derivative is no direction."""
+    wave = find("kinematic_error")(at="joint", order=6.0)
+    truth = elastic() + wave(sine=2e-3, cosine=1e-3)
+    fit = identify(elastic() + wave, inverse_dynamics(recorded(truth, 0.01, -0.02, 0.015), BAND))
+    found = fit.plant["kinematic_error@joint"].parameters
+    assert (found["sine"].value, found["cosine"].value) == pytest.approx((2e-3, 1e-3), rel=0.03)
+    assert found["order"].value == pytest.approx(6.0, rel=1e-3) and fit.validation < 0.02
+
+
 def test_a_zero_that_is_free_is_found_without_the_measured_drive():
     records = recorded(elastic(), 0.01, -0.02, 0.015)
     turned = [replace(r, channels={**r.channels, "torque": r.channels["torque"][::-1].copy()}) for r in records]

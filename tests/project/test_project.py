@@ -8,29 +8,13 @@ import sys
 import tomllib
 import zipfile
 from collections.abc import Iterator
-from pathlib import Path
 
 import pytest
+from layers import PACKAGE, ROOT, layers, room
 from packaging.requirements import Requirement
 from packaging.utils import canonicalize_name
 
-ROOT = Path(__file__).resolve().parents[2]
-PACKAGE = ROOT / "workbench"
-
-
 # --- layers ----------------------------------------------------------------------------------------------------------
-
-
-def layers() -> dict[str, int]:
-    """Return the layer of each module, from the table of docs/architecture.md: the one place that states it."""
-    text = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
-    rows = re.findall(r"^\| (\d+) \| (.+?) \|", text, flags=re.MULTILINE)
-    return {name: int(layer) for layer, cell in rows for name in re.findall(r"`(\w+)/?`", cell)}
-
-
-def room(path: Path) -> str:
-    """Return the module or folder directly under workbench/ that a file belongs to, as the table names it."""
-    return path.relative_to(PACKAGE).parts[0].removesuffix(".py")
 
 
 def imported(text: str, package: list[str]) -> Iterator[tuple[int, str]]:

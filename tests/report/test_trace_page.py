@@ -13,8 +13,8 @@ from workbench.inverse.dynamics import inverse_dynamics
 from workbench.report import residual_figures, write
 from workbench.report.chapters import standard
 from workbench.report.contents import Figure, Heading, Items, Table
+from workbench.report.residual_figures import Shade
 from workbench.report.residual_maps import where_it_lives as chapter
-from workbench.report.unknown import Shade
 from workbench.residual.residual_maps import as_list, map_residual
 from workbench.residual.window import BACKWARD, EITHER, FORWARD
 from workbench.study import traced

@@ -66,6 +66,17 @@ CASES = {
     "a place in which a law is only nearly right says no more": (
         evidence(weighed(), before=0.035, after=0.004, place_instead=True), CAUSE, (CAUSE,),
     ),
+    "what is paid for with residual outside a window of the stroke": (
+        evidence(weighed(), before=0.07, after=0.03, traded=True), UNKNOWN, (DRESSING,),
+    ),
+    "values that no machine has, which leave much": (
+        evidence(weighed(implausible="its order stands on its bound"), before=0.1, after=0.04), UNKNOWN, (DRESSING,),
+    ),
+    "little is left, but a line as it was": (
+        replace(
+            evidence(weighed(val=(0.05, 0.046))), before=Explainable(line=0.028, burst=0.068), after=Explainable(line=0.026, burst=0.027)
+        ), UNKNOWN, (DRESSING,),
+    ),
     "an encoder that loses counts, which were put back": (evidence(before=0.0, lost=0.03), UNKNOWN, ()),
     "what is less than the lost counts may dress what is left of them": (
         evidence(weighed(id_=(0.02, 0.01)), lost=0.03), UNKNOWN, (DRESSING,),

@@ -11,9 +11,10 @@ from made_joints import joint, jointed
 from workbench.definition import find
 from workbench.inverse.bodies import POSITION
 from workbench.inverse.dynamics import InverseDynamics, inverse_dynamics
-from workbench.plant import ONE_MASS, Plant
+from workbench.plant import ONE_MASS, TWO_MASS, Plant
 from workbench.record import IDENTIFICATION, Record, Source
 from workbench.tracing import search
+from workbench.tracing.budget import BUDGET, Budget
 from workbench.tracing.candidates import suspects
 from workbench.tracing.search import within_reach
 from workbench.tracing.starts import lateness, resolved, starts, strokes
@@ -64,6 +65,18 @@ def test_a_residual_that_follows_the_counts_starts_no_wave_of_their_pitch():
     plant = Plant(ONE_MASS, rotary=False) + find("coulomb_friction")
     found = starts(find("cogging"), given, [given[0].motion.u], plant)
     assert found and max(s["order"] for s in found) <= np.pi / COUNT
+
+
+def test_a_budget_bounds_how_many_starts_a_candidate_has():
+    given = passes(0.05 * np.sin(0.1 * T), np.sin(3.0 * T))
+    plant = Plant(ONE_MASS, rotary=False) + find("coulomb_friction")
+    every = starts(find("presliding_hysteresis"), given, [given[0].motion.u], plant)
+    few = starts(find("presliding_hysteresis"), given, [given[0].motion.u], plant, Budget(strokes=2))
+    assert len(few) == 2 < len(every) and few[0] == every[0] and few[-1] == every[-1]
+    assert (
+        starts(find("cogging"), given, [given[0].motion.u], plant, Budget(starts=1))
+        == starts(find("cogging"), given, [given[0].motion.u], plant)[:1]
+    )
 
 
 def test_the_search_keeps_orders_between_one_period_of_travel_and_what_is_resolved():
@@ -128,7 +141,7 @@ def test_starts_of_a_wave_that_has_no_size_yet_are_not_all_tried():
         tried.clear()
         left = list(values)
         cost = lambda theta: (tried.append(theta), left.pop(0))[1]  # noqa: E731
-        return search.worth(SimpleNamespace(cost=cost, beside=beside), options)
+        return search.worth(SimpleNamespace(cost=cost, beside=beside), options, BUDGET.refined)
 
     assert costs(2.0, 2.0, 1.0, 1.0, 1.0) == [2.0, 2.0] and len(tried) == 2
     assert len(costs(2.0, 2.0, 1.0, 1.0, 1.0, beside="a force")) == 5
@@ -148,3 +161,32 @@ def test_strokes_reach_from_counts_to_what_is_travelled_there(at):
     np.testing.assert_allclose(found[[0, -1]], [4e-4, reach], rtol=0.01)
     assert np.all(np.diff(found) > 0) and found.size <= 6
     assert np.max(found[1:] / found[:-1]) <= 8.0
+
+
+def offered(plant: Plant) -> dict[str, Plant]:
+    """Return key -> plant of each candidate."""
+    return {s.key: s.plant for s in suspects(plant, declared=[e.key for e in plant.effects])}
+
+
+def test_two_waves_share_the_zero_of_the_angle_between_two_encoders():
+    first = find("kinematic_error")(at="joint", order=52.0)
+    assert not first.parameters["zero"].fixed
+    second = offered(Plant(TWO_MASS) + find("linear_stiffness") + first)["kinematic_error 2@joint"][
+        "kinematic_error 2@joint"
+    ]
+    assert second.parameters["zero"].fixed and not second.parameters["order"].fixed
+
+
+def test_the_second_eccentricity_of_a_disc_is_its_second_harmonic():
+    disc = find("encoder_eccentricity")(at="sensor.load_position")
+    (again,) = [
+        p for key, p in offered(Plant(TWO_MASS) + disc).items() if key == "encoder_eccentricity 2@sensor.load_position"
+    ]
+    turns = again["encoder_eccentricity 2@sensor.load_position"].parameters["turns"]
+    assert turns.value == 2.0 and turns.fixed
+
+
+def test_a_cubic_spring_to_ground_is_offered_beside_a_declared_one_alone():
+    bare = Plant(ONE_MASS, rotary=False) + find("inertia")
+    assert "cubic_stiffness@axis" not in offered(bare)
+    assert "cubic_stiffness@axis" in offered(bare + find("linear_stiffness")(at="axis"))

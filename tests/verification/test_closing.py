@@ -15,9 +15,9 @@ from workbench.plant import ONE_MASS, TWO_MASS, Limits, Plant
 from workbench.record import VALIDATION, Record, Source
 from workbench.report.closed_loop import absent, closing, heading
 from workbench.report.contents import Callout, Figure, Table
-from workbench.study.traced import closed_loop
 from workbench.verification.assumed import judge, loop_of
-from workbench.verification.closed_loop import DECLARED, EXTENDED, as_dict, close, lacking, rise_of
+from workbench.verification.closed_loop import DECLARED, EXTENDED, as_dict, close, rise_of
+from workbench.verification.closing import closed_loop, lacking
 
 FRICTION = (find("viscous_friction")(viscous=0.01), find("coulomb_friction")(coulomb=0.1))
 

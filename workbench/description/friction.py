@@ -5,14 +5,12 @@ So the forces are stepped together through q = A cos(w t), as identification ste
 """
 
 from collections.abc import Sequence
-from types import SimpleNamespace
 
 import numpy as np
 
 from workbench import definition as fx
 from workbench.description.result import Equivalent
-from workbench.inverse.balances import required
-from workbench.inverse.dynamics import InverseDynamics
+from workbench.inverse.forces import force_along
 from workbench.plant import Plant
 
 CYCLES = 3  # the last one is taken: a hysteresis is settled after the first reversal pair
@@ -32,15 +30,6 @@ def friction_of(plant: Plant) -> tuple[Plant, float, float]:
         if e.name in (*MASS, "viscous_friction") or e.port != fx.FORCE:
             rest = rest.without(e.key)
     return rest, inertia, viscous
-
-
-def made_up(name: str, counts: float, dt: float, **moved: np.ndarray):
-    """Return a motion that no record holds: q, dq, v, a (n,) every dt seconds, of an encoder with this resolution."""
-    n = moved["q"].size
-    record = SimpleNamespace(
-        channels={}, name=name, locked=False, zero=None, payload=None, resolution={"position": counts}
-    )
-    return SimpleNamespace(record=record, counts=counts, t=dt * np.arange(n), dt=dt, u=np.zeros(n), **moved)
 
 
 def equivalent_of(plant: Plant, amplitudes: Sequence[float], omegas: Sequence[float], counts: float) -> Equivalent:
@@ -65,14 +54,14 @@ def cycles_of(plant: Plant, amplitudes: Sequence[float], omegas: Sequence[float]
     phase = 2 * np.pi * np.arange(CYCLES * SAMPLES + 1) / SAMPLES
     for k, (amplitude, omega) in enumerate(zip(amplitudes, omegas, strict=True)):
         q = amplitude * np.cos(phase)
-        motion = made_up(
-            "a settled cycle",
-            counts,
+        forces = force_along(
+            plant,
             2 * np.pi / SAMPLES / omega,
+            counts,
             q=q,
             dq=np.diff(q, prepend=0.0),  # from the relaxed state at zero out to A
             v=-amplitude * omega * np.sin(phase),
             a=-amplitude * omega**2 * np.cos(phase),
         )
-        out[k] = required(InverseDynamics(motion), plant)[(CYCLES - 1) * SAMPLES : CYCLES * SAMPLES]
+        out[k] = forces[(CYCLES - 1) * SAMPLES : CYCLES * SAMPLES]
     return out

@@ -136,7 +136,7 @@ def design(
         against=baselines,
     )  # fmt: skip
     say("checking the gains between the knots")
-    _, inertia, viscous = friction_of(plant)
+    inertia, viscous = linear.inertia, linear.viscous
     at = described_at(plant, equivalent, gains, loop)
     own_loop = loop_under(made.climbed.best.controller(), loop)
     between = between_knots(

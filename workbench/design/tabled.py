@@ -75,8 +75,6 @@ def tabled(
     interpolated = fit_schedule(
         robust,
         per_octave=per_octave,
-        lowest=float(amplitude[0]),
-        highest=float(amplitude[-1]),
         tolerance=tolerance,
         rule=rule,
         plant_digest=plant.digest,

@@ -70,7 +70,7 @@ def kinematic_error() -> Effect:
 
 @effect
 def encoder_eccentricity() -> Effect:
-    """y = q + A sin(n q + p), n the turns of the encoder per turn of the output: once per turn of its disc."""
+    """y = q + A sin(n q + p), n the turns of the encoder per turn of the output: once per turn of its disc, and its harmonics."""
 
     def step(s, z, p):
         angle = p.turns * s.q
@@ -85,6 +85,7 @@ def encoder_eccentricity() -> Effect:
         family="angle over angle",
         parameters=AMPLITUDES | {"turns": TURNS, "zero": ZERO},
         free_at={"zero": ("sensor.load_position",)},
+        harmonic="turns",
         reads=("q",),
         step=step,
         places=("sensor",),

@@ -35,14 +35,14 @@ def linear_stiffness() -> Effect:
 
 @effect
 def cubic_stiffness() -> Effect:
-    """T = k3 x^3, k3 >= 0: hardening."""
+    """T = k3 x^3, k3 >= 0: hardening; of a joint in its deflection, of one mass beside a declared spring to ground."""
 
     def step(s, z, p):
         return {}, p.k3 * (s.q * s.q * s.q)
 
     return Effect(
         name="cubic_stiffness",
-        cause="more teeth in mesh as torque grows: the joint hardens",
+        cause="more teeth in mesh as torque grows: the joint hardens; on one mass a flexure that stretches as it bends",
         formula="T = k3 x^3",
         source="Tuttle and Seering 1996",
         port=FORCE,
@@ -53,7 +53,8 @@ def cubic_stiffness() -> Effect:
         reads=("q",),
         step=step,
         holds=("conservative", "odd"),
-        places=("joint",),
+        places=("axis", "joint"),
+        beside={"axis": "linear_stiffness"},
         at="joint",
     )
 

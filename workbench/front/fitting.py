@@ -16,6 +16,7 @@ from workbench.inverse.dynamics import inverse_dynamics
 from workbench.plant import freed
 from workbench.record import Record
 from workbench.tracing import calibration, tracing
+from workbench.tracing.budget import BUDGET, Budget
 from workbench.tracing.criteria import Criteria
 from workbench.tracing.result import Trace
 
@@ -56,13 +57,14 @@ def trace(
     only: Collection[str] | None = None,
     own: Collection[Effect] = (),
     criteria: Criteria | None = None,
+    budget: Budget | None = None,
     progress: Say | None = None,
 ) -> Trace:
     """Find what a model lacks: every effect of the catalogue is tried jointly with it on what it leaves of the records.
 
     model, records, bandwidth: as of `identify`; a Fit has its records with it. most: effects added at most. only: names of
     the effects that are tried. own: effects that are tried beside those of the catalogue. criteria: what decides
-    (workbench.tracing.criteria). progress: called with a line now and then.
+    (workbench.tracing.criteria). budget: of the search (workbench.tracing.budget). progress: called with a line now and then.
 
     Of the Trace: `verdict` is "cause", "nothing_missing" or "unknown", `sentence` says it, `causes` and `findings` hold it
     with numbers, `plant` is the extended one. Validation records choose no effect; they bear it out. Errors as of `identify`.
@@ -70,7 +72,7 @@ def trace(
     campaign = campaign_of(model, records, bandwidth)
     passes = inverse_dynamics(campaign.records, campaign.bandwidth)
     say = progress or (lambda _: None)
-    found = tracing.trace(campaign.plant, passes, say, most, only, own, criteria or Criteria())
+    found = tracing.trace(campaign.plant, passes, say, most, only, own, criteria or Criteria(), budget or BUDGET)
     phases = calibration.calibrations(passes, found)
     measured = {"records": campaign.records, "bandwidth": campaign.bandwidth}
     return replace(

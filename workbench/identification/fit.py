@@ -77,17 +77,17 @@ def seen(problem: Problem, solution: Solution, passes: Sequence[InverseDynamics]
     owns = own_estimates(problem, solution, linear)
     apart = spread(plant, linear, owns)
     noise = float(np.sqrt(np.mean(solution.residual**2)))
+    series, predictions = {}, {}
+    for p in passes:
+        series[p.motion.record.name], predictions[p.motion.record.name] = series_of(plant, p)
+    squares = {name: s.squares for name, s in sorted(series.items())}
+    of_role = {r: sum((squares[n] for n in squares if series[n].role == r), Squares()) for r in ROLES}
     # a cause before what it causes: what is not excited is not determined
     half = dict(zip(names, t * np.sqrt(np.maximum(np.diag(cov), 0.0)), strict=True))
     said = findings.excitation(problem, solution, half, noise)
     said += findings.disagreements(problem, plant, linear, owns) + intervals.findings(problem, estimates, names, cov)
     for of in (zeros, prehistory):
         said += of.findings([p.motion.record for p in passes], plant.displacement)
-    series, predictions = {}, {}
-    for p in passes:
-        series[p.motion.record.name], predictions[p.motion.record.name] = series_of(plant, p)
-    squares = {name: s.squares for name, s in sorted(series.items())}
-    of_role = {r: sum((squares[n] for n in squares if series[n].role == r), Squares()) for r in ROLES}
     return Fit(
         plant=plant,
         estimates=estimates,

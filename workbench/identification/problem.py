@@ -19,6 +19,7 @@ from workbench.plant import Plant, reads_load
 
 LOGARITHMIC = ("speed", "stroke", "rate", "resonance", "settling")
 STEP = 1e-4  # relative step of the directional derivative of a pass
+ROUNDED = 1e-13  # of the drive: a pass that changes by less with a step is one that rounding changes, and no direction to search
 
 
 @dataclass(frozen=True)
@@ -185,7 +186,8 @@ class Problem:
             other = part.with_values({name.key: {name.parameter: from_search(p, theta[k] + step)}})
             more = np.concatenate([stacked(q.moved(part, other), q.motion.keep, q.counts) for q in self.passes])
             scale = self.command_scale(other)
-            result[:, k] = ((scale / factor - 1.0) * base - scale * more) / step
+            change = (scale / factor - 1.0) * base - scale * more
+            result[:, k] = change / step if np.linalg.norm(change) > ROUNDED * np.linalg.norm(y) else 0.0
         return result
 
     def step_of(self, p: Parameter, value: float) -> float:

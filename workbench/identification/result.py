@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from workbench.finding import Finding
+from workbench.finding import Finding, title
 from workbench.notebook import page
 from workbench.plant import Plant
 from workbench.record import Record
@@ -24,6 +24,11 @@ class Estimate:
     unit: str
     meaning: str
     fixed: bool
+
+    @property
+    def title(self) -> str:
+        """Name of its effect as it is read."""
+        return title(self.effect)
 
 
 @dataclass(frozen=True)

@@ -5,6 +5,7 @@ from workbench.public import handed_on
 HELD = {
     "Bodies": "bodies",
     "InverseDynamics": "dynamics",
+    "force_along": "forces",
     "inverse_dynamics": "dynamics",
     "predicted": "balances",
     "required": "balances",

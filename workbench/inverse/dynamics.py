@@ -5,20 +5,18 @@ forces; those that follow the load, which the others make (`plant.carried`). No 
 """
 
 from collections import OrderedDict
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from workbench import definition as fx
 from workbench.definition import Effect, catalogue
-from workbench.effects.direction import in_parallel, stop_direction
-from workbench.errors import WorkbenchError
 from workbench.inverse.bodies import ACCELERATION, CHANNEL, INCREMENT, POSITION, VELOCITY, Bodies, path_of, rows
 from workbench.inverse.command import Command, drive_maps
+from workbench.inverse.forces import Ran, forces_of, linear_of, outputs_of, run_forces, summed
 from workbench.inverse.zeros import closed as with_zero
 from workbench.inverse.zeros import relaxed
-from workbench.kernel.step import build
 from workbench.motion import Motion, motion
 from workbench.plant import PLACES, TWO_MASS, Plant, carried, reads_load
 from workbench.record import Record
@@ -26,11 +24,6 @@ from workbench.record import Record
 KEEP = 160  # columns kept a record: the declared model, and a few dozen trial shapes
 # by what a force at a place enters the balances: of the one body, or the motor's and the load's
 LEVERS = {"axis": np.ones((1, 1)), "motor": np.array([[1.0], [0.0]]), "load": np.array([[0.0], [1.0]])}
-
-
-def _shape_values(effect: Effect) -> tuple[float, ...]:
-    """Values of the parameters that a column depends on."""
-    return tuple(effect.parameters[n].value for n in effect.shape)
 
 
 class InverseDynamics:
@@ -137,14 +130,14 @@ class InverseDynamics:
             if new == key and path == was:
                 continue
             differs = True
-            values = np.array(_linear(e))
+            values = np.array(linear_of(e))
             more -= (values @ after) * by - (values @ before) * lever
         return self.motion.filter(self.closed(plant, more, more)) if differs else more
 
     def _forces(self, plant: Plant):
         """Yield (effect, outputs (columns, n), (path, lever), key), place by place, those that provide the direction first."""
         for place in PLACES[plant.kind]:
-            forces = sorted((e for e in plant.effects if e.port == fx.FORCE and e.at == place), key=lambda e: e.key)
+            forces = forces_of(plant, place)
             if place == "load" and self.motion.record.locked:
                 continue
             if forces:
@@ -162,63 +155,35 @@ class InverseDynamics:
 
     def _run(self, e: Effect, signals: dict, plant: Plant, place: str) -> np.ndarray:
         """Return the outputs (columns, n) of a force; of an operator of the motion's increments from the finer passes."""
-        values = {n: p.value for n, p in e.parameters.items()}
         if self.fine is not None and e.states and "dq" in e.reads and not {"dir", "tau", "u"} & set(e.reads):
-            return self.coarse(build(e).run(self.fine._signals(plant, place)[0], values))
-        return build(e).run(signals, values)
+            return self.coarse(outputs_of(e, self.fine._signals(plant, place)[0]))
+        return outputs_of(e, signals)
 
     def _at(self, plant: Plant, place: str, forces: list[Effect]):
-        m = self.motion
         signals, path = self._signals(plant, place)
-        paths = dict.fromkeys(("q", "dq", "v", "a"), path)
-        width = max(2 * self.bodies.counts(CHANNEL.get(place, "position")), m.counts, 1e-12)
-        forces = in_parallel(forces, width)
-        givers = [e for e in forces if e.provides]
-        takers = [e for e in forces if not e.provides]
-        if not givers and any("dir" in e.reads for e in takers):
-            givers = [stop_direction(width)]
+        width = max(2 * self.bodies.counts(CHANNEL.get(place, "position")), self.motion.counts, 1e-12)
         lever = self._lever(plant, place)
-        ran: dict[str, tuple] = {}
-        for e in (*givers, *sorted(takers, key=reads_load)):
-            if reads_load(e) and "tau" not in signals:
-                signals["tau"], signals["tau_inertia"], key = self._carried(plant, place, ran)
-                paths |= {"tau": key, "tau_inertia": key}
-            missing = [r for r in e.reads if r not in signals]
-            if "u" in missing:
-                raise WorkbenchError(
-                    f"effect '{e.name}' is a force and reads 'u', the drive that it is a part of; a prediction must not see "
-                    "it: let it read 'tau', the torque that its contact carries."
-                )
-            if missing:
-                raise WorkbenchError(
-                    f"effect '{e.name}' reads '{missing[0]}', which record '{m.record.name}' does not have at the {place}."
-                )
-            key = (_name(e), place, _shape_values(e), *dict.fromkeys(paths[r] for r in e.reads if r in paths))
-            outputs = self._keep(("raw", *key), lambda e=e: self._run(e, signals, plant, place))
-            for i, given in enumerate(e.provides):
-                signals[given] = outputs[len(e.linear or ("",)) + i]
-                paths[given] = key
-            if e.name == "direction":
-                continue
-            ran[e.key] = outputs[: len(e.linear or ("",))], key
-            yield e, outputs[: len(e.linear or ("",))], lever, key
 
-    def _carried(self, plant: Plant, place: str, ran: Mapping[str, tuple]) -> tuple[np.ndarray, np.ndarray, tuple]:
-        """Return (tau, tau_inertia, what they are kept under): the torque that a contact carries, from the plant's own values.
+        def kept(e: Effect, signals: dict, key: tuple) -> np.ndarray:
+            return self._keep(("raw", *key), lambda: self._run(e, signals, plant, place))
 
-        ran: effect key -> (outputs, key) of the forces at this place that have run.
+        lacks = f"record '{self.motion.record.name}' does not have at the {place}"
+        for e, outputs, key in run_forces(
+            forces, signals, path, width, kept, lambda ran: self._carried(plant, place, ran), lacks
+        ):
+            yield e, outputs, lever, key
+
+    def _carried(self, plant: Plant, place: str, ran: Ran) -> tuple[np.ndarray, tuple]:
+        """Return ((tau, tau_inertia) (2, n), what they are kept under): the torque that a contact carries, from the plant's own values.
+
+        ran: of the forces at this place that have run.
         """
         parts = carried(plant.kind, place, plant.effects)
         if plant.kind == TWO_MASS and place != "joint":
             alike = [e for e in plant.effects if e.at == "joint" and e.port == fx.FORCE and not reads_load(e)]
             ran = {e.key: (outputs, key) for e, outputs, _, key in self._at(plant, "joint", alike)}
-        path = tuple(tuple((ran[e.key][1], _linear(e)) for e in part) for part in parts)
-
-        def made(part: list[Effect]) -> np.ndarray:
-            return sum((np.array(_linear(e)) @ ran[e.key][0] for e in part), np.zeros(self.motion.u.size))
-
-        both = self._keep(("carried", path), lambda: np.stack([made(part) for part in parts]))
-        return both[0], both[1], path
+        path = tuple(tuple((ran[e.key][1], linear_of(e)) for e in part) for part in parts)
+        return self._keep(("carried", path), lambda: summed(parts, ran, self.motion.u.size)), path
 
     def _lever(self, plant: Plant, place: str) -> tuple[tuple, np.ndarray]:
         """Return (path, (rows, n or 1)): by what a force at a place enters the balances of this record."""
@@ -234,16 +199,7 @@ def _entering(outputs: np.ndarray, lever: np.ndarray) -> np.ndarray:
     return outputs[:, None, :] * lever
 
 
-def _linear(effect: Effect) -> tuple[float, ...]:
-    """Values of the linear parameters, by which outputs are multiplied."""
-    return tuple(effect.parameters[n].value for n in effect.linear) or (1.0,)
-
-
-def _name(effect: Effect):
-    """What a column is kept under: the stop operator is made anew for every record, so by name; others by definition."""
-    return effect.name if effect.name == "direction" else effect.step
-
-
 def inverse_dynamics(records: Sequence[Record], bandwidth: float) -> tuple[InverseDynamics, ...]:
     """Return passes over the motions of the records; they may be shared by fits of many plants."""
-    return tuple(InverseDynamics(motion(r, bandwidth)) for r in relaxed(records, bandwidth))
+    zeroed = relaxed(records, bandwidth)
+    return tuple(InverseDynamics(motion(r, bandwidth)) for r in zeroed)

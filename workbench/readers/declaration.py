@@ -94,6 +94,11 @@ class Table:
         """Return the table of a key, empty where it is absent."""
         return Table(self.values.get(key, {}), self.file, self._inner(key), required, optional)
 
+    def named(self, key: str) -> "Table":
+        """Return the table of a key whose own keys are names of its writer's choice, empty where it is absent."""
+        values = self.values.get(key, {})
+        return self.table(key, optional=tuple(values) if isinstance(values, dict) else ())
+
     def tables(
         self, key: str, named: str, required: Sequence[str] = (), optional: Sequence[str] = ()
     ) -> Iterator["Table"]:

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 
-from workbench.finding import capital, title
+from workbench.finding import capital
 from workbench.plant import Plant
 from workbench.report import figures, numbers
 from workbench.report.contents import (
@@ -17,7 +17,8 @@ from workbench.report.contents import (
     StudyResult,
     Table,
 )
-from workbench.report.wording import ALARMS, listed, parameters, said
+from workbench.report.model import parameters
+from workbench.report.wording import ALARMS, listed, said
 from workbench.tracing.result import CAUSE, CandidateScore, Cause
 from workbench.tracing.smallest import Smallest
 
@@ -42,7 +43,7 @@ def cause(result: StudyResult) -> Chapter:
 def _how(result: StudyResult) -> str:
     """Say what a candidate must do."""
     criteria = result.trace.criteria
-    names = listed([title(c.effect) for c in result.trace.causes])
+    names = listed([c.title for c in result.trace.causes])
     count = numbers.count(len(result.trace.ranked))
     return (
         f"Of {count} candidates {names or 'none'} earned a place in the model. Each was fitted together with the declared model: "
@@ -63,7 +64,7 @@ def _ranked(result: StudyResult) -> Figure:
         f"Reduction of the held-out squared residual by the best {len(best)} of {len(result.trace.ranked)} candidates, each "
         "alone beside the declared model. Error bars: one standard error over blocks."
     )
-    alt = "A bar chart. " + " ".join(f"{capital(title(c.effect))}: {_gain(c)}." for c in best)
+    alt = "A bar chart. " + " ".join(f"{capital(c.title)}: {_gain(c)}." for c in best)
     return Figure(
         "candidates", lambda: figures.ranking(heading, best, added, result.trace.criteria.share), caption, alt
     )
@@ -75,10 +76,10 @@ def _leading(best: Sequence[CandidateScore], added: Sequence[tuple[str, str]]) -
         return "There was no candidate to try"
     first, *rest = best
     if not added:
-        return f"No candidate earns its place: the best, {title(first.effect)}, takes away {_gain(first)}"
+        return f"No candidate earns its place: the best, {first.title}, takes away {_gain(first)}"
     then = max(rest, key=lambda c: c.gain, default=None)
-    tail = f"; {title(then.effect)}, the next, {numbers.percent(max(then.gain, 0.0), 3)}" if then else ""
-    return f"{capital(title(first.effect))} takes away {numbers.percent(first.gain, 3)} of the held-out residual power{tail}"
+    tail = f"; {then.title}, the next, {numbers.percent(max(then.gain, 0.0), 3)}" if then else ""
+    return f"{capital(first.title)} takes away {numbers.percent(first.gain, 3)} of the held-out residual power{tail}"
 
 
 def _gain(c: CandidateScore) -> str:
@@ -97,7 +98,7 @@ def _table(result: StudyResult) -> Table:
     rows = tuple(
         (
             str(i + 1),
-            title(c.effect),
+            c.title,
             c.at,
             "value set free" if c.kind == "correction" else "new effect",
             _share(c),
@@ -131,9 +132,7 @@ def _later(result: StudyResult) -> tuple[Items, ...]:
                 end = "was added, and taken out again later"
             else:
                 end = "was not added, and the search ended"
-            texts.append(
-                f"Step {i}: the best of {len(step)} further candidates, {title(c.effect)} ({_gain(c)}), {end}."
-            )
+            texts.append(f"Step {i}: the best of {len(step)} further candidates, {c.title} ({_gain(c)}), {end}.")
     return (Items(tuple(texts)),) if texts else ()
 
 
@@ -150,7 +149,7 @@ def _described(c: Cause, plant: Plant) -> list:
     ]
     if c.experiment:
         facts.append(("Experiment that decides", c.experiment))
-    name = capital(title(c.effect))
+    name = capital(c.title)
     return [
         Heading(name),
         Paragraph(c.sentence),
@@ -165,7 +164,7 @@ def _smallest(found: Sequence[Smallest]) -> Table:
     """The smallest effect of each kind that would have counted."""
     rows = tuple(
         (
-            title(s.effect),
+            s.title,
             s.at,
             "change" if s.change else "whole",
             s.parameter.replace("_", " "),

@@ -3,7 +3,7 @@
 import numpy as np
 
 from workbench.cancellation.closed import take
-from workbench.finding import capital, title
+from workbench.finding import capital
 from workbench.plant import TWO_MASS
 from workbench.report import numbers
 from workbench.report.contents import Callout, Chapter, Figure, Items, Paragraph, Table
@@ -37,7 +37,7 @@ def closing(found: Trace, closed: ClosedLoop) -> Chapter:
 
 
 def _causes(found: Trace) -> str:
-    return listed([title(c.effect) for c in found.causes])
+    return listed([c.title for c in found.causes])
 
 
 def _seconds(value: float) -> str:

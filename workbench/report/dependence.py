@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from workbench.finding import capital, title
+from workbench.finding import capital
 from workbench.identification.result import Fit, Series
 from workbench.report import figures, numbers
 from workbench.report.contents import Figure, StudyResult
@@ -50,7 +50,7 @@ def over_motion(result: StudyResult, before: Fit, after: Fit | None, names: Sequ
     if share < LEAST:
         heading = f"No one signal of the motion explains the residual: {numbers.percent(share)} at most"
     elif right is not None:
-        added = listed([title(c.effect) for c in result.trace.causes])
+        added = listed([c.title for c in result.trace.causes])
         then = explained(values, right) * _ratio(right, left)
         heading += f"; with {added} added, {numbers.percent(then)} of it is left to explain"
     caption = (

@@ -1,13 +1,16 @@
 """The declared model and the extended one: which effects they hold, and their parameters."""
 
-from collections.abc import Sequence
+from collections.abc import Collection, Mapping, Sequence
 
 from workbench.finding import Finding, title
 from workbench.identification.findings import DISAGREE
-from workbench.identification.result import Fit
+from workbench.identification.result import Estimate, Fit
 from workbench.plant import MASSES, Plant
-from workbench.report.contents import CODE, Chapter, Heading, Marked, Paragraph, StudyResult, Table
-from workbench.report.wording import listed, parameters, said
+from workbench.report import numbers
+from workbench.report.contents import BAD, CODE, QUIET, Chapter, Heading, Marked, Paragraph, StudyResult, Table
+from workbench.report.wording import listed, said
+
+Spread = Mapping[str, tuple[float, float]]
 
 HELD = "Values marked as fixed were declared as known and were not fitted."
 BY_RECORD = (
@@ -35,7 +38,7 @@ def declared(result: StudyResult) -> Chapter:
 def extended(result: StudyResult) -> Chapter:
     """The declared model with what it lacked: the one that all that follows is computed with."""
     trace = result.trace
-    names = listed([title(c.effect) for c in trace.causes])
+    names = listed([c.title for c in trace.causes])
     text = (
         f"Once {names} {'is' if len(trace.causes) == 1 else 'are'} in the model, the other parameters move by what they had stood "
         "in for; all were fitted again together."
@@ -62,3 +65,69 @@ def _effects(plant: Plant, caption: str) -> Table:
     """Which effects a plant holds, where they act, and their laws."""
     rows = tuple((title(e.name), e.at, Marked(e.formula, CODE), e.cause) for e in plant.effects)
     return Table(("effect", "at", "law", "cause"), rows, caption, "llwp")
+
+
+def _of_effects(estimates: Sequence[Estimate]) -> str:
+    """Return whether the place must be told: only where an effect or a place differs."""
+    return "at" if len({e.at for e in estimates}) > 1 else ""
+
+
+def _interval(e: Estimate) -> tuple[str, str | Marked]:
+    """Return (value, 95 % interval) of an estimate as cells."""
+    value, wide = numbers.with_interval(e.value, e.low, e.high)
+    if e.fixed:
+        return value, Marked("fixed", QUIET)
+    if not wide:
+        return value, Marked("none: on its bound", BAD)
+    undetermined = not e.low * e.high > 0
+    return value, Marked(f"{wide}, not determined", BAD) if undetermined else wide
+
+
+def _by_record(e: Estimate, spread: Spread, differ: Collection[str]) -> str | Marked:
+    """Return what the records say of a parameter one at a time, as a cell; marked where they disagree."""
+    name = f"{e.effect}@{e.at}.{e.parameter}"
+    if name not in spread:
+        return Marked("\u2013", QUIET)
+    low, high = spread[name]
+    text = numbers.with_interval((low + high) / 2, low, high)[1] or numbers.number(low)
+    return Marked(text, BAD) if name in differ else text
+
+
+def parameters(
+    estimates: Sequence[Estimate], caption: str, before: Sequence[Estimate] = (), *, fit: Fit | None = None
+) -> Table:
+    """Return a table of parameters with their intervals.
+
+    before: what the declared model found, beside. fit: whose records say something of a parameter one at a time, beside.
+    """
+    earlier = {(e.effect, e.at, e.parameter): _interval(e)[0] for e in before}
+    spread = fit.spread if fit is not None else {}
+    differ = {f.subject for f in fit.findings if f.kind == DISAGREE} if fit is not None else set()
+    rows, last = [], None
+    for e in estimates:
+        here = (e.effect, e.at)
+        name = f"{e.title} ({e.at})" if _of_effects(estimates) else e.title
+        value, wide = _interval(e)
+        was = (earlier.get((*here, e.parameter), Marked("\u2013", QUIET)),) if before else ()
+        each = (_by_record(e, spread, differ),) if spread else ()
+        first = name if here != last else ""
+        rows.append(
+            (
+                first,
+                Marked(e.parameter, CODE),
+                *(() if before else (e.meaning,)),
+                *was,
+                value,
+                wide,
+                *each,
+                numbers.unit(e.unit),
+            )
+        )
+        last = here
+    was, each = ("declared",) if before else (), ("by record",) if spread else ()
+    now = "extended" if before else "value"
+    meaning = () if before else ("meaning",)  # what was said of them already
+    columns = ("effect", "parameter", *meaning, *was, now, "95 % interval", *each, "unit")
+    return Table(
+        columns, tuple(rows), caption, ("pl" if before else "llp") + "r" * len(was) + "rr" + "r" * len(each) + "l"
+    )

@@ -50,7 +50,7 @@ def finding(result: StudyResult) -> Chapter:
 
 def _uncertain(result: StudyResult) -> list[Paragraph]:
     """Say which causes these records hardly tell from others; how to find out stands with the evidence."""
-    rivals = [f"{title(c.effect)} from {listed([title(r) for r in c.rivals])}" for c in result.trace.causes if c.rivals]
+    rivals = [f"{c.title} from {listed([title(r) for r in c.rivals])}" for c in result.trace.causes if c.rivals]
     return [Paragraph(f"These records hardly tell {listed(rivals)}.")] if rivals else []
 
 
@@ -86,10 +86,17 @@ def _stressed(texts: list[str]) -> tuple[str | Marked, ...]:
 def records(result: StudyResult) -> Chapter:
     """What was measured, and how well each record is predicted."""
     trace = result.trace
-    unit = numbers.unit(result.plant.effort)
-    heads = ["record", "role", "motion", "samples", "rate (Hz)", "length (s)", f"rms {result.drive} ({unit})"]
-    heads += ["declared", "extended"] if trace.causes else ["error"]
     rows = tuple(_row(r, result) for r in result.records)
+    heads = [
+        "record",
+        "role",
+        "motion",
+        "samples",
+        "rate (Hz)",
+        "length (s)",
+        f"rms {result.drive} ({numbers.unit(result.plant.effort)})",
+    ]
+    heads += ["declared", "extended"] if trace.causes else ["error"]
     roles = [r.role for r in result.records]
     text = (
         f"The finding rests on {_some(roles.count(IDENTIFICATION))} for identification, from which all parameters come, and "

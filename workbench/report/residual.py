@@ -4,7 +4,6 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from workbench.finding import title
 from workbench.identification.result import Fit, Series
 from workbench.record import VALIDATION
 from workbench.report import figures, numbers
@@ -69,7 +68,7 @@ def _in_time(result: StudyResult, before: Fit, after: Fit | None, names: Sequenc
         heading = f"The declared model leaves {numbers.scaled(left, effort)} rms on the record {name}"
     else:
         factor, unit = numbers.prefixed(left, effort)
-        added = listed([title(c.effect) for c in result.trace.causes])
+        added = listed([c.title for c in result.trace.causes])
         heading = (
             f"Residual falls from {numbers.number(left * factor)} to {numbers.number(_rms(better) * factor)} {unit} rms once "
             f"{added} {'is' if len(result.trace.causes) == 1 else 'are'} added"

@@ -1,15 +1,15 @@
 """The figures of where a residual lives. Each function returns SVG; what it shows is in its title."""
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
 from workbench.report import numbers
 from workbench.report.drawing import AFTER, BEFORE, MEASURED, MUTED, decades, svg
-from workbench.report.unknown import Shade
 from workbench.residual.maps import STROKE, TIME, Map
 from workbench.residual.residual_maps import Residual, ResidualMaps
-from workbench.residual.window import BACKWARD, DIRECTIONS, FORWARD
+from workbench.residual.window import BACKWARD, DIRECTIONS, EITHER, FORWARD
 
 ROW = 1.3  # inches of a row
 HEAD = 0.95  # inches of title and legend
@@ -17,6 +17,27 @@ LIVES = "where it lives"
 SPREAD = 2.0  # standard errors of a mean that are drawn
 
 Model = tuple[str, Residual, dict]
+
+
+@dataclass(frozen=True)
+class Shade:
+    """What is shaded: spans (low, high) of a coordinate, SI, of speed where that is velocity; in graphs of one direction or of both.
+
+    title: the finding of the figure in which it is.
+    """
+
+    coordinate: str
+    spans: tuple[tuple[float, float], ...]
+    direction: int
+    title: str
+
+    def over(self, coordinate: str, direction: int = EITHER) -> tuple[tuple[float, float], ...]:
+        """Return the spans to be shaded in a graph over this coordinate, of this direction of motion."""
+        if coordinate != self.coordinate or (EITHER not in (direction, self.direction) and direction != self.direction):
+            return ()
+        if coordinate == "velocity" and direction == BACKWARD:
+            return tuple((-high, -low) for low, high in self.spans)
+        return self.spans
 
 
 def _models(w: ResidualMaps) -> list[Model]:

@@ -8,8 +8,7 @@ from workbench.finding import capital
 from workbench.report import numbers
 from workbench.report import residual_figures as figures
 from workbench.report.contents import Block, Chapter, Figure, Heading, Items, Paragraph, Table
-from workbench.report.residual_figures import SPREAD
-from workbench.report.unknown import Shade
+from workbench.report.residual_figures import SPREAD, Shade
 from workbench.report.wording import listed, span
 from workbench.residual.maps import BINS, DIRECTION, MOTOR_TURN, POSITION_NAME, TIME, TURN
 from workbench.residual.residual_maps import ResidualMaps

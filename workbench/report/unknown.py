@@ -1,37 +1,16 @@
 """Where lives what no effect explains: in words, and as what is shaded in the graphs over its coordinate."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 
 from workbench.finding import capital
 from workbench.report import numbers
 from workbench.report.contents import Items, StudyResult
+from workbench.report.residual_figures import Shade
 from workbench.report.wording import listed, span
 from workbench.residual.maps import TIME
-from workbench.residual.window import BACKWARD, DIRECTIONS, EITHER
+from workbench.residual.window import DIRECTIONS
 
 SPANS = 12  # told in words
-
-
-@dataclass(frozen=True)
-class Shade:
-    """What is shaded: spans (low, high) of a coordinate, SI, of speed where that is velocity; in graphs of one direction or of both.
-
-    title: the finding of the figure in which it is.
-    """
-
-    coordinate: str
-    spans: tuple[tuple[float, float], ...]
-    direction: int
-    title: str
-
-    def over(self, coordinate: str, direction: int = EITHER) -> tuple[tuple[float, float], ...]:
-        """Return the spans to be shaded in a graph over this coordinate, of this direction of motion."""
-        if coordinate != self.coordinate or (EITHER not in (direction, self.direction) and direction != self.direction):
-            return ()
-        if coordinate == "velocity" and direction == BACKWARD:
-            return tuple((-high, -low) for low, high in self.spans)
-        return self.spans
 
 
 def shade(result: StudyResult) -> Shade | None:
@@ -66,6 +45,15 @@ def localised(result: StudyResult) -> Items:
     """Where an unexplained residual lives, in words."""
     unknown = result.trace.located
     facts = []
+    if channel := unknown.get("channel"):
+        facts.append(f"The reading of {channel} shifts {_whereabouts(unknown)}{_moments(unknown)}.")
+        gone = numbers.percent(unknown["share"])
+        return Items(
+            (
+                *facts,
+                f"Putting the counts back takes away {gone} of the residual's power on the identification records.",
+            )
+        )
     if spans := unknown.get("spans"):
         facts.append(f"{capital(_whereabouts(unknown))} ({unknown['coordinate']}){_moments(unknown)}.")
         facts.append(f"It holds {numbers.percent(unknown['share'])} of the power above what is calm.")

@@ -137,12 +137,9 @@ def load(folder: Path, further: tuple[str, ...] = ()) -> Study:
         campaign = (folder / text).resolve()
         if not (campaign / "campaign.toml").is_file():
             raise WorkbenchError(f"{top.path('campaign')}: there is no campaign.toml in '{text}'.")
-    data = {}
-    if "data" in top:
-        inner = top.table("data", optional=tuple(top.values["data"]) if isinstance(top.values["data"], dict) else ())
-        for key in inner.values:
-            one = inner.table(key, ("path", "sha256"))
-            data[key] = (one.text("path"), one.text("sha256"))
+    measured, words = top.named("data"), top.named("words")
+    files = {key: measured.table(key, ("path", "sha256")) for key in measured.values}
+    data = {key: (one.text("path"), one.text("sha256")) for key, one in files.items()}
     describe = None
     if "describe" in top:
         one = top.table("describe", ("lowest", "highest", "count"))
@@ -155,26 +152,13 @@ def load(folder: Path, further: tuple[str, ...] = ()) -> Study:
             raise WorkbenchError(f"{one.path('lowest')} is {describe[0]:g}, not below 'highest', {describe[1]:g}.")
     return Study(
         folder, folder.name, top.text("title"), top.text("question"), top, campaign, data, describe, requirements(top),
-        answer=top.text("answer") if "answer" in top else "", words=words(top),
+        answer=top.text("answer") if "answer" in top else "", words={name: words.text(name) for name in words.values},
     )  # fmt: skip
-
-
-def words(top: Table) -> dict[str, str]:
-    """Return [words]: figure -> what it is called."""
-    if "words" not in top:
-        return {}
-    values = top.values["words"]
-    inner = top.table("words", optional=tuple(values) if isinstance(values, dict) else ())
-    return {name: inner.text(name) for name in inner.values}
 
 
 def requirements(top: Table) -> tuple[Requirement, ...]:
     """Return [requirements]: figure -> { at_most, at_least, unit } or { equals }."""
-    if "requirements" not in top:
-        return ()
-    values = top.values["requirements"]
-    inner = top.table("requirements", optional=tuple(values) if isinstance(values, dict) else ())
-    found = []
+    inner, found = top.named("requirements"), []
     for name in inner.values:
         one = inner.table(name, optional=("at_most", "at_least", "equals", "unit"))
         if not {"at_most", "at_least", "equals"} & set(one.values):

@@ -56,9 +56,7 @@ def declared(top: Table, task: Task) -> Options:
 
 def _varied(one: Table, task: Task) -> tuple[Varied, ...]:
     """Return [robustness.vary]: name -> { KIND = ..., unit, relative, within }."""
-    given = one.values["vary"]
-    table = one.table("vary", optional=tuple(given) if isinstance(given, dict) else ())
-    out = []
+    table, out = one.named("vary"), []
     for name in table.values:
         inner = table.table(name, optional=(*KINDS, "within", "unit", "relative"))
         kinds = [k for k in KINDS if k in inner]

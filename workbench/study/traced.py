@@ -9,8 +9,6 @@ from workbench.campaign import Campaign
 from workbench.errors import WorkbenchError
 from workbench.inverse.dynamics import InverseDynamics, inverse_dynamics
 from workbench.outputs import replaceable, whole
-from workbench.plant import Plant
-from workbench.record import VALIDATION
 from workbench.report import write as write_page
 from workbench.report.closed_loop import absent, heading
 from workbench.report.closed_loop import closing as closing_chapter
@@ -20,8 +18,9 @@ from workbench.tracing.calibration import as_dict, calibrations, finding
 from workbench.tracing.output import write
 from workbench.tracing.result import Trace
 from workbench.tracing.tracing import trace
-from workbench.verification.closed_loop import ClosedLoop, close, lacking
+from workbench.verification.closed_loop import ClosedLoop
 from workbench.verification.closed_loop import as_dict as loop_as_dict
+from workbench.verification.closing import closed_loop
 
 Say = Callable[[str], None]
 
@@ -57,23 +56,6 @@ def run(campaign: Campaign, out: Path, say: Say = lambda _: None, closing: bool 
         write(found, beside, more)
         write_page(result, beside, "trace")
     return found
-
-
-def _in_order(plant: Plant) -> Plant:
-    """Return the plant with its effects by name: in which order they were declared must not show in the last bits of a sum."""
-    return replace(plant, effects=tuple(sorted(plant.effects, key=lambda e: e.key)))
-
-
-def closed_loop(campaign: Campaign, found: Trace, say: Say) -> ClosedLoop | str:
-    """Return the loop closed with what a trace found, on the validation record whose name comes first, or the sentence why it is not."""
-    record = min(campaign.with_role(VALIDATION), key=lambda r: r.name, default=None)
-    if missing := lacking(campaign.plant, record):
-        return missing
-    say("closing the loop")
-    try:
-        return close(_in_order(found.before.plant), _in_order(found.after.plant), record)
-    except WorkbenchError as error:
-        return f"The loop is not closed: {error}"
 
 
 def _page(

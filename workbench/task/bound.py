@@ -4,9 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from workbench.description.friction import friction_of, made_up
-from workbench.inverse.balances import required
-from workbench.inverse.dynamics import InverseDynamics
+from workbench.description.friction import friction_of
+from workbench.inverse.forces import force_along
 from workbench.plant import ONE_MASS, Plant
 
 POINTS = 400  # of speed
@@ -20,8 +19,8 @@ def sliding_torque(plant: Plant, speeds: np.ndarray, counts: float) -> np.ndarra
     result = np.empty(speeds.size)
     ones = np.ones(SLIDING)
     for i, v in enumerate(speeds):
-        motion = made_up("sliding", counts, 1e-3, q=0 * ones, dq=reach / SLIDING * ones, v=v * ones, a=0 * ones)
-        result[i] = required(InverseDynamics(motion), rest)[-1] + viscous * v
+        forces = force_along(rest, 1e-3, counts, q=0 * ones, dq=reach / SLIDING * ones, v=v * ones, a=0 * ones)
+        result[i] = forces[-1] + viscous * v
     return result
 
 

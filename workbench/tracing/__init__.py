@@ -3,6 +3,7 @@
 from workbench.public import handed_on
 
 HELD = {
+    "Budget": "budget",
     "Cause": "result",
     "Criteria": "criteria",
     "Evidence": "evidence",

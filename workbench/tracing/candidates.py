@@ -8,6 +8,7 @@ from workbench.definition import FORCE, Effect, catalogue
 from workbench.effects.free_bank import NAME as FREE_CURVE
 from workbench.parameter import Parameter
 from workbench.plant import Plant, places
+from workbench.tracing.budget import BUDGET, Budget
 from workbench.tracing.evidence import ADDITION, CORRECTION
 
 __all__ = ["ADDITION", "CORRECTION"]
@@ -50,13 +51,14 @@ class Offer:
     """only: names of the effects that are judged, all where None. own: effects offered beside those of the catalogue.
 
     declared: keys of the declared effects; a periodic one of them is offered once more, at another order. stands_for: key of a
-    free virgin curve, or of an effect whose values are free within their tolerance -> what was declared.
+    free virgin curve, or of an effect whose values are free within their tolerance -> what was declared. budget: of the search.
     """
 
     only: Collection[str] | None = None
     own: Collection[Effect] = ()
     declared: Collection[str] = ()
     stands_for: Mapping[str, Effect] = field(default_factory=dict)
+    budget: Budget = BUDGET
 
     def suspects(self, plant: Plant) -> list[Candidate]:
         """Return the candidates of a plant that are judged."""
@@ -64,6 +66,7 @@ class Offer:
         return [s for s in found if self.only is None or {s.effect, s.effect.partition(" ")[0]} & set(self.only)]
 
 
+ZERO = "zero"  # parameter of a map of the angle between two encoders
 WHOLE = Offer()  # all of the catalogue, and nothing else
 
 
@@ -92,9 +95,10 @@ def suspects(
             another = effect(at=place)
             known = {e.key for e in (*plant.effects, *stands_for.values())}
             if another.key in known and _periodic(effect):
-                another = next((o for o in (effect(at=place, label=n) for n in AGAIN) if o.key not in known), another)
+                another = next((o for o in (_again(effect, place, n) for n in AGAIN) if o.key not in known), another)
             if another.key in known:
                 continue
+            another = _sharing_zero(another, plant)
             same = needless(another, plant)
             rest = plant
             for key in same:
@@ -183,17 +187,33 @@ def _missing_part(effect: Effect, replaced: Collection[Effect]) -> str:
     return left[0].name if replaced and len(left) == 1 else ""
 
 
+def _sharing_zero(effect: Effect, plant: Plant) -> Effect:
+    """Return an effect with its zero held where another's is free: two encoders have one zero, and a second would be the same column."""
+    zero = effect.parameters.get(ZERO)
+    shared = zero is not None and any(ZERO in e.parameters and not e.parameters[ZERO].fixed for e in plant.effects)
+    return replace(effect, parameters={**effect.parameters, ZERO: replace(zero, fixed=True)}) if shared else effect
+
+
+def _again(effect: Effect, place: str, label: str) -> Effect:
+    """Return an effect of another label, of harmonics the one of that number."""
+    if not effect.harmonic:
+        return effect(at=place, label=label)
+    return effect(at=place, label=label, **{effect.harmonic: int(label) * effect.parameters[effect.harmonic].value})
+
+
 def _periodic(effect: Effect) -> bool:
-    """Whether an effect has an order, so that an axis may have it once more at another one."""
-    return any(p.scale == "order" and not p.fixed for p in effect.parameters.values())
+    """Whether an effect has an order, or harmonics, so that an axis may have it once more at another one."""
+    return bool(effect.harmonic) or any(p.scale == "order" and not p.fixed for p in effect.parameters.values())
 
 
 def _offered(effect: Effect, place: str, plant: Plant) -> bool:
     """Whether an effect is a candidate at a place: not a second source of the direction of motion there.
 
     Two effects that provide `dir` are two descriptions of one contact; and the second would change what others read. In place
-    of a free virgin curve one may be offered, unless it is a formula for such a curve.
+    of a free virgin curve one may be offered, unless it is a formula for such a curve. What bends another law is offered beside it alone.
     """
+    if place in effect.beside and f"{effect.beside[place]}@{place}" not in {e.key for e in plant.effects}:
+        return False
     given = {s for e in plant.effects if e.at == place and e.name != FREE_CURVE for s in e.provides}
     curved = any(e.at == place and e.name == FREE_CURVE for e in plant.effects)
     return not given & set(effect.provides) and not (curved and effect.virgin is not None and "masing" in effect.holds)

@@ -17,6 +17,7 @@ from workbench.inverse.dynamics import InverseDynamics
 from workbench.motion import motion
 from workbench.plant import Plant
 from workbench.residual.noise_floor import read_again
+from workbench.tracing.budget import BUDGET, Budget
 from workbench.tracing.candidates import Candidate
 from workbench.tracing.decimation import thin_one
 from workbench.tracing.result import CandidateScore
@@ -57,7 +58,9 @@ def _sound(passes: Sequence[InverseDynamics], plant: Plant) -> list[InverseDynam
     return found
 
 
-def quantisation_bias(suspect: Candidate, state: State, whole: Sequence[InverseDynamics]) -> float:
+def quantisation_bias(
+    suspect: Candidate, state: State, whole: Sequence[InverseDynamics], budget: Budget = BUDGET
+) -> float:
     """Return the power that a suspect takes away of what counts alone leave, over that of the state's residual.
 
     whole: passes of the identification records as they are. 0 where nothing comes of it.
@@ -67,7 +70,7 @@ def quantisation_bias(suspect: Candidate, state: State, whole: Sequence[InverseD
         return 0.0
     try:
         alone = State(within_reach(state.plant, made), made)  # whose travel is not quite that of the records
-        _, solution = fitted(suspect, alone.problem, alone.solution, alone.residuals)
+        _, solution = fitted(suspect, alone.problem, alone.solution, alone.residuals, budget)
     except NoValue:
         return 0.0
     taken = max(alone.solution.cost - solution.cost, 0.0)

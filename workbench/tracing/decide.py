@@ -6,6 +6,8 @@
 | do the counts that an encoder lost take more of the drive than any cause, and at least `explainable`? | unknown |
 | a correction within the fixed value's tolerance, or an effect (a correction beyond its tolerance) below the practical size, or below `explainable` with values that no machine has? | refinement |
 | does the error grow on validation, or does the effect explain nearly nothing there? | not borne out |
+| is what they take of a window of the stroke paid for with residual elsewhere? | unknown |
+| has what takes most values that no machine has, and leaves `beside` explainable? | unknown |
 | do the causes take `held` of the validation power, or leave little that is explainable? | cause |
 | is more than `explainable` of the drive predictable from outside the loop? | unknown |
 | does an effect take `held` of the identification power, more than `beside` of the drive, and is not borne out? | unknown |
@@ -45,8 +47,8 @@ def decide(evidence: Evidence, criteria: Criteria) -> Verdict:
     """Return the verdict on this evidence."""
     roles = tuple(_role(a, criteria) for a in evidence.added)
     causes = [a for a, r in zip(evidence.added, roles, strict=True) if r == CAUSE]
-    spread = evidence.place_instead and not _little_left(evidence, criteria)
-    if causes and (spread or not _answers(evidence, causes, criteria)):
+    spread = evidence.traded or (evidence.place_instead and not _little_left(evidence, criteria))
+    if causes and (spread or _doubtful(evidence, causes, criteria) or not _answers(evidence, causes, criteria)):
         roles = tuple(DRESSING if r == CAUSE else r for r in roles)
         causes = []
     if _lost_most(evidence, causes, criteria):
@@ -68,6 +70,13 @@ def _lost_most(evidence: Evidence, causes: list[Weighed], criteria: Criteria) ->
     """Whether the counts that an encoder lost, and that were put back, take more than any cause beside them."""
     largest = max((a.size(IDENTIFICATION) for a in causes), default=0.0)
     return evidence.lost >= max(criteria.explainable, largest) and not evidence.clock
+
+
+def _doubtful(evidence: Evidence, causes: list[Weighed], criteria: Criteria) -> bool:
+    """Whether what takes most has values that no machine has and leaves `beside` of the drive to be explained."""
+    return (
+        bool(max(causes, key=lambda a: a.size(IDENTIFICATION)).implausible) and evidence.after.size >= criteria.beside
+    )
 
 
 def _unborne(evidence: Evidence, roles: tuple[str, ...], criteria: Criteria) -> bool:
@@ -121,8 +130,14 @@ def _share_of(causes: list[Weighed], evidence: Evidence, role: str) -> float:
 
 
 def _little_left(evidence: Evidence, criteria: Criteria) -> bool:
-    """Whether what was added leaves little of what could be explained."""
-    return evidence.after.size**2 <= criteria.left * evidence.before.size**2
+    """Whether what was added leaves little of what could be explained, of every kind that is worth it: a cause leaves no line as it was."""
+    return (
+        all(
+            min(before, after) < criteria.explainable or after**2 <= criteria.left * before**2
+            for before, after in zip(evidence.before.sizes, evidence.after.sizes, strict=True)
+        )
+        and evidence.after.size**2 <= criteria.left * evidence.before.size**2
+    )
 
 
 def _alarms(evidence: Evidence, roles: tuple[str, ...]) -> tuple[str, ...]:

@@ -27,9 +27,14 @@ class Explainable:
     instrument: str = "reference"
 
     @property
+    def sizes(self) -> tuple[float, float, float, float]:
+        """The four kinds."""
+        return self.exogenous, self.time, self.line, self.burst
+
+    @property
     def size(self) -> float:
         """The largest of the four."""
-        return max(self.exogenous, self.time, self.line, self.burst)
+        return max(self.sizes)
 
     @property
     def kind(self) -> str:
@@ -96,7 +101,8 @@ class Evidence:
     """declared: nrmse of the declared model by role; floor: what noise and counts alone would leave. before, after: what is
     explainable of the declared and of the extended model's residual. added: in the order in which they were found. place_instead:
     whether one place says more of the residual than they do. clock, idle: whether one of two encoders is late, and whether the joint
-    then carries nothing. refused: what was tried and not borne out. lost: what an encoder's lost counts take of the drive, which were put back."""
+    then carries nothing. refused: what was tried and not borne out. lost: what an encoder's lost counts take of the drive, which were put back.
+    traded: whether what they take of a window of the stroke is paid for with residual elsewhere."""
 
     declared: Mapping[str, float]
     floor: Mapping[str, float]
@@ -108,6 +114,7 @@ class Evidence:
     idle: bool = False
     refused: tuple[Weighed, ...] = ()
     lost: float = 0.0
+    traded: bool = False
 
     def as_dict(self) -> dict[str, object]:
         """Return plain data, from which `evidence_of` makes it again."""
@@ -119,5 +126,5 @@ def evidence_of(data: Mapping[str, object]) -> Evidence:
     return Evidence(
         data["declared"], data["floor"], Explainable(**data["before"]), Explainable(**data["after"]),
         tuple(Weighed(**a) for a in data["added"]), data["place_instead"], data["clock"], data["idle"],
-        tuple(Weighed(**a) for a in data["refused"]), data["lost"],
+        tuple(Weighed(**a) for a in data["refused"]), data["lost"], data["traded"],
     )  # fmt: skip

@@ -6,7 +6,7 @@ bench time (instruments: Young 2011; Janot, Gautier, Brunot 2019). Four kinds ar
 
 - exogenous: boosted trees over the reference's motion, blocks of BLOCK s left out by turns, no standstill;
 - time: a stretch of STRETCH s from its neighbours in bench time, as a level or as a level that goes with the direction;
-- line: the strongest line of the spectrum that neither the reference nor the drive has;
+- line: the strongest line of the spectrum that neither the reference nor the drive has, nor is hum of the mains in the reported drive;
 - burst: power of the samples far outside what the residual usually is.
 """
 
@@ -31,6 +31,13 @@ CERTAIN = 3.0  # standard errors over blocks by which a share must differ from z
 TREES, LEAVES, LEAST_LEAF = 80, 16, 40
 RANKS = 128
 STILL, TURNING = 0.05, 0.06  # of the speed's rms, and s after a reversal, that are standstill
+MAINS, NEAR = (
+    (50.0, 60.0),
+    0.005,
+)  # Hz, and relative distance within which a line is a multiple of these: grids keep to 0.4 %
+# Power of what the model asks for over the residual's, in such a line, below which the axis does not feel it: a force that a drive
+# knows nothing of asks for as much. Half and twice of it change no verdict
+FELT = 0.25
 HEAVY = 20.0  # evaluation bandwidth over that of the position's low pass, where no reference was logged
 
 
@@ -212,13 +219,22 @@ def _strongest_line(parts: Sequence[Part], least: float) -> tuple[float, float]:
         if own is None:
             continue
         f, power, ratio = own
-        ratio = np.where((drive[2] > 0.5 * ratio) | (reference[2] > least), 0.0, ratio)
+        asked = _lines(p.drive - p.residual, p.dt, p.bandwidth)[1]
+        known = (drive[2] > 0.5 * ratio) | (reference[2] > least) | _hum(f, power, drive[1], asked)
+        ratio = np.where(known, 0.0, ratio)
         k = int(np.argmax(ratio))
         if ratio[k] < least or whole <= 0.0:
             continue
         inside = power[max(k - 2, 0) : k + 3].sum() / power.sum() * float(p.residual @ p.residual) / whole
         best = max(best, (float(inside), float(f[k])))
     return best
+
+
+def _hum(f: np.ndarray, power: np.ndarray, drive: np.ndarray, asked: np.ndarray) -> np.ndarray:
+    """Return where (k,) a multiple of the mains is in the reported drive and the motion does not answer it, by power at f, Hz."""
+    cycles = f[:, None] / np.array(MAINS)
+    near = (np.abs(cycles - np.round(cycles)) < NEAR * np.round(cycles)).any(axis=1)
+    return near & (drive > 0.5 * power) & (asked < FELT * power)
 
 
 def _lines(x: np.ndarray, dt: float, bandwidth: float) -> tuple[np.ndarray, np.ndarray, np.ndarray] | None:

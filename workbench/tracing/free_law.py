@@ -10,13 +10,12 @@ from dataclasses import replace
 
 from workbench.effects.families import FREE_FORMS, family_of
 from workbench.processes import shared
+from workbench.tracing.budget import BUDGET, Budget
 from workbench.tracing.candidates import ADDITION
 from workbench.tracing.criteria import Criteria
 from workbench.tracing.free_forms import MEMORY, free_forms
 from workbench.tracing.judge import ScoredCandidate, judged, refitted_as
 from workbench.tracing.state import State
-
-LEADERS = 3  # families that are asked, those of the best candidates
 
 
 def free_law(
@@ -25,6 +24,7 @@ def free_law(
     best: ScoredCandidate,
     added: Sequence[ScoredCandidate],
     criteria: Criteria,
+    budget: Budget = BUDGET,
 ) -> ScoredCandidate | None:
     """Return the free-form law that is added in the place of `best`, or None where that formula says it as well.
 
@@ -36,7 +36,7 @@ def free_law(
     asked: dict[tuple[str, str], ScoredCandidate] = {}
     for j in formulas:
         asked.setdefault((family_of(j.suspect.plant[j.suspect.key]), j.suspect.at), j)
-    asked = {k: j for k, j in list(asked.items())[:LEADERS] if k[0] in FREE_FORMS and k[0] != MEMORY}
+    asked = {k: j for k, j in list(asked.items())[: budget.families] if k[0] in FREE_FORMS and k[0] != MEMORY}
     forms = [
         f
         for f in free_forms(state.plant, state.passes, sorted({family for family, _ in asked}), state.residuals)
@@ -44,7 +44,7 @@ def free_law(
     ]
     forms = [
         ScoredCandidate(f.suspect, **found)
-        for f, found in zip(forms, shared(lambda f: judged(state, f.suspect, criteria), forms), strict=True)
+        for f, found in zip(forms, shared(lambda f: judged(state, f.suspect, criteria, budget), forms), strict=True)
     ]
     forms = [j for j in forms if j.candidate.earns and j.theta is not None]
     if not forms:

@@ -50,12 +50,13 @@ def extended(
         least = criteria.plain if noise_alone(state, level, PLAIN) else 0.0
         best = leading(judgements, least)
         if best is not None and least > 0.0:
-            spurious = quantisation_bias(best.suspect, state, whole)
+            spurious = quantisation_bias(best.suspect, state, whole, offer.budget)
             if best.candidate.gain - spurious <= least:
                 judgements[0], best = replace(best, candidate=by_counts(best.candidate, spurious)), None
         if (
             best is not None
-            and (free := free_law(state, judgements, best, [s.added for s in found], criteria)) is not None
+            and (free := free_law(state, judgements, best, [s.added for s in found], criteria, offer.budget))
+            is not None
         ):
             judgements, best = [free, *judgements], free
         if best is None and credit is None and not noise_alone(state, level, PLAIN):

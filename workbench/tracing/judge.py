@@ -11,6 +11,7 @@ from workbench.identification.cross_validation import HeldOut, gain, held_out
 from workbench.identification.problem import Problem
 from workbench.identification.solve import NoValue
 from workbench.plant import Plant
+from workbench.tracing.budget import BUDGET, Budget
 from workbench.tracing.candidates import ADDITION, Candidate
 from workbench.tracing.criteria import Criteria
 from workbench.tracing.result import CandidateScore
@@ -44,13 +45,13 @@ class ScoredCandidate:
     state: State | None = None
 
 
-def judged(state: State, suspect: Candidate, criteria: Criteria) -> dict:
+def judged(state: State, suspect: Candidate, criteria: Criteria, budget: Budget = BUDGET) -> dict:
     """Fit one suspect beside the present model and score it against the present state: all but the suspect of a ScoredCandidate.
 
     Plain data, because it may come from another process.
     """
     try:
-        problem, solution = fitted(suspect, state.problem, state.solution, state.residuals)
+        problem, solution = fitted(suspect, state.problem, state.solution, state.residuals, budget)
     except NoValue:
         sentence = f"{capital(title(suspect.effect))} has no value on these records."
         whole = float(np.sqrt(state.errors.total / state.power))

@@ -21,18 +21,15 @@ from workbench.tracing.free_forms import MEMORY, free_forms
 from workbench.tracing.judge import Progress, ScoredCandidate, judged, refitted_as
 from workbench.tracing.near_law import as_declared
 from workbench.tracing.ranking import step
-from workbench.tracing.reporting import Confirmed
 from workbench.tracing.selection import Answer, Selection
 from workbench.tracing.state import State
+from workbench.tracing.weighing import Confirmed, weighed
 from workbench.tracing.whole import in_turn
-
-TRIED = 3  # other laws that are fitted to whole records, the best first; one more costs a fit
 
 
 def otherwise(
     selected: Selection,
     confirmed: Confirmed,
-    weights: Sequence[Weighed],
     declared: Plant,
     passes: Sequence[InverseDynamics],
     offer: Offer,
@@ -42,12 +39,12 @@ def otherwise(
     """Return both with another law in the place of the addition that takes most, where validation does not carry it and the other leaves
     plainly less there. Of lesser ones a free form would take what is left of the greatest.
 
-    weights: of each addition. A law takes another one's place that leaves no more on identification, and less on validation, by what
+    A law takes another one's place that leaves no more on identification, and less on validation, by what
     is of practical size; of several the one that leaves least there. Both are returned as they are where there is none.
     """
     if not confirmed.added:
         return selected, confirmed
-    i, w = max(enumerate(weights), key=lambda x: x[1].size(IDENTIFICATION))
+    i, w = max(enumerate(confirmed.weighed), key=lambda x: x[1].size(IDENTIFICATION))
     j = confirmed.added[i]
     if not _doubted(w, criteria) or j.suspect.kind != ADDITION or j.suspect.instead:
         return selected, confirmed
@@ -61,7 +58,8 @@ def otherwise(
     if best is None:
         return selected, confirmed
     answer = Answer(best[1], selected.answer.declared, best[0].state)
-    return replace(selected, answer=answer), replace(confirmed, added=best[1], fits=best[2])
+    again = weighed(selected, best[1], best[2], passes, criteria)
+    return replace(selected, answer=answer), replace(confirmed, added=best[1], fits=best[2], weighed=again)
 
 
 def _doubted(w: Weighed, criteria: Criteria) -> bool:
@@ -98,9 +96,9 @@ def _laws(
         found += step(state, progress, offered, criteria)
     if (family := family_of(own)) in FREE_FORMS and family != MEMORY and not j.suspect.stands:
         forms = free_forms(state.plant, state.passes, [family], state.residuals)
-        found += [ScoredCandidate(f.suspect, **judged(state, f.suspect, criteria)) for f in forms]
+        found += [ScoredCandidate(f.suspect, **judged(state, f.suspect, criteria, offer.budget)) for f in forms]
     here = [k for k in found if k.suspect.at == j.suspect.at and k.candidate.earns and k.theta is not None]
-    best = sorted(here, key=lambda k: (k.errors.total, k.suspect.key))[:TRIED]
+    best = sorted(here, key=lambda k: (k.errors.total, k.suspect.key))[: offer.budget.laws]
     fitted = (k if k.state else refitted_as(state, k, criteria) for k in best)
     return [_called(k, j, {e.name for e in asked}) for k in fitted if k.state]
 

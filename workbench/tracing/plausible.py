@@ -11,6 +11,7 @@ from workbench.inverse.dynamics import InverseDynamics
 from workbench.plant import Plant
 
 LARGEST_ECCENTRICITY = 0.0175  # rad: a disc that reads a degree wrong would not have been mounted
+STEEPEST = 0.1  # slope of a wave in an angle or a scale: gears and discs stay below a few per cent. Halved, coarse gears are doubted
 FACTOR = 5.0  # by which a data-sheet value may be off before its unit is to be doubted; `check` allows as much
 # parameters that may stand on their bound as a law of their own (a gap: no stiffness inside; a change that has not begun to settle)
 STANDS = ("k1", "settling")
@@ -32,10 +33,13 @@ def implausible(effect: Effect, plant: Plant, declared: Plant, passes: Sequence[
             if name in effect.linear and len(effect.linear) > 1:
                 continue  # one part of it is not needed
             return f"its {p.meaning} stands on its bound"
-    if effect.name == "encoder_eccentricity":
+    if effect.name in ("encoder_eccentricity", "kinematic_error"):
         values = effect.parameters
-        if hypot(values["sine"].value, values["cosine"].value) > LARGEST_ECCENTRICITY:
+        size = hypot(values["sine"].value, values["cosine"].value)
+        if effect.name == "encoder_eccentricity" and size > LARGEST_ECCENTRICITY:
             return "an eccentricity of degrees would not have been mounted"
+        if effect.name == "kinematic_error" and size * values["order"].value > STEEPEST:
+            return f"with it the axis would run {100 * size * values['order'].value:.0f} % too fast in places"
     known = {e.key: e for e in declared.effects}
     if effect.key in known:
         for name, p in known[effect.key].parameters.items():

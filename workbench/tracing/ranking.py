@@ -17,7 +17,6 @@ from workbench.tracing.judge import STANDARD, Progress, ScoredCandidate, free_of
 from workbench.tracing.plausible import implausible
 from workbench.tracing.state import Refitted, State
 
-LEADING = 6  # candidates that are fitted again with everything free
 BEHIND = 0.4  # of the best one's gain, below which a candidate is not
 NEUTRAL = 0.05  # relative distance within which a parameter stands at the value of a simpler law
 # Orders of one mechanism are those of its shafts and teeth: two stand as small numbers. What lives in position without being
@@ -35,18 +34,20 @@ def step(
     # made here, else by every process for itself
     _ = state.power, state.residuals, state.absorbed, state.solution.columns, state.solution.gram
     judgements = []
-    for suspect, found in zip(suspects, shared(lambda s: judged(state, s, criteria), suspects), strict=True):
+    for suspect, found in zip(
+        suspects, shared(lambda s: judged(state, s, criteria, offer.budget), suspects), strict=True
+    ):
         progress(f"trying {suspect.key}")
         judgements.append(ScoredCandidate(suspect, **found))
     judgements = _by_gain(judgements)
     least = max(criteria.share / 2, BEHIND * judgements[0].candidate.gain) if judgements else 0.0
-    leaders = [j for j in judgements[:LEADING] if j.candidate.gain > least and j.theta is not None]
+    leaders = [j for j in judgements[: offer.budget.leading] if j.candidate.gain > least and j.theta is not None]
     for i, more in enumerate(shared(lambda j: refitted(state, j, criteria), leaders)):
         progress(f"fitting {leaders[i].suspect.key} with everything free")
         if more:
             fit = Refitted(free_of(state, leaders[i]), *more.pop("fit"))
             judgements[judgements.index(leaders[i])] = replace(leaders[i], refitted=fit, **more)
-    judgements = _plainest_first(simplest_first(judgements, criteria, state), criteria, state)
+    judgements = _plainest_first(simplest_first(judgements, criteria, state), criteria, state, offer.budget.leading)
     if judgements and (first := judgements[0]).refitted:
         judgements[0] = replace(first, state=first.refitted.state)
     return judgements
@@ -80,7 +81,9 @@ def simplest_first(judgements: Sequence[ScoredCandidate], criteria: Criteria, st
     return [simplest, *(j for j in judgements if j is not simplest)]
 
 
-def _plainest_first(judgements: Sequence[ScoredCandidate], criteria: Criteria, state: State) -> list[ScoredCandidate]:
+def _plainest_first(
+    judgements: Sequence[ScoredCandidate], criteria: Criteria, state: State, most: int
+) -> list[ScoredCandidate]:
     """Let a simpler effect lead in the place of one that it then is: a parameter stands where the law is another one's.
 
     LuGre without presliding is Stribeck's friction, a kinematic error of order 1 an eccentricity. The simpler one leads where it
@@ -89,7 +92,7 @@ def _plainest_first(judgements: Sequence[ScoredCandidate], criteria: Criteria, s
     """
     curved = {e.at for e in state.plant.effects if e.name == FREE_CURVE}
     present = {e.key for e in state.plant.effects}
-    for _ in range(min(LEADING, len(judgements))):
+    for _ in range(min(most, len(judgements))):
         first = judgements[0]
         if _stranger(first):
             judgements = _pushed_back(judgements, criteria, state)
@@ -106,11 +109,28 @@ def _plainest_first(judgements: Sequence[ScoredCandidate], criteria: Criteria, s
             break
         whole = state.errors.total
         if other.candidate.earns and whole - other.errors.total >= criteria.near * (whole - first.errors.total):
-            other = other if other.refitted else refitted_as(state, other, criteria)
+            other = _as_simple(
+                other if other.refitted else refitted_as(state, other, criteria), judgements, criteria, state
+            )
             judgements = [other, *(j for j in judgements if j.suspect is not other.suspect)]
             break
         judgements = _pushed_back(judgements, criteria, state)
     return judgements
+
+
+def _as_simple(
+    first: ScoredCandidate, others: Sequence[ScoredCandidate], criteria: Criteria, state: State
+) -> ScoredCandidate:
+    """Return what explains practically the same as `first` with fewer free parameters, `first` where nothing does.
+
+    What led to `first` may take plainly more (what LuGre takes of a count, and Stribeck's friction does not), so that these two
+    were not held against each other: Stribeck's, of a speed above all that is driven, is Coulomb's.
+    """
+    for j in (j for j in others if j.candidate.earns and j.theta is not None and j.freedom < first.freedom):
+        fitted = j if j.refitted else refitted_as(state, j, criteria)
+        if alike(first, fitted, criteria, state.power) and not absurd(fitted, state):
+            return fitted
+    return first
 
 
 def _stranger(j: ScoredCandidate) -> bool:

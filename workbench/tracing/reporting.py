@@ -1,10 +1,10 @@
 """What a trace says: causes, refinements, the final fit and the sentences of a decision that was taken."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from workbench.finding import Finding
-from workbench.identification.fit import fitted_on, identify
+from workbench.identification.fit import identify
 from workbench.identification.result import Estimate, Fit
 from workbench.inverse.dynamics import InverseDynamics
 from workbench.plant import Plant
@@ -19,32 +19,23 @@ from workbench.tracing.mending import Mended
 from workbench.tracing.result import CandidateScore, Cause, Refinement, Trace
 from workbench.tracing.rivals import experiment, rivals
 from workbench.tracing.selection import Selection
-from workbench.tracing.skew import Skew
+from workbench.tracing.skew import Skew, clock
 from workbench.tracing.smallest import named
 from workbench.tracing.state import State
 from workbench.tracing.unexplained import Unexplained, described, unexplained
-from workbench.tracing.weighing import curve_of
-from workbench.tracing.wording import cause, clock, findings_of, refinement, verdict_sentence
-
-
-@dataclass(frozen=True, eq=False)
-class Confirmed:
-    """added: what whole records bear out. fits: of the declared plant and with one more of these each. levels: record -> rms
-    that noise and counts alone would leave."""
-
-    added: Sequence[ScoredCandidate]
-    fits: Sequence[Fit]
-    levels: Mapping[str, float]
+from workbench.tracing.weighing import Confirmed, curve_of
+from workbench.tracing.wording import cause, findings_of, refinement, verdict_sentence
 
 
 @dataclass(frozen=True, eq=False)
 class Declared:
-    """declared: the plant as declared. plant: with the clock that the angle between two encoders says is late, held. before:
-    the fit of the declared plant, where there is such a clock. idle: a finding that the fit lets the joint carry nothing. lost:
-    counts that an encoder loses, which are put back in all that follows."""
+    """declared: the plant as declared. plant: with the clock that the angle between two encoders says is late, held. whole: the
+    identification records. before: the fit of the declared plant, where there is such a clock. idle: a finding that the fit
+    lets the joint carry nothing. lost: counts that an encoder loses, which are put back in all that follows."""
 
     declared: Plant
     plant: Plant
+    whole: Sequence[InverseDynamics]
     skew: Skew | None = None
     before: Fit | None = None
     idle: Finding | None = None
@@ -71,7 +62,7 @@ class Outcome:
     @property
     def standing(self) -> list[tuple[ScoredCandidate, Weighed]]:
         """What was added, with its evidence: with a cause all of it stands, without one nothing does."""
-        every = list(zip(self.confirmed.added, self.evidence.added, strict=True))
+        every = list(zip(self.confirmed.added, self.confirmed.weighed, strict=True))
         return every if self.verdict.verdict == CAUSE else []
 
     @property
@@ -94,10 +85,11 @@ def reported(o: Outcome, progress: Progress) -> Trace:
     refinements += curve_of(selected, o.fits[-1], after)
     progress("looking for where the residual lives")
     lives = _residual_place(o) if o.verdict.verdict == UNKNOWN and not late.lost else None
-    after = withheld(after, causes, o.passes)
+    first = []
     if late.skew:
-        causes = [clock(late.skew, late.before, o.fits[0]), *causes]
+        first = [clock(late.skew, late.before, o.fits[0])]
         after = replace(after, estimates=_with_clock(after.estimates, late.skew))
+    after, causes = withheld(after, causes, o.passes), [*first, *causes]
     before = late.lost.before if late.lost else late.before or o.fits[0]
     shows = shown(selected.steps[0].judgements)
     sentence = verdict_sentence(o.verdict.verdict, causes, before, after, evidence, lives, late.lost)
@@ -136,7 +128,7 @@ def _residual_place(o: Outcome) -> Unexplained | None:
     """Return where the residual lives that no effect explains. At rest, too: a slip or a knock need not wait for motion."""
     if o.place:
         return o.place
-    declared = State(o.late.plant, decimate(fitted_on(o.passes)))
+    declared = State(o.late.plant, decimate(o.late.whole))
     return unexplained(declared, {p.motion.record.name: max(declared.steady, 1e-300) for p in o.passes})
 
 
@@ -168,8 +160,7 @@ def _described_rivals(made: Cause, j: ScoredCandidate, o: Outcome, progress: Pro
     others = rivals(j, answer.added, o.selected.looked, o.criteria, answer.last.power)
     progress("looking for the motion that would tell rivals apart")
     level = min(o.confirmed.levels.values())
-    whole = fitted_on(o.passes)
-    apart = experiment(answer.last.plant, o.late.plant, j, others[0], whole, level) if others else ""
+    apart = experiment(answer.last.plant, o.late.plant, j, others[0], o.late.whole, level) if others else ""
     return replace(made, rivals=tuple(k.candidate.effect for k in others), experiment=apart)
 
 

@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-from workbench.finding import Finding
+from workbench.finding import Finding, title
 from workbench.identification.result import Estimate, Fit
 from workbench.notebook import page
 from workbench.plant import Plant
@@ -34,6 +34,11 @@ class CandidateScore:
     nrmse: float
     earns: bool
     sentence: str
+
+    @property
+    def title(self) -> str:
+        """Name of its effect as it is read."""
+        return title(self.effect)
 
 
 @dataclass(frozen=True)
@@ -80,6 +85,11 @@ class Cause:
     def key(self) -> str:
         """Key of its effect in the extended plant."""
         return f"{self.form or self.effect}@{self.at}"
+
+    @property
+    def title(self) -> str:
+        """Name of its effect as it is read."""
+        return title(self.effect)
 
 
 @dataclass(frozen=True, eq=False)

@@ -5,20 +5,20 @@ from dataclasses import replace
 
 import numpy as np
 
+from workbench.identification.linearised import Linearised
 from workbench.identification.problem import Problem, to_search
 from workbench.identification.solve import Solution, solve
 from workbench.inverse.dynamics import InverseDynamics
 from workbench.parameter import Parameter
 from workbench.plant import Plant
+from workbench.tracing.budget import BUDGET, Budget
 from workbench.tracing.candidates import ADDITION, Candidate
-from workbench.tracing.linearised import Linearised
 from workbench.tracing.starts import resolved, starts
 
 ROUGH = 3e-3  # relative decrease of the cost at which a start has shown what it is worth
 LEVEL = 1.002  # cost within which two starts have come to the same fit
 SLOWEST = 10.0  # delay or lag over 1/(2 pi) of the evaluation band's shortest period, at most
 HOPELESS = 4e-3  # of the residual's power, that a start must explain or promise to be refined further
-REFINED = 2  # starts that are refined: the cheapest by their linear fit alone, if they are no worse than no effect
 WORSE = 1.0 + 1e-9  # cost over that of the present model from which a start is worse than none
 
 
@@ -51,15 +51,15 @@ def suspected(suspect: Candidate, base: Problem, solution: Solution) -> Linearis
     return Linearised(within_reach(suspect.plant, base.passes), base, solution)
 
 
-def worth(problem: Linearised, options: Sequence[np.ndarray]) -> list[float]:
-    """Return the cost of each start, of its linear fit alone.
+def worth(problem: Linearised, options: Sequence[np.ndarray], refined: int) -> list[float]:
+    """Return the cost of each start, of its linear fit alone. refined: of the cheapest, that are searched on.
 
     Where the first ones of a map come to the same they change nothing (its size starts from none), nor do the others: their
     slopes tell, later.
     """
     costs: list[float] = []
     for theta in options:
-        same = len(costs) == REFINED and np.isfinite(costs).all() and max(costs) <= WORSE * min(costs)
+        same = len(costs) == refined and np.isfinite(costs).all() and max(costs) <= WORSE * min(costs)
         if same and problem.beside is None:
             break
         costs.append(problem.cost(theta))
@@ -67,7 +67,11 @@ def worth(problem: Linearised, options: Sequence[np.ndarray]) -> list[float]:
 
 
 def fitted(
-    suspect: Candidate, base: Problem, solution: Solution, residuals: Sequence[np.ndarray]
+    suspect: Candidate,
+    base: Problem,
+    solution: Solution,
+    residuals: Sequence[np.ndarray],
+    budget: Budget = BUDGET,
 ) -> tuple[Linearised, Solution]:
     """Return the linearised problem of a suspect and its best solution. residuals: what is left on the records.
 
@@ -79,12 +83,12 @@ def fitted(
         effect = suspect.plant[suspect.key]
         options = [
             np.array([start.get(n.parameter, to_search(problem.parameter(n))) for n in problem.free_shape])
-            for start in starts(effect, base.passes, residuals, suspect.plant)
+            for start in starts(effect, base.passes, residuals, suspect.plant, budget)
         ] or options
     rough = ROUGH
     if len(options) > 1:
-        costs = worth(problem, options)
-        best = [i for i in np.argsort(costs, kind="stable")[:REFINED] if np.isfinite(costs[i])]
+        costs = worth(problem, options, budget.refined)
+        best = [i for i in np.argsort(costs, kind="stable")[: budget.refined] if np.isfinite(costs[i])]
         best = best[:1] + [i for i in best[1:] if costs[i] <= WORSE * solution.cost]
         if best and problem.beside is not None and costs[best[0]] > (1.0 - HOPELESS) * solution.cost:
             best, rough = best[:1], 1.0

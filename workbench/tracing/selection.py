@@ -54,6 +54,11 @@ class Selection:
     refined: tuple[Law, ...] = ()
 
     @property
+    def found(self) -> Plant:
+        """The plant that the search ended with, its free virgin curves put back to the declared laws."""
+        return as_declared(self.answer.last.plant, self.laws)
+
+    @property
     def credited(self) -> set[str]:
         return {s.added.suspect.key for s in self.steps if s.credit}
 

@@ -13,10 +13,12 @@ import numpy as np
 from workbench.definition import catalogue
 from workbench.encoders.clocks import PLAIN, WORTH, Late, late_clock
 from workbench.identification.fit import fitted_on
-from workbench.identification.result import Estimate
+from workbench.identification.result import Estimate, Fit
 from workbench.inverse.dynamics import InverseDynamics
 from workbench.plant import Plant
+from workbench.record import IDENTIFICATION, VALIDATION
 from workbench.tracing.candidates import ADDITION, Candidate
+from workbench.tracing.result import Cause
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,3 +64,14 @@ def skew_of(passes: Sequence[InverseDynamics], plant: Plant, share: float = PLAI
     }
     clock = clock(fixed=True, **inside)
     return Skew(late, Candidate(clock.named, clock.at, ADDITION, plant + clock))
+
+
+def clock(skew: Skew, before: Fit, here: Fit) -> Cause:
+    """Return the cause that a late clock is, as the angle between two encoders tells it; shares are of the drive."""
+    identification, validation = (
+        1.0 - (here.rms[r] / before.rms[r]) ** 2 if before.rms[r] > 0.0 else 0.0 for r in (IDENTIFICATION, VALIDATION)
+    )
+    power = max(before.identification**2 - here.identification**2, 0.0)
+    return Cause(
+        skew.suspect.effect, skew.suspect.at, skew.sentence, skew.parameters, identification, validation, size=power**0.5,
+    )  # fmt: skip

@@ -26,6 +26,11 @@ class Smallest:
     unit: str
     change: bool
 
+    @property
+    def title(self) -> str:
+        """Name of its effect as it is read."""
+        return title(self.effect)
+
 
 def smallest(
     key: str, change: bool, problem: Problem, solution: Solution, model: np.ndarray, share: float

@@ -16,16 +16,11 @@ from workbench.inverse.bodies import POSITION
 from workbench.inverse.dynamics import InverseDynamics
 from workbench.plant import Plant
 from workbench.residual.orders import order_spectrum, peaks
+from workbench.tracing.budget import BUDGET, Budget
 
-MOST = 64  # starts a candidate
 SHORTEST = 4.0  # counts, of the shortest stroke that is tried
-STROKES, APART = 6, 8.0  # strokes tried at most, and the factor between two of them
-SEGMENT, RESONANCES, NEAR, WIDE = (
-    1.0,
-    3,
-    0.1,
-    6,
-)  # s; peaks; relative distance of two; values over the whole band beside them
+APART = 8.0  # factor between two strokes, at least
+SEGMENT, NEAR, WIDE = 1.0, 0.1, 6  # s; relative distance of two peaks; values over the whole band beside them
 SLOW = 0.05  # share of the distance travelled at a speed at which a wave must pass the evaluation filter
 
 
@@ -45,19 +40,24 @@ def resolved(passes: Sequence[InverseDynamics]) -> float:
     return min(1.0 / max(least, 1e-300), np.pi / max(counts, 1e-300))
 
 
-def strokes(passes: Sequence[InverseDynamics], plant: Plant, at: str) -> list[float]:
-    """Return start values for a stroke: from SHORTEST to a fifth of the travel or, at a joint, to half of its deflection."""
+def strokes(passes: Sequence[InverseDynamics], plant: Plant, at: str, many: int = BUDGET.strokes) -> list[float]:
+    """Return start values for a stroke, `many` at most: from SHORTEST to a fifth of the travel or, at a joint, to half of its deflection."""
     if at == "joint":
         most = 0.5 * max(float(np.ptp(p.bodies.body(plant, "joint")[1][POSITION])) for p in passes)
     else:
         most = 0.2 * max(float(np.ptp(p.motion.q)) for p in passes)
     least = min(max(SHORTEST * max(p.motion.counts for p in passes), 5e-5 * most), 0.5 * most)
-    many = min(STROKES, 2 + int(np.log(most / least) / np.log(APART))) if most > least > 0.0 else 1
+    many = min(many, 2 + int(np.log(most / least) / np.log(APART))) if most > least > 0.0 else 1
     return list(np.geomspace(least, most, many)) if many > 1 else [most]
 
 
 def _grid(
-    scale: str, passes: Sequence[InverseDynamics], residuals: Sequence[np.ndarray], plant: Plant, effect: Effect
+    scale: str,
+    passes: Sequence[InverseDynamics],
+    residuals: Sequence[np.ndarray],
+    plant: Plant,
+    effect: Effect,
+    budget: Budget,
 ) -> list[float]:
     """Return start values for one shape parameter of an effect, in SI."""
     motions = [p.motion for p in passes]
@@ -65,14 +65,14 @@ def _grid(
         top = max(float(np.abs(m.v).max()) for m in motions)
         return list(top * np.array([0.003, 0.01, 0.03, 0.07, 0.15, 0.3]))
     if scale == "stroke":
-        return strokes(passes, plant, effect.at)
+        return strokes(passes, plant, effect.at, budget.strokes)
     if scale == "time":
         return list(min(m.dt for m in motions) * np.array([0.1, 0.5, 1.5, 4.0]))
     if scale == "rate":
         longest = max(float(np.ptp(m.t)) for m in motions)
         return list(np.geomspace(3.0 / longest, 0.1 / min(m.dt for m in motions), 6))
     if scale == "resonance":
-        return resonances(passes, residuals)
+        return resonances(passes, residuals, budget.resonances)
     if scale == "settling":  # from hardly within all the records to within a third of one
         span = max(float(m.t[-1]) for m in motions) - min(float(m.t[0]) for m in motions)
         return list(np.array([0.3, 1.0, 3.0, 10.0]) / span)
@@ -91,7 +91,9 @@ def _grid(
     return []
 
 
-def resonances(passes: Sequence[InverseDynamics], residuals: Sequence[np.ndarray]) -> list[float]:
+def resonances(
+    passes: Sequence[InverseDynamics], residuals: Sequence[np.ndarray], many: int = BUDGET.resonances
+) -> list[float]:
     """Return frequencies in Hz, the most telling first, at which residuals go with the acceleration: local maxima of
 
     |S_ra|^2/S_aa, the power of a residual that a linear answer to acceleration explains at a frequency (Welch's segments of half
@@ -113,7 +115,7 @@ def resonances(passes: Sequence[InverseDynamics], residuals: Sequence[np.ndarray
         )
         found += [(float(power[i + 1]), float(f[i + 1])) for i in inside]
     tops = [f for _, f in sorted(found, reverse=True)]
-    chosen = [f for i, f in enumerate(tops) if all(abs(f / g - 1.0) > NEAR for g in tops[:i])][:RESONANCES]
+    chosen = [f for i, f in enumerate(tops) if all(abs(f / g - 1.0) > NEAR for g in tops[:i])][:many]
     longest = max(float(np.ptp(m.t)) for m in motions)
     return [*chosen, *np.geomspace(3.0 / longest, 0.1 / min(m.dt for m in motions), WIDE)]
 
@@ -131,7 +133,11 @@ def lateness(passes: Sequence[InverseDynamics], plant: Plant, channel: str) -> d
 
 
 def starts(
-    effect: Effect, passes: Sequence[InverseDynamics], residuals: Sequence[np.ndarray], plant: Plant
+    effect: Effect,
+    passes: Sequence[InverseDynamics],
+    residuals: Sequence[np.ndarray],
+    plant: Plant,
+    budget: Budget = BUDGET,
 ) -> list[dict[str, float]]:
     """Return starts of a candidate: {shape parameter: search value}, every combination of its grids, and of a channel's clock
     what two encoders say of it."""
@@ -139,13 +145,13 @@ def starts(
     grids = []
     for n in free:
         p = effect.parameters[n]
-        values = [float(np.clip(v, p.lower, p.upper)) for v in _grid(p.scale, passes, residuals, plant, effect)] or [
-            p.value
-        ]
+        values = [
+            float(np.clip(v, p.lower, p.upper)) for v in _grid(p.scale, passes, residuals, plant, effect, budget)
+        ] or [p.value]
         if p.scale == "time" and p.value == 0.0:
             values.insert(0, 0.0)  # what changes nothing: from there the slope points to either side
         grids.append([to_search(p.at(v)) for v in dict.fromkeys(values)])
-    found = [dict(zip(free, combination, strict=True)) for combination in product(*grids)][:MOST]
+    found = [dict(zip(free, combination, strict=True)) for combination in product(*grids)][: budget.starts]
     if effect.port == TIME and effect.at.startswith("sensor."):
         late = lateness(passes, plant, effect.at.partition(".")[2])
         own = {n: p for n in free if (p := effect.parameters[n]).scale in late}

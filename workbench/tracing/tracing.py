@@ -13,26 +13,24 @@ from workbench.inverse.dynamics import InverseDynamics
 from workbench.keeping import kept
 from workbench.plant import TWO_MASS, Plant
 from workbench.residual.noise_floor import floor as noise_floor
-from workbench.residual.noise_floor import noise_rms
 from workbench.threads import one_thread
+from workbench.tracing.budget import BUDGET, Budget
 from workbench.tracing.candidates import Offer, within_tolerance
 from workbench.tracing.criteria import Criteria
 from workbench.tracing.decide import CAUSE, NOT_BORNE_OUT, REFINEMENT, Verdict, decide
 from workbench.tracing.decimation import decimate
-from workbench.tracing.evidence import CORRECTION, Evidence, Weighed
+from workbench.tracing.evidence import CORRECTION, Evidence
 from workbench.tracing.explainable import explainable
 from workbench.tracing.judge import STANDARD, Progress, ScoredCandidate
 from workbench.tracing.mending import mended
-from workbench.tracing.near_law import as_declared
 from workbench.tracing.otherwise import otherwise
-from workbench.tracing.reporting import Confirmed, Declared, Outcome, reported
+from workbench.tracing.reporting import Declared, Outcome, reported
 from workbench.tracing.result import Trace
 from workbench.tracing.selection import Selection, select
 from workbench.tracing.skew import skew_of
 from workbench.tracing.state import State
-from workbench.tracing.unexplained import Unexplained, instead
-from workbench.tracing.weighing import weighed
-from workbench.tracing.whole import in_turn
+from workbench.tracing.unexplained import Unexplained, instead, traded
+from workbench.tracing.weighing import Confirmed, confirm
 
 
 @one_thread
@@ -45,13 +43,14 @@ def trace(
     only: Collection[str] | None = None,
     own: Collection[Effect] = (),
     criteria: Criteria = STANDARD,
+    budget: Budget = BUDGET,
 ) -> Trace:
     """Trace the residual of `plant` on the identification records among `passes`.
 
     plant: as declared, or a fit of it. most: effects added at most, as the criteria say where absent. only: names of the effects
     that are judged, all where absent. own: effects that are judged beside those of the catalogue. criteria: what
-    decides. Returns the verdict with its evidence. Validation records choose no class of effects; they decide whether what was found
-    is borne out, and where it is not, which law of its class is.
+    decides. budget: of the search. Returns the verdict with its evidence. Validation records choose no class of effects; they
+    decide whether what was found is borne out, and where it is not, which law of its class is.
     """
     plant = plant.plant if isinstance(plant, Fit) else plant
     criteria = criteria if most is None else replace(criteria, steps=most)
@@ -60,43 +59,31 @@ def trace(
         lost = mended(plant, passes, criteria.explainable)
         passes = lost.passes if lost else passes
         whole = fitted_on(passes)
-        late = replace(_late_encoder(plant, passes, only), lost=lost)
+        late = replace(_late_encoder(plant, passes, whole, only), lost=lost)
         loose, told = within_tolerance(late.plant, criteria.tolerance)
-        declared = State(loose, decimate(whole, late.plant))
+        thinned = decimate(whole, late.plant)
+        declared = State(loose, thinned)
     except NoValue:
         raise WorkbenchError(
             "the declared model has no value on these records: a shape parameter lies far from them; check it and its unit."
         ) from None
-    offer = Offer(() if late.idle else only, own, [e.key for e in plant.effects], told)
+    offer = Offer(() if late.idle else only, own, [e.key for e in plant.effects], told, budget)
     selected = select(declared, whole, offer, criteria, progress)
     progress("fitting the extended model")
-    found = as_declared(selected.answer.last.plant, selected.laws)
-    added, fits = in_turn(late.plant, selected.answer.added, found, passes)
-    confirmed = Confirmed(added, fits, noise_rms(passes, fits[-1].plant))
-    progress("weighing the evidence")
-    evidence, place = _evidence_of(selected, confirmed, passes, criteria)
-    again = otherwise(selected, confirmed, evidence.added, late.plant, passes, offer, criteria, progress)
-    if again[0] is not selected:
-        selected, confirmed = again
-        found = as_declared(selected.answer.last.plant, selected.laws)
-        evidence, place = _evidence_of(selected, confirmed, passes, criteria)
-    evidence = replace(
-        evidence, clock=late.skew is not None, idle=late.idle is not None, lost=lost.size if lost else 0.0
-    )
-    verdict = decide(evidence, criteria)
-    if (order := later(confirmed.added, verdict)) is not None:
-        added, fits = in_turn(late.plant, order, found, passes)
-        confirmed = Confirmed(added, fits, confirmed.levels)
-        evidence = replace(evidence, added=weighed(selected, added, fits, passes, criteria))
+    order, confirmed, refused = selected.answer.added, None, []
+    while order is not None:
+        first = confirmed is None
+        confirmed = confirm(late.plant, order, selected, passes, criteria, None if first else confirmed.levels)
+        if first:
+            progress("weighing the evidence")
+            selected, confirmed = otherwise(selected, confirmed, late.plant, passes, offer, criteria, progress)
+            evidence, place = _evidence_of(selected, confirmed, late, passes, criteria)
+        evidence = replace(evidence, added=confirmed.weighed)
         verdict = decide(evidence, criteria)
-    refused: list[Weighed] = []
-    while verdict.verdict == CAUSE and (kept := _standing(confirmed, verdict)) is not confirmed.added:
-        # without what is not borne out, the others are weighed again: one may have been needed by it alone
-        refused += [a for a, r in zip(evidence.added, verdict.roles, strict=True) if r == NOT_BORNE_OUT]
-        added, fits = in_turn(late.plant, kept, found, passes)
-        confirmed = Confirmed(added, fits, confirmed.levels)
-        evidence = replace(evidence, added=weighed(selected, added, fits, passes, criteria))
-        verdict = decide(evidence, criteria)
+        order = (later(confirmed.added, verdict) if first else None) or _standing(confirmed, verdict)
+        if order is not None and len(order) < len(confirmed.added):
+            # without what is not borne out, the others are weighed again: one may have been needed by it alone
+            refused += [a for a, r in zip(confirmed.weighed, verdict.roles, strict=True) if r == NOT_BORNE_OUT]
     evidence = replace(evidence, refused=tuple(refused))
     return reported(Outcome(late, passes, selected, confirmed, evidence, verdict, place, criteria), progress)
 
@@ -109,25 +96,31 @@ def later(added: Sequence[ScoredCandidate], verdict: Verdict) -> list[ScoredCand
     return [j for j, o in zip(added, out, strict=True) if not o] + [j for j, o in zip(added, out, strict=True) if o]
 
 
-def _standing(confirmed: Confirmed, verdict: Verdict) -> Sequence[ScoredCandidate]:
-    """Return what of the additions stays in the extended model; the same object where all of it does."""
+def _standing(confirmed: Confirmed, verdict: Verdict) -> list[ScoredCandidate] | None:
+    """Return what of the additions stays in the extended model with a cause; None where all of it does, or there is none."""
+    if verdict.verdict != CAUSE:
+        return None
     roles = dict(zip((j.suspect.key for j in confirmed.added), verdict.roles, strict=True))
     kept = [j for j in confirmed.added if roles[j.suspect.key] == CAUSE or _stays(j, roles)]
-    return kept if len(kept) < len(confirmed.added) else confirmed.added
+    return kept if len(kept) < len(confirmed.added) else None
 
 
-def _late_encoder(plant: Plant, passes: Sequence[InverseDynamics], only: Collection[str] | None) -> Declared:
+def _late_encoder(
+    plant: Plant, passes: Sequence[InverseDynamics], whole: Sequence[InverseDynamics], only: Collection[str] | None
+) -> Declared:
     """Ask the angle between two encoders before anything in torque, and whether the joint then carries anything."""
     if plant.kind != TWO_MASS:
-        return Declared(plant, plant)
-    skew = skew_of(decimate(fitted_on(passes)), plant) if only is None or "clock_skew" in only else None
+        return Declared(plant, plant, whole)
+    thinned = decimate(whole) if only is None or "clock_skew" in only else []
+    skew = skew_of(thinned, plant)
     here = skew.suspect.plant if skew else plant
     before = identify(plant, passes) if skew else None
-    return Declared(plant, here, skew, before, idle(passes, identify(here, passes).plant))
+    fit = identify(here, passes)
+    return Declared(plant, here, whole, skew, before, idle(passes, fit.plant))
 
 
 def _evidence_of(
-    selected: Selection, confirmed: Confirmed, passes: Sequence[InverseDynamics], criteria: Criteria
+    selected: Selection, confirmed: Confirmed, late: Declared, passes: Sequence[InverseDynamics], criteria: Criteria
 ) -> tuple[Evidence, Unexplained | None]:
     """Return the numbers that decide, and the place that says more than what was added does, if there is one."""
     answer, base = selected.answer, selected.base
@@ -135,7 +128,8 @@ def _evidence_of(
     even = {p.motion.record.name: calm for p in passes}
     before = explainable(base, criteria)
     after = explainable(answer.last, criteria) if answer.added else before
-    place = instead(base, answer.last, even) if confirmed.added else None
+    paid = traded(base, answer.last, even) if confirmed.added else None
+    place = paid or (instead(base, answer.last, even) if confirmed.added else None)
     first = confirmed.fits[0]
     steady = {name: min(x, max(base.steady, 1e-300)) for name, x in confirmed.levels.items()}
     evidence = Evidence(
@@ -143,8 +137,12 @@ def _evidence_of(
         floor=noise_floor(passes, steady),
         before=before,
         after=after,
-        added=weighed(selected, confirmed.added, confirmed.fits, passes, criteria),
+        added=confirmed.weighed,
         place_instead=place is not None,
+        clock=late.skew is not None,
+        idle=late.idle is not None,
+        lost=late.lost.size if late.lost else 0.0,
+        traded=paid is not None,
     )
     return evidence, Unexplained(place, base.solution.cost**0.5) if place else None
 

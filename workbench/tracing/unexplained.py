@@ -7,7 +7,7 @@ from workbench.identification.cross_validation import Deviations
 from workbench.residual.change_points import with_change_points
 from workbench.residual.localisation import change_windows, localise, plainer
 from workbench.residual.samples import Samples, excess_of, left_in, samples, times_floor
-from workbench.residual.window import DIRECTIONS, Window, local
+from workbench.residual.window import DIRECTIONS, EITHER, Window, local
 from workbench.tracing.evidence import Evidence
 from workbench.tracing.mending import Mended
 from workbench.tracing.state import State
@@ -18,6 +18,10 @@ LEFT = 1.4  # residual over floor up to which effects that were added have expla
 EXPLAINED = 0.9  # share of the excess power from which added effects are the answer
 STAYS = 0.5  # of the rms inside a place, that must stay there with the effects
 BRIEF = 0.1  # share of the samples below which moments are a place: more of them are a way of moving
+# Residual outside a place with the added effects over the declared model's own there, from which they trade one for the other: effects
+# that were right left 1.0 of it or less, those that dressed a window of the stroke 1.2 to 1.6. Halved in its distance from 1, a fit's
+# scatter would do; doubled, a cushion is gravity
+TRADED = 1.1
 ALONE = 4.0  # rms inside a place over rms outside, from which there is little but what lives in the place
 
 
@@ -48,6 +52,19 @@ def instead(declared: State, last: State, level: Mapping[str, float]) -> Window 
         return None
     left = left_in(place, last.solution.residual, known).inside
     return place if left > max(LEFT, STAYS * left_in(place, declared.solution.residual, known).inside) else None
+
+
+def traded(declared: State, last: State, level: Mapping[str, float]) -> Window | None:
+    """Return the window of the stroke that the added effects leave plainly, and pay for with residual elsewhere, or None.
+
+    Outside of it the declared model, fitted without it, says more than the extended one does: what an effect takes inside is not its own.
+    """
+    known = _samples_of(declared, level)
+    place = _living(declared, known)
+    if last is declared or not local(place) or place.coordinate != "position":
+        return None
+    left = left_in(place, last.solution.residual, known)
+    return place if left.inside > LEFT and left.outside > TRADED * place.outside else None
 
 
 def unexplained(state: State, level: Mapping[str, float]) -> Unexplained:
@@ -129,12 +146,16 @@ def described(found: Unexplained | None, evidence: Evidence, lost: Mended | None
 
 def _of_lost(found: Mended) -> dict[str, object]:
     """Return what trace.json says of counts that an encoder lost: the moments, each by record, and what they take of the drive."""
-    times = [s.time for s in found.lost.all]
+    step = max(p.motion.dt for p in found.passes)
+    times = sorted(s.time for s in found.lost.all)
     return {
         "coordinate": "time",
-        "low": min(times),
-        "high": max(times),
+        "low": times[0],
+        "high": times[-1],
+        "spans": [[t - step, t] for t in times],
+        "direction": DIRECTIONS[EITHER],
+        "share": (found.size / found.before.identification) ** 2,
+        "size": found.size,
         "channel": found.lost.channel,
         "shifts": {name: [[s.time, s.size] for s in shifts] for name, shifts in found.lost.shifts.items()},
-        "size": found.size,
     }

@@ -1,13 +1,14 @@
 """What was added, weighed on whole records: its sizes, whether its values may be a machine's, whether a nearer law says it."""
 
-from collections.abc import Sequence
-from dataclasses import replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 
 from workbench.identification.result import Fit
 from workbench.inverse.carrying import load_errors
 from workbench.inverse.dynamics import InverseDynamics
 from workbench.plant import TWO_MASS, Plant
 from workbench.record import ROLES, VALIDATION
+from workbench.residual.noise_floor import noise_rms
 from workbench.tracing.calibration import calibrate, periodic
 from workbench.tracing.criteria import Criteria
 from workbench.tracing.evidence import CORRECTION, Weighed
@@ -17,6 +18,32 @@ from workbench.tracing.outside import multiplier
 from workbench.tracing.plausible import implausible
 from workbench.tracing.result import Refinement
 from workbench.tracing.selection import Selection
+from workbench.tracing.whole import in_turn
+
+
+@dataclass(frozen=True, eq=False)
+class Confirmed:
+    """added: what whole records bear out. fits: of the declared plant and with one more of these each. levels: record -> rms
+    that noise and counts alone would leave. weighed: what whole records say of each addition."""
+
+    added: Sequence[ScoredCandidate]
+    fits: Sequence[Fit]
+    levels: Mapping[str, float]
+    weighed: tuple[Weighed, ...]
+
+
+def confirm(
+    declared: Plant,
+    order: Sequence[ScoredCandidate],
+    selected: Selection,
+    passes: Sequence[InverseDynamics],
+    criteria: Criteria,
+    levels: Mapping[str, float] | None = None,
+) -> Confirmed:
+    """Return what whole records bear out of additions, asked in this order, and weighed. levels: as found before."""
+    added, fits = in_turn(declared, order, selected.found, passes)
+    found = weighed(selected, added, fits, passes, criteria)
+    return Confirmed(added, fits, noise_rms(passes, fits[-1].plant) if levels is None else levels, found)
 
 
 def weighed(

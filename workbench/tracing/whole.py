@@ -15,6 +15,7 @@ from workbench.tracing.candidates import brought
 from workbench.tracing.judge import FURTHER, ScoredCandidate
 
 SETTLED = 1e-5  # relative decrease of the cost at which a fit on whole records is as good as it is compared
+TOGETHER = 0.05  # of what is left, that all additions together take more than those that stand alone: as `borne_out` asks of one
 RISEN = 1.05  # of the drive's error, from which it has plainly risen
 
 
@@ -31,31 +32,38 @@ def in_turn(
     plants = [declared]
     for j in added:
         plants.append(valued(brought(plants[-1], j.suspect, found), found))
-    # no search needs another one's result
-    ends = shared(
-        lambda k: _end_of(plants[k], passes, *((SETTLED, FURTHER) if k else (TOLERANCE, ITERATIONS))),
-        range(len(plants)),
-    )
-    fits = [identify(declared, passes, next(ends), solved=True)]
+    whole = fitted_on(passes)
+
+    def end_of(plant: Plant) -> np.ndarray | None:
+        """Return where the search for a plant ends, on the search scale; None where the plant has no value on the records."""
+        tolerance, most = (TOLERANCE, ITERATIONS) if plant is declared else (SETTLED, FURTHER)
+        try:
+            return solve(Problem(plant, whole), None, tolerance, most=most).theta
+        except NoValue:
+            return None
+
+    ends = list(shared(end_of, plants))  # no search needs another one's result
+    fits = [identify(declared, passes, ends[0], solved=True)]
     kept: list[ScoredCandidate] = []
-    for i, (j, end) in enumerate(zip(added, ends, strict=True)):
+    for i, j in enumerate(added):
         plant = brought(fits[-1].plant, j.suspect, found)
-        whole = i == len(kept)  # else `end` is of a plant with what was not borne out
-        again = ((valued(plant, found), end if whole else None), (plant, None))
+        end = ends[i + 1] if i == len(kept) else None  # else it is of a plant with what was not borne out
+        again = ((valued(plant, found), end), (plant, None))
         tried = (identify(p, passes, theta, solved=theta is not None) for p, theta in again)
         better = next((fit for fit in tried if borne_out(fits[-1], fit)), None)
         if better is not None:
             kept.append(j)
             fits.append(better)
-    return kept, fits
-
-
-def _end_of(plant: Plant, passes: Sequence[InverseDynamics], tolerance: float, most: int) -> np.ndarray | None:
-    """Return where the search on whole records ends, on the search scale; None where the plant has no value on them."""
-    try:
-        return solve(Problem(plant, fitted_on(passes)), None, tolerance, most=most).theta
-    except NoValue:
-        return None
+    if len(kept) == len(added) or ends[-1] is None:
+        return kept, fits
+    last = identify(plants[-1], passes, ends[-1], solved=True)
+    if not (borne_out(fits[-1], last) and last.details["cost"] < (1.0 - TOGETHER) * fits[-1].details["cost"]):
+        return kept, fits
+    # one needs another (a body that hides behind a spring, and the mass that was counted in): together they stand
+    between = (
+        identify(p, passes, end, solved=end is not None) for p, end in zip(plants[1:-1], ends[1:-1], strict=True)
+    )
+    return list(added), [fits[0], *between, last]
 
 
 def borne_out(before: Fit, after: Fit, share: float = 0.05) -> bool:

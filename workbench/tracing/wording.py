@@ -15,7 +15,6 @@ from workbench.tracing.evidence import ADDITION, CORRECTION, Evidence, Weighed
 from workbench.tracing.judge import ScoredCandidate
 from workbench.tracing.mending import Mended
 from workbench.tracing.result import CandidateScore, Cause, Refinement
-from workbench.tracing.skew import Skew
 from workbench.tracing.unexplained import Unexplained
 
 SPANS = 6  # that are told in words
@@ -46,6 +45,7 @@ def cause(
     """
     candidate, name = judgement.candidate, judgement.suspect.name
     suspect = judgement.suspect
+    was = _held(declared, candidate) if candidate.kind == CORRECTION else {}
     effect = find((candidate.effect if suspect.part else name).partition(" ")[0])  # without its label
     estimates = tuple(e for e in last.estimates if (e.effect, e.at) == (candidate.effect, candidate.at))
     identification, validation = (
@@ -73,7 +73,7 @@ def cause(
     return Cause(
         name, candidate.at, sentence, estimates, identification, validation,
         kind=candidate.kind,
-        was=_held(declared, candidate) if candidate.kind == CORRECTION else {}, law=weight.law, size=weight.size(IDENTIFICATION),
+        was=was, law=weight.law, size=weight.size(IDENTIFICATION),
         form=candidate.effect if name != candidate.effect else "",
     )  # fmt: skip
 
@@ -82,17 +82,6 @@ def refinement(c: Cause) -> Refinement:
     """Return what would be a cause, were it not too small for one: nothing says that it is missing."""
     sentence = f"{capital(title(c.effect))} at the {c.at} takes away {100 * c.size:.2g} % of the drive's rms on the identification records."
     return Refinement(c.effect, c.at, c.kind, sentence, c.parameters, c.size)
-
-
-def clock(skew: Skew, before: Fit, here: Fit) -> Cause:
-    """Return the cause that a late clock is, as the angle between two encoders tells it; shares are of the drive."""
-    identification, validation = (
-        1.0 - (here.rms[r] / before.rms[r]) ** 2 if before.rms[r] > 0.0 else 0.0 for r in (IDENTIFICATION, VALIDATION)
-    )
-    power = max(before.identification**2 - here.identification**2, 0.0)
-    return Cause(
-        skew.suspect.effect, skew.suspect.at, skew.sentence, skew.parameters, identification, validation, size=power**0.5,
-    )  # fmt: skip
 
 
 def findings_of(verdict: Verdict, evidence: Evidence, causes: Sequence[Cause], plant: Plant, criteria: Criteria):
@@ -216,8 +205,10 @@ def verdict_sentence(
     size = evidence.before
     if verdict == CAUSE:
         falls = "falls" if after.validation < 0.99 * before.validation else "goes"
+        what = what_of(causes, after.plant)
+        one = what.count(" is ") == 1 and " are " not in what
         return (
-            f"{capital(what_of(causes, after.plant))}. With {'it' if len(causes) == 1 else 'them'}, the validation error {falls} from "
+            f"{capital(what)}. With {'it' if one else 'them'}, the validation error {falls} from "
             f"{100 * before.validation:.2f} % to {100 * after.validation:.2f} % and the identification error from "
             f"{100 * before.identification:.2f} % to {100 * after.identification:.2f} %{_at_least(evidence.floor[IDENTIFICATION])}."
         )

@@ -25,7 +25,8 @@ def do(given: argparse.Namespace) -> int:
     from workbench.study.running import campaign_of
     from workbench.study.traced import run
 
-    campaign = load(campaign_of(given.campaign), resample=given.resample)
+    folder = campaign_of(given.campaign)
+    campaign = load(folder, resample=given.resample)
     with Progress("trace", given.campaign) as say:
         found = run(campaign, given.out, say, closing=not given.no_close)
     print(found.sentence)

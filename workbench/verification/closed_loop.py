@@ -97,20 +97,6 @@ class ClosedLoop:
         return {n: getattr(self.tuned_on_extended, n) - getattr(self.tuned_on_declared, n) for n in FIGURES}
 
 
-def lacking(plant: Plant, record: Record | None) -> str:
-    """Return what a campaign lacks for its loop to be closed, as a sentence; "" where it lacks nothing."""
-    if record is None:
-        return "The loop is not closed: the campaign has no record to take a motion from."
-    if not friction_of(plant)[1] > 0.0:
-        return "The loop is not closed: the declared model has no inertia, so no gains can be tuned for it."
-    if not isfinite(plant.limits.drive):
-        return (
-            "The loop is not closed: the campaign states no limit of the drive, and without one the fastest gains are "
-            "infinite; state actuator_limit (and speed_limit) in campaign.toml."
-        )
-    return ""
-
-
 def _family_of(task: Task) -> Family:
     """Return the cascades among which the one for the plant of a task is sought."""
     plant, loop = task.plant, task.loop
@@ -181,7 +167,7 @@ def _following(plants: Sequence[Plant], record: Record, loop: Loop, controllers:
 def close(declared: Plant, extended: Plant, record: Record) -> ClosedLoop:
     """Return the loop of a record's axis with the declared and with the extended plant, tuned on each.
 
-    Needs a limit of the drive (see `lacking`). Raises WorkbenchError for a plant without forward dynamics.
+    Needs a limit of the drive (see `closing.lacking`). Raises WorkbenchError for a plant without forward dynamics.
     """
     loop = loop_of(record)
     tasks = {DECLARED: replace(task_of(declared, record, loop), lanes=PHASES)}

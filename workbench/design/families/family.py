@@ -86,6 +86,18 @@ def integrating(theta: np.ndarray, kvp, ki, dt: float):
     return kvp + ki * dt * back / (1.0 - back)
 
 
+def _over_speed(linear: Judge, mass: float = 0.0) -> Callable[[np.ndarray], np.ndarray]:
+    """Return the sensitivity of points (n, 3 or more) kv, kvp, ki: position P over velocity PI. mass: of what is fed forward."""
+    dt = linear.loop.sample_time
+
+    def sensitivity(points):
+        kv, kvp, ki = (points[:, k : k + 1] for k in range(3))
+        inner = integrating(linear.theta, kvp, ki, dt)
+        return linear.peak(inner * kv, inner + mass * kv, integrators=1)
+
+    return sensitivity
+
+
 def cascade_family(
     linear: Judge,
     start: tuple[float, float, float],
@@ -97,19 +109,13 @@ def cascade_family(
 ) -> Family:
     """Position P over velocity PI with a velocity limit: kv, kvp, ki."""
     start = np.array(start)
-    dt = linear.loop.sample_time
 
     def controller(points, lanes):
         values = (_repeated(points[:, k], lanes) for k in range(3))
         return pi_cascade(*values, speed_limit, motor_speed=motor_speed, motor_position=motor_position)
 
-    def sensitivity(points):
-        kv, kvp, ki = (points[:, k : k + 1] for k in range(3))
-        inner = integrating(linear.theta, kvp, ki, dt)
-        return linear.peak(inner * kv, inner, integrators=1)
-
     low, high = start * CASCADE_RANGE
-    return Family(name, ("kv", "kvp", "ki"), low, high, start, controller, sensitivity)
+    return Family(name, ("kv", "kvp", "ki"), low, high, start, controller, _over_speed(linear))
 
 
 def profile_family(
@@ -123,21 +129,17 @@ def profile_family(
 ) -> Family:
     """Square-root profile with PI near the target: kv, kvp, ki, deceleration, gate. step: the motion's, rad or m."""
     start = np.array([*start, 1e-2 * step])
-    dt = linear.loop.sample_time
     mass = feed_forward.mass if feed_forward else 0.0
 
     def controller(points, lanes):
         values = (_repeated(points[:, k], lanes) for k in range(5))
         return profile_pi(*values, speed_limit, feed_forward=feed_forward, motor_speed=motor_speed)
 
-    def sensitivity(points):
-        kv, kvp, ki = (points[:, k : k + 1] for k in range(3))
-        inner = integrating(linear.theta, kvp, ki, dt)
-        return linear.peak(inner * kv, inner + mass * kv, integrators=1)
-
     lower, upper = start * (0.1, 0.02, 0.001, 0.3, 1e-3), start * (5.0, 10.0, 100.0, 2.0, 10.0)
     name = "profile with PI, fed forward" if feed_forward else "profile with PI"
-    return Family(name, ("kv", "kvp", "ki", "deceleration", "gate"), lower, upper, start, controller, sensitivity)
+    return Family(
+        name, ("kv", "kvp", "ki", "deceleration", "gate"), lower, upper, start, controller, _over_speed(linear, mass)
+    )
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,0 +1,44 @@
+"""The loop of a campaign, closed with what a trace found: on which record, or why it is not."""
+
+from collections.abc import Callable
+from dataclasses import replace
+from math import isfinite
+
+from workbench.campaign import Campaign
+from workbench.description.friction import friction_of
+from workbench.errors import WorkbenchError
+from workbench.plant import Plant
+from workbench.record import VALIDATION, Record
+from workbench.tracing.result import Trace
+from workbench.verification.closed_loop import ClosedLoop, close
+
+
+def lacking(plant: Plant, record: Record | None) -> str:
+    """Return what a campaign lacks for its loop to be closed, as a sentence; "" where it lacks nothing."""
+    if record is None:
+        return "The loop is not closed: the campaign has no record to take a motion from."
+    if not friction_of(plant)[1] > 0.0:
+        return "The loop is not closed: the declared model has no inertia, so no gains can be tuned for it."
+    if not isfinite(plant.limits.drive):
+        return (
+            "The loop is not closed: the campaign states no limit of the drive, and without one the fastest gains are "
+            "infinite; state actuator_limit (and speed_limit) in campaign.toml."
+        )
+    return ""
+
+
+def closed_loop(campaign: Campaign, found: Trace, say: Callable[[str], None]) -> ClosedLoop | str:
+    """Return the loop closed with what a trace found, on the validation record whose name comes first, or the sentence why it is not."""
+    record = min(campaign.with_role(VALIDATION), key=lambda r: r.name, default=None)
+    if missing := lacking(campaign.plant, record):
+        return missing
+    say("closing the loop")
+    try:
+        return close(_in_order(found.before.plant), _in_order(found.after.plant), record)
+    except WorkbenchError as error:
+        return f"The loop is not closed: {error}"
+
+
+def _in_order(plant: Plant) -> Plant:
+    """Return the plant with its effects by name: in which order they were declared must not show in the last bits of a sum."""
+    return replace(plant, effects=tuple(sorted(plant.effects, key=lambda e: e.key)))
