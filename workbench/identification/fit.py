@@ -64,7 +64,17 @@ def series_of(plant: Plant, passes: InverseDynamics) -> tuple[Series, np.ndarray
     m = passes.motion
     prediction = predicted(passes, plant)
     both = m.filter(np.stack([m.u, prediction]))
-    series = Series(m.record.name, m.record.role, m.t, m.q, m.v, both[0], both[1], m.keep)
+    series = Series(
+        m.record.name,
+        m.record.role,
+        m.t,
+        m.q,
+        m.v,
+        both[0],
+        both[1],
+        m.keep,
+        None if passes.counts is None else passes.counts[0],
+    )
     return series, prediction
 
 

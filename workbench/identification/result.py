@@ -56,7 +56,8 @@ class Squares:
 class Series:
     """One record seen through the evaluation filter: time (n,) s, and measured, predicted, residual drive (n,) SI.
 
-    position, velocity: the zero-phase filtered motion. keep: the samples in which errors count. role as the record's.
+    position, velocity: the zero-phase filtered motion. keep: the samples in which errors count; of these the ones in counts (n,)
+    where that is not None. role as the record's.
     """
 
     record: str
@@ -67,6 +68,7 @@ class Series:
     measured: np.ndarray
     predicted: np.ndarray
     keep: slice
+    counts: np.ndarray | None = None
 
     @property
     def residual(self) -> np.ndarray:
@@ -76,7 +78,8 @@ class Series:
     @property
     def squares(self) -> Squares:
         measured, residual = self.measured[self.keep], self.residual[self.keep]
-        return Squares(residual @ residual, measured @ measured, measured.size)
+        left = residual if self.counts is None else residual[self.counts[self.keep]]
+        return Squares(left @ left, measured @ measured, measured.size)
 
 
 @dataclass(frozen=True, eq=False)

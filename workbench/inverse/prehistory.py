@@ -48,7 +48,7 @@ def _begun(plant: Plant, p: InverseDynamics) -> InverseDynamics:
     best = min(tried, key=lambda h: _left(plant, m, h))
     step = tried[1] - tried[0]
     best = min(best + np.linspace(-step, step, FINE), key=lambda h: _left(plant, m, h))
-    return InverseDynamics(displaced(m, float(best)))
+    return InverseDynamics(displaced(m, float(best)), counts=p.counts)
 
 
 def _memory(plant: Plant) -> float:

@@ -67,8 +67,8 @@ def thin_one(
     """Return passes, `of` this class, over one thinned record, whose operators run at FINE times the band."""
     band = p.motion.filter.bandwidth
     record = decimated(p.motion.record, band, least)
-    at_rest = {place: _resting(p, place) for place in _dry(plant)} if plant is not None else {}
-    counts = _counting(p.motion.record, record, at_rest)
+    at_rest = {place: still(p, place, WINDOW) for place in dry(plant)} if plant is not None else {}
+    counts = _counting(p, record, at_rest)
     if record is p.motion.record:
         return p if counts is None else of(p.motion, counts=counts)
     fine = decimated(p.motion.record, band, max(FINE, least))
@@ -82,31 +82,33 @@ def thin_one(
     return of(motion(record, band), finer, coarse, counts)
 
 
-def _dry(plant: Plant) -> list[str]:
+def dry(plant: Plant) -> list[str]:
     """Return the places of a plant where friction has a direction and no memory: at rest it holds whatever it has to."""
     given = {e.at for e in plant.effects if e.provides}
     return sorted({e.at for e in plant.effects if e.port == FORCE and e.reads == ("dir",)} - given)
 
 
-def _resting(p: InverseDynamics, place: str) -> np.ndarray:
-    """Return where (n,) the encoder of a place stays within one count for WINDOW s."""
+def still(p: InverseDynamics, place: str, window: float, about: float = 0.0) -> np.ndarray:
+    """Return where (n,) the encoder of a place stays within one count for `window` s about a sample, or does within `about` s of it."""
     from scipy.ndimage import maximum_filter1d, minimum_filter1d
 
     m, channel = p.motion, CHANNEL[place]
     if channel not in m.record.channels:
         return np.zeros(m.u.size, dtype=bool)
     x = m.record.channels[channel]
-    width = 2 * round(0.5 * WINDOW / m.dt) + 1
+    width = max(2 * round(0.5 * window / m.dt) + 1, 3)
     count = p.bodies.counts(channel) or UNSEEN * float(np.ptp(x))
-    return maximum_filter1d(x, width) - minimum_filter1d(x, width) <= 1.01 * count
+    rests = maximum_filter1d(x, width) - minimum_filter1d(x, width) <= 1.01 * count
+    return maximum_filter1d(rests.view(np.uint8), 2 * round(about / m.dt) + 1).view(bool) if about > 0.0 else rests
 
 
-def _counting(record: Record, kept: Record, at_rest: Mapping[str, np.ndarray]) -> np.ndarray | None:
+def _counting(p: InverseDynamics, kept: Record, at_rest: Mapping[str, np.ndarray]) -> np.ndarray | None:
     """Return (2, n) of bool on the kept record: where the drive's and the load's balance count; None where all of them do."""
-    if not any(x.any() for x in at_rest.values()):
+    record = p.motion.record
+    if p.counts is None and not any(x.any() for x in at_rest.values()):
         return None
     nearest = np.rint((kept.time - record.time[0]) / record.dt).astype(int).clip(0, record.time.size - 1)
-    counts = np.ones((2, kept.time.size), dtype=bool)
+    counts = np.ones((2, kept.time.size), dtype=bool) if p.counts is None else p.counts[:, nearest]
     for place, x in at_rest.items():
         counts[int(place == "load")] &= ~x[nearest]
     return counts

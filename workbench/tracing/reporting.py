@@ -22,6 +22,7 @@ from workbench.tracing.selection import Selection
 from workbench.tracing.skew import Skew, clock
 from workbench.tracing.smallest import named
 from workbench.tracing.state import State
+from workbench.tracing.sticking import Sticking
 from workbench.tracing.unexplained import Unexplained, described, unexplained
 from workbench.tracing.weighing import Confirmed, curve_of
 from workbench.tracing.wording import cause, findings_of, refinement, verdict_sentence
@@ -31,7 +32,8 @@ from workbench.tracing.wording import cause, findings_of, refinement, verdict_se
 class Declared:
     """declared: the plant as declared. plant: with the clock that the angle between two encoders says is late, held. whole: the
     identification records. before: the fit of the declared plant, where there is such a clock. idle: a finding that the fit
-    lets the joint carry nothing. lost: counts that an encoder loses, which are put back in all that follows."""
+    lets the joint carry nothing. lost: counts that an encoder loses, which are put back in all that follows. sticks: where it
+    does, if that is most of the residual."""
 
     declared: Plant
     plant: Plant
@@ -40,6 +42,7 @@ class Declared:
     before: Fit | None = None
     idle: Finding | None = None
     lost: Mended | None = None
+    sticks: Sticking | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,7 +96,8 @@ def reported(o: Outcome, progress: Progress) -> Trace:
     before = late.lost.before if late.lost else late.before or o.fits[0]
     shows = shown(selected.steps[0].judgements)
     sentence = verdict_sentence(o.verdict.verdict, causes, before, after, evidence, lives, late.lost)
-    idle = [f for f in (late.idle, late.lost and o.verdict.verdict != UNKNOWN and late.lost.finding) if f]
+    lost = late.lost.finding if late.lost and o.verdict.verdict != UNKNOWN else None
+    idle = [f for f in (late.idle, lost, late.sticks and late.sticks.finding) if f]
     return Trace(
         o.verdict.verdict,
         sentence + (named(shows) if o.verdict.verdict == NOTHING else ""),

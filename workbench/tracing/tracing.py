@@ -29,6 +29,7 @@ from workbench.tracing.result import Trace
 from workbench.tracing.selection import Selection, select
 from workbench.tracing.skew import skew_of
 from workbench.tracing.state import State
+from workbench.tracing.sticking import sticking
 from workbench.tracing.unexplained import Unexplained, instead, traded
 from workbench.tracing.weighing import Confirmed, confirm
 
@@ -58,8 +59,10 @@ def trace(
     try:
         lost = mended(plant, passes, criteria.explainable)
         passes = lost.passes if lost else passes
+        sticks = sticking(plant, passes)
+        passes = sticks.passes if sticks else passes
         whole = fitted_on(passes)
-        late = replace(_late_encoder(plant, passes, whole, only), lost=lost)
+        late = replace(_late_encoder(plant, passes, whole, only), lost=lost, sticks=sticks)
         loose, told = within_tolerance(late.plant, criteria.tolerance)
         thinned = decimate(whole, late.plant)
         declared = State(loose, thinned)

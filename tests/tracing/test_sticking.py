@@ -1,0 +1,74 @@
+"""Where an axis sticks its drive passes from one level of dry friction to the other: that is no residual of a model."""
+
+import numpy as np
+import pytest
+
+from workbench.definition import find
+from workbench.identification.fit import identify
+from workbench.inverse.dynamics import inverse_dynamics
+from workbench.plant import ONE_MASS, Plant
+from workbench.record import IDENTIFICATION, VALIDATION, Record
+from workbench.tracing.sticking import sticking
+from workbench.tracing.tracing import trace
+
+DT, BAND, COUNT = 2e-3, 50.0, 1e-6
+INERTIA, VISCOUS, COULOMB = 2.0, 4.0, 30.0
+STOP = 0.03  # s, at every reversal
+
+
+def recorded(name: str, role: str, period: float, stop: float = STOP) -> Record:
+    """Return moves to and fro that stop at each end, the drive there on a straight line; a count and noise."""
+    t = DT * np.arange(6000)
+    run = 0.5 * period - stop
+    phase = np.mod(t, period)
+    forth = phase < 0.5 * period
+    s = np.clip(np.where(forth, phase, phase - 0.5 * period) / run, 0.0, 1.0)
+    way, w = np.where(forth, 1.0, -1.0), np.pi / run
+    q = 0.05 * np.where(forth, (1.0 - np.cos(np.pi * s)) / 2.0, (1.0 + np.cos(np.pi * s)) / 2.0)
+    v, a = way * 0.025 * w * np.sin(np.pi * s), way * 0.025 * w**2 * np.cos(np.pi * s)
+    drive = INERTIA * a + VISCOUS * v + COULOMB * way
+    rests = s >= 1.0
+    steps = np.flatnonzero(np.diff(np.concatenate([[False], rests, [False]]).astype(int)))
+    for first, last in zip(steps[::2], steps[1::2], strict=True):
+        if 0 < first and last < t.size:
+            drive[first:last] = np.linspace(drive[first - 1], drive[last], last - first)
+    drive = drive + 0.1 * np.random.default_rng(1).standard_normal(t.size)
+    return Record(
+        name, role, t, {"force": drive, "position": COUNT * np.round(q / COUNT)}, resolution={"position": COUNT}
+    )
+
+
+def declared() -> Plant:
+    plant = Plant(ONE_MASS, rotary=False)
+    for name in ("inertia", "viscous_friction", "coulomb_friction"):
+        plant += find(name)
+    return plant
+
+
+def test_samples_at_rest_count_in_no_error_where_they_hold_most_of_the_residual():
+    passes = inverse_dynamics([recorded("a", IDENTIFICATION, 0.6), recorded("b", VALIDATION, 0.8)], BAND)
+    found = sticking(declared(), passes)
+    assert found is not None and found.power > 0.8 and found.samples < 0.4
+    whole, moving = identify(declared(), passes), identify(declared(), found.passes)
+    assert moving.identification < 0.02 < 0.1 < whole.identification
+    value = moving.plant["coulomb_friction@axis"].parameters["coulomb"].value
+    assert value == pytest.approx(COULOMB, rel=0.02)
+    assert moving.plant["inertia@axis"].parameters["inertia"].value == pytest.approx(INERTIA, rel=0.05)
+
+
+def test_an_axis_that_does_not_stop_counts_everywhere():
+    passes = inverse_dynamics([recorded("a", IDENTIFICATION, 0.6, stop=0.0)], BAND)
+    assert sticking(declared(), passes) is None
+
+
+def test_friction_with_memory_has_a_prediction_at_rest():
+    plant = Plant(ONE_MASS, rotary=False) + find("inertia") + find("presliding_hysteresis")
+    assert sticking(plant, inverse_dynamics([recorded("a", IDENTIFICATION, 0.6)], BAND)) is None
+
+
+def test_a_trace_names_nothing_of_an_axis_that_only_sticks():
+    passes = inverse_dynamics([recorded("a", IDENTIFICATION, 0.6), recorded("b", VALIDATION, 0.8)], BAND)
+    names = ("transport_delay", "stribeck_friction", "coulomb_asymmetry", "constant_offset", "sensor_trend")
+    found = trace(declared(), passes, only=names)
+    assert found.verdict == "nothing_missing"
+    assert [f.kind for f in found.findings].count("sticks") == 1
