@@ -9,7 +9,7 @@ from workbench.report import numbers
 from workbench.report.wording import listed
 
 
-def worst_of(tuned: Tuned) -> tuple[float, float]:
+def _worst_of(tuned: Tuned) -> tuple[float, float]:
     """Return the worst 1 % time in s and final error in rad or m over the grid at the best point that a search found."""
     best = int(np.argmin(tuned.trail.cost))
     return float(tuned.trail.time[best]), float(tuned.trail.error[best])
@@ -25,7 +25,7 @@ def notch_sentence(tuned: Mapping[str, Tuned], unnotched: Mapping[str, Tuned], u
 
 
 def _said(name: str, ours: Tuned, other: Tuned, unit: str) -> str:
-    (time, error), (late, left) = worst_of(ours), worst_of(other)
+    (time, error), (late, left) = _worst_of(ours), _worst_of(other)
     return (
         f"{name} leaves {numbers.scaled(error, unit)} over the grid instead of {numbers.scaled(left, unit)} after {numbers.scaled(time, 's')} "
         f"instead of {numbers.scaled(late, 's')} ({numbers.percent(1.0 - ours.value / other.value)} of the cost)"
@@ -37,6 +37,6 @@ def as_table(tuned: Mapping[str, Tuned], unnotched: Mapping[str, Tuned]) -> list
     rows = []
     for name, other in unnotched.items():
         for notch, one in ((True, tuned[name]), (False, other)):
-            time, error = worst_of(one)
+            time, error = _worst_of(one)
             rows.append({"controller": name, "notch": notch, "cost": one.value, "time": time, "error": error})
     return rows
