@@ -13,7 +13,7 @@ from workbench.design.families.gain_table import fixed_family, gain_table, switc
 from workbench.design.families.linear import Linear
 from workbench.design.families.shaped import shaped
 from workbench.design.ladder import PHASES, all_rungs, climbed, corners, ladder, step_figures
-from workbench.design.regret import BEATEN, Regret, first_grid, prices, references
+from workbench.design.regret import BEATEN, Regret, climbed_below, cost, first_grid, prices, references, regret
 from workbench.design.worth import regret_of, rivals, worth_sentence
 from workbench.task.task import Task, Weights
 from workbench.tuning import sampled
@@ -153,3 +153,24 @@ def test_what_has_fewer_levels_is_tuned_alike_and_the_sentence_says_who_is_behin
     lost = Regret(np.array([[1.0, np.nan]]), np.array([[1.0, np.inf]]), np.zeros((1, 2)))
     said = worth_sentence(ours, {"fixed gains": lost})
     assert "fixed gains no rest on 1 of 2 moves" in said and "is worth its schedule" in said and "nan" not in said
+
+
+def test_points_that_are_given_up_are_those_that_cost_more_and_all_others_have_the_figures_of_the_whole_ladder(
+    short, monkeypatch
+):
+    monkeypatch.setattr("workbench.design.regret.TOGETHER", 16)
+    table = gain_table(LINEAR, AMPLITUDES, 2.5 * COUNT, 2.0)
+    family = table_family(table, GAINS, LINEAR, "error", 4.0)
+    draw = np.random.default_rng(3)
+    points = family.settled(family.start * np.exp(0.6 * draw.standard_normal((8, family.start.size))))
+    known = references(short, FIXED, first_grid(table))
+    whole = climbed(short, family, points, all_rungs(short, points))
+    costs = cost(regret(short, whole, known))
+    most = float(np.median(costs))
+    found = climbed_below(short, family, points, known, most)
+    bounds = cost(regret(short, found, known))
+    assert (found[costs <= most] == whole[costs <= most]).all()
+    assert (bounds[costs > most] > most).all() and (bounds <= costs).all()
+    assert (found[costs > most] == 0.0).any(), "some rungs were spared"
+    rest = climbed_below(short, family, points[:1], known, np.inf, np.array([2]), whole[1])
+    assert (rest[0, 2] == whole[0, 2]).all() and (rest[0, 3:] == whole[1, 3:]).all()

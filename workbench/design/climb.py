@@ -13,7 +13,7 @@ import numpy as np
 
 from workbench.design.families.family import Family, OfFamily
 from workbench.design.ladder import Ladder, all_rungs, climbed
-from workbench.design.regret import References, Regret, cost, raised, references, regret
+from workbench.design.regret import References, Regret, climbed_below, cost, raised, references, regret
 from workbench.keeping import kept
 
 NEAR = 0.35  # of the first members about a start, of a logarithm
@@ -147,7 +147,7 @@ def _jointly(on: Ladder, run: Climb, known: References, draw: np.random.Generato
     moved = width * np.where(draw.random((budget.offspring, run.point.size)) < OTHERS, 1.0, 0.0)
     moved *= draw.standard_normal(moved.shape)
     points = family.settled(np.clip(run.point * np.exp(moved), family.lower, family.upper))
-    return _better(on, run, known, points, climbed(on, family, points, all_rungs(on, points)))
+    return _better(on, run, known, points, climbed_below(on, family, points, known, run.value))
 
 
 def _alone(on: Ladder, run: Climb, known: References, draw: np.random.Generator, budget: Climbing) -> Climb:
@@ -168,8 +168,7 @@ def _alone(on: Ladder, run: Climb, known: References, draw: np.random.Generator,
     points = away(
         np.clip(draw.standard_normal(min(budget.offspring * len(on.rungs) // touched.size, budget.many)), -FAR, FAR)
     )
-    tried = np.repeat(run.figures[None], len(points), axis=0)
-    tried[:, touched] = climbed(on, family, points, np.tile(touched, (len(points), 1)))
+    tried = climbed_below(on, family, points, known, run.value, touched, run.figures)
     return _better(on, run, known, points, tried)
 
 
@@ -205,7 +204,7 @@ def _evolved(on: Ladder, members: Members, known: References, generations: int) 
     costs = members.costs(on, known)
     for _ in range(generations):
         tried = _crossed(family, draw, points, costs)
-        new = replace(members, points=tried, figures=climbed(on, family, tried, all_rungs(on, tried)))
+        new = replace(members, points=tried, figures=climbed_below(on, family, tried, known, costs))
         price = new.costs(on, known)
         ok = price <= costs
         points[ok], figures[ok], costs[ok] = tried[ok], new.figures[ok], price[ok]

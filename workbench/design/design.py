@@ -1,7 +1,7 @@
 """From a plant to controllers: gains per amplitude, a table tuned over the ladder, and baselines on the simulated loop."""
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -12,7 +12,7 @@ from workbench.design.families.family import Family, blended, cascade_family, pd
 from workbench.design.families.gain_table import BEGUN
 from workbench.design.families.linear import Linear
 from workbench.design.families.shaped import shaped
-from workbench.design.optimise import Tuned, optimise_seeds
+from workbench.design.optimise import Tuned, optimise, optimise_seeds
 from workbench.design.polish import Polished, polish
 from workbench.design.tabled import RUNS, tabled
 from workbench.design.worth import Rivals
@@ -39,7 +39,8 @@ class Designed:
     the robust ones of these. tuned: family name -> its best point.
 
     final: the schedule that the search over the ladder ended with, rule -> Schedule; what is exported. between: its
-    sensitivity and stability between its knots. climbed: that search. rivals: what has fewer levels.
+    sensitivity and stability between its knots. climbed: that search. rivals: what has fewer levels. unnotched: those of `tuned`
+    that have a notch among their numbers, by the same search from the same seed without one.
     """
 
     plant: Plant
@@ -53,6 +54,7 @@ class Designed:
     climbed: Climbed
     rivals: Rivals
     findings: tuple[Finding, ...] = ()
+    unnotched: Mapping[str, Tuned] = field(default_factory=dict)
 
 
 def gains_of(
@@ -141,8 +143,12 @@ def design(
         made.schedule, at, inertia, own_loop, viscous=viscous, sensitivity=goal.sensitivity, points=3
     )
     tuned: dict[str, Tuned | Climb] = {f"scheduled PD ({rule})": made.climbed.best}
+    unnotched: dict[str, Tuned] = {}
     if baselines:
         tuned |= {f.name: best(own, f, seeds, say) for f in baseline_families(plant, linear, gains, task)}
+        say("tuning the baselines without a notch")
+        bare = baseline_families(plant, linear, gains, task, notch=False)
+        unnotched = {f.name: optimise(own, f, tuned[f.name].seed) for f in bare}
     pumping = passivity(replace(made.schedule, rule="following"), at, inertia, viscous=viscous)
     limits = (f for f in gains.findings if f.kind == RESPONSE_LIMITS)
     findings = (*limits, *between.findings, *pumping.findings)
@@ -159,11 +165,14 @@ def design(
         made.climbed,
         made.rivals,
         findings,
+        unnotched,
     )
 
 
-def baseline_families(plant: Plant, linear: Linear, gains: Gains, task: Task) -> tuple[Family, ...]:
-    """Return the families that a scheduled PD is held against, each with its velocity filter and a notch.
+def baseline_families(
+    plant: Plant, linear: Linear, gains: Gains, task: Task, *, notch: bool = True
+) -> tuple[Family, ...]:
+    """Return the families that a scheduled PD is held against, each with its velocity filter and, where asked, a notch.
 
     A rigid axis has no resonance, but beyond its centre a wide notch leads in phase: a PD may be 1.6 times as stiff at the same |S|.
     """
@@ -178,7 +187,7 @@ def baseline_families(plant: Plant, linear: Linear, gains: Gains, task: Task) ->
         lambda judge: profile_family(judge, (*start, braking), speed, task.step),
     )
     dt = task.loop.sample_time
-    return tuple(shaped(make, linear, BEGUN * dt, (LEADS / dt, DEEP)) for make in makers)
+    return tuple(shaped(make, linear, BEGUN * dt, (LEADS / dt, DEEP) if notch else None) for make in makers)
 
 
 def best(task: Task, family: Family, seeds: Sequence[int], say: Callable[[str], None]) -> Tuned:

@@ -159,7 +159,8 @@ def _alike(on: Ladder, rungs: np.ndarray) -> list[np.ndarray]:
     parts = []
     for number in np.unique(phases):
         own = np.flatnonzero(phases == number)
-        parts += np.array_split(own[np.argsort(samples[own], kind="stable")], GROUPS)
+        groups = min(GROUPS, np.unique(samples[own]).size)
+        parts += np.array_split(own[np.argsort(samples[own], kind="stable")], groups)
     return [p for p in parts if p.size]
 
 

@@ -144,15 +144,15 @@ def _comparison_table(comparison: Comparison, caption: str, unit: str, effort: s
     return Table(columns, tuple(rows), caption, "lrrrrrrrr")
 
 
-def comparison_chapter(comparison: Comparison, task: Task) -> Chapter:
-    """Who is beaten on what, and who is not."""
+def comparison_chapter(comparison: Comparison, task: Task, beside: tuple[str, ...] = ()) -> Chapter:
+    """Who is beaten on what, and who is not. beside: further sentences."""
     c = task.criteria
     caption = (
         "The worst of eight encoder phases and noise seeds each. The bound comes to rest on the target; a controller that "
         "overshoots within the band may be below it. Settled: within "
         f"±{c.counts:g} counts for {numbers.scaled(c.hold, 's')}. Load inertia in {numbers.unit('kg*m^2' if task.plant.rotary else 'kg')}."
     )
-    beaten = tuple(f.sentence for f in comparison.findings)
+    beaten = (*(f.sentence for f in comparison.findings), *beside)
     x, effort = task.plant.displacement, task.plant.effort
     return Chapter(
         "Against the baselines",

@@ -63,5 +63,10 @@ def given_of(signals: Mapping[str, np.ndarray | None], samples: int, lanes: int)
         tuple(shared),
         tuple(own),
         np.stack([*shared.values()], axis=1) if shared else np.zeros((1, 0)),
-        np.stack([*own.values()], axis=1) if own else np.zeros((1, 0, lanes)),
+        _side_by_side([*own.values()]) if own else np.zeros((1, 0, lanes)),
     )
+
+
+def _side_by_side(signals: list[np.ndarray]) -> np.ndarray:
+    """Return signals (n, lanes) as (n, signals, lanes); of one alone no copy is made."""
+    return np.stack(signals, axis=1) if len(signals) > 1 else signals[0][:, None]

@@ -42,10 +42,16 @@ def _layout_of(bound: Bound, lanes: int, record: tuple[str, ...]) -> Layout:
 
 def _chunked(values: np.ndarray, lanes: int, dtype=None) -> np.ndarray:
     """Return (..., n) as (chunks, ..., lanes), the last chunk filled with the last value."""
-    n = values.shape[-1]
-    pad = [(0, 0)] * (values.ndim - 1) + [(0, -n % lanes)]
-    full = np.pad(values, pad, mode="edge").reshape(*values.shape[:-1], -(-n // lanes), lanes)
-    return np.ascontiguousarray(np.moveaxis(full, -2, 0), dtype=dtype)
+    return np.stack([_chunk(values, i, lanes, dtype) for i in range(-(-values.shape[-1] // lanes))])
+
+
+def _chunk(values: np.ndarray, i: int, lanes: int, dtype=None) -> np.ndarray:
+    """Return one chunk (..., lanes) of values (..., n), filled with the last value where they end."""
+    own = values[..., i * lanes : (i + 1) * lanes]
+    full = np.empty((*values.shape[:-1], lanes), dtype=dtype or values.dtype)
+    full[..., : own.shape[-1]] = own
+    full[..., own.shape[-1] :] = values[..., -1:]
+    return full
 
 
 def run_lanes(
@@ -69,19 +75,23 @@ def run_lanes(
     seeds = _chunked(np.broadcast_to(bound.scenarios.seed, (n,)), lanes, np.uint64)
     base, delays = _chunked(bound.base, lanes), _chunked(np.broadcast_to(bound.delays, (n,)), lanes)
     strength = _chunked(bound.strength, lanes)
-    own, shared = _chunked(bound.given.own, lanes), np.ascontiguousarray(bound.given.shared).ravel()
+    shared = np.ascontiguousarray(bound.given.shared).ravel()
     kept = -(-bound.samples // every) if record else 0
-    out = np.empty((chunks, kept, len(record), lanes))
+    recorded = np.empty((kept, len(record), n)) if record else None
     run = kernel(bound.design, layout)
     table = np.ascontiguousarray(bound.table).ravel()
     uniform = int(np.max(bound.delays))
     shift, offset = bound.grid
 
     def chunk(i: int) -> None:
-        ring = np.zeros(layout.slots * lanes)
-        run(x[i].ravel(), scalars, table, base[i], seeds[i], strength[i], delays[i], ring, shared, own[i].ravel(),
-            out[i].ravel(), bound.samples, bound.window_from, every, shift, offset, uniform,
-            bound.loop.sample_time, bound.loop.substep)  # fmt: skip
+        # of one chunk, what is given and what is recorded stay in the processor's cache; of all at once, moving them costs a kernel's time
+        ring, out = np.zeros(layout.slots * lanes), np.empty((kept, len(record), lanes))
+        run(x[i].ravel(), scalars, table, base[i], seeds[i], strength[i], delays[i], ring, shared,
+            _chunk(bound.given.own, i, lanes).ravel(), out.ravel(), bound.samples, bound.window_from, every, shift, offset,
+            uniform, bound.loop.sample_time, bound.loop.substep)  # fmt: skip
+        if recorded is not None:
+            here = recorded[..., i * lanes : (i + 1) * lanes]
+            here[...] = out[..., : here.shape[-1]]
 
     workers = min(threads or (_CORES if chunks * bound.samples > WORTH else 1), chunks)
     if workers > 1:
@@ -90,5 +100,4 @@ def run_lanes(
         for i in range(chunks):
             chunk(i)
     final = {name: x[:, row].reshape(-1)[:n] for name, row in at.items()}
-    recorded = np.moveaxis(out, 0, -2).reshape(kept, len(record), -1)[..., :n] if record else None
     return final, recorded

@@ -22,6 +22,8 @@ from workbench.report.ladder import as_table as ladder_table
 from workbench.report.ladder import figures_of as ladder_figures
 from workbench.report.ladder import ladder_chapter
 from workbench.report.loop import loop_chapter
+from workbench.report.notch import as_table as notch_table
+from workbench.report.notch import notch_sentence
 from workbench.report.polish import as_table as gains_table
 from workbench.report.polish import polish_chapter
 from workbench.report.recommend import RECOMMENDED, recommended_chapter
@@ -79,7 +81,9 @@ def run(
         chapters.schedule_chapter(made, control.rule),
         ladder_chapter(made.climbed, held, plant, control.rule, against, tuned_too),
         chapters.step_chapter(task, factories),
-        chapters.comparison_chapter(comparison, task),
+        chapters.comparison_chapter(
+            comparison, task, (notch_sentence(made.tuned, made.unnotched, plant.displacement),)
+        ),
     ]
     figures, units = figures_of(made, comparison, ours, plant.displacement)
     figures |= ladder_figures(made.climbed, held) | recommended_figures(choice, task, ours)
@@ -95,6 +99,7 @@ def run(
         "gains": gains_table(made.polished),
         "ladder": ladder_table(made.climbed, held, against | tuned_too),
         "comparison": [vars(r) for r in comparison.rows],
+        "notch": notch_table(made.tuned, made.unnotched),
     }
     if found.causes:
         say("tuning on the declared model, for what the effect is worth")
