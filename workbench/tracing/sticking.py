@@ -21,6 +21,9 @@ from workbench.tracing.decimation import decimate, dry, still
 STUCK = 0.005  # s within one count that are rest, and at least three samples. Twice of it leaves short stops in, half of it adds slow motion
 SPREAD = 1.0  # over the evaluation bandwidth: what happens at rest passes its filter on either side for so long
 MOST = 0.5  # of the residual's power, held at rest, from which rest does not count. Halved, of 72 axes 13 more; doubled, none
+# Times the share of the samples: where that is most of the record (a coarse encoder that creeps from count to count) it is motion, not
+# rest. Axes that stick had 4.0 and more, others 1.6 and less
+DENSE = 3.0
 STICKS = "sticks"
 
 
@@ -64,7 +67,7 @@ def sticking(plant: Plant, passes: Sequence[InverseDynamics]) -> Sticking | None
         at = _nearest(known[p.motion.record.name][0], p)[p.motion.keep]
         held, total = held + float(r[at] @ r[at]), total + float(r @ r)
         samples, count = samples + int(np.count_nonzero(at)), count + at.size
-    if held <= MOST * total:
+    if held <= max(MOST, DENSE * samples / max(count, 1)) * total:
         return None
     counted = tuple(InverseDynamics(p.motion, counts=~r) for p, r in zip(passes, rest, strict=True))
     return Sticking(counted, samples / count, held / total)
