@@ -5,7 +5,8 @@ outside the loop is not moved by it: the reference and its past, where it is, wh
 bench time (instruments: Young 2011; Janot, Gautier, Brunot 2019). Four kinds are asked, each out of sample:
 
 - exogenous: boosted trees over the reference's motion, blocks of BLOCK s left out by turns, no standstill;
-- time: a stretch of STRETCH s from its neighbours in bench time, as a level or as a level that goes with the direction;
+- time: a stretch of STRETCH s from its neighbours in bench time, as a level, or as one that goes with the direction, the speed or the
+  acceleration (a friction, a damping, a mass that changes);
 - line: the strongest line of the spectrum that neither the reference nor the drive has, nor is hum of the mains in the reported drive;
 - burst: power of the samples far outside what the residual usually is.
 """
@@ -169,19 +170,21 @@ def numbered(parts: Sequence[Part]) -> np.ndarray:
 
 
 def _over_time(parts: Sequence[Part]) -> float:
-    """Return the power that neighbours in bench time predict, as a level or as friction: the best of SPANS."""
+    """Return the power that neighbours in bench time predict, as a level, a friction, a damping or a mass: the best of SPANS."""
     sums = []
     for p in parts:
         stretch = np.floor((p.time - p.time[0]) / STRETCH).astype(int)
-        r, moves, way = np.where(p.moves, p.residual, 0.0), p.moves.astype(float), np.where(p.moves, p.way, 0.0)
+        r = np.where(p.moves, p.residual, 0.0)
+        along = [np.where(p.moves, x, 0.0) for x in (np.ones(r.size), p.way, *p.outside.T[1:3])]
         at = p.time[0] + (np.arange(stretch[-1] + 1) + 0.5) * STRETCH
-        sums.append(np.stack([at, *(np.bincount(stretch, w) for w in (r, moves, r * way, way**2, r**2))]))
-    at, level, count, friction, ways, power = np.concatenate(sums, axis=1)
+        seen = [r**2, *(r * x for x in along), *(x**2 for x in along)]
+        sums.append(np.stack([at, *(np.bincount(stretch, w) for w in seen)]))
+    at, power, *pairs = np.concatenate(sums, axis=1)
     best = 0.0
     for span in SPANS:
         near = np.exp(-0.5 * ((at[:, None] - at) / span) ** 2)
         np.fill_diagonal(near, 0.0)
-        for total, weight in ((level, count), (friction, ways)):
+        for total, weight in zip(pairs[:4], pairs[4:], strict=True):
             mean = near @ total / np.maximum(near @ weight, 1e-300)
             best = max(best, _gained(power, power - 2.0 * mean * total + mean**2 * weight))
     return best
