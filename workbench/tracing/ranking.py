@@ -162,7 +162,14 @@ def _reduced(j: ScoredCandidate, state: State) -> str | None:
     if effect.port == TIME and state.plant.kind == TWO_MASS:
         return None  # a clock of one of two encoders is no delay of the drive
     counts = max(p.motion.counts for p in state.passes)
-    near = {n: NEUTRAL * abs(p.value) for n, p in effect.parameters.items()}
+    # a stiffness is nothing beside a stiffness: what is small is so beside what has its unit
+    largest = {
+        u: max(abs(p.value) for p in effect.parameters.values() if p.unit == u)
+        for u in {p.unit for p in effect.parameters.values()}
+    }
+    near = {
+        n: NEUTRAL * (largest[p.unit] if n in effect.linear else abs(p.value)) for n, p in effect.parameters.items()
+    }
     # a clock that over all the records gains less than half a sample keeps pace
     span = max(p.motion.t[-1] for p in state.passes) - min(p.motion.t[0] for p in state.passes)
     step = min(p.motion.record.dt for p in state.passes)
