@@ -38,3 +38,7 @@ def main() -> None:
             compiled = Compiled(firmware(law, LOOP, AXIS, arithmetic), empty)
             spent = milliseconds(lambda c=compiled: c.lane(empty, 0), 9)
             print(f"  {name + ', firmware in ' + arithmetic:<40}{spent:10.2f} ms{spent / kernel:8.2f} x")
+
+
+if __name__ == "__main__":
+    main()
