@@ -190,3 +190,9 @@ def test_a_cubic_spring_to_ground_is_offered_beside_a_declared_one_alone():
     bare = Plant(ONE_MASS, rotary=False) + find("inertia")
     assert "cubic_stiffness@axis" not in offered(bare)
     assert "cubic_stiffness@axis" in offered(bare + find("linear_stiffness")(at="axis"))
+
+
+def test_a_composite_is_not_offered_beside_a_part_of_it():
+    bare = Plant(ONE_MASS) + find("inertia") + find("coulomb_friction")
+    assert "lugre_friction@axis" in offered(bare)
+    assert "lugre_friction@axis" not in offered(bare + find("stribeck_friction"))

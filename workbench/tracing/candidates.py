@@ -12,10 +12,8 @@ from workbench.tracing.budget import BUDGET, Budget
 from workbench.tracing.evidence import ADDITION, CORRECTION
 
 __all__ = ["ADDITION", "CORRECTION"]
-AGAIN = (
-    "2",
-    "3",
-)  # labels of a periodic effect's further orders; more of them would dress anything that lives in position
+# labels of a periodic effect's further orders; more of them would dress anything that lives in position
+AGAIN = ("2", "3")
 
 
 @dataclass(frozen=True)
@@ -210,9 +208,13 @@ def _offered(effect: Effect, place: str, plant: Plant) -> bool:
     """Whether an effect is a candidate at a place: not a second source of the direction of motion there.
 
     Two effects that provide `dir` are two descriptions of one contact; and the second would change what others read. In place
-    of a free virgin curve one may be offered, unless it is a formula for such a curve. What bends another law is offered beside it alone.
+    of a free virgin curve one may be offered, unless it is a formula for such a curve. What bends another law is offered beside it alone,
+    and no composite beside a part of it, which would be there twice.
     """
     if place in effect.beside and f"{effect.beside[place]}@{place}" not in {e.key for e in plant.effects}:
+        return False
+    here = {e.name for e in plant.effects if e.at == place}
+    if any(n in here and "dir" not in catalogue()[n].provides for n in effect.parts):
         return False
     given = {s for e in plant.effects if e.at == place and e.name != FREE_CURVE for s in e.provides}
     curved = any(e.at == place and e.name == FREE_CURVE for e in plant.effects)
