@@ -486,18 +486,28 @@ def case(bench: Bench, number: int, show: bool = False) -> str | None:
             sys.modules.pop("workbench_study_study", None)
         if show:
             print(arguments, code, out.getvalue(), said.getvalue())
+        mine = f"studies/{arguments[1]}" if arguments[:1] == ["new"] and code == 0 else ""  # what it was asked to make
         return judged(
-            code, said.getvalue(), at, before, Path(top), beside, f"case {number} ({kind.__name__}): {arguments!r:.300}"
+            code,
+            said.getvalue(),
+            at,
+            before,
+            Path(top),
+            beside,
+            mine,
+            f"case {number} ({kind.__name__}): {arguments!r:.300}",
         )
 
 
-def judged(code: int, said: str, at: Path, before: dict, top: Path, beside: set, what: str) -> str | None:
-    """Return what is wrong with how a case ended, or None."""
+def judged(code: int, said: str, at: Path, before: dict, top: Path, beside: set, mine: str, what: str) -> str | None:
+    """Return what is wrong with how a case ended, or None. mine: a folder that it may have made."""
     if code not in (0, 1, 2, 3):
         return f"{what} ended with {code}: {said[-1500:]}"
     if "Traceback" in said or "Warning" in said:
         return f"{what} said: {said[-800:]}"
     after = tree(at)
+    if mine:
+        after = {k: v for k, v in after.items() if k != "studies" and not f"{k}/".startswith(f"{mine}/")}
     if after != before or set(top.iterdir()) != beside:
         changed = sorted(k for k in after.keys() | before.keys() if after.get(k) != before.get(k))
         return f"{what} changed {changed[:5]}"

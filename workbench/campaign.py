@@ -18,6 +18,7 @@ from workbench.record import Record
 
 FILE = "campaign.toml"
 BAND = 0.45  # of the sampling rate: what is left below Nyquist for the filters to fall
+SLOWEST = 1e-6  # Hz of a band: no record lasts so long, and the filter of a slower one has no number
 
 
 @dataclass(frozen=True)
@@ -59,7 +60,7 @@ def load(folder: Path | str, *, resample: bool = False) -> Campaign:
     )
     notes = {"initial_condition": top.text("initial_condition")}
     kind = top.choice("plant", KINDS, "plant")
-    title, bandwidth = top.text("title"), top.quantity("evaluation_bandwidth", "Hz", above=0.0)
+    title, bandwidth = top.text("title"), top.quantity("evaluation_bandwidth", "Hz", above=SLOWEST)
     measured = channels(top, kind == TWO_MASS, notes)
     plant = declared_plant(top, kind, "torque" in measured, notes)
     frozen, findings = records(top, folder, measured, resample or top.flag("resample"))

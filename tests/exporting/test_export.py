@@ -363,7 +363,9 @@ def test_a_document_that_was_changed_is_refused(tmp_path, written, change, words
     refused(str(path), *words, call=load, args=(path,))
 
 
-@pytest.mark.parametrize("text", [b"", b"{", b"[NaN]", b"\xff", b"[" * 100000, b"[]", b"null"])
+@pytest.mark.parametrize(
+    "text", [b"", b"{", b"[NaN]", b"\xff", b"[" * 100000, b"[]", b"null", b"[1" + 400 * b"0" + b"]"]
+)
 def test_what_is_no_document_is_refused(tmp_path, text):
     (tmp_path / "gains.json").write_bytes(text)
     refused("gains.json", call=load, args=(tmp_path / "gains.json",))

@@ -45,6 +45,10 @@ def test_a_campaign_that_is_not_there_is_named(study):
     refused(study('title = "t"\ncampaign = "elsewhere"\n'), "elsewhere", "campaign.toml")
 
 
+def test_a_null_character_in_a_name_is_refused(study):
+    refused(study('title = "t"\ncampaign = "else\\u0000where"\n'), "campaign", "null character")
+
+
 def test_a_requirement_without_a_bound_is_refused(study):
     refused(
         study(SHORT + "[requirements]\nvalidation_error_after = { unit = '1' }\n"), "validation_error_after", "at_most"

@@ -77,7 +77,7 @@ def load(path: str | PathLike) -> dict:
     """
     again = "export the table again"
     try:
-        contents = json.loads(regular(Path(path)).read_bytes(), parse_constant=_refuse)
+        contents = json.loads(regular(Path(path)).read_bytes(), parse_constant=_refuse, parse_int=_whole)
     except OSError as error:
         raise WorkbenchError(f"{path} cannot be read ({error.strerror}); name a gain table, gains.json.") from error
     except (ValueError, RecursionError) as error:
@@ -109,6 +109,15 @@ def _check(contents, path) -> None:
         key = error.json_path.removeprefix("$").removeprefix(".") or "the document"
         said = error.message if len(error.message) <= 160 else f"it breaks the rule '{error.validator}'"
         raise WorkbenchError(f"{path}: {key}: {said}; mend it as {SCHEMA.name} says, or export the table again.")
+
+
+def _whole(digits: str) -> int:
+    """Return a whole number that is one of a float's range, too; ValueError where it is larger."""
+    try:
+        float(found := int(digits))
+    except OverflowError:
+        raise ValueError(f"a whole number of {len(digits)} digits is none of a gain table") from None
+    return found
 
 
 def _refuse(constant: str):

@@ -53,7 +53,10 @@ class Table:
 
     def text(self, key: str, default: str = "") -> str:
         """Return a text, or `default` where the key is absent."""
-        return self._typed(self.values.get(key, default), str, self.path(key), "a text in quotes")
+        found = self._typed(self.values.get(key, default), str, self.path(key), "a text in quotes")
+        if "\0" in found:
+            raise WorkbenchError(f"{self.path(key)} holds a null character; take it out.")
+        return found
 
     def flag(self, key: str, default: bool = False) -> bool:
         """Return true or false, or `default` where the key is absent."""

@@ -14,6 +14,7 @@ from workbench.simulation import Trajectories
 from workbench.simulation.bodies import OUTPUT
 
 FILE = "worst.json"
+MOST_DRAWS = 2**31  # a seed is made of it
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,7 +78,7 @@ def read(path: Path) -> tuple[Work, tuple[Case, ...]]:
         cases = tuple(
             Case(
                 c["controller"],
-                int(c["draw"]),
+                _draw(c["draw"]),
                 np.array([c["values"][n] for n in names], dtype=float),
                 {n: float(c["metrics"][n]) for n in KEPT},
             )
@@ -90,11 +91,19 @@ def read(path: Path) -> tuple[Work, tuple[Case, ...]]:
                 )
     except OSError as error:
         raise WorkbenchError(f"{path}: cannot be read ({error.strerror}); name a file of worst cases.") from error
-    except (ValueError, KeyError, TypeError) as error:
+    except (ValueError, KeyError, TypeError, OverflowError) as error:
         raise WorkbenchError(f"{path}: is not a file of worst cases ({error}); name one that a study wrote.") from error
     except WorkbenchError as error:
         raise WorkbenchError(f"{path}: {error}") from error
     return work, cases
+
+
+def _draw(value: object) -> int:
+    """Return the number of a draw; ValueError where no study draws so many."""
+    found = int(value)
+    if not 0 <= found < MOST_DRAWS:
+        raise ValueError(f"draw {value} is none of 0 to {MOST_DRAWS - 1}")
+    return found
 
 
 def replay(work: Work, case: Case) -> Replayed:

@@ -14,6 +14,7 @@ from workbench.keeping import keeping
 from workbench.outputs import replaceable, whole
 from workbench.study import configuration, stamp
 from workbench.study.configuration import Study
+from workbench.study.outcome import Outcome
 
 STEPS = "study.py"
 
@@ -145,6 +146,10 @@ def run(name: str, out: Path | None = None, say: Callable[[str], None] = lambda 
             say(f"going on from {keeper.known} finished steps of a run that was stopped")
         with own_faults(folder):
             outcome = (module.run if module else standard.run)(study, say)
+        if not isinstance(outcome, Outcome):
+            raise WorkbenchError(
+                f"{folder}/study.py: run() returned {type(outcome).__name__}; return an Outcome, as workbench.study.standard.run does."
+            )
         return _written(study, outcome, place, digest, say)
 
 

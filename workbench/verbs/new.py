@@ -35,6 +35,8 @@ def declare(verbs) -> None:
 def do(given: argparse.Namespace) -> int:
     from workbench.intake.new import new
 
+    if given.name in (".", "..", ""):
+        raise WorkbenchError(f"new '{given.name}': name the study, as `workbench new axis --records log.csv`.")
     place = Path(given.name) if "/" in given.name else Path("studies") / given.name
     if given.rate is not None and not 0.0 < given.rate < 1e9:
         raise WorkbenchError(f"--rate {given.rate:g}: samples a second are needed, as 1000 for one each millisecond.")
