@@ -503,7 +503,8 @@ def test_a_path_that_leaves_the_folder_is_refused(campaign, file):
 @pytest.mark.parametrize("file", ["a\\u0000.csv", "a" * 300 + ".csv", ".csv", "val_moves.docx"])
 def test_a_path_that_is_no_record_is_refused(campaign, file):
     with pytest.raises(
-        WorkbenchError, match=r"is no path in the folder|File name too long|rename the file|null character|readable are .csv"
+        WorkbenchError,
+        match=r"is no path in the folder|File name too long|rename the file|null character|readable are .csv",
     ):
         campaign.swap('"val_moves.csv"', f'"{file}"').load()
 
