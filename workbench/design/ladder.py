@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from workbench.design.families.family import Family
-from workbench.simulation import ScenarioArrays, simulate
+from workbench.simulation import ScenarioArrays, followed
 from workbench.task.task import Task
 
 SIZES, LEAST = 9, 10.0  # sizes, even in the logarithm, from so many counts to the study's own step
@@ -30,7 +30,9 @@ LOAD = 0.05  # of the drive's limit: the load, where a study states none
 # Steps of up to FEW counts are met at PHASES phases of the encoder, beyond at one. With one alone a reference for a step of ten
 # counts is tuned to one landing: of three searches on the main study the worst then cost 16 % more than the best, with four 2.5 %.
 PHASES, FEW = 4, 200.0
-GROUPS = 3  # of rungs of like duration and as many phases, each one run
+AT_ONCE = (
+    3000  # lanes of a run, about: half or twice as many take as long; with all of a search at once memory is what costs
+)
 GOLDEN = 0.6180339887498949
 FIGURES = ("time", "error", "overshoot")
 
@@ -87,6 +89,11 @@ class Ladder:
         few = FEW * self.task.loop.count
         return np.array([PHASES if r[0].kind == "step" and abs(r[0].size) < few else 1 for r in self.rungs])
 
+    @property
+    def lanes(self) -> np.ndarray:
+        """Lanes that each rung takes a point, (rungs,)."""
+        return self.phases * len(self.scenarios)
+
     def reference(self, rung: int, samples: int) -> np.ndarray:
         """Return the command over so many samples: to the size, and back."""
         move, t = self.rungs[rung][0], np.arange(samples)
@@ -141,47 +148,38 @@ def all_rungs(on: Ladder, points: np.ndarray) -> np.ndarray:
 def climbed(on: Ladder, family: Family, points: np.ndarray, rungs: np.ndarray) -> np.ndarray:
     """Return figures (points, rungs a point, 2 moves, 3 FIGURES) of points (p, numbers), each on rungs (p, r), the worst over
     the scenarios; of a rung of one move the second is that move again. Infinite where it does not come to rest."""
-    out = np.empty((*rungs.shape, 2, len(FIGURES)))
-    if (rungs == rungs[0]).all():  # all points climb the same rungs
-        for part in _alike(on, rungs[0]):
-            out[:, part] = _climbed(on, family, points, rungs[:, part])
-        return out
-    flat, each = rungs.reshape(-1, 1), np.repeat(points, rungs.shape[1], axis=0)
-    of = out.reshape(-1, 1, 2, len(FIGURES))
-    for part in _alike(on, flat[:, 0]):
-        of[part] = _climbed(on, family, each[part], flat[part])
-    return out
+    rung, point = rungs.ravel(), np.repeat(np.arange(len(points)), rungs.shape[1])
+    out = np.empty((rung.size, 2, len(FIGURES)))
+    order = np.lexsort((point, rung, on.samples[rung]))
+    before = np.cumsum(on.lanes[rung[order]])
+    for part in np.split(order, np.flatnonzero(np.diff((before - 1) // AT_ONCE)) + 1):
+        out[part] = _climbed(on, family, points, point[part], rung[part])
+    return out.reshape(*rungs.shape, 2, len(FIGURES))
 
 
-def _alike(on: Ladder, rungs: np.ndarray) -> list[np.ndarray]:
-    """Return which of some rungs (n,) are run together: of one number of phases and like duration."""
-    phases, samples = on.phases[rungs], on.samples[rungs]
-    parts = []
-    for number in np.unique(phases):
-        own = np.flatnonzero(phases == number)
-        groups = min(GROUPS, np.unique(samples[own]).size)
-        parts += np.array_split(own[np.argsort(samples[own], kind="stable")], groups)
-    return [p for p in parts if p.size]
-
-
-def _climbed(on: Ladder, family: Family, points: np.ndarray, rungs: np.ndarray) -> np.ndarray:
-    scenarios = on.scenarios * int(on.phases[rungs].max())
-    count, samples = len(scenarios), int(on.samples[rungs].max())
-    each = np.repeat(rungs.ravel(), count)
-    friction, inertia = (np.tile([s[k] for s in scenarios], rungs.size) for k in (0, 1))
-    phase = (0.5 + GOLDEN * (each + np.tile(np.arange(count), rungs.size))) % 1.0
-    load = np.array([on.rungs[r][0].load for r in each])
-    lanes = ScenarioArrays(each.size, phase=phase, friction=friction, inertia=inertia, load=load)
+def _climbed(on: Ladder, family: Family, points: np.ndarray, point: np.ndarray, rung: np.ndarray) -> np.ndarray:
+    """Return figures (n, 2, 3) of points[point], each on one rung; point, rung (n,), by rung and rungs of like duration together."""
+    lanes, corner = on.lanes[rung], len(on.scenarios)
+    first = np.cumsum(lanes) - lanes
+    pair = np.repeat(np.arange(rung.size), lanes)
+    each, k = rung[pair], np.arange(pair.size) - first[pair]
+    friction, inertia = np.array(on.scenarios).T[:, k % corner]
+    load = np.array([moves[0].load for moves in on.rungs])[each]
+    scenarios = ScenarioArrays(
+        each.size, phase=(0.5 + GOLDEN * (each + k)) % 1.0, friction=friction, inertia=inertia, load=load
+    )
     every, which = np.unique(each, return_inverse=True)
-    known = np.stack([on.reference(r, samples) for r in every], axis=1)
-    q = simulate(
-        on.task.plant, on.task.loop, family.controller(points, rungs.shape[1] * count), lanes,
-        samples * on.task.loop.sample_time, ("q",), reference=known[:, which],
-    ).trajectories["q"]  # fmt: skip
+    samples = on.samples[every]
+    known = np.stack([on.reference(r, int(samples.max())) for r in every], axis=1)
+    used, at = np.unique(point, return_inverse=True)
+    controller = family.controller(points[used], 1).taken(at[pair])
+    q = followed(on.task.plant, on.task.loop, controller, scenarios, known, which, on.samples[each])
     out = np.empty((each.size, 2, len(FIGURES)))
-    for r in every:
-        out[each == r] = _figures_of(on, r, q[: on.samples[r], each == r])
-    return out.reshape(*rungs.shape, count, 2, len(FIGURES)).max(axis=2)
+    ends = np.append(np.flatnonzero(np.diff(each)) + 1, each.size)
+    for start, end in zip([0, *ends[:-1]], ends, strict=True):
+        r = int(each[start])
+        out[start:end] = _figures_of(on, r, q[: on.samples[r], start:end])
+    return np.maximum.reduceat(out, first, axis=0)
 
 
 def _figures_of(on: Ladder, rung: int, q: np.ndarray) -> np.ndarray:
