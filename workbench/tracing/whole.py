@@ -66,15 +66,15 @@ def in_turn(
     return list(added), [fits[0], *between, last]
 
 
-def borne_out(before: Fit, after: Fit, share: float = FALLS) -> bool:
+def borne_out(before: Fit, after: Fit) -> bool:
     """Whether whole records bear out what a fit has and the one before has not: the error of the drive falls.
 
     Of two masses it may be the load's balance alone in which it shows: then what both leave falls plainly, and the drive's
-    error does not rise plainly. share: of what both leave, by which it falls plainly.
+    error does not rise plainly.
     """
     if after.identification < before.identification:
         return True
-    falls = before.plant.kind == TWO_MASS and after.details["cost"] < (1.0 - share) * before.details["cost"]
+    falls = before.plant.kind == TWO_MASS and after.details["cost"] < (1.0 - FALLS) * before.details["cost"]
     return falls and after.identification < RISEN * before.identification
 
 
