@@ -96,7 +96,7 @@ def _caused(causes: Sequence[Cause], before: Fit, after: Fit, evidence: Evidence
     if refined is None:
         return said
     return (
-        f"{said} With the free form of a declared law that is only nearly right, too, they are {100 * refined.validation:.2f} % and "
+        f"{said} With the refinements, too, they are {100 * refined.validation:.2f} % and "
         f"{100 * refined.identification:.2f} %."
     )
 

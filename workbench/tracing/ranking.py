@@ -18,7 +18,7 @@ from workbench.tracing.plausible import implausible
 from workbench.tracing.state import Refitted, State
 
 BEHIND = 0.4  # of the best one's gain, below which a candidate is not
-NEUTRAL = 0.05  # relative distance within which a parameter stands at the value of a simpler law
+NEUTRAL = 0.1  # relative distance within which a parameter stands at the value of a simpler law. Halved, a gap with soft flanks is two springs
 # Orders of one mechanism are those of its shafts and teeth: two stand as small numbers. What lives in position without being
 # periodic is dressed by waves whose orders do not. Halved, orders 5 and 6 of a shaft are strangers; doubled, nearly none are.
 SMALL = 6

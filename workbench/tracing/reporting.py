@@ -10,6 +10,7 @@ from workbench.inverse.dynamics import InverseDynamics
 from workbench.plant import Plant
 from workbench.record import IDENTIFICATION
 from workbench.tracing.calibration import withheld
+from workbench.tracing.candidates import ADDITION, without
 from workbench.tracing.criteria import Criteria
 from workbench.tracing.decide import CAUSE, NOTHING, UNKNOWN, Verdict
 from workbench.tracing.decimation import decimate
@@ -96,8 +97,9 @@ def reported(o: Outcome, progress: Progress) -> Trace:
     after, causes = withheld(after, causes, o.passes), [*first, *causes]
     before = late.lost.before if late.lost else late.before or o.fits[0]
     shows = shown(selected.steps[0].judgements)
-    refined = after if after.rms != o.fits[-1].rms else None
-    sentence = verdict_sentence(o.verdict.verdict, causes, before, o.fits[-1], evidence, lives, late.lost, refined)
+    alone = _of_causes(o)
+    refined = after if after.rms != alone.rms else None
+    sentence = verdict_sentence(o.verdict.verdict, causes, before, alone, evidence, lives, late.lost, refined)
     lost = late.lost.finding if late.lost and o.verdict.verdict != UNKNOWN else None
     idle = [f for f in (late.idle, lost, late.sticks and late.sticks.finding) if f]
     return Trace(
@@ -168,6 +170,18 @@ def _described_rivals(made: Cause, j: ScoredCandidate, o: Outcome, progress: Pro
     level = min(o.confirmed.levels.values())
     apart = experiment(answer.last.plant, o.late.plant, j, others[0], o.late.whole, level) if others else ""
     return replace(made, rivals=tuple(k.candidate.effect for k in others), experiment=apart)
+
+
+def _of_causes(o: Outcome) -> Fit:
+    """Return the fit with the causes alone, without what is a refinement beside them; the last fit where there is none, or no cause."""
+    fit = o.fits[-1]
+    keys = {e.key for e in fit.plant.effects}
+    every = [j.suspect for j, _ in o.standing if o.role(j) != CAUSE and j.suspect.kind == ADDITION]
+    lesser = [s for s in every if s.key in keys]
+    plant = fit.plant
+    for suspect in lesser:
+        plant = without(plant, suspect, o.selected.base.plant)
+    return identify(plant, o.passes) if lesser else fit
 
 
 def _refined(fit: Fit, selected: Selection, passes: Sequence[InverseDynamics]) -> Fit:
