@@ -5,6 +5,7 @@ from time import monotonic, process_time
 
 import numpy as np
 
+from benchmarks._timing import cpu
 from workbench.control import fixed_pd
 from workbench.definition import find
 from workbench.plant import ONE_MASS, Limits, Plant
@@ -20,7 +21,7 @@ from workbench.robustness import (
     uniform,
     work,
 )
-from workbench.robustness.local import on_threads
+from workbench.robustness.local import on_cores
 from workbench.robustness.vary import applied
 from workbench.robustness.workload import digest
 from workbench.simulation import Loop
@@ -54,9 +55,9 @@ def main() -> None:
     given = work(task, {"fixed PD": lambda lanes: fixed_pd(60.0, 1.3)}, VARIED)
     cases = independent(VARIED, DRAWS, seed=1)
     given.columns(blocks(cases)[0])  # kernels are compiled, or read
-    cpu, wall = process_time(), monotonic()
-    columns = joined(on_threads(given, blocks(cases)))
-    cpu, wall = process_time() - cpu, monotonic() - wall
+    spent, wall = cpu(), monotonic()
+    columns = joined(on_cores(given, blocks(cases)))
+    spent, wall = cpu() - spent, monotonic() - wall
     begin = process_time()
     for block in blocks(cases):
         applied(given.task.plant, VARIED, block.values)
@@ -69,7 +70,7 @@ def main() -> None:
         f"{DRAWS} axes, {task.duration:g} s each at {1e-3 / task.loop.sample_time:g} kHz, {len(VARIED)} numbers drawn:"
     )
     print(
-        f"  {cpu:.2f} s of CPU, {wall:.2f} s on {os.cpu_count()} cores; {1e9 * cpu / steps:.1f} ns a lane and substep."
+        f"  {spent:.2f} s of CPU, {wall:.2f} s on {os.cpu_count()} cores; {1e9 * spent / steps:.1f} ns a lane and substep."
     )
     print(
         f"  {plants:.2f} s of it make the plants. Influence of each number, with its error: {told:.2f} s of CPU more."

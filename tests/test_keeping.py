@@ -183,11 +183,11 @@ def test_steps_made_side_by_side_are_each_kept_and_none_is_made_again(tmp_path):
         return made(item)
 
     with pytest.raises(ValueError), keeping.keeping(tmp_path, "digest"):
-        keeping.steps("squares", broken, range(5))
+        list(keeping.steps("squares", broken, range(5)))
     known = {p.name: p.read_bytes() for p in tmp_path.glob("*/*.step")}
     assert {"0-squares.step", "1-squares.step", "2-squares.step"} <= set(known)
     with keeping.keeping(tmp_path, "digest") as keeper:
-        both = keeping.steps("squares", made, range(5)), keeping.steps("squares", made, range(2))
+        both = [list(keeping.steps("squares", made, range(n))) for n in (5, 2)]
         assert [[n for n, _ in one] for one in both] == [[0, 1, 4, 9, 16], [0, 1]]
         assert keeper.known == len(known) and keeper.count == 7
         assert known.items() <= {p.name: p.read_bytes() for p in tmp_path.glob("*/*.step")}.items()

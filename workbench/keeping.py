@@ -56,16 +56,17 @@ class Keeper:
         self.count = number + 1
         return made
 
-    def steps(self, name: str, function: Callable[[Item], Made], items: Sequence[Item]) -> list[Made]:
-        """Return what as many steps came to, function(item) each; those that are not there are shared among processes."""
+    def steps(self, name: str, function: Callable[[Item], Made], items: Sequence[Item]) -> Iterator[Made]:
+        """Yield what as many steps came to, function(item) each; those that are not there are shared among processes."""
         files = [self._file(self.count + k, name) for k in range(len(items))]
-        known = [read(file) for file in files]
-        missing = [k for k, (found, _) in enumerate(known) if not found]
         self.count += len(items)
-        for k, made in zip(missing, shared(function, [items[k] for k in missing]), strict=True):
-            write(files[k], made)
-            known[k] = True, made
-        return [made for _, made in known]
+        known = [read(file) for file in files]
+        new = shared(function, [item for item, (found, _) in zip(items, known, strict=True) if not found])
+        for file, (found, made) in zip(files, known, strict=True):
+            if not found:
+                made = next(new)
+                write(file, made)
+            yield made
 
     def _file(self, number: int, name: str) -> Path:
         return self.folder / self.digest / f"{'.'.join(map(str, (*self.path, number)))}-{name}.step"
@@ -105,14 +106,14 @@ def step(name: str, make: Callable[[], Made]) -> Made:
     return _keeper.step(name, make) if _keeper is not None and _keeper.mine else make()
 
 
-def steps(name: str, function: Callable[[Item], Made], items: Sequence[Item]) -> list[Made]:
-    """Return function(item) of each item, made side by side; each is a step of the run that goes on, if one keeps its steps.
+def steps(name: str, function: Callable[[Item], Made], items: Sequence[Item]) -> Iterator[Made]:
+    """Yield function(item) of each item, in order, made side by side; each is a step of the run that goes on, if one keeps its steps.
 
     What a call returns has to pickle, and it takes no steps of its own.
     """
     if _keeper is not None and _keeper.mine:
         return _keeper.steps(name, function, items)
-    return list(shared(function, items))
+    return shared(function, items)
 
 
 def read(file: Path) -> tuple[bool, object]:

@@ -12,7 +12,7 @@ from workbench.control import fixed_pd, scheduled_pd
 from workbench.definition import find
 from workbench.firmware import firmware, host
 from workbench.firmware.image import read
-from workbench.firmware.summary import known, ram_of, rounding, summary
+from workbench.firmware.summary import known, ram_of, rounding, summaries
 from workbench.report.firmware import firmware_chapter
 from workbench.study.firmware import firmware_part
 from workbench.task.task import Task
@@ -84,7 +84,7 @@ def test_memory_is_what_the_compiler_lays_out(arithmetic):
 
 def test_rounding_moves_the_sensitivity_by_no_more_than_said():
     """A loop with one gain off by the largest rounding error: its Ms lies within the bound."""
-    made = summary(lambda lanes: fixed_pd(900.0, 5.0), replace(TASK, duration=0.05), "fixed")
+    made = summaries([(lambda lanes: fixed_pd(900.0, 5.0), "fixed")], replace(TASK, duration=0.05))[0]
     off, theta = rounding(made.made), np.geomspace(1e-2, 3.0, 400)
     loop = 0.12 * np.exp(-1j * theta) / (1.0 - np.exp(-1j * theta))
     peaks = [np.max(1.0 / np.abs(1.0 + g * loop)) for g in (1.0, 1.0 + off)]

@@ -15,7 +15,7 @@ from workbench.errors import WorkbenchError
 from workbench.plant import ONE_MASS, Limits, Plant
 from workbench.robustness import Varied, blocks, independent, joined, uniform, work
 from workbench.robustness.cluster import on_cluster
-from workbench.robustness.local import on_threads
+from workbench.robustness.local import on_cores
 from workbench.robustness.workload import digest
 from workbench.simulation import Loop
 from workbench.task.task import Task
@@ -90,13 +90,13 @@ def given():
     vary = (Varied("inertia", uniform(0.5, 1.5)), Varied("presliding_hysteresis.x0", uniform(0.7, 1.4), relative=True))
     w = work(task, {"fixed PD": lambda lanes: fixed_pd(60.0, 1.3)}, vary)
     parts = blocks(independent(vary, 1280, 5), 32)
-    return w, parts, digest(joined(on_threads(w, parts)))
+    return w, parts, digest(joined(on_cores(w, parts)))
 
 
 def test_a_worker_with_other_bits_is_refused_by_name_and_the_numbers_are_the_same(cluster, given, capsys):
     address, _ = cluster
     w, parts, expected = given
-    assert digest(joined(on_cluster(address, w, parts[:8]))) == digest(joined(on_threads(w, parts[:8])))
+    assert digest(joined(on_cluster(address, w, parts[:8]))) == digest(joined(on_cores(w, parts[:8])))
     said = capsys.readouterr().err
     assert "worker 'c' at tcp://127.0.0.1" in said and "other numbers" in said
     assert "'a'" not in said and "'b'" not in said

@@ -32,7 +32,7 @@ from workbench.robustness import (
 from workbench.robustness import worst as kept
 from workbench.robustness.document import of_work, work_of
 from workbench.robustness.influence import first_order
-from workbench.robustness.local import on_threads
+from workbench.robustness.local import on_cores
 from workbench.robustness.perspective import ranking, share_beyond_worst, statement
 from workbench.robustness.workload import Block, digest, probe
 from workbench.simulation import Loop
@@ -74,7 +74,7 @@ def factories():
 def drawn():
     """96 axes, run in one block."""
     w, cases = work(task(), factories(), VARIED), independent(VARIED, 96, seed=7)
-    return w, cases, joined(on_threads(w, blocks(cases)))
+    return w, cases, joined(on_cores(w, blocks(cases)))
 
 
 # --- distributions ---------------------------------------------------------------------------------------------------
@@ -163,7 +163,7 @@ def test_the_numbers_do_not_depend_on_blocks_or_threads(drawn, monkeypatch):
 
     w, cases, columns = drawn
     monkeypatch.setattr(run, "_CORES", 1)
-    assert digest(joined(on_threads(w, blocks(cases, 37)))) == digest(columns)
+    assert digest(joined(on_cores(w, blocks(cases, 37)))) == digest(columns)
 
 
 def test_an_error_of_the_torque_constant_is_the_same_as_all_else_being_off_the_other_way():
@@ -449,7 +449,7 @@ def test_of_two_masses_the_load_is_what_is_judged_and_replayed(tmp_path):
     w = work(task(plant=plant, loop=loop), {"fixed PD": lambda lanes: fixed_pd(20.0, 0.6)}, vary)
     assert "kinematic_error@joint" in w.task.plant
     cases = independent(vary, 40, 1)
-    columns = joined(on_threads(w, blocks(cases)))
+    columns = joined(on_cores(w, blocks(cases)))
     kept.write(w, kept.worst(cases, columns, 1), tmp_path / "worst.json")
     again, (case,) = kept.read(tmp_path / "worst.json")
     r = kept.replay(again, case)

@@ -7,7 +7,7 @@ from workbench.control import fixed_pd, pi_cascade
 from workbench.definition import find
 from workbench.errors import WorkbenchError
 from workbench.plant import Limits, Plant
-from workbench.simulation import Criteria, Loop, Scenario, simulate
+from workbench.simulation import Criteria, Loop, Scenario, followed, simulate
 from workbench.simulation.binding import bind
 from workbench.simulation.given import INJECTED, REFERENCE, given_of
 from workbench.simulation.oracle import run_arrays
@@ -68,6 +68,18 @@ def test_a_reference_for_all_is_that_reference_given_to_each():
     )
     assert np.array_equal(shared.trajectories["q"], own.trajectories["q"])
     assert np.array_equal(shared.following_error, own.following_error)
+
+
+def test_lanes_that_share_references_and_last_as_long_as_each_is_needed_have_the_bits_of_the_whole_run():
+    which, lasts = np.arange(LANES) % 3, np.sort(np.random.default_rng(4).integers(1, N + 1, LANES))
+    kp = np.linspace(20.0, 60.0, 4)
+    own = fixed_pd(kp, 0.02 * kp).taken(np.arange(LANES) % 4)
+    assert np.array_equal(own.parameters["kp"], kp[np.arange(LANES) % 4])
+    scenarios, references = arrays_of(many()), waves(3)
+    whole = simulate(plant(), LOOP, own, scenarios, N * TS, record=("q",), reference=references[:, which])
+    short = followed(plant(), LOOP, own, scenarios, references, which, lasts)
+    needed = np.arange(N)[:, None] < lasts
+    assert np.array_equal(short[needed], whole.trajectories["q"][needed])
 
 
 def test_a_constant_reference_is_a_target():

@@ -17,7 +17,7 @@ from workbench.errors import WorkbenchError
 from workbench.plant import ONE_MASS, Limits, Plant
 from workbench.simulation import Loop
 from workbench.task.bound import time_optimal
-from workbench.task.task import Task, Weights, cost
+from workbench.task.task import Task, Weights, cost, least
 from workbench.verification.compare import Comparison, Row, compare, verdicts
 
 STEP = 0.4 * 2 * np.pi
@@ -137,6 +137,23 @@ def test_the_search_improves_on_its_start_and_keeps_to_the_sensitivity_limit():
         both = optimise_seeds(task, family, (3, 4, 5), small)
         assert found.value == both.runs[0].value and found.trail.time.size == found.evaluations
         assert sorted(r.value for r in both.runs)[1] == both.median.value
+
+
+def test_points_whose_sensitivity_alone_costs_too_much_are_not_simulated_and_nothing_depends_on_it(monkeypatch):
+    from workbench.design import optimise as module
+
+    linear = Linear(LOOP, 0.0075, 0.001, np.array([0.0, 100.0]))
+    task = Task(axis(), LOOP, STEP, 0.4, phases=1)
+    family = pd_family(linear, (60.0, 1.0))
+    found = optimise(task, family, 3, Budget(generations=12, local=20))
+    monkeypatch.setattr(module._Tried, "replaced_below", lambda self, intermediate_result: None)
+    every = optimise(task, family, 3, Budget(generations=12, local=20))
+    assert np.array_equal(found.point, every.point) and found.value == every.value
+    assert all(np.array_equal(a, b) for a, b in zip(found.trail.front(), every.trail.front(), strict=True))
+    spared = found.trail.cost < every.trail.cost
+    assert spared.sum() > 0.1 * spared.size and not every.trail.kept[spared].any()
+    assert np.array_equal(found.trail.cost[~spared], every.trail.cost[~spared])
+    assert (every.trail.cost >= least(task)).all()
 
 
 def test_two_modes_are_the_scaled_schedule_below_the_switch_and_one_pair_of_gains_beyond():

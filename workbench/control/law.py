@@ -14,7 +14,7 @@ motor_y - load_y.
 """
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field, fields, replace
 from types import MappingProxyType
 
 import numpy as np
@@ -97,3 +97,12 @@ class Controller:
                 raise WorkbenchError(f"controller '{self.name}': {name} is not finite.")
         if len({t.grid for t in self.tables}) > 1:
             raise WorkbenchError(f"controller '{self.name}': its tables have different knots; use one grid for all.")
+
+    def taken(self, lanes: np.ndarray) -> "Controller":
+        """Return the controller whose lane k is lane lanes[k] of this one."""
+
+        def of(value):
+            return value if value is None or np.ndim(value) == 0 else value[lanes]
+
+        parameters = {n: of(v) for n, v in self.parameters.items()}
+        return replace(self, parameters=parameters, table=of(self.table), velocity_filter=of(self.velocity_filter))

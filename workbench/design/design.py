@@ -197,5 +197,6 @@ def best_of(
     """Return the best of each family from several seeds, by name."""
     say(f"tuning {', '.join(f.name for f in families)} on the simulated loop")
     used = tuple(seeds)[: max(len(seeds) // 2, 1)]
-    runs = optimise_all([(task, f, seed) for f in families for seed in used])
+    # one family after the other, so that kernels of different ones are compiled side by side
+    runs = optimise_all([(task, f, seed) for seed in used for f in families])
     return {f.name: min((r for r in runs if r.family is f), key=lambda r: r.value) for f in families}

@@ -7,10 +7,11 @@ is against the command. The band is 1 % of the step, or two counts where that is
 
 from dataclasses import dataclass, replace
 
+import numba
 import numpy as np
 
 from workbench.design.families.family import Family
-from workbench.simulation import ScenarioArrays, simulate
+from workbench.simulation import ScenarioArrays, followed
 from workbench.task.task import Task
 
 SIZES, LEAST = 9, 10.0  # sizes, even in the logarithm, from so many counts to the study's own step
@@ -31,7 +32,8 @@ LOAD = 0.05  # of the drive's limit: the load, where a study states none
 # tuned to its landings, and no table keeps up with it on another plant: of the single mass, tuned on the identified plant and judged on
 # the assumed one, the worst regret in time is 1.44 with four, 1.30 with eight, 1.20 with sixteen; these steps are short and cost little.
 PHASES, FEW = 16, 200.0
-GROUPS = 3  # of rungs of like duration and as many phases, each one run
+# Lanes of a run, about: half or twice as many take as long; with all of a search at once memory is what costs.
+AT_ONCE = 3000
 GOLDEN = 0.6180339887498949
 FIGURES = ("time", "error", "overshoot")
 
@@ -88,6 +90,11 @@ class Ladder:
         few = FEW * self.task.loop.count
         return np.array([PHASES if r[0].kind == "step" and abs(r[0].size) < few else 1 for r in self.rungs])
 
+    @property
+    def lanes(self) -> np.ndarray:
+        """Lanes that each rung takes a point, (rungs,)."""
+        return self.phases * len(self.scenarios)
+
     def reference(self, rung: int, samples: int) -> np.ndarray:
         """Return the command over so many samples: to the size, and back."""
         move, t = self.rungs[rung][0], np.arange(samples)
@@ -142,47 +149,38 @@ def all_rungs(on: Ladder, points: np.ndarray) -> np.ndarray:
 def climbed(on: Ladder, family: Family, points: np.ndarray, rungs: np.ndarray) -> np.ndarray:
     """Return figures (points, rungs a point, 2 moves, 3 FIGURES) of points (p, numbers), each on rungs (p, r), the worst over
     the scenarios; of a rung of one move the second is that move again. Infinite where it does not come to rest."""
-    out = np.empty((*rungs.shape, 2, len(FIGURES)))
-    if (rungs == rungs[0]).all():  # all points climb the same rungs
-        for part in _alike(on, rungs[0]):
-            out[:, part] = _climbed(on, family, points, rungs[:, part])
-        return out
-    flat, each = rungs.reshape(-1, 1), np.repeat(points, rungs.shape[1], axis=0)
-    of = out.reshape(-1, 1, 2, len(FIGURES))
-    for part in _alike(on, flat[:, 0]):
-        of[part] = _climbed(on, family, each[part], flat[part])
-    return out
+    rung, point = rungs.ravel(), np.repeat(np.arange(len(points)), rungs.shape[1])
+    out = np.empty((rung.size, 2, len(FIGURES)))
+    order = np.lexsort((point, rung, on.samples[rung]))
+    before = np.cumsum(on.lanes[rung[order]])
+    for part in np.split(order, np.flatnonzero(np.diff((before - 1) // AT_ONCE)) + 1):
+        out[part] = _climbed(on, family, points, point[part], rung[part])
+    return out.reshape(*rungs.shape, 2, len(FIGURES))
 
 
-def _alike(on: Ladder, rungs: np.ndarray) -> list[np.ndarray]:
-    """Return which of some rungs (n,) are run together: of one number of phases and like duration."""
-    phases, samples = on.phases[rungs], on.samples[rungs]
-    parts = []
-    for number in np.unique(phases):
-        own = np.flatnonzero(phases == number)
-        groups = min(GROUPS, np.unique(samples[own]).size)
-        parts += np.array_split(own[np.argsort(samples[own], kind="stable")], groups)
-    return [p for p in parts if p.size]
-
-
-def _climbed(on: Ladder, family: Family, points: np.ndarray, rungs: np.ndarray) -> np.ndarray:
-    scenarios = on.scenarios * int(on.phases[rungs].max())
-    count, samples = len(scenarios), int(on.samples[rungs].max())
-    each = np.repeat(rungs.ravel(), count)
-    friction, inertia = (np.tile([s[k] for s in scenarios], rungs.size) for k in (0, 1))
-    phase = (0.5 + GOLDEN * (each + np.tile(np.arange(count), rungs.size))) % 1.0
-    load = np.array([on.rungs[r][0].load for r in each])
-    lanes = ScenarioArrays(each.size, phase=phase, friction=friction, inertia=inertia, load=load)
+def _climbed(on: Ladder, family: Family, points: np.ndarray, point: np.ndarray, rung: np.ndarray) -> np.ndarray:
+    """Return figures (n, 2, 3) of points[point], each on one rung; point, rung (n,), by rung and rungs of like duration together."""
+    lanes, corner = on.lanes[rung], len(on.scenarios)
+    first = np.cumsum(lanes) - lanes
+    pair = np.repeat(np.arange(rung.size), lanes)
+    each, k = rung[pair], np.arange(pair.size) - first[pair]
+    friction, inertia = np.array(on.scenarios).T[:, k % corner]
+    load = np.array([moves[0].load for moves in on.rungs])[each]
+    scenarios = ScenarioArrays(
+        each.size, phase=(0.5 + GOLDEN * (each + k)) % 1.0, friction=friction, inertia=inertia, load=load
+    )
     every, which = np.unique(each, return_inverse=True)
-    known = np.stack([on.reference(r, samples) for r in every], axis=1)
-    q = simulate(
-        on.task.plant, on.task.loop, family.controller(points, rungs.shape[1] * count), lanes,
-        samples * on.task.loop.sample_time, ("q",), reference=known[:, which],
-    ).trajectories["q"]  # fmt: skip
+    samples = on.samples[every]
+    known = np.stack([on.reference(r, int(samples.max())) for r in every], axis=1)
+    used, at = np.unique(point, return_inverse=True)
+    controller = family.controller(points[used], 1).taken(at[pair])
+    q = followed(on.task.plant, on.task.loop, controller, scenarios, known, which, on.samples[each])
     out = np.empty((each.size, 2, len(FIGURES)))
-    for r in every:
-        out[each == r] = _figures_of(on, r, q[: on.samples[r], each == r])
-    return out.reshape(*rungs.shape, count, 2, len(FIGURES)).max(axis=2)
+    ends = np.append(np.flatnonzero(np.diff(each)) + 1, each.size)
+    for start, end in zip([0, *ends[:-1]], ends, strict=True):
+        r = int(each[start])
+        out[start:end] = _figures_of(on, r, q[: on.samples[r], start:end])
+    return np.maximum.reduceat(out, first, axis=0)
 
 
 def _figures_of(on: Ladder, rung: int, q: np.ndarray) -> np.ndarray:
@@ -206,17 +204,32 @@ def step_figures(q: np.ndarray, target: float, size: float, count: float, dt: fl
     overshoot beyond the own final value over the size, zero up to COUNTS counts."""
     with np.errstate(all="ignore"):
         samples, each = len(q), np.arange(q.shape[1])
-        final, way = q[-1], np.sign(size)
-        left, band = np.abs(q - final), max(0.01 * abs(size), COUNTS * count)
-        last = samples - 1 - np.argmax((left > band)[::-1], axis=0)
-        last = np.where((left > band).any(axis=0), last, 0)
-        after = np.minimum(last + 1, samples - 1)
-        outer, inner = left[last, each], left[after, each]
-        time = (last + np.clip((outer - band) / np.maximum(outer - inner, 1e-300), 0.0, 1.0)) * dt
+        final, way, band = q[-1], float(np.sign(size)), max(0.01 * abs(size), COUNTS * count)
         end = max(int(LAST * samples), 1)
-        error = np.abs(target - q[-end:]).max(axis=0)
-        beyond = np.max(way * (q - final), axis=0)
+        last, beyond, error, finite = _along(q, np.ascontiguousarray(final), way, float(band), float(target), end)
+        after = np.minimum(last + 1, samples - 1)
+        outer, inner = (np.abs(q[k, each] - final) for k in (last, after))
+        time = (last + np.clip((outer - band) / np.maximum(outer - inner, 1e-300), 0.0, 1.0)) * dt
         over = np.where(beyond > COUNTS * count, beyond / abs(size), 0.0)
         answered = way * (final - q[0]) >= ANSWERED * abs(size)
-        fine = np.isfinite(q).all(axis=0) & (last < samples - end) & answered
+        fine = finite & (last < samples - end) & answered
         return np.stack([np.where(fine, v, np.inf) for v in (time, error, over)], axis=1)
+
+
+@numba.njit(cache=True, nogil=True, error_model="numpy")
+def _along(q, final, way, band, target, end):
+    """Return, of each column of q (samples, n), the last sample out of the band about `final` (n,) or 0, how far it goes beyond, the largest
+    |target - q| over the last `end` samples, and whether all is finite: in one pass, where NumPy takes eight."""
+    samples, n = q.shape
+    last, beyond, error = np.zeros(n, np.int64), np.zeros(n), np.zeros(n)
+    finite = np.ones(n, np.bool_)
+    for k in range(samples):
+        for j in range(n):
+            left = q[k, j] - final[j]
+            last[j] = k if abs(left) > band else last[j]
+            beyond[j] = max(beyond[j], way * left)
+            finite[j] = finite[j] and np.isfinite(left)
+    for k in range(samples - end, samples):
+        for j in range(n):
+            error[j] = max(error[j], abs(target - q[k, j]))
+    return last, beyond, error, finite

@@ -12,7 +12,7 @@ import numpy as np
 from workbench.design.families.family import Family, OfFamily
 from workbench.keeping import steps
 from workbench.simulation import Metrics
-from workbench.task.task import Task, cost
+from workbench.task.task import Task, cost, least
 
 UNSTABLE = 10.0  # what an unstable linearisation counts as, of sensitivity over its limit
 NEAR = 0.1  # how far members about a start lie from it, of a logarithm
@@ -123,24 +123,10 @@ def _optimised(task: Task, family: Family, seed: int, budget: Budget) -> Tuned:
     """Return what one search comes to."""
     from scipy.optimize import differential_evolution, minimize
 
-    scenarios = task.scenarios()
-    lanes = scenarios.lanes
-    bound = task.bound()
-    w = task.weights
-    trails: list[Trail] = []
-
-    def values(logs: np.ndarray) -> np.ndarray:
-        """logs (numbers, points) -> cost (points,)."""
-        points = np.exp(np.atleast_2d(logs.T))
-        metrics = task.run(family.controller(points, lanes), scenarios.tiled(len(points)))
-        beyond = np.clip(family.sensitivity(points) / w.sensitivity - 1.0, 0.0, UNSTABLE)
-        value = cost(task, metrics, bound, lanes) + w.steepness * beyond
-        trails.append(_trail_of(task, metrics, beyond, value, lanes))
-        return value
-
+    tried = _Tried(task, family)
     bounds = list(zip(np.log(family.lower), np.log(family.upper), strict=True))
     found = differential_evolution(
-        values,
+        tried.costs,
         bounds,
         **first_members(task, family, seed, np.array(bounds).T, budget),
         popsize=budget.population,
@@ -149,18 +135,54 @@ def _optimised(task: Task, family: Family, seed: int, budget: Budget) -> Tuned:
         polish=False,
         vectorized=True,
         updating="deferred",
+        callback=tried.replaced_below,
         rng=np.random.default_rng(seed),
     )
+    tried.most = np.inf
     local = minimize(
-        lambda x: float(values(x[:, None])[0]),
+        lambda x: float(tried.costs(x[:, None])[0]),
         found.x,
         method="Nelder-Mead",
         bounds=bounds,
         options={"maxfev": budget.local, "xatol": 1e-3, "fatol": 1e-4, "initial_simplex": _simplex(found.x)},
     )
     best, value = (local.x, local.fun) if local.fun <= found.fun else (found.x, found.fun)
-    trail = Trail.joined(trails)
+    trail = Trail.joined(tried.trails)
     return Tuned(family, np.exp(best), float(value), trail.time.size, seed, trail)
+
+
+class _Tried:
+    """The points of one search, and what each cost. most: what those that are tried next may cost, one or (points,).
+
+    A point whose sensitivity alone costs more takes no member's place, and is not simulated: of it the trail holds the least that it can
+    cost, and that it does not keep the limits. No result depends on it.
+    """
+
+    def __init__(self, task: Task, family: Family):
+        self.task, self.family = task, family
+        self.scenarios, self.bound, self.least = task.scenarios(), task.bound(), least(task)
+        self.trails: list[Trail] = []
+        self.most: float | np.ndarray = np.inf
+
+    def costs(self, logs: np.ndarray) -> np.ndarray:
+        """Return what points cost, (points,); logs (numbers, points)."""
+        points, w, lanes = np.exp(np.atleast_2d(logs.T)), self.task.weights, self.scenarios.lanes
+        beyond = np.clip(self.family.sensitivity(points) / w.sensitivity - 1.0, 0.0, UNSTABLE)
+        nothing = np.full(len(points), np.inf)
+        trail = Trail(nothing, nothing.copy(), np.zeros(len(points), dtype=bool), self.least + w.steepness * beyond)
+        run = np.flatnonzero(trail.cost <= self.most)
+        if run.size:
+            metrics = self.task.run(self.family.controller(points[run], lanes), self.scenarios.tiled(run.size))
+            value = cost(self.task, metrics, self.bound, lanes) + w.steepness * beyond[run]
+            own = _trail_of(self.task, metrics, beyond[run], value, lanes)
+            for name in vars(own):
+                getattr(trail, name)[run] = getattr(own, name)
+        self.trails.append(trail)
+        return trail.cost.copy()
+
+    def replaced_below(self, intermediate_result) -> None:
+        """Hear after each generation what its members cost: the next one's trials take their places where they cost no more."""
+        self.most = intermediate_result.population_energies.copy()
 
 
 def first_members(

@@ -3,8 +3,8 @@ the loop, and how an axis moves under the compiled C beside the law in float64.
 """
 
 import json
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
 
@@ -13,6 +13,7 @@ from workbench.errors import WorkbenchError
 from workbench.firmware import host, quantisation
 from workbench.firmware.comparison import Comparison, comparison, reach
 from workbench.firmware.make import Firmware, firmware
+from workbench.processes import shared
 from workbench.task.task import Task
 
 MEASURED = Path(__file__).with_name("measured.json")  # held by the tests that run the target
@@ -83,12 +84,34 @@ def _moved(made: Firmware, controller: Callable[[int], Controller], task: Task) 
     return comparison(made, controller(scenarios.lanes), task, scenarios)
 
 
-def summary(controller: Callable[[int], Controller], task: Task, arithmetic: str, verdict: int = 0) -> Summary:
-    """Return the summary of one controller(lanes); WorkbenchError as `firmware`."""
-    one = controller(1)
-    made = firmware(one, task.loop, task.plant, arithmetic, verdict=verdict, **reach(task))
+def summaries(
+    asked: Sequence[tuple[Callable[[int], Controller], str]], task: Task, verdict: int = 0
+) -> list[Summary | WorkbenchError]:
+    """Return the summary of each (controller(lanes), arithmetic), moved side by side; of one without firmware why, as `firmware`."""
+    made = [_made(*one, task, verdict) for one in asked]
+
+    def moved(k: int) -> Comparison | WorkbenchError | None:
+        try:
+            return None if isinstance(made[k], WorkbenchError) else _moved(made[k].made, asked[k][0], task)
+        except WorkbenchError as error:
+            return error
+
+    for k, found in enumerate(shared(moved, range(len(made)))):
+        if not isinstance(made[k], WorkbenchError):
+            made[k] = found if isinstance(found, WorkbenchError) else replace(made[k], moved=found)
+    return made
+
+
+def _made(
+    controller: Callable[[int], Controller], arithmetic: str, task: Task, verdict: int
+) -> Summary | WorkbenchError:
+    """Return the summary of one controller, that has not moved yet."""
+    try:
+        made = firmware(controller(1), task.loop, task.plant, arithmetic, verdict=verdict, **reach(task))
+    except WorkbenchError as error:
+        return error
     gain, most = rounding(made), task.weights.sensitivity
     return Summary(
         made, arithmetic, ram_of(made), gain, gain * most * (most + 1.0),  # |dS| = |S T| |dL/L|, and |T| <= 1 + |S|
-        measured_of(made.numbers.stages.law.name, arithmetic), _moved(made, controller, task),
+        measured_of(made.numbers.stages.law.name, arithmetic), None,
     )  # fmt: skip

@@ -12,6 +12,7 @@ from workbench.limit_cycle.further import Cycle
 from workbench.limit_cycle.harmonic_balance import balance
 from workbench.limit_cycle.simulation import as_simulated, simulated
 from workbench.plant import Plant
+from workbench.processes import shared
 from workbench.simulation import Loop, loop_under
 from workbench.threads import one_thread
 
@@ -114,7 +115,8 @@ def region(
     solved = balance(axis_of(plant, as_simulated(loop), largest, inertia=inertia, friction=friction), largest)
     limit = plant.limits.drive
     laws = {(i, j): turned(controller, a, b) for i, a in enumerate(first) for j, b in enumerate(second)}
-    cycles = {at: solved.cycles(command(c, limit, loop)) for at, c in laws.items()}
+    found = shared(lambda c: solved.cycles(command(c, limit, loop)), [*laws.values()])
+    cycles = dict(zip(laws, found, strict=True))
     lanes = [(at, start) for at in laws for start in _starts(cycles[at], loop, largest)]
     m = simulated(
         plant, loop, [laws[at] for at, _ in lanes], np.array([s for _, s in lanes]), duration,

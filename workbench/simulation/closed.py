@@ -74,6 +74,28 @@ def simulate(
     return replace(metrics, time_own=time)
 
 
+def followed(
+    plant: Plant,
+    loop: Loop,
+    controller: Controller,
+    scenarios: ScenarioArrays,
+    references: np.ndarray,
+    which: np.ndarray,
+    lasts: np.ndarray,
+    record: str = "q",
+) -> np.ndarray:
+    """Return a signal (n, lanes) of the loops of `simulate` that follow references, each of which several lanes share.
+
+    references (n, m), rad or m, a value a control sample. which (lanes,): the reference of each lane. lasts (lanes,): samples that are
+    needed of each, n at most; beyond them the signal is undefined. Lanes that a kernel moves side by side run as long as the longest
+    of them, so those of like duration should lie together.
+    """
+    known = given_of({REFERENCE: references}, len(references), references.shape[1])
+    bound = bind(plant, loop, controller, scenarios, len(references), Criteria(), given=replace(known, which=which))
+    _, kept = run_lanes(bound, _named(bound, (record,)), lasts=lasts)
+    return kept[:, 0]
+
+
 def _trajectories(bound: Bound, record, every: int, kept) -> Trajectories | None:
     if not record:
         return None

@@ -15,12 +15,14 @@ REFERENCE, INJECTED, DRIVE = "reference", "injected", "u_c"  # DRIVE: the row of
 
 @dataclass(frozen=True, eq=False)
 class Given:
-    """names: in the order in which they lie. shared (samples, signals); own (samples, signals, lanes)."""
+    """names: in the order in which they lie. shared (samples, signals); own (samples, signals, lanes), or, with `which` (lanes,),
+    (samples, signals, any number), of which that says each lane's."""
 
     shared_names: tuple[str, ...]
     own_names: tuple[str, ...]
     shared: np.ndarray
     own: np.ndarray
+    which: np.ndarray | None = None
 
     @property
     def structure(self) -> tuple[tuple[str, ...], tuple[str, ...]]:
@@ -34,7 +36,12 @@ class Given:
         """Return the last value of a signal, scalar or (lanes,)."""
         if name in self.shared_names:
             return float(self.shared[-1, self.shared_names.index(name)])
-        return self.own[-1, self.own_names.index(name)]
+        last = self.own[-1, self.own_names.index(name)]
+        return last if self.which is None else last[self.which]
+
+    def of_lanes(self, lanes: np.ndarray, samples: int) -> np.ndarray:
+        """Return the own signals (samples, signals, n) of lanes (n,), for so many samples at most."""
+        return np.take(self.own[:samples], lanes if self.which is None else self.which[lanes], axis=2)
 
 
 def given_of(signals: Mapping[str, np.ndarray | None], samples: int, lanes: int) -> Given:

@@ -12,6 +12,7 @@ from workbench.simulation.sampled import AMPLITUDE
 def run_arrays(bound: Bound, record: tuple[str, ...] = (), every: int = 1):
     """Return (row -> (lanes,) final values, recorded (n, signals, lanes) or None), as workbench.simulation.run does."""
     design, loop, lanes, given = bound.design, bound.loop, bound.lanes, bound.given
+    own = given.of_lanes(np.arange(lanes), bound.samples)
     x = {n: np.zeros(lanes) for n in design.rows}
     x |= {n: np.broadcast_to(v, (lanes,)) + np.zeros(lanes) for n, v in bound.initial.items() if n in x}
     columns = design.law.columns if design.law is not None else ()
@@ -27,7 +28,7 @@ def run_arrays(bound: Bound, record: tuple[str, ...] = (), every: int = 1):
     for k in range(bound.samples):
         clocks = {"k": float(k), "t": float(k) * loop.sample_time, "window": float(k >= bound.window_from)}
         clocks |= dict(zip(given.shared_names, given.shared[k] if given.shared_names else (), strict=True))
-        x |= {n: given.own[k, i] for i, n in enumerate(given.own_names)}
+        x |= {n: own[k, i] for i, n in enumerate(given.own_names)}
         stage(0, clocks)
         if columns:
             found = look_up(bound.table, *bound.grid, bound.base, x[AMPLITUDE])

@@ -55,9 +55,14 @@ def _chunk(values: np.ndarray, i: int, lanes: int, dtype=None) -> np.ndarray:
 
 
 def run_lanes(
-    bound: Bound, record: tuple[str, ...] = (), every: int = 1, lanes: int = LANES, threads: int | None = None
-):
-    """Return (row -> (lanes,) final values, recorded (n, signals, lanes) or None)."""
+    bound: Bound, record: tuple[str, ...] = (), every: int = 1, lanes: int = LANES, threads: int | None = None,
+    lasts: np.ndarray | None = None,
+):  # fmt: skip
+    """Return (row -> (lanes,) final values, recorded (n, signals, lanes) or None).
+
+    lasts (lanes,): samples that each is run for at least, as long as the longest of its chunk; all of them where absent. What is
+    recorded is undefined from there on.
+    """
     layout = _layout_of(bound, lanes, record)
     at = places(bound.design, layout)
     rows = len(set(at.values()))
@@ -84,13 +89,16 @@ def run_lanes(
     shift, offset = bound.grid
 
     def chunk(i: int) -> None:
+        own = np.minimum(np.arange(i * lanes, (i + 1) * lanes), n - 1)
+        samples = bound.samples if lasts is None else int(lasts[own].max())
+        rows = -(-samples // every) if record else 0
         # of one chunk, what is given and what is recorded stay in the processor's cache; of all at once, moving them costs a kernel's time
-        ring, out = np.zeros(layout.slots * lanes), np.empty((kept, len(record), lanes))
+        ring, out = np.zeros(layout.slots * lanes), np.empty((rows, len(record), lanes))
         run(x[i].ravel(), scalars, table, base[i], seeds[i], strength[i], delays[i], ring, shared,
-            _chunk(bound.given.own, i, lanes).ravel(), out.ravel(), bound.samples, bound.window_from, every, shift, offset,
+            bound.given.of_lanes(own, samples).ravel(), out.ravel(), samples, bound.window_from, every, shift, offset,
             uniform, bound.loop.sample_time, bound.loop.substep)  # fmt: skip
         if recorded is not None:
-            here = recorded[..., i * lanes : (i + 1) * lanes]
+            here = recorded[:rows, :, i * lanes : (i + 1) * lanes]
             here[...] = out[..., : here.shape[-1]]
 
     workers = min(threads or (_CORES if chunks * bound.samples > WORTH else 1), chunks)

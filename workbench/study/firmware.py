@@ -11,7 +11,7 @@ from workbench.finding import Finding
 from workbench.firmware.export import export_firmware
 from workbench.firmware.image import verdict_of
 from workbench.firmware.make import ARITHMETICS
-from workbench.firmware.summary import summary
+from workbench.firmware.summary import summaries
 from workbench.report.firmware import as_table, firmware_chapter
 from workbench.study.outcome import Part
 from workbench.task.task import Task
@@ -34,12 +34,13 @@ def firmware_part(named: Mapping[str, Callable[[int], Controller]], task: Task, 
     """
     say("writing the firmware")
     made, refused = {}, []
-    for name, controller in named.items():
-        for kind in ARITHMETICS:
-            try:
-                made.setdefault(name, []).append(summary(controller, task, kind, verdict_of(None, traced)))
-            except WorkbenchError as error:
-                refused.append(Finding(NONE, kind, f"There is no firmware of {name} in {kind}: {error}", {}, ""))
+    asked = [(name, controller, kind) for name, controller in named.items() for kind in ARITHMETICS]
+    every = summaries([(controller, kind) for _, controller, kind in asked], task, verdict_of(None, traced))
+    for (name, _, kind), found in zip(asked, every, strict=True):
+        if isinstance(found, WorkbenchError):
+            refused.append(Finding(NONE, kind, f"There is no firmware of {name} in {kind}: {found}", {}, ""))
+        else:
+            made.setdefault(name, []).append(found)
     made = {n: tuple(found) for n, found in made.items() if found}
     if not made:
         return Part(findings=tuple(refused))

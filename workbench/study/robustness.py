@@ -12,7 +12,7 @@ from workbench.readers.declaration import Table
 from workbench.robustness import worst
 from workbench.robustness.cases import Cases, Varied
 from workbench.robustness.distribution import FIXED, KINDS, NORMAL, Distribution
-from workbench.robustness.local import on_threads
+from workbench.robustness.local import on_cores
 from workbench.robustness.perspective import CONFIDENCE, ranking
 from workbench.robustness.result import Series
 from workbench.robustness.series import Options, Run, series_of
@@ -144,7 +144,7 @@ def robustness(study: Study, task: Task, factories, say: Callable[[str], None]) 
 def _runner(scheduler: str) -> Run:
     """Return who runs the blocks: this machine's threads, or the cluster of a scheduler's address."""
     if not scheduler:
-        return on_threads
+        return on_cores
     from workbench.robustness.cluster import on_cluster
 
     return partial(on_cluster, scheduler)

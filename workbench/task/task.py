@@ -124,3 +124,10 @@ def cost(task: Task, metrics: Metrics, bound: float, lanes: int) -> np.ndarray:
         here = (np.asarray(own.friction) == 1.0) & (np.asarray(own.inertia) == 1.0)
         value = np.where(np.tile(here, value.size // lanes), value, -np.inf)
     return worst(value) + w.steepness * worst(beyond) + worst(rough)
+
+
+def least(task: Task) -> float:
+    """Return what no controller costs less than, whatever it does: on its target at once, within a count."""
+    w, nothing = task.weights, 1e-12
+    within = w.error * np.log10(max(nothing, task.loop.count) / w.reference)
+    return float(min(within, 10.0 + np.log10(nothing / w.reference)))

@@ -101,7 +101,7 @@ def contest(
     training = replace(task, load_inertias=loads, duration=tuning_time).on(known or task.plant)
     standings = {}
     say(f"tuning {len(families)} controllers from {len(seeds)} seeds each")
-    runs = optimise_all([(training, family, seed) for family in families for seed in seeds], budget)
+    runs = optimise_all([(training, family, seed) for seed in seeds for family in families], budget)
     for family in families:
         tuned = Seeded(tuple(r for r in runs if r.family is family))
         standings[family.name] = _standing(task, family.name, tuned)
