@@ -20,7 +20,6 @@ from workbench.plant import Plant, freed
 from workbench.readers.declaration import Table
 from workbench.record import IDENTIFICATION
 from workbench.study import configuration
-from workbench.study.running import further_keys
 from workbench.units import effect_unit
 
 KEYS = {"lowest": ("low", "x"), "highest": ("high", "x"), "speed": ("speed", "x/s"),
@@ -50,7 +49,7 @@ def basis_of(name: str, say: Callable[[str], None] = lambda _: None) -> Basis:
     WorkbenchError where the study has no campaign or [plan] states what cannot be.
     """
     folder = configuration.find(name)
-    study = configuration.load(folder, further_keys(folder))
+    study = configuration.load(folder)
     if study.campaign is None:
         raise WorkbenchError(
             f"{study.table.path('campaign')}: a plan is made for a study of a campaign; name its folder."

@@ -9,13 +9,14 @@ from workbench.identification.result import Estimate, Fit
 from workbench.inverse.dynamics import InverseDynamics
 from workbench.plant import Plant
 from workbench.record import IDENTIFICATION
-from workbench.tracing.calibration import withheld
+from workbench.tracing import calibration
 from workbench.tracing.criteria import Criteria
 from workbench.tracing.decide import CAUSE, NOTHING, UNKNOWN, Verdict
 from workbench.tracing.decimation import decimate
 from workbench.tracing.evidence import Evidence, Weighed
 from workbench.tracing.judge import Progress, ScoredCandidate, shown
 from workbench.tracing.mending import Mended
+from workbench.tracing.power_up import calibrations, withheld
 from workbench.tracing.result import CandidateScore, Cause, Refinement, Trace
 from workbench.tracing.rivals import experiment, rivals
 from workbench.tracing.selection import Selection
@@ -92,6 +93,7 @@ def reported(o: Outcome, progress: Progress) -> Trace:
     if late.skew:
         first = [clock(late.skew, late.before, o.fits[0])]
         after = replace(after, estimates=_with_clock(after.estimates, late.skew))
+    phases = calibrations(after.plant, causes, o.passes, o.criteria)
     after, causes = withheld(after, causes, o.passes), [*first, *causes]
     before = late.lost.before if late.lost else late.before or o.fits[0]
     shows = shown(selected.steps[0].judgements)
@@ -107,12 +109,13 @@ def reported(o: Outcome, progress: Progress) -> Trace:
         before,
         after,
         evidence.floor,
-        (*idle, *findings_of(o.verdict, evidence, causes, late.plant, o.criteria)),
+        (*idle, *findings_of(o.verdict, evidence, causes, late.plant, o.criteria), *map(calibration.finding, phases)),
         described(lives, evidence, late.lost),
         shows,
         refinements=tuple(refinements),
         evidence=evidence,
         criteria=o.criteria,
+        calibrations=phases,
     )
 
 
