@@ -15,6 +15,7 @@ from functools import cache
 from pathlib import Path
 
 FACTORS = (0.5, 2.0)
+CODES = ("EITHER", "FORWARD", "BACKWARD")  # names of directions
 PACKAGES = ("workbench.tracing", "workbench.residual")
 BESIDE = ("workbench.identification.cross_validation",)
 # What a description on the page, a plan or a file is made of: no search and no verdict reads it.
@@ -40,7 +41,12 @@ def numbers() -> Iterator[tuple[str, str, float]]:
             ]
             for x in names:
                 value = getattr(module, x.id, None)
-                if x.id.isupper() and isinstance(value, int | float) and not isinstance(value, bool):
+                if (
+                    x.id not in CODES
+                    and x.id.isupper()
+                    and isinstance(value, int | float)
+                    and not isinstance(value, bool)
+                ):
                     yield stem, x.id, value
 
 
@@ -51,13 +57,26 @@ def changed(module: str, name: str, value: float) -> Iterator[None]:
     before = getattr(home, name)
     held = [m for key, m in sys.modules.items() if key.startswith("workbench.") and getattr(m, name, None) is before]
     own = [m for m in held if m is home or comes_from(m, module, name)]
+    started = [(f, f.__defaults__ or (), f.__kwdefaults__ or {}) for m in own for f in _starting_from(m, name)]
     try:
         for m in own:
             setattr(m, name, value)
+        for f, defaults, keywords in started:
+            f.__defaults__ = tuple(value if x is before else x for x in defaults)
+            f.__kwdefaults__ = {k: value if x is before else x for k, x in keywords.items()}
         yield
     finally:
         for m in own:
             setattr(m, name, before)
+        for f, defaults, keywords in started:
+            f.__defaults__, f.__kwdefaults__ = defaults, keywords
+
+
+def _starting_from(module, name: str) -> list:
+    """Return the functions and methods of a module one of whose arguments has a number for its default."""
+    holders = [module, *(x for x in vars(module).values() if isinstance(x, type) and x.__module__ == module.__name__)]
+    named = {f.name for f in _defaults(ast.parse(Path(module.__file__).read_text(encoding="utf-8")), name)}
+    return [f for h in holders for n in named if (f := vars(h).get(n)) is not None and f.__module__ == module.__name__]
 
 
 def comes_from(module, home: str, name: str) -> bool:
@@ -80,27 +99,93 @@ def said(folder: Path) -> tuple:
     return found["verdict"], tuple(sorted(found["added"])), tuple(found["ranked"][:1])
 
 
+@contextmanager
+def called() -> Iterator[set[tuple[str, int]]]:
+    """While it lasts, the functions of the package that this thread calls are noted: (file, first line)."""
+    seen: set[tuple[str, int]] = set()
+
+    def note(frame, event, _):
+        if event == "call":
+            seen.add((frame.f_code.co_filename, frame.f_code.co_firstlineno))
+
+    before = sys.getprofile()
+    sys.setprofile(note)
+    try:
+        yield seen
+    finally:
+        sys.setprofile(before)
+
+
+@cache
+def readers(module: str, name: str) -> frozenset[tuple[str, int]] | None:
+    """Return the functions (file, first line) that read a number; None where a module reads it as it is imported, once and for all."""
+    home, found = importlib.import_module(modules()[module]), set()
+    for m in [m for key, m in sys.modules.items() if key.startswith("workbench.") and hasattr(m, name)]:
+        if m is not home and not comes_from(m, module, name):
+            continue
+        tree = ast.parse(Path(m.__file__).read_text(encoding="utf-8"))
+        within = {f: _reads(f, name) for f in ast.walk(tree) if isinstance(f, ast.FunctionDef | ast.AsyncFunctionDef)}
+        started = _defaults(tree, name)
+        if _reads(tree, name) > len(started) + sum(within[f] for f in within if f in tree.body or _of_class(f, tree)):
+            return None
+        read = [f for f, n in within.items() if n or f in started]
+        found |= {(m.__file__, min([f.lineno, *(d.lineno for d in f.decorator_list)])) for f in read}
+    return frozenset(found)
+
+
+def _reads(node: ast.AST, name: str) -> int:
+    """Return how often the code under a node reads a name; of a function its body alone, for what it starts from is read on import."""
+    nodes = node.body if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef) else [node]
+    return sum(
+        isinstance(x, ast.Name) and x.id == name and isinstance(x.ctx, ast.Load) for n in nodes for x in ast.walk(n)
+    )
+
+
+def _defaults(node: ast.Module, name: str) -> list:
+    """Return the functions one of whose arguments has a number for its default."""
+    functions = (f for f in ast.walk(node) if isinstance(f, ast.FunctionDef))
+    return [
+        f
+        for f in functions
+        if any(isinstance(d, ast.Name) and d.id == name for d in (*f.args.defaults, *f.args.kw_defaults))
+    ]
+
+
+def _of_class(function: ast.AST, tree: ast.Module) -> bool:
+    return any(function in c.body for c in tree.body if isinstance(c, ast.ClassDef))
+
+
 def sweep(folders: Sequence[Path]) -> Iterator[dict]:
-    """A row a number and factor: how many of the campaigns say something else, and which."""
-    base = {f.name: said(f) for f in folders}
-    for module, name, value in list(numbers()):
-        for factor in FACTORS:
-            other = max(1, round(value * factor)) if isinstance(value, int) else value * factor
-            differs = []
-            if other != value:
+    """A row a campaign, number and factor: whether the campaign says something else with it. Numbers that no call reads are passed over."""
+    for folder in folders:
+        with called() as seen:
+            base = said(folder)
+        for module, name, value in list(numbers()):
+            reads = readers(module, name)
+            if reads is not None and not reads & seen:
+                continue
+            for factor in FACTORS:
+                other = max(1, round(value * factor)) if isinstance(value, int) else value * factor
+                if other == value:
+                    continue
                 with changed(module, name, other):
-                    for f in folders:
-                        try:
-                            if said(f) != base[f.name]:
-                                differs.append(f.name)
-                        except Exception as wrong:  # a number may be at its limit; that, too, is told
-                            differs.append(f"{f.name}: {type(wrong).__name__}")
-            yield {"number": f"{module}.{name}", "value": value, "factor": factor, "differs": differs}
+                    try:
+                        now = said(folder)
+                    except Exception as wrong:  # a number may be at its limit; that, too, is told
+                        now = type(wrong).__name__
+                row = {"campaign": folder.name, "number": f"{module}.{name}", "value": value, "factor": factor}
+                yield row | {"differs": now != base, "on_import": reads is None, "says": now}
 
 
 def main(folders: Sequence[str]) -> None:
+    """Print every row, and last the numbers that changed something."""
+    changes: dict[str, list[str]] = {}
     for row in sweep([Path(f) for f in folders]):
         print(json.dumps(row), flush=True)
+        if row["differs"]:
+            changes.setdefault(f"{row['number']} x {row['factor']:g}", []).append(row["campaign"])
+    for number, campaigns in changes.items():
+        print(f"{number}: {', '.join(campaigns)}")
 
 
 if __name__ == "__main__":

@@ -147,6 +147,10 @@ def asked() -> argparse.Namespace:
     )
     parser.add_argument("--short", action="store_true", help="details: records of a third of the length")
     parser.add_argument("--kept", action="store_true", help="run nothing: the table of what is kept")
+    parser.add_argument(
+        "--private", nargs="+", metavar="FOLDER",
+        help="halve and double every private number of the trace on these campaigns, one row each (a minute and more a campaign)",
+    )  # fmt: skip
     parser.add_argument("--again", metavar="KEY", help="do one campaign of the kept results once more, and print it")
     given = parser.parse_args()
     given.families = given.families.split(",")
@@ -159,6 +163,10 @@ if __name__ == "__main__":
     given = asked()
     if given.again:
         again(given.again)
+    elif given.private:
+        from benchmarks._trace_private import main as private
+
+        private(given.private)
     elif given.details:
         main(given.campaigns, given.seed, MASSES[given.masses], given.short, not given.kept)
     else:

@@ -463,6 +463,7 @@ def free_run_chapter(free: list[Run]) -> Chapter:
     *runs, chosen, day, own = free
     fitted = [r for r in runs if r.fitted]
     spans = {role: sorted(r.errors[role] for r in fitted) for role in ROLES}
+    by_one, by_other = (sorted(fitted, key=lambda r, role=role: r.errors[role]) for role in ROLES)
     left, gone = (chosen.errors[VALIDATION], 1.0 - (day.errors[VALIDATION] / chosen.errors[VALIDATION]) ** 2)
     told = (
         f"Free run: {millimetres(chosen.errors[IDENTIFICATION])} on DATA_EMPS, {millimetres(left)} on PULSES. With Coulomb friction "
@@ -475,8 +476,8 @@ def free_run_chapter(free: list[Run]) -> Chapter:
         "has. Each model was fitted to the free run of DATA_EMPS by output error, from its identified values, and the one with "
         "the lowest error there was chosen; PULSES had no part in it. The choice is a weak one: the fitted models lie between "
         f"{millimetres(spans[IDENTIFICATION][0])} and {millimetres(spans[IDENTIFICATION][-1])} on DATA_EMPS, and between "
-        f"{millimetres(spans[VALIDATION][0])} and {millimetres(spans[VALIDATION][-1])} on PULSES, in another order. A lower figure on "
-        "PULSES can be had by choosing among such fits with PULSES in hand; it would say nothing of a third day. Fitted to "
+        f"{millimetres(spans[VALIDATION][0])} and {millimetres(spans[VALIDATION][-1])} on PULSES, in {'the same' if by_one == by_other else 'another'} "
+        "order. A lower figure on PULSES can be had by choosing among such fits with PULSES in hand; it would say nothing of a third day. Fitted to "
         f"PULSES itself the model leaves {millimetres(own.errors[VALIDATION])} there, and {millimetres(own.errors[IDENTIFICATION])} on DATA_EMPS."
     )
     rows = [(r.model, r.fitted or "not", *(millimetres(r.errors[role]) for role in ROLES)) for r in (*runs, day, own)]

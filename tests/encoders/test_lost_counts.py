@@ -39,14 +39,14 @@ def test_sound_encoders_lose_nothing_however_their_joint_yields():
 
 def test_what_is_lost_is_found_to_the_sample_and_put_back():
     sound, other = made("a"), made("b", 1)
-    lost = lost_counts([losing(sound, 20.0), losing(other, 30.0)])
+    lost = lost_counts([losing(sound, 20.0), losing(other, 30.0), made("c", 2)])
     assert lost.channel == "load_position"
     assert [s.sample for s in lost.shifts["a"]] == list(AT)
     assert [abs(s.size) / COUNT for s in lost.shifts["b"]] == pytest.approx([30.0] * len(AT), abs=1.5)
     back = lost.mended(losing(sound, 20.0)).channels["load_position"]
     assert np.max(np.abs(back - sound.channels["load_position"])) < 5.0 * COUNT
     said = lost_finding(lost).sentence
-    assert "12 times in 2 records" in said and "record 'a' at 0.7000 s" in said
+    assert "12 times in 2 of 3 records" in said and "record 'a' at 0.7000 s" in said
 
 
 def test_a_glitch_that_comes_back_and_a_push_that_is_felt_are_no_lost_counts():

@@ -10,6 +10,7 @@ import shutil
 import subprocess
 import sys
 import tomllib
+from itertools import takewhile
 from pathlib import Path
 
 import pytest
@@ -19,9 +20,10 @@ PAGES = {"README.md": ROOT / "README.md", "tutorial": ROOT / "docs" / "tutorial.
 BLOCK = re.compile(r"^```(\w*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 
 
-def blocks(page: str) -> list[tuple[str, str]]:
+def blocks(page: str | Path) -> list[tuple[str, str]]:
     """Return (language, text) of the fenced blocks of a page; what is fenced without a language is taken for commands."""
-    return [(kind or "sh", text) for kind, text in BLOCK.findall(PAGES[page].read_text(encoding="utf-8"))]
+    path = page if isinstance(page, Path) else PAGES[page]
+    return [(kind or "sh", text) for kind, text in BLOCK.findall(path.read_text(encoding="utf-8"))]
 
 
 def commands(text: str) -> list[str]:
@@ -39,7 +41,7 @@ def place(tmp_path):
 def run(command: str, place: Path) -> str:
     """Run one command as a shell would and return what it says on stdout."""
     words = shlex.split(command)
-    settings = [w for w in words if re.match(r"[A-Z_]+=", w)]
+    settings = [*takewhile(lambda w: re.match(r"[A-Z_]+=", w), words)]
     words = words[len(settings) :]
     if words[0] == "cc":
         if shutil.which("cc") is None:
@@ -105,6 +107,24 @@ def test_every_command_runs_and_says_what_is_quoted(page, place):
         assert all(digest in (outputs / n).read_text(encoding="utf-8") for n in ("report.html", "results.json"))
         for named in re.findall(r"`(reports/[^`]+)`", PAGES[page].read_text(encoding="utf-8")):
             assert (place / named).exists(), named
+
+
+OTHERS = [
+    p for p in sorted((ROOT / "docs").rglob("*.md")) if p not in PAGES.values() and "\n```sh\n" in p.read_text("utf-8")
+]
+
+
+@pytest.mark.parametrize("page", OTHERS, ids=lambda p: p.name)
+def test_the_commands_of_every_other_page_run_on_logs_of_their_names(page, place, monkeypatch):
+    from benchmarks.trace import asked
+
+    shutil.copy(ROOT / "docs" / "tutorial" / "excitation.csv", place / "run1.csv")
+    shutil.copy(ROOT / "docs" / "tutorial" / "moves.csv", place / "run2.csv")
+    for command in [c for kind, text in blocks(page) if kind == "sh" for c in commands(text)]:
+        said = run(command, place)
+        if "benchmarks.trace" in said:  # of a benchmark, which takes hours, its options
+            monkeypatch.setattr(sys, "argv", shlex.split(said.partition("-m ")[2]))
+            asked()
 
 
 def test_the_first_result_takes_no_more_than_five_lines_and_ones_own_data_three_commands():

@@ -12,11 +12,11 @@ from workbench.errors import WorkbenchError
 from workbench.inverse.dynamics import inverse_dynamics
 from workbench.plant import ONE_MASS, TWO_MASS, Plant
 from workbench.tracing.candidates import ADDITION, CORRECTION
+from workbench.tracing.headline import _what_of
 from workbench.tracing.output import as_dict
 from workbench.tracing.result import Cause, Trace
 from workbench.tracing.tracing import trace
 from workbench.tracing.whole import valued
-from workbench.tracing.wording import what_of
 
 
 def folders() -> list[Path]:
@@ -94,11 +94,11 @@ def test_a_verdict_says_missing_of_an_addition_and_a_wrong_value_of_a_correction
         plant += e
     motor, load_side = (Cause("inertia", at, "", (), 0.5, 0.5, kind=CORRECTION) for at in ("motor", "load"))
     gap = Cause("backlash", "joint", "", (), 0.5, 0.5)
-    assert what_of([motor], plant) == "inertia at the motor is declared with a wrong value"
-    assert what_of([motor, load_side], plant) == (
+    assert _what_of([motor], plant) == "inertia at the motor is declared with a wrong value"
+    assert _what_of([motor, load_side], plant) == (
         "inertia at the motor and inertia at the load are declared with wrong values"
     )
     assert (
-        what_of([motor, gap], plant) == "backlash is missing, and inertia at the motor is declared with a wrong value"
+        _what_of([motor, gap], plant) == "backlash is missing, and inertia at the motor is declared with a wrong value"
     )
-    assert what_of([gap], plant.without("inertia@load")) == "backlash is missing"
+    assert _what_of([gap], plant.without("inertia@load")) == "backlash is missing"

@@ -4,7 +4,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from workbench.tracing.wording import verdict_sentence
+from workbench.tracing.headline import verdict_sentence
 
 BEFORE = SimpleNamespace(identification=0.75, validation=0.90)
 AFTER = SimpleNamespace(identification=0.25, validation=0.33, plant=SimpleNamespace(effects=()))
@@ -17,6 +17,20 @@ GRAVITY = SimpleNamespace(effect="gravity", at="axis", kind="addition")
     ids=["seen", "none", "too little to tell"],
 )
 def test_a_floor_is_said_only_where_the_records_show_one(floor, said):
-    evidence = SimpleNamespace(before=SimpleNamespace(size=0.0, kind=""), floor={"identification": floor})
+    evidence = SimpleNamespace(before=SimpleNamespace(size=0.0, kind=""), floor={"identification": floor}, clock=False)
     sentence = verdict_sentence("cause", (GRAVITY,), BEFORE, AFTER, evidence)
     assert sentence.endswith("75.00 % to 25.00 %" + (f" {said}." if said else "."))
+
+
+def test_what_a_refinement_takes_is_not_said_to_be_the_causes_own():
+    evidence = SimpleNamespace(before=SimpleNamespace(size=0.0, kind=""), floor={"identification": 0.0}, clock=True)
+    late = SimpleNamespace(effect="clock_skew", at="sensor.load_position", kind="addition")
+    same = SimpleNamespace(identification=0.75, validation=0.90, plant=SimpleNamespace(effects=()))
+    sentence = verdict_sentence("cause", (late,), BEFORE, same, evidence, refined=AFTER)
+    assert (
+        "shows in the angle between the two encoders. With it, the validation error goes from 90.00 % to 90.00 %"
+        in sentence
+    )
+    assert sentence.endswith(
+        "With the free form of a declared law that is only nearly right, too, they are 33.00 % and 25.00 %."
+    )

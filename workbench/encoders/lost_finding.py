@@ -6,13 +6,14 @@ from workbench.finding import LOST_COUNTS, Finding
 
 def lost_finding(lost: LostCounts) -> Finding:
     """Return the finding that an encoder loses counts: how often, how many, and where it was seen first."""
-    name, first = next((name, shifts[0]) for name, shifts in lost.shifts.items() if shifts)
+    shown = {name: shifts for name, shifts in lost.shifts.items() if shifts}
+    name, first = next((name, shifts[0]) for name, shifts in shown.items())
     sizes = sorted(abs(s.size) / (lost.count or 1.0) for s in lost.all)
     many = f"{round(sizes[0])} to {round(sizes[-1])} counts" if lost.count else f"{sizes[0]:.2g} to {sizes[-1]:.2g}"
     return Finding(
         LOST_COUNTS, lost.channel,
         f"The reading of {lost.channel} shifts by {many} within one sample and stays there, {len(lost.all)} times in "
-        f"{len(lost.shifts)} records, first in record '{name}' at {first.time:.4f} s: the encoder loses counts, or its line packets.",
+        f"{len(shown)} of {len(lost.shifts)} records, first in record '{name}' at {first.time:.4f} s: the encoder loses counts, or its line packets.",
         {"shifts": float(len(lost.all)), "time": first.time, "size": first.size},
         "Look at the encoder's line, its supply and what its counter can follow; until then rely on no reading of it over a whole record.",
     )  # fmt: skip

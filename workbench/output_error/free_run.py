@@ -23,6 +23,9 @@ from workbench.record import Record
 from workbench.simulation import Scenario, open_loop
 
 START = 20  # samples that give the first position and speed, and no error: those that the benchmark's protocol grants
+# Derivative steps about which an evolution searches, its generations and its members. Of EMPS's four models the least error is 1.93 mm;
+# with half or twice of each it is 1.93 to 1.97, and 6.7 to 7.3 mm on the record that was not fitted; without any 2.10 and 9.1 mm
+ABOUT, GENERATIONS, LANES = 5.0, 100, 48
 SUBSTEPS = 2  # of a sample; ten change the errors of a millisecond's loop by less than 0.5 %
 
 
@@ -82,9 +85,33 @@ class FreeRuns(Loops):
 def refine_free_run(plant: Plant, passes: Sequence[InverseDynamics]) -> Plant:
     """Return `plant` with its free parameters moved until the free runs of all the records are nearest to their positions.
 
-    passes: of the records to fit, whatever their role. Start from `identify(...).plant`: the search is local, and rough,
-    for where a simulated axis stands or reverses changes by leaps. No intervals: the error of a free run wanders through
-    all of the record, which is then one sample of it. Raises WorkbenchError as `free_run` does.
+    passes: of the records to fit, whatever their role. Start from `identify(...).plant`. Where a simulated axis stands or
+    reverses changes by leaps, so that derivatives end beside the least error (on EMPS 0.1 to 0.2 mm of 2 above it): a differential
+    evolution about where they end has the last word. No intervals: the error of a free run wanders through all of the record, which
+    is then one sample of it. Raises WorkbenchError as `free_run` does.
     """
     runs = FreeRuns(Problem(plant, passes))
-    return runs.plant(nearest_to_measured(runs)[0])
+    x, _, steps = nearest_to_measured(runs)
+    return runs.plant(_evolved(runs, x, steps))
+
+
+def _evolved(runs: FreeRuns, x: np.ndarray, steps: np.ndarray) -> np.ndarray:
+    """Return the point (parameters,) of the least squares about x, within ABOUT steps of it and its bounds.
+
+    Source: Storn and Price 1997, J. Global Optimization 11, 341-359 (differential evolution), as SciPy has it.
+    """
+    from scipy.optimize import differential_evolution
+
+    if not x.size:
+        return x
+    lower, upper = runs.bounds()
+    within = np.maximum(x - ABOUT * steps, lower), np.minimum(x + ABOUT * steps, upper)
+
+    def squares(points: np.ndarray) -> np.ndarray:
+        return np.sum((runs.measured[:, None] - runs.drives(list(points.T))) ** 2, axis=0)
+
+    found = differential_evolution(
+        squares, list(zip(*within, strict=True)), x0=x, maxiter=GENERATIONS, popsize=-(-LANES // x.size), rng=0, polish=False,
+        vectorized=True, updating="deferred", tol=0.0,
+    )  # fmt: skip
+    return found.x

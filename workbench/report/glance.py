@@ -9,7 +9,7 @@ from workbench.report import numbers
 from workbench.report.advice import Advice
 from workbench.report.contents import Figure, StudyResult
 from workbench.report.drawing import AFTER, BEFORE, MEASURED, decades, svg
-from workbench.tracing.wording import UNSEEN
+from workbench.tracing.headline import UNSEEN
 
 ROW = 0.24  # inches of a bar
 BESIDE = 0.62  # of the lower graph's width: for what stands beside a mark

@@ -67,7 +67,7 @@ def decide(evidence: Evidence, criteria: Criteria) -> Verdict:
 
 
 def _lost_most(evidence: Evidence, causes: list[Weighed], criteria: Criteria) -> bool:
-    """Whether the counts that an encoder lost, and that were put back, take more than any cause beside them."""
+    """Whether the counts that an encoder lost, and that were put back, take more than any cause beside them; a late encoder is a cause whatever else."""
     largest = max((a.size(IDENTIFICATION) for a in causes), default=0.0)
     return evidence.lost >= max(criteria.explainable, largest) and not evidence.clock
 

@@ -5,10 +5,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-MAINS, NEAR = (
-    (50.0, 60.0),
-    0.005,
-)  # Hz, and relative distance within which a line is a multiple of these: grids keep to 0.4 %
+MAINS = (50.0, 60.0)  # Hz
+NEAR = 0.005  # relative distance within which a line is a multiple of these: grids keep to 0.4 %
 # Power of what the model asks for over the residual's, in such a line, below which the axis does not feel it: a force that a drive
 # knows nothing of asks for as much. Half and twice of it change no verdict
 FELT = 0.25

@@ -14,6 +14,7 @@ from workbench.tracing.criteria import Criteria
 from workbench.tracing.decide import CAUSE, NOTHING, UNKNOWN, Verdict
 from workbench.tracing.decimation import decimate
 from workbench.tracing.evidence import Evidence, Weighed
+from workbench.tracing.headline import verdict_sentence
 from workbench.tracing.judge import Progress, ScoredCandidate, shown
 from workbench.tracing.mending import Mended
 from workbench.tracing.power_up import calibrations, withheld
@@ -26,7 +27,7 @@ from workbench.tracing.state import State
 from workbench.tracing.sticking import Sticking
 from workbench.tracing.unexplained import Unexplained, described, unexplained
 from workbench.tracing.weighing import Confirmed, curve_of
-from workbench.tracing.wording import cause, findings_of, refinement, verdict_sentence
+from workbench.tracing.wording import cause, findings_of, refinement
 
 
 @dataclass(frozen=True, eq=False)
@@ -97,7 +98,8 @@ def reported(o: Outcome, progress: Progress) -> Trace:
     after, causes = withheld(after, causes, o.passes), [*first, *causes]
     before = late.lost.before if late.lost else late.before or o.fits[0]
     shows = shown(selected.steps[0].judgements)
-    sentence = verdict_sentence(o.verdict.verdict, causes, before, after, evidence, lives, late.lost)
+    refined = after if after.rms != o.fits[-1].rms else None
+    sentence = verdict_sentence(o.verdict.verdict, causes, before, o.fits[-1], evidence, lives, late.lost, refined)
     lost = late.lost.finding if late.lost and o.verdict.verdict != UNKNOWN else None
     idle = [f for f in (late.idle, lost, late.sticks and late.sticks.finding) if f]
     return Trace(

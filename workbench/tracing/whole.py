@@ -15,7 +15,7 @@ from workbench.tracing.candidates import brought
 from workbench.tracing.judge import FURTHER, ScoredCandidate
 
 SETTLED = 1e-5  # relative decrease of the cost at which a fit on whole records is as good as it is compared
-TOGETHER = 0.05  # of what is left, that all additions together take more than those that stand alone: as `borne_out` asks of one
+FALLS = 0.05  # of what two balances leave, by which it falls plainly; all additions together take that much more than those that stand alone
 RISEN = 1.05  # of the drive's error, from which it has plainly risen
 
 
@@ -57,7 +57,7 @@ def in_turn(
     if len(kept) == len(added) or ends[-1] is None:
         return kept, fits
     last = identify(plants[-1], passes, ends[-1], solved=True)
-    if not (borne_out(fits[-1], last) and last.details["cost"] < (1.0 - TOGETHER) * fits[-1].details["cost"]):
+    if not (borne_out(fits[-1], last) and last.details["cost"] < (1.0 - FALLS) * fits[-1].details["cost"]):
         return kept, fits
     # one needs another (a body that hides behind a spring, and the mass that was counted in): together they stand
     between = (
@@ -66,15 +66,15 @@ def in_turn(
     return list(added), [fits[0], *between, last]
 
 
-def borne_out(before: Fit, after: Fit, share: float = 0.05) -> bool:
+def borne_out(before: Fit, after: Fit) -> bool:
     """Whether whole records bear out what a fit has and the one before has not: the error of the drive falls.
 
     Of two masses it may be the load's balance alone in which it shows: then what both leave falls plainly, and the drive's
-    error does not rise plainly. share: of what both leave, by which it falls plainly.
+    error does not rise plainly.
     """
     if after.identification < before.identification:
         return True
-    falls = before.plant.kind == TWO_MASS and after.details["cost"] < (1.0 - share) * before.details["cost"]
+    falls = before.plant.kind == TWO_MASS and after.details["cost"] < (1.0 - FALLS) * before.details["cost"]
     return falls and after.identification < RISEN * before.identification
 
 
