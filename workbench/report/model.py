@@ -2,7 +2,7 @@
 
 from collections.abc import Collection, Mapping, Sequence
 
-from workbench.finding import Finding, title
+from workbench.finding import Finding
 from workbench.identification.findings import DISAGREE
 from workbench.identification.result import Estimate, Fit
 from workbench.plant import MASSES, Plant
@@ -63,7 +63,7 @@ def _on_parameters(findings: Sequence[Finding]) -> tuple:
 
 def _effects(plant: Plant, caption: str) -> Table:
     """Which effects a plant holds, where they act, and their laws."""
-    rows = tuple((title(e.name), e.at, Marked(e.formula, CODE), e.cause) for e in plant.effects)
+    rows = tuple((e.title, e.at, Marked(e.formula, CODE), e.cause) for e in plant.effects)
     return Table(("effect", "at", "law", "cause"), rows, caption, "llwp")
 
 
