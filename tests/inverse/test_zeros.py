@@ -69,6 +69,29 @@ def test_a_joint_is_identified_whatever_the_zeros_of_its_encoders(apart):
         assert said == [] and relaxed(records, BAND) == tuple(records)
 
 
+def clamped(zero: float) -> Record:
+    """Return a record of the same motor whose load is held; what the load encoder reads there is where it was set to zero."""
+    t = DT * np.arange(8000)
+    held = Plant(ONE_MASS)
+    for e in (
+        find("inertia")(inertia=0.004),
+        find("viscous_friction")(viscous=0.1),  # the motor's, and the joint's damping
+        find("linear_stiffness")(at="axis", stiffness=STIFFNESS),
+    ):
+        held += e
+    drive = np.sin(2 * np.pi * 0.9 * t) + 0.5 * np.sin(2 * np.pi * 5.3 * t)
+    q = open_loop(held, drive[:, None], DT, substeps=8, resolution=1e-9)["q"][:, 0]
+    channels = {"torque": drive, "position": q, "load_position": np.full(t.size, -zero)}
+    return Record("held", "identification", t, channels, {}, Source(Path("made"), "", "", {}), locked=True)
+
+
+def test_a_load_that_is_held_reads_its_zero_at_first_where_the_others_have_one_too():
+    """Else the held joint would be wound up by the zero, and its spring given away for a friction that asks for no zero."""
+    fit = identify(elastic(), inverse_dynamics([*recorded(elastic(), 0.01, 0.01, 0.01), clamped(0.01)], BAND))
+    assert fit.plant["linear_stiffness@joint"].parameters["stiffness"].value == pytest.approx(STIFFNESS, rel=0.02)
+    assert fit.identification < 0.02 and fit.nrmse["held"] < 0.02
+
+
 def test_a_kinematic_error_is_found_between_encoders_whose_zeros_lie_apart():
     """Every record has a zero of its own, so the wave's is no parameter: what rounding makes of its derivative is no direction."""
     wave = find("kinematic_error")(at="joint", order=6.0)

@@ -50,7 +50,7 @@ def _angles(records: Sequence[Record], bandwidth: float) -> tuple[np.ndarray, np
 def relaxed(records: Sequence[Record], bandwidth: float) -> tuple[Record, ...]:
     """Return the records with the zeros of their load encoders where the motors' are, if they lie apart anywhere.
 
-    Records without a second encoder stay as they are, and those whose load is held where motion has to tell.
+    Records without a second encoder stay as they are. Of those whose load is held no motion tells: their first reading does.
     """
     both = [r for r in records if "load_position" in r.channels]
     free = [r for r in both if not r.locked]
@@ -58,7 +58,8 @@ def relaxed(records: Sequence[Record], bandwidth: float) -> tuple[Record, ...]:
     if found is None:
         return tuple(records)
     if np.max(np.abs(found[0])) > APART * found[1]:
-        zero = dict(zip((r.name for r in free), found[0].tolist(), strict=True))
+        zero = {r.name: _first(r) for r in both if r.locked}
+        zero |= dict(zip((r.name for r in free), found[0].tolist(), strict=True))
     elif any(abs(_first(r)) > STARTS * _coarser(r) > 0.0 for r in both):
         zero = {r.name: _first(r) for r in both}
     else:

@@ -21,7 +21,7 @@ BRIEF = 0.1  # share of the samples below which moments are a place: more of the
 # Residual outside a place with the added effects over the declared model's own there, from which they trade one for the other: effects
 # that were right left 1.0 of it or less, those that dressed a window of the stroke 1.2 to 1.6. Halved in its distance from 1, a fit's
 # scatter would do; doubled, a cushion is gravity
-TRADED = 1.1
+TRADED = 1.05
 ALONE = 4.0  # rms inside a place over rms outside, from which there is little but what lives in the place
 
 
