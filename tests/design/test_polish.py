@@ -82,8 +82,7 @@ def test_robust_gains_keep_the_overshoot_in_every_scenario_and_cost_time_on_the_
 
 
 def test_no_gains_drawn_at_random_beat_those_that_were_found(found, described, goal, task):
-    equivalent, gains = described
-    search = Search(plant(), Axis.of(equivalent, 0.0074, 0.0, LOOP), gains, goal, task)
+    search = Search(Axis.of(described.equivalent, 0.0074, 0.0, LOOP), described.gains, goal, task)
     draw = np.random.default_rng(5)
     rows = np.repeat(np.arange(3), 200)
     kp = np.log(found.nominal.kp[rows]) + draw.uniform(-1.0, 0.2, rows.size)

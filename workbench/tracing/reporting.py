@@ -12,7 +12,6 @@ from workbench.record import IDENTIFICATION
 from workbench.tracing import calibration
 from workbench.tracing.criteria import Criteria
 from workbench.tracing.decide import CAUSE, NOTHING, UNKNOWN, Verdict
-from workbench.tracing.decimation import decimate
 from workbench.tracing.evidence import Evidence, Weighed
 from workbench.tracing.headline import verdict_sentence
 from workbench.tracing.judge import Progress, ScoredCandidate, shown
@@ -33,13 +32,14 @@ from workbench.tracing.wording import cause, findings_of, refinement
 @dataclass(frozen=True, eq=False)
 class Declared:
     """declared: the plant as declared. plant: with the clock that the angle between two encoders says is late, held. whole: the
-    identification records. before: the fit of the declared plant, where there is such a clock. idle: a finding that the fit
+    identification records; thinned: the same at the lowest rate. before: the fit of the declared plant, where there is such a clock. idle: a finding that the fit
     lets the joint carry nothing. lost: counts that an encoder loses, which are put back in all that follows. sticks: where it
     does, if that is most of the residual."""
 
     declared: Plant
     plant: Plant
     whole: Sequence[InverseDynamics]
+    thinned: Sequence[InverseDynamics]
     skew: Skew | None = None
     before: Fit | None = None
     idle: Finding | None = None
@@ -137,7 +137,7 @@ def _residual_place(o: Outcome) -> Unexplained | None:
     """Return where the residual lives that no effect explains. At rest, too: a slip or a knock need not wait for motion."""
     if o.place:
         return o.place
-    declared = State(o.late.plant, decimate(o.late.whole))
+    declared = State(o.late.plant, o.late.thinned)
     return unexplained(declared, {p.motion.record.name: max(declared.steady, 1e-300) for p in o.passes})
 
 
