@@ -29,6 +29,14 @@ def resonances(records: Sequence[Record], plant: Plant, bandwidth: float) -> tup
     return response, [m for m in found if m.frequency < bandwidth and m.rise > RISES and m.damping < DAMPEST]
 
 
+def all_resonances(records: Sequence[Record], plant: Plant, bandwidth: float) -> tuple[Response | None, list]:
+    """Return `resonances`, those that the plant declares among them; (None, []) where none shows, or there are no records."""
+    for e in plant.effects:
+        plant = plant.without(e.key) if e.name == "flexible_mode" else plant
+    response, modes = resonances(records, plant, bandwidth) if records else (None, [])
+    return (response, modes) if modes else (None, [])
+
+
 def undeclared(seen: Seen) -> Iterator[Finding]:
     """Say which resonances below the evaluation bandwidth one mass cannot have."""
     response, found = resonances(seen.campaign.records, seen.campaign.plant, seen.campaign.bandwidth)

@@ -14,8 +14,9 @@ from workbench.design.families.linear import Linear
 from workbench.design.families.shaped import shaped
 from workbench.design.optimise import Tuned, optimise, optimise_seeds
 from workbench.design.polish import Polished, polish
+from workbench.design.regret import Regret
 from workbench.design.tabled import RUNS, Tabled, tabled
-from workbench.design.worth import Rivals
+from workbench.design.worth import Rivals, regret_of
 from workbench.finding import RESPONSE_LIMITS, Finding
 from workbench.frequency import Response
 from workbench.plant import Limits, Plant
@@ -151,3 +152,10 @@ def best(task: Task, family: Family, seeds: Sequence[int], say: Callable[[str], 
     say(f"tuning {family.name} on the simulated loop")
     runs = optimise_seeds(task, family, tuple(seeds)[: max(len(seeds) // 2, 1)]).runs
     return min(runs, key=lambda r: r.value)
+
+
+def regrets_on_ladder(made: Designed, names: Sequence[str]) -> tuple[dict[str, Regret], dict[str, Regret]]:
+    """Return the regrets of what has fewer levels than the table, and of tuned controllers by name, on the table's ladder."""
+    on, known = made.climbed.on, made.climbed.references
+    fewer = {r.family.name: regret_of(on, r, known) for r in made.rivals.found}
+    return fewer, {n: regret_of(on, made.tuned[n], known) for n in names}
