@@ -6,6 +6,7 @@ from functools import partial
 from pathlib import Path
 
 from workbench.cancellation.contestant import margins
+from workbench.cancellation.worth import with_cancelled
 from workbench.checking.modes import all_resonances
 from workbench.design.design import Designed, design
 from workbench.design.possible import check_plant, design_from_lowest
@@ -15,7 +16,7 @@ from workbench.plant import Plant
 from workbench.record import Record
 from workbench.report import control as chapters
 from workbench.schedule import Schedule
-from workbench.study.compensating import asked, compensation, with_compensated
+from workbench.study.compensating import asked, compensation
 from workbench.study.configuration import Study
 from workbench.study.control_results import assumptions, compared_part, raised
 from workbench.study.controlling import Control, control_of
@@ -50,7 +51,7 @@ def run(
     response, _ = all_resonances(records, plant, bandwidth)  # gains per amplitude are those of a rigid axis
     made = designed(plant, control, task, say, response=response)
     given = asked(study, plant) if "compensation" in study.table else None
-    made = with_compensated(made, given, task, control.seeds, say)
+    made = with_cancelled(made, given, task, control.seeds, say)
     say("comparing the controllers")
     worth = judged(made, task, f"scheduled PD ({control.rule})", BASELINES)
     part = compared_part(
