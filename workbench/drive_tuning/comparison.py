@@ -93,13 +93,13 @@ def compared_drive(
     equivalent, gains: of the plant's friction over amplitude, where the search begins. records: measured ones, for whose modes below
     `bandwidth`, Hz, the drive's notches are; the modes limit the gains too. scheduled(lanes): the PD schedule.
     """
-    response, notches = notches_for(records, task.plant, bandwidth, closed.notches)
+    response, notches = _notches_for(records, task.plant, bandwidth, closed.notches)
     begin = (gains.amplitude, gains.kp, gains.kd)
     tuned = tune_drive(closed, task, equivalent, begin, notches=notches, measured=response, seed=seed, budget=budget)
     return ComparedDrive(tuned, compare_sizes(tuned, scheduled), following_errors(tuned))
 
 
-def notches_for(
+def _notches_for(
     records: Sequence[Record], plant: Plant, bandwidth: float, most: int
 ) -> tuple[Response | None, tuple[Notch, ...]]:
     """Return (measured response where it shows a mode, a notch for each of the modes that rise most)."""

@@ -40,7 +40,7 @@ def shown_by(plant: Plant, passes: Sequence[InverseDynamics]) -> Shown:
     """Return what records show of a controller's half: loop, move and speed, by the first that validates."""
     record = next((p.motion.record for p in passes if p.motion.record.role == VALIDATION), passes[0].motion.record)
     speed = max(float(np.abs(p.motion.v).max()) for p in passes)
-    return Shown(loop_of(record), *move_of(plant, record), speed, record.name)
+    return Shown(loop_of(record), *_move_of(plant, record), speed, record.name)
 
 
 def loop_of(record: Record) -> Loop:
@@ -51,12 +51,12 @@ def loop_of(record: Record) -> Loop:
 
 def task_of(plant: Plant, record: Record, loop: Loop) -> Task:
     """Return the step that gains are tuned for: half of the record's travel, in the middle of it."""
-    start, step = move_of(plant, record)
+    start, step = _move_of(plant, record)
     task = Task(plant, loop, step, REST, start=start)
     return replace(task, duration=lasting(task))
 
 
-def move_of(plant: Plant, record: Record) -> tuple[float, float]:
+def _move_of(plant: Plant, record: Record) -> tuple[float, float]:
     """Return (start, step) of a move over half of a record's travel, in the middle of it, rad or m."""
     q = record.channels[SENSORS[plant.kind == TWO_MASS]]
     travel = float(np.ptp(q))
