@@ -17,7 +17,7 @@ from workbench.drive_tuning.cases import Lagged, slowed
 from workbench.drive_tuning.comparison import ComparedDrive, compare_sizes, following_errors
 from workbench.drive_tuning.search import ClosedDrive, Strategy, behind, cases, sizes_of, tune_drive
 from workbench.drives import Units, elmo
-from workbench.drives.files import Told, files
+from workbench.drives.files import FormatOptions, files
 from workbench.drives.objects import Object, entries, value_of
 from workbench.drives.tuned import cascades
 from workbench.errors import WorkbenchError
@@ -154,7 +154,9 @@ def test_the_chapter_holds_the_drive_beside_the_schedule(found):
 
 def test_files_are_written_read_again_or_refused(found):
     sets = cascades(replace(found, forward=0.0, mass=0.0), AXIS)
-    told = Told(Units(2**16, 2.0), tuple(Object(n, 0x3000 + i, 0, "REAL32") for i, n in enumerate(("kv", "kvp", "ki"))))
+    told = FormatOptions(
+        Units(2**16, 2.0), tuple(Object(n, 0x3000 + i, 0, "REAL32") for i, n in enumerate(("kv", "kvp", "ki")))
+    )
     kept, refused = files(("elmo", "sdo", "odrive", "linuxcnc"), sets, AXIS, told)
     assert set(kept) == {"elmo.txt", "sdo.csv", "odrive.json", "linuxcnc.hal", "friction.csv"} and not refused
     held = elmo.read(kept["elmo.txt"])
@@ -195,8 +197,8 @@ def declared(text: str) -> Table:
 def test_a_study_states_its_drive():
     found = stated(declared(TEXT), AXIS, COUNT)
     assert (found.closed.lag, found.closed.notches, found.closed.sets) == (pytest.approx(1e-4), 2, 16)
-    assert found.closed.high[0] == 500.0 and found.told.objects[0].index == 0x3000
-    assert found.told.units.counts == pytest.approx(2.0 * pi / COUNT)
+    assert found.closed.high[0] == 500.0 and found.options.objects[0].index == 0x3000
+    assert found.options.units.counts == pytest.approx(2.0 * pi / COUNT)
     assert set(tomllib.loads(TEXT)["drive"]) <= {"formats", *OPTIONAL}
 
 

@@ -33,7 +33,7 @@ from workbench.drive_tuning.comparison import compared_drive
 from workbench.drive_tuning.search import NUMBERS, STRATEGY, ClosedDrive, Strategy
 from workbench.drives import Units
 from workbench.drives.elmo import SETS
-from workbench.drives.files import Told, files, writer
+from workbench.drives.files import FormatOptions, files, writer
 from workbench.drives.objects import Object
 from workbench.drives.tuned import cascades
 from workbench.errors import WorkbenchError
@@ -57,11 +57,11 @@ REFUSED = "drive refuses"
 
 @dataclass(frozen=True)
 class Stated:
-    """What [drive] says. formats: to be written. told: what they need besides the gains."""
+    """What [drive] says. formats: to be written. options: what they need besides the gains."""
 
     closed: ClosedDrive
     formats: tuple[str, ...]
-    told: Told
+    options: FormatOptions
     seed: int
 
 
@@ -83,13 +83,13 @@ def stated(top: Table, plant: Plant, count: float) -> Stated:
     )
     turn = 2.0 * pi if plant.rotary else 1.0
     units = Units(one.number("counts", turn / count if count else 0.0), one.number("amps", 0.0, above=-1e-300))
-    told = Told(units, _objects(one), one.text("integral", "1/s"), one.text("channel", "pid.x"), one.text("joint", "axis"))  # fmt: skip
+    options = FormatOptions(units, _objects(one), one.text("integral", "1/s"), one.text("channel", "pid.x"), one.text("joint", "axis"))  # fmt: skip
     for name in formats:
         try:
-            writer(name, (None,), told)
+            writer(name, (None,), options)
         except WorkbenchError as error:
             raise WorkbenchError(f"{one.path('formats')}: {error}") from error
-    return Stated(closed, tuple(dict.fromkeys(formats)), told, int(one.number("seed", 1, above=-1)))
+    return Stated(closed, tuple(dict.fromkeys(formats)), options, int(one.number("seed", 1, above=-1)))
 
 
 def _whole(one: Table, key: str, default: int, most: int) -> int:
@@ -136,7 +136,7 @@ def driven(study: Study, task: Task, made: Designed, records: Sequence[Record], 
         given.closed, task, made.equivalent, made.gains, made.tuned[name].controller,
         records=records, bandwidth=bandwidth, seed=given.seed, budget=budget,
     )  # fmt: skip
-    kept, refused = files(given.formats, cascades(found.gains, plant), plant, given.told)
+    kept, refused = files(given.formats, cascades(found.gains, plant), plant, given.options)
     findings = tuple(Finding(REFUSED, format, sentence, {}, "") for format, sentence in refused.items())
     chapter = drive_chapter(found, plant, name, tuple(kept), refused)
     units = dict.fromkeys(("drive_final_error", "drive_following_error"), plant.displacement) | {"drive_step_time": "s"}
