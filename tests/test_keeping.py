@@ -171,3 +171,24 @@ def test_a_place_for_the_outputs_that_will_not_do_is_said_before_anything_is_com
     (study.parent / "mine" / "thesis.txt").write_text("years")
     with pytest.raises(WorkbenchError, match="did not write"):
         run(str(study), study.parent / "mine", lambda what: pytest.fail(f"it computed: {what}"))
+
+
+def test_steps_made_side_by_side_are_each_kept_and_none_is_made_again(tmp_path):
+    def made(item: int) -> tuple[int, int]:
+        return item**2, os.getpid()
+
+    def broken(item: int) -> tuple[int, int]:
+        if item == 3:
+            raise ValueError("stopped here")
+        return made(item)
+
+    with pytest.raises(ValueError), keeping.keeping(tmp_path, "digest"):
+        keeping.steps("squares", broken, range(5))
+    known = {p.name: p.read_bytes() for p in tmp_path.glob("*/*.step")}
+    assert {"0-squares.step", "1-squares.step", "2-squares.step"} <= set(known)
+    with keeping.keeping(tmp_path, "digest") as keeper:
+        both = keeping.steps("squares", made, range(5)), keeping.steps("squares", made, range(2))
+        assert [[n for n, _ in one] for one in both] == [[0, 1, 4, 9, 16], [0, 1]]
+        assert keeper.known == len(known) and keeper.count == 7
+        assert known.items() <= {p.name: p.read_bytes() for p in tmp_path.glob("*/*.step")}.items()
+    assert [n for n, _ in keeping.steps("squares", made, range(3))] == [0, 1, 4]

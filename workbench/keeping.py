@@ -11,12 +11,14 @@ import pickle
 import shutil
 import tempfile
 import threading
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import TypeVar
 
-Made = TypeVar("Made")
+from workbench.processes import shared
+
+Item, Made = TypeVar("Item"), TypeVar("Made")
 
 FOLDER = ".steps"
 LEAST_FREE = 1 << 30  # bytes: on a disk that has less nothing is kept, for the outputs need it more
@@ -42,7 +44,7 @@ class Keeper:
     def step(self, name: str, make: Callable[[], Made]) -> Made:
         """Return what a step came to, from the folder where it is there."""
         number, above = self.count, self.path
-        file = self.folder / self.digest / f"{'.'.join(map(str, (*above, number)))}-{name}.step"
+        file = self._file(number, name)
         found, made = read(file)
         if not found:
             self.path, self.count = (*above, number), 0
@@ -53,6 +55,20 @@ class Keeper:
             write(file, made)
         self.count = number + 1
         return made
+
+    def steps(self, name: str, function: Callable[[Item], Made], items: Sequence[Item]) -> list[Made]:
+        """Return what as many steps came to, function(item) each; those that are not there are shared among processes."""
+        files = [self._file(self.count + k, name) for k in range(len(items))]
+        known = [read(file) for file in files]
+        missing = [k for k, (found, _) in enumerate(known) if not found]
+        self.count += len(items)
+        for k, made in zip(missing, shared(function, [items[k] for k in missing]), strict=True):
+            write(files[k], made)
+            known[k] = True, made
+        return [made for _, made in known]
+
+    def _file(self, number: int, name: str) -> Path:
+        return self.folder / self.digest / f"{'.'.join(map(str, (*self.path, number)))}-{name}.step"
 
     def forget(self) -> None:
         """Remove the steps: the outputs are there."""
@@ -87,6 +103,16 @@ def kept(function: Callable[..., Made]) -> Callable[..., Made]:
 def step(name: str, make: Callable[[], Made]) -> Made:
     """Return make(), a step of the run that goes on, if one keeps its steps."""
     return _keeper.step(name, make) if _keeper is not None and _keeper.mine else make()
+
+
+def steps(name: str, function: Callable[[Item], Made], items: Sequence[Item]) -> list[Made]:
+    """Return function(item) of each item, made side by side; each is a step of the run that goes on, if one keeps its steps.
+
+    What a call returns has to pickle, and it takes no steps of its own.
+    """
+    if _keeper is not None and _keeper.mine:
+        return _keeper.steps(name, function, items)
+    return list(shared(function, items))
 
 
 def read(file: Path) -> tuple[bool, object]:

@@ -102,6 +102,16 @@ def test_a_kinematic_error_is_found_between_encoders_whose_zeros_lie_apart():
     assert found["order"].value == pytest.approx(6.0, rel=1e-3) and fit.validation < 0.02
 
 
+def test_friction_in_proportion_to_the_joints_torque_knows_the_weight_that_a_free_zero_takes():
+    """The angle between encoders of separate zeros holds no weight; the load's balance does, and friction of the motor's side follows it."""
+    friction = find("coulomb_friction")(at="motor", coulomb=0.05), find("load_dependent_friction")(at="motor", mu=0.1)
+    truth = elastic() + friction[0] + friction[1]
+    records = inverse_dynamics(recorded(truth, 0.01, -0.02, 0.015), BAND)
+    fit = identify(elastic() + friction[0] + find("load_dependent_friction")(at="motor"), records)
+    assert fit.plant["load_dependent_friction@motor"].parameters["mu"].value == pytest.approx(0.1, abs=0.01)
+    assert fit.validation < 0.02
+
+
 def test_a_zero_that_is_free_is_found_without_the_measured_drive():
     records = recorded(elastic(), 0.01, -0.02, 0.015)
     turned = [replace(r, channels={**r.channels, "torque": r.channels["torque"][::-1].copy()}) for r in records]

@@ -19,7 +19,7 @@ from workbench.compensation import OBSERVED, REFERENCE, Compensator, compensated
 from workbench.description.bank import bank_equivalent
 from workbench.description.friction import equivalent_of, friction_of
 from workbench.design.climb import Climb
-from workbench.design.design import Designed, baseline_families, best, linear_of
+from workbench.design.design import Designed, baseline_families, best_of, linear_of
 from workbench.design.families.family import Family
 from workbench.design.families.linear import Judge, Linear, checked, peak_of
 from workbench.design.optimise import Tuned
@@ -164,7 +164,8 @@ def contestant(
         return replace(base, family=entered(base.family, compensator, base.point, _tabled(base.family, judged)))
     every = baseline_families(made.plant.limits, judged, made.gains, task)
     family = next(f for f in every if f.name == name)
-    return best(task.on(made.plant), entered(family, compensator, base.point), seeds, say)
+    ours = entered(family, compensator, base.point)
+    return best_of(task.on(made.plant), [ours], seeds, say)[ours.name]
 
 
 def _judge_of(made: Designed, task: Task, compensator: Compensator) -> Judge:

@@ -8,6 +8,7 @@ counted and an overshoot of more than two counts at once. Seeds differ; every ru
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from typing import TypeVar
 
 import numpy as np
 
@@ -15,6 +16,9 @@ from workbench.design.families.family import Family, OfFamily
 from workbench.design.ladder import Ladder, all_rungs, climbed
 from workbench.design.regret import References, Regret, climbed_below, cost, raised, references, regret
 from workbench.keeping import kept
+from workbench.processes import shared
+
+Item, Run = TypeVar("Item"), TypeVar("Run")
 
 NEAR = 0.35  # of the first members about a start, of a logarithm
 BEST, CROSSED, FACTOR = 3, 0.9, (0.4, 0.9)  # how many are the best, share of numbers that cross, range of the step
@@ -113,14 +117,25 @@ def climb(
     say("tuning the gain table over all moves")
     every = [f.start for f in (*starts, *([informed(known)] if informed else []))]
     generations = budget.generations
-    runs = [_evolved(on, _begun(on, starts[0], seed, every, budget.members), known, generations) for seed in seeds]
+    runs = _side_by_side(
+        lambda seed: _evolved(on, _begun(on, starts[0], seed, every, budget.members), known, generations),
+        seeds, starts[0],
+    )  # fmt: skip
     say("tuning the references again that it beats")
     known = _raised(on, known, [r.best(on, known) for r in runs])
-    near = [_refined(on, r.best(on, known), known, STEPS * generations, budget) for r in runs]
+    near = _side_by_side(
+        lambda run: _refined(on, run.best(on, known), known, STEPS * generations, budget), runs, starts[0]
+    )
     known = _raised(on, known, near)
     values = [float(cost(regret(on, r.figures[None], known))[0]) for r in near]
     found = tuple(replace(near[i], value=values[i]) for i in np.argsort(values))
     return Climbed(on, found, known, regret(on, found[0].figures, known))
+
+
+def _side_by_side(function: Callable[[Item], Run], items: Sequence[Item], family: Family) -> list[Run]:
+    """Return function(item) of each item, a run of a family: a family is functions, and every process has it."""
+    made = shared(lambda item: replace(function(item), family=None), items)
+    return [replace(one, family=family) for one in made]
 
 
 def _raised(on: Ladder, known: References, runs: Sequence[Climb]) -> References:

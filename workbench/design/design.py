@@ -12,7 +12,7 @@ from workbench.design.families.family import Family, blended, cascade_family, pd
 from workbench.design.families.gain_table import BEGUN
 from workbench.design.families.linear import Linear
 from workbench.design.families.shaped import shaped
-from workbench.design.optimise import Tuned, optimise, optimise_seeds
+from workbench.design.optimise import Tuned, optimise_all
 from workbench.design.polish import Polished, polish
 from workbench.design.regret import Regret
 from workbench.design.tabled import RUNS, Tabled, tabled
@@ -101,11 +101,11 @@ def design(
     tuned: dict[str, Tuned | Climb] = {f"scheduled PD ({rule})": made.climbed.best}
     unnotched: dict[str, Tuned] = {}
     if baselines:
-        families = baseline_families(plant.limits, linear, axis.gains, task)
-        tuned |= {f.name: best(own, f, seeds, say) for f in families}
+        tuned |= best_of(own, baseline_families(plant.limits, linear, axis.gains, task), seeds, say)
         say("tuning the baselines without a notch")
         bare = baseline_families(plant.limits, linear, axis.gains, task, notch=False)
-        unnotched = {f.name: optimise(own, f, tuned[f.name].seed) for f in bare}
+        found = optimise_all([(own, f, tuned[f.name].seed) for f in bare])
+        unnotched = {one.family.name: one for one in found}
     say("checking the gains between the knots")
     between, findings = _checked(made, axis, goal, loop)
     return Designed(
@@ -147,11 +147,14 @@ def baseline_families(
     return tuple(shaped(make, linear, BEGUN * dt, (LEADS / dt, DEEP) if notch else None) for make in makers)
 
 
-def best(task: Task, family: Family, seeds: Sequence[int], say: Callable[[str], None]) -> Tuned:
-    """Return the best of a family from several seeds."""
-    say(f"tuning {family.name} on the simulated loop")
-    runs = optimise_seeds(task, family, tuple(seeds)[: max(len(seeds) // 2, 1)]).runs
-    return min(runs, key=lambda r: r.value)
+def best_of(
+    task: Task, families: Sequence[Family], seeds: Sequence[int], say: Callable[[str], None]
+) -> dict[str, Tuned]:
+    """Return the best of each family from several seeds, by name."""
+    say(f"tuning {', '.join(f.name for f in families)} on the simulated loop")
+    used = tuple(seeds)[: max(len(seeds) // 2, 1)]
+    runs = optimise_all([(task, f, seed) for f in families for seed in used])
+    return {f.name: min((r for r in runs if r.family is f), key=lambda r: r.value) for f in families}
 
 
 def regrets_on_ladder(made: Designed, names: Sequence[str]) -> tuple[dict[str, Regret], dict[str, Regret]]:

@@ -5,12 +5,12 @@ population and every scenario is a lane of one call. Both searches run on logari
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from workbench.design.families.family import Family, OfFamily
-from workbench.keeping import kept
+from workbench.keeping import steps
 from workbench.simulation import Metrics
 from workbench.task.task import Task, cost
 
@@ -101,12 +101,26 @@ class Seeded:
 
 def optimise_seeds(task: Task, family: Family, seeds: Sequence[int] = SEEDS, budget: Budget = BUDGET) -> Seeded:
     """Return the family tuned from each seed."""
-    return Seeded(tuple(optimise(task, family, seed, budget) for seed in seeds))
+    return Seeded(optimise_all([(task, family, seed) for seed in seeds], budget))
 
 
-@kept
 def optimise(task: Task, family: Family, seed: int = 1, budget: Budget = BUDGET) -> Tuned:
     """Return the point of the family with the least worst-case cost over the task's scenarios."""
+    return optimise_all([(task, family, seed)], budget)[0]
+
+
+def optimise_all(searches: Sequence[tuple[Task, Family, int]], budget: Budget = BUDGET) -> tuple[Tuned, ...]:
+    """Return what each search, (task, family, seed), comes to; they are made side by side."""
+
+    def found(search: tuple[Task, Family, int]) -> Tuned:
+        return replace(_optimised(*search, budget), family=None)  # a family is functions: every process has it
+
+    made = steps("optimise", found, searches)
+    return tuple(replace(one, family=family) for one, (_, family, _) in zip(made, searches, strict=True))
+
+
+def _optimised(task: Task, family: Family, seed: int, budget: Budget) -> Tuned:
+    """Return what one search comes to."""
     from scipy.optimize import differential_evolution, minimize
 
     scenarios = task.scenarios()

@@ -183,7 +183,20 @@ class InverseDynamics:
             alike = [e for e in plant.effects if e.at == "joint" and e.port == fx.FORCE and not reads_load(e)]
             ran = {e.key: (outputs, key) for e, outputs, _, key in self._at(plant, "joint", alike)}
         path = tuple(tuple((ran[e.key][1], linear_of(e)) for e in part) for part in parts)
-        return self._keep(("carried", path), lambda: summed(parts, ran, self.motion.u.size)), path
+        torque = self._keep(("carried", path), lambda: summed(parts, ran, self.motion.u.size))
+        if plant.kind != TWO_MASS or place == "joint" or self.motion.record.zero is None or self.motion.record.locked:
+            return torque, path
+        # what a joint between encoders of separate zeros carries in the mean is what the load asks for (`closed`)
+        asked = [e for e in forces_of(plant, "load") if not reads_load(e)]
+        asking = {e.key: (outputs, key) for e, outputs, _, key in self._at(plant, "load", asked)} if asked else {}
+        path = path, tuple((asking[e.key][1], linear_of(e)) for e in asked)
+        return self._keep(("closed", path), lambda: self._closing(torque, asked, asking)), path
+
+    def _closing(self, torque: np.ndarray, asked: Sequence[Effect], asking: Ran) -> np.ndarray:
+        """Return the joint's torque (2, n) with the mean that the load's forces ask for."""
+        load = summed((asked,), asking, self.motion.u.size)[0]
+        keep = self.motion.keep
+        return torque + np.array([[np.mean(load[keep]) - np.mean(torque[0, keep])], [0.0]])
 
     def _lever(self, plant: Plant, place: str) -> tuple[tuple, np.ndarray]:
         """Return (path, (rows, n or 1)): by what a force at a place enters the balances of this record."""

@@ -100,7 +100,7 @@ def findings(records: Sequence[Record], displacement: str) -> list[Finding]:
         return []
     told = ", ".join(f"{x:.3g} {displacement} in '{name}'" for name, x in free.items())
     sentence = (
-        f"The two encoders were not set to zero together: between them lie {told}. It was taken "
+        f"Between the two encoders lie {told}: zeros of their own, or a load that hangs. It was taken "
         "off, and what the joint carries in the mean is what the load's balance asks for."
     )
     remedy = "set both encoders to zero with the joint relaxed, and record again"

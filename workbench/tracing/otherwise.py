@@ -39,8 +39,9 @@ def otherwise(
     """Return both with another law in the place of the addition that takes most, where validation does not carry it and the other leaves
     plainly less there. Of lesser ones a free form would take what is left of the greatest.
 
-    A law takes another one's place that leaves no more on identification, and less on validation, by what
-    is of practical size; of several the one that leaves least there. Both are returned as they are where there is none.
+    A law takes another one's place that leaves no more on identification (in the place of a free form it takes `near` of what that took),
+    and less on validation, by what is of practical size; of several the one that leaves least there. Both are returned as they are where
+    there is none.
     """
     if not confirmed.added:
         return selected, confirmed
@@ -53,7 +54,8 @@ def otherwise(
     for k in _laws(selected, j, offer, criteria, progress):
         added = [*confirmed.added[:i], k, *confirmed.added[i + 1 :]]
         kept, fits = in_turn(declared, added, as_declared(k.state.plant, selected.laws), passes)
-        if len(kept) == len(added) and _better(fits[-1], now, criteria):
+        before = confirmed.fits[0] if j.suspect.stands and best is None else None
+        if len(kept) == len(added) and _better(fits[-1], now, criteria, before):
             now, best = fits[-1], (k, kept, fits)
     if best is None:
         return selected, confirmed
@@ -70,10 +72,16 @@ def _doubted(w: Weighed, criteria: Criteria) -> bool:
     return validation < criteria.doubted * identification
 
 
-def _better(fit: Fit, than: Fit, criteria: Criteria) -> bool:
-    """Whether a fit leaves no more than another one on identification, and less on validation, by what is of practical size."""
+def _better(fit: Fit, than: Fit, criteria: Criteria, before: Fit | None = None) -> bool:
+    """Whether a fit leaves no more than another one on identification, and less on validation, by what is of practical size.
+
+    before: the fit without a free form that `than` has; its curve bends to everything, so `near` of what it takes will do.
+    """
     small = criteria.practical**2
-    return fit.identification**2 <= than.identification**2 + small and fit.validation**2 < than.validation**2 - small
+    left = than.identification**2 + small
+    if before is not None:
+        left = max(left, before.identification**2 - criteria.near * (before.identification**2 - than.identification**2))
+    return fit.identification**2 <= left and fit.validation**2 < than.validation**2 - small
 
 
 def _laws(

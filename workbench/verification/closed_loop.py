@@ -16,9 +16,8 @@ from workbench.cancellation.closed import Cancelled, cancelled, causes, take
 from workbench.control import Controller
 from workbench.description.friction import friction_of
 from workbench.design.families.family import Family, cascade_family
-from workbench.design.optimise import Tuned, optimise
+from workbench.design.optimise import Tuned, optimise_all
 from workbench.plant import ONE_MASS, TWO_MASS, Plant
-from workbench.processes import shared
 from workbench.record import Record
 from workbench.simulation import Loop, Metrics, ScenarioArrays, simulate
 from workbench.task.task import Task
@@ -111,12 +110,7 @@ def _family_of(task: Task) -> Family:
 
 def _tuned(tasks: Sequence[Task]) -> list[Tuned]:
     """Return the cascade tuned on the plant of each task."""
-    families = [_family_of(task) for task in tasks]
-
-    def found(k: int) -> Tuned:
-        return replace(optimise(tasks[k], families[k]), family=None)  # a family is functions: every process has it
-
-    return [replace(t, family=f) for t, f in zip(shared(found, range(len(tasks))), families, strict=True)]
+    return list(optimise_all([(task, _family_of(task), 1) for task in tasks]))
 
 
 def rise_of(time: np.ndarray, q: np.ndarray, start: float, target: np.ndarray) -> np.ndarray:

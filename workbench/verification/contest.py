@@ -11,7 +11,7 @@ import numpy as np
 
 from workbench.control import Controller
 from workbench.design.families.family import Family
-from workbench.design.optimise import BUDGET, SEEDS, Budget, Seeded, optimise_seeds
+from workbench.design.optimise import BUDGET, SEEDS, Budget, Seeded, optimise_all, optimise_seeds
 from workbench.finding import Finding
 from workbench.keeping import kept
 from workbench.plant import Plant
@@ -100,9 +100,11 @@ def contest(
     loads = task.load_inertias if loaded else task.load_inertias[:1]
     training = replace(task, load_inertias=loads, duration=tuning_time).on(known or task.plant)
     standings = {}
+    say(f"tuning {len(families)} controllers from {len(seeds)} seeds each")
+    runs = optimise_all([(training, family, seed) for family in families for seed in seeds], budget)
     for family in families:
-        say(f"tuning {family.name} from {len(seeds)} seeds")
-        standings[family.name] = entered(task, training, family, seeds, budget=budget)
+        tuned = Seeded(tuple(r for r in runs if r.family is family))
+        standings[family.name] = _standing(task, family.name, tuned)
     for name, factory in (stated or {}).items():
         standings[name] = Result(name, judged(task, (factory,)), (factory,))
     loads = task.load_inertias
@@ -119,13 +121,17 @@ def entered(
     budget: Budget = BUDGET,
 ) -> Result:
     """Tune a family from every seed on the scenarios of `training`, and judge it on `task`. name: the family's where empty."""
-    tuned = optimise_seeds(training, family, seeds, budget)
+    return _standing(task, name or family.name, optimise_seeds(training, family, seeds, budget))
+
+
+def _standing(task: Task, name: str, tuned: Seeded) -> Result:
+    """Judge the runs of a family on `task`."""
     factories = tuple(run.controller for run in tuned.runs)
     values = judged(task, factories) | {
-        "sensitivity": np.array([float(family.sensitivity(run.point[None, :])[0]) for run in tuned.runs]),
-        "cost": np.array([run.value for run in tuned.runs]),
+        "sensitivity": np.array([float(r.family.sensitivity(r.point[None, :])[0]) for r in tuned.runs]),
+        "cost": np.array([r.value for r in tuned.runs]),
     }
-    return Result(name or family.name, values, factories, tuned)
+    return Result(name, values, factories, tuned)
 
 
 @kept

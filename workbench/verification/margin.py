@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from workbench.design.families.family import Family
-from workbench.design.optimise import BUDGET, Budget, optimise
+from workbench.design.optimise import BUDGET, Budget, optimise_all
 from workbench.task.task import Task
 from workbench.verification.contest import Contest, judged
 
@@ -62,9 +62,10 @@ def against_margin(
         say(f"tuning for a sensitivity of at most {limit:g}")
         bounded = replace(task, weights=replace(task.weights, sensitivity=limit))
         training = replace(bounded, load_inertias=loads, duration=tuning_time)
-        for name, family in families(limit).items():
-            of = known[name].of_seed(seed) if name in known else None
-            values = of or judged(task, (optimise(training, family, seed, budget).controller,))
-            rows.setdefault(name, []).append(values)
+        every = families(limit)
+        of = {n: known[n].of_seed(seed) if n in known else None for n in every}
+        tuned = iter(optimise_all([(training, every[n], seed) for n in every if of[n] is None], budget))
+        for name in every:
+            rows.setdefault(name, []).append(of[name] or judged(task, (next(tuned).controller,)))
     values = {n: {k: np.array([row[k][0] for row in each]) for k in each[0]} for n, each in rows.items()}
     return AgainstMargin(np.array(limits), values)
