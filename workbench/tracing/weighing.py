@@ -10,13 +10,13 @@ from workbench.inverse.dynamics import InverseDynamics
 from workbench.plant import TWO_MASS, Plant
 from workbench.record import IDENTIFICATION, ROLES, VALIDATION
 from workbench.residual.noise_floor import noise_rms
-from workbench.tracing.calibration import calibrate, periodic
 from workbench.tracing.criteria import Criteria
 from workbench.tracing.evidence import ADDITION, CORRECTION, Weighed
 from workbench.tracing.judge import ScoredCandidate
 from workbench.tracing.near_law import NAME
 from workbench.tracing.outside import multiplier
 from workbench.tracing.plausible import implausible
+from workbench.tracing.power_up import calibrate, periodic
 from workbench.tracing.result import Refinement
 from workbench.tracing.selection import Selection
 from workbench.tracing.whole import in_turn
