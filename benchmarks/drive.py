@@ -8,11 +8,11 @@ from pathlib import Path
 from time import process_time
 
 from workbench.campaign import load
-from workbench.design.design import gains_of
 from workbench.drive_tuning.search import ClosedDrive, Strategy, tune_drive
 from workbench.frequency.notch import Notch
 from workbench.study import configuration
 from workbench.study.controlling import control_of
+from workbench.tuning import tuned_axis
 
 STUDY = Path(__file__).resolve().parent.parent / "studies" / "harmonic_drive_axis"
 LAG = 1e-4
@@ -25,7 +25,8 @@ def main() -> int:
     declared = load(study.campaign).plant
     control = control_of(study.table, declared)
     task = control.task.on(control.limited(declared))
-    equivalent, gains = gains_of(task.plant, control.amplitudes, control.goal, task.loop)
+    axis = tuned_axis(task.plant, control.amplitudes, control.goal, task.loop)
+    equivalent, gains = axis.equivalent, axis.gains
     begin = gains.amplitude, gains.kp, gains.kd
     longest = 0.0
     for said, notches in (("no notch", ()), ("two notches in the loop", NOTCHES)):

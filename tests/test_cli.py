@@ -121,7 +121,9 @@ def test_trace_writes_what_the_format_asks_for(tmp_path, capsys):
 def test_the_loop_is_closed_unless_it_is_left_out(options, closing, tmp_path, monkeypatch):
     seen = []
     nothing = SimpleNamespace(sentence="", findings=())
-    monkeypatch.setattr("workbench.study.traced.run", lambda *_, closing: seen.append(closing) or nothing)
+    monkeypatch.setattr(
+        "workbench.study.traced.run", lambda *_, closing, resample: seen.append(closing) or (nothing, nothing)
+    )
     assert main(["trace", str(CAMPAIGN), "--out", str(tmp_path / "out"), *options]) == 0
     assert seen == [closing]
 

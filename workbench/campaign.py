@@ -62,11 +62,11 @@ def load(folder: Path | str, *, resample: bool = False) -> Campaign:
     kind = top.choice("plant", KINDS, "plant")
     title, bandwidth = top.text("title"), top.quantity("evaluation_bandwidth", "Hz", above=SLOWEST)
     measured = channels(top, kind == TWO_MASS, notes)
+    assumed, resample = assumptions(measured), resample or top.flag("resample")
     plant = declared_plant(top, kind, "torque" in measured, notes)
-    frozen, findings = records(top, folder, measured, resample or top.flag("resample"))
+    frozen, findings = records(top, folder, measured, resample)
     if not notes["initial_condition"]:
         frozen = tuple(replace(r, history=None) for r in frozen)
-    findings = (*assumptions(measured), *findings)
     rate, slowest = min((1 / r.dt, r.name) for r in frozen)
     if bandwidth >= BAND * rate:
         raise UnsoundRecord(
@@ -76,4 +76,6 @@ def load(folder: Path | str, *, resample: bool = False) -> Campaign:
             slowest,
         )
     tolerance = top.number("tolerance", above=0.0) if "tolerance" in top.values else None
-    return Campaign(folder, title, plant, frozen, bandwidth, findings, {k: n for k, n in notes.items() if n}, tolerance)
+    return Campaign(
+        folder, title, plant, frozen, bandwidth, (*assumed, *findings), {k: n for k, n in notes.items() if n}, tolerance
+    )

@@ -52,7 +52,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         with stoppable():
             return VERBS[given.verb].do(given)
     except WorkbenchError as error:
-        return said(str(error), USER_ERROR)
+        return _reported(str(error), USER_ERROR)
     except BrokenPipeError:
         return 0
     except Stopped as stopped:
@@ -62,19 +62,21 @@ def main(arguments: Sequence[str] | None = None) -> int:
         print(STOPPED, file=sys.stderr)
         return 130
     except OSError as error:  # a disk that is full, a folder that may not be written, a file that has gone
-        return said(
+        return _reported(
             f"{mishap(error)}; mend that and run it again. Outputs that were there are as they were.", USER_ERROR
         )
     except MemoryError:
-        return said("the memory of this machine does not suffice; give shorter records or fewer cases.", USER_ERROR)
+        return _reported(
+            "the memory of this machine does not suffice; give shorter records or fewer cases.", USER_ERROR
+        )
     except Exception:
         import traceback
 
         traceback.print_exc()
-        return said("this is an internal error, a failure of the workbench; please report it.", INTERNAL_ERROR)
+        return _reported("this is an internal error, a failure of the workbench; please report it.", INTERNAL_ERROR)
 
 
-def said(sentence: str, code: int) -> int:
+def _reported(sentence: str, code: int) -> int:
     """Print why a command ends, and return its exit code."""
     print(f"workbench: {sentence}", file=sys.stderr)
     return code

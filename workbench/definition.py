@@ -15,6 +15,7 @@ from functools import cache, cached_property
 from types import MappingProxyType, SimpleNamespace
 
 from workbench.errors import WorkbenchError, nearest
+from workbench.finding import title
 from workbench.parameter import Parameter
 
 FORCE, ANGLE, COMMAND, SENSOR, TIME = "force", "angle", "command", "sensor", "time"
@@ -126,6 +127,11 @@ class Effect:
         """Name, with its label, and place: unique in a plant."""
         return f"{self.named}@{self.at}"
 
+    @property
+    def title(self) -> str:
+        """Name as it is read: "Stribeck friction"."""
+        return title(self.name)
+
     @cached_property
     def named(self) -> str:
         """Name, with its label where it has one: "flexible_mode second"."""
@@ -196,24 +202,6 @@ class Effect:
 def _anew(name: str, changed: Mapping[str, object]) -> Effect:
     """Return an effect that was pickled: the catalogue's with these fields, or one of all of them."""
     return replace(catalogue()[name], **changed) if name else Effect(**changed)
-
-
-def simpler(effect: Effect, intervals: Mapping[str, tuple[float, float]], counts: float) -> str | None:
-    """Return the name of the simpler effect that this one is, "" where it is none at all, None where it is itself.
-
-    intervals: inside parameter -> (low, high), SI; a parameter without one stands at its value. counts: the encoder's step, SI.
-    A parameter is neutral where its interval holds the neutral value or, of TWO_COUNTS, reaches down to two counts. A composite
-    of which every part is gone is none at all.
-    """
-    found = []
-    for name, (neutral, left) in effect.reduces.items():
-        value = effect.parameters[name].value
-        low, high = intervals.get(name, (value, value))
-        if low <= 2.0 * counts if neutral == TWO_COUNTS else low <= neutral <= high:
-            found.append(left)
-    if not found:
-        return None
-    return "" if len(effect.parts) > 1 and len(found) == len(effect.parts) else found[0]
 
 
 def namespace(**values) -> SimpleNamespace:

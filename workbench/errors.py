@@ -3,7 +3,6 @@
 import difflib
 import os
 from collections.abc import Iterable
-from pathlib import Path
 
 USER_ERROR = 2
 INTERNAL_ERROR = 70  # EX_SOFTWARE of sysexits.h: our failure, not the user's
@@ -26,13 +25,6 @@ def mishap(error: BaseException) -> str:
     said = getattr(error, "strerror", None) or str(error).rstrip(".") or type(error).__name__
     file = getattr(error, "filename", None)
     return f"{said} ({os.fsdecode(file) if isinstance(file, bytes) else file})" if file is not None else said
-
-
-def regular(path: Path) -> Path:
-    """Return `path`; WorkbenchError where it is there and no file: a device may never end."""
-    if path.exists() and not path.is_file():
-        raise WorkbenchError(f"{path} is a folder or a device; name a file.")
-    return path
 
 
 def nearest(name: str, names: Iterable[str], most: int = 3) -> str:

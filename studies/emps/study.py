@@ -23,7 +23,7 @@ from workbench.simulation import Loop
 from workbench.study import evidence, standard
 from workbench.study.configuration import Study
 from workbench.study.outcome import Outcome
-from workbench.tracing.calibration import calibrate
+from workbench.tracing.power_up import calibrate
 from workbench.tracing.result import Trace
 from workbench.tracing.tracing import trace
 

@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from workbench.control import pi_cascade
+from workbench.description.friction import friction_of
 from workbench.design.design import Designed, two_modes
 from workbench.design.families.family import Family
 from workbench.design.polish import Polished, polish
@@ -124,7 +125,8 @@ def designed(
     Checked are the table, and the schedule of two modes with which the contest ended under the paper's rule.
     """
     own = found.task.on(plant)
-    polished = polish(plant, made.equivalent, made.gains, made.goal, own, say)
+    axis = replace(made.axis, rigid=friction_of(plant))
+    polished = polish(axis, made.goal, own, say)
     table = tabled(
         polished, made.linear, made.goal, own, control.rule, per_octave=control.per_octave, tolerance=control.tolerance,
         load=control.load, seeds=control.seeds, say=say,
@@ -133,7 +135,7 @@ def designed(
     laws = {"following": (paper, found[PAPER].tuned.median), control.rule: (table.schedule, table.climbed.best)}
     checks = {
         rule: checked(
-            plant, made.equivalent, made.gains, replace(schedule, rule="following"), control.goal,
+            axis, replace(schedule, rule="following"), control.goal,
             loop_under(law.controller(), control.loop),
         )
         for rule, (schedule, law) in laws.items()
@@ -141,7 +143,7 @@ def designed(
     tuned = {n: s.tuned.median for n, s in found.standings.items() if s.tuned}
     final, between = {control.rule: table.schedule}, checks[control.rule].between
     return Designed(
-        plant, made.equivalent, made.gains, table.interpolated, polished, between, tuned, final, table.climbed, table.rivals
+        plant, axis.equivalent, axis.gains, table.interpolated, polished, between, tuned, final, table.climbed, table.rivals
     ), checks, table  # fmt: skip
 
 

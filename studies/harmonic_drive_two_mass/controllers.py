@@ -8,6 +8,7 @@ import numpy as np
 
 from workbench.cancellation.contestant import SUFFIX
 from workbench.cancellation.contestant import entered as compensating
+from workbench.cancellation.worth import check_controller
 from workbench.description import Equivalent
 from workbench.design.families.family import (
     Family,
@@ -29,7 +30,7 @@ from workbench.design.joint import (
 from workbench.plant import Plant
 from workbench.schedule import Passivity, Schedule
 from workbench.simulation import Loop
-from workbench.study.compensating import asked, chosen
+from workbench.study.compensating import asked
 from workbench.study.configuration import Study
 from workbench.study.controlling import Control
 from workbench.study.controlling import numbers as numbers_of
@@ -166,7 +167,7 @@ def between(factors: tuple[float, ...]) -> tuple[float, ...]:
 def cancelling(study: Study, model: Assumed, every: Mapping[str, Family]) -> Family:
     """Return the controller of [compensation] with its compensation, of what was identified; it is tuned and judged as any other."""
     given = asked(study, model.plant)
-    chosen(given, every)
+    check_controller(given, every)
     base = every[given.controller]
     return compensating(base, given.on(model.plant), base.start)
 

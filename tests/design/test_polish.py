@@ -5,11 +5,10 @@ import pytest
 from paper_axis import LOOP, plant
 
 from workbench.description import Equivalent
-from workbench.design.design import gains_of
 from workbench.design.polish import Polished, Search, polish
 from workbench.task.stepping import figures_of
 from workbench.task.task import Task, Weights
-from workbench.tuning import TuningGoal, response, sampled
+from workbench.tuning import TuningGoal, response, sampled, tuned_axis
 from workbench.tuning.axis import Axis
 from workbench.tuning.reach import stiffest
 from workbench.verification.promise import promise
@@ -30,12 +29,12 @@ def task() -> Task:
 
 @pytest.fixture(scope="module")
 def described(goal):
-    return gains_of(plant(), AMPLITUDES, goal, LOOP, margins=False)
+    return tuned_axis(plant(), AMPLITUDES, goal, LOOP)
 
 
 @pytest.fixture(scope="module")
 def found(described, goal, task) -> Polished:
-    return polish(plant(), *described, goal, task)
+    return polish(described, goal, task)
 
 
 def test_figures_of_a_second_order_step_are_those_of_its_closed_form():
@@ -83,8 +82,7 @@ def test_robust_gains_keep_the_overshoot_in_every_scenario_and_cost_time_on_the_
 
 
 def test_no_gains_drawn_at_random_beat_those_that_were_found(found, described, goal, task):
-    equivalent, gains = described
-    search = Search(plant(), Axis.of(equivalent, 0.0074, 0.0, LOOP), gains, goal, task)
+    search = Search(Axis.of(described.equivalent, 0.0074, 0.0, LOOP), described.gains, goal, task)
     draw = np.random.default_rng(5)
     rows = np.repeat(np.arange(3), 200)
     kp = np.log(found.nominal.kp[rows]) + draw.uniform(-1.0, 0.2, rows.size)

@@ -13,12 +13,13 @@ from workbench.control import drive_cascade, pi_cascade
 from workbench.control.notched import coefficients, response
 from workbench.definition import find
 from workbench.description import Equivalent
-from workbench.drive_tuning.beside import beside, following
 from workbench.drive_tuning.cases import Lagged, slowed
+from workbench.drive_tuning.comparison import ComparedDrive, compare_sizes, following_errors
 from workbench.drive_tuning.search import ClosedDrive, Strategy, behind, cases, sizes_of, tune_drive
 from workbench.drives import Units, elmo
-from workbench.drives.files import Told, files
+from workbench.drives.files import FormatOptions, files
 from workbench.drives.objects import Object, entries, value_of
+from workbench.drives.tuned import cascades
 from workbench.errors import WorkbenchError
 from workbench.frequency import Response
 from workbench.frequency.notch import Notch
@@ -26,7 +27,7 @@ from workbench.plant import ONE_MASS, Limits, Plant
 from workbench.readers.declaration import Table
 from workbench.report.drive import drive_chapter
 from workbench.simulation import Loop, Scenario, simulate
-from workbench.study.drive import OPTIONAL, cascades, driven, stated
+from workbench.study.drive import OPTIONAL, driven, stated
 from workbench.task.task import Task
 
 TS, J, COUNT = 5e-4, 0.0074, 4.8e-6
@@ -135,14 +136,16 @@ def test_every_set_keeps_the_sensitivity_and_costs_no_more_than_where_it_began(f
 
 
 def test_feed_forward_follows_a_smooth_move_closer(found):
-    without, fed = following(found)
+    without, fed = following_errors(found)
     assert fed < 0.2 * without
 
 
 def test_the_chapter_holds_the_drive_beside_the_schedule(found):
-    rows = beside(found, lambda lanes: pi_cascade(60.0, 1.2, 20.0, 15.0))
+    rows = compare_sizes(found, lambda lanes: pi_cascade(60.0, 1.2, 20.0, 15.0))
     assert [r.size for r in rows] == pytest.approx(list(found.sizes))
-    chapter = drive_chapter(found, rows, (0.1, 0.01), AXIS, "scheduled PD", ("elmo.txt",), {"odrive": "refused."})
+    chapter = drive_chapter(
+        ComparedDrive(found, rows, (0.1, 0.01)), AXIS, "scheduled PD", ("elmo.txt",), {"odrive": "refused."}
+    )
     texts = json.dumps([vars(b) for b in chapter.blocks if hasattr(b, "text") or hasattr(b, "texts")], default=str)
     assert "elmo.txt" in texts and "odrive: refused." in texts and "feeds forward" in texts
     drawn = next(b for b in chapter.blocks if hasattr(b, "svg"))
@@ -151,7 +154,9 @@ def test_the_chapter_holds_the_drive_beside_the_schedule(found):
 
 def test_files_are_written_read_again_or_refused(found):
     sets = cascades(replace(found, forward=0.0, mass=0.0), AXIS)
-    told = Told(Units(2**16, 2.0), tuple(Object(n, 0x3000 + i, 0, "REAL32") for i, n in enumerate(("kv", "kvp", "ki"))))
+    told = FormatOptions(
+        Units(2**16, 2.0), tuple(Object(n, 0x3000 + i, 0, "REAL32") for i, n in enumerate(("kv", "kvp", "ki")))
+    )
     kept, refused = files(("elmo", "sdo", "odrive", "linuxcnc"), sets, AXIS, told)
     assert set(kept) == {"elmo.txt", "sdo.csv", "odrive.json", "linuxcnc.hal", "friction.csv"} and not refused
     held = elmo.read(kept["elmo.txt"])
@@ -192,8 +197,8 @@ def declared(text: str) -> Table:
 def test_a_study_states_its_drive():
     found = stated(declared(TEXT), AXIS, COUNT)
     assert (found.closed.lag, found.closed.notches, found.closed.sets) == (pytest.approx(1e-4), 2, 16)
-    assert found.closed.high[0] == 500.0 and found.told.objects[0].index == 0x3000
-    assert found.told.units.counts == pytest.approx(2.0 * pi / COUNT)
+    assert found.closed.high[0] == 500.0 and found.options.objects[0].index == 0x3000
+    assert found.options.units.counts == pytest.approx(2.0 * pi / COUNT)
     assert set(tomllib.loads(TEXT)["drive"]) <= {"formats", *OPTIONAL}
 
 

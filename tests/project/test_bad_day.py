@@ -118,8 +118,8 @@ def test_a_place_with_somebodys_files_is_refused_before_anything_is_computed(at,
 
 
 def test_two_masses_learn_at_the_start_what_they_will_not_get():
+    from workbench.design.possible import check_plant
     from workbench.plant import TWO_MASS, Limits, Plant
-    from workbench.study.control import check_plant
 
     said = []
     standard.early(check_plant, Plant(TWO_MASS, limits=Limits(drive=3.0)), said.append)

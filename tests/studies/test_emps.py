@@ -14,7 +14,7 @@ from workbench.plant import ONE_MASS, Plant
 from workbench.record import ROLES
 from workbench.study import configuration
 from workbench.study.configuration import MissingData
-from workbench.study.running import further_keys, run, steps_of
+from workbench.study.running import run, steps_of
 
 FOLDER = Path(__file__).resolve().parents[2] / "studies" / "emps"
 PRINTED = {
@@ -26,7 +26,7 @@ PRINTED = {
 
 
 def load():
-    return configuration.load(FOLDER, further_keys(FOLDER))
+    return configuration.load(FOLDER)
 
 
 @pytest.fixture(scope="module")

@@ -6,14 +6,15 @@ from math import pi
 import numpy as np
 import pytest
 import rig
-from report_example import trace as example
 
 from workbench.campaign import load
 from workbench.definition import find
 from workbench.identification.fit import identify
 from workbench.inverse.dynamics import inverse_dynamics
 from workbench.record import IDENTIFICATION, VALIDATION
-from workbench.tracing.calibration import calibrate, calibrations, finding, periodic
+from workbench.tracing.calibration import finding
+from workbench.tracing.criteria import Criteria
+from workbench.tracing.power_up import calibrate, calibrations, periodic
 from workbench.tracing.result import Cause
 from workbench.tracing.tracing import trace
 
@@ -70,7 +71,7 @@ def test_a_cause_that_does_not_carry_over_is_calibrated_and_another_is_not(rippl
 
     def causes(validation: float):
         one = Cause("cogging", "axis", "", (), 0.9, validation)
-        return calibrations(passes, replace(example(), after=fit, causes=(one,)))
+        return calibrations(fit.plant, [one], passes, Criteria())
 
     assert [c.effect for c in causes(-0.5)] == ["cogging"]
     assert causes(0.88) == ()
@@ -90,5 +91,5 @@ def test_a_ripple_of_another_power_up_is_named_and_not_used_where_its_phase_is_w
     assert "not carried over" in [f.kind for f in found.findings]
     assert found.after.validation == pytest.approx(found.before.validation, rel=1e-6)
     assert found.after.identification < 0.5 * found.before.identification
-    (offered,) = calibrations(passes, found)
+    (offered,) = found.calibrations
     assert offered.differs and offered.calibrated < 0.5 * offered.identified

@@ -50,6 +50,19 @@ CASES = {
     "less than half a per cent of the drive is a refinement": (
         evidence(weighed(), weighed("lugre_friction", (0.010, 0.0095), (0.010, 0.0095))), CAUSE, (CAUSE, REFINEMENT),
     ),
+    "a further effect that takes a twentieth of what the largest takes only makes up for its law": (
+        evidence(weighed(id_=(0.2, 0.02), val=(0.2, 0.02)), weighed("sensor_trend", (0.02, 0.0175), (0.02, 0.0175))), CAUSE,
+        (CAUSE, REFINEMENT),
+    ),
+    "a further effect that takes a tenth of it is a cause": (
+        evidence(weighed(id_=(0.2, 0.04), val=(0.2, 0.04)), weighed("sensor_trend", (0.04, 0.0346), (0.04, 0.0346))), CAUSE,
+        (CAUSE, CAUSE),
+    ),
+    "a joint has one curve, however many laws make it up": (
+        evidence(
+            weighed("backlash", (0.2, 0.05), (0.2, 0.05)), weighed("cubic_stiffness", (0.05, 0.02), (0.05, 0.02), same_curve=True)
+        ), CAUSE, (CAUSE, REFINEMENT),
+    ),
     "what makes validation worse is not borne out": (
         evidence(weighed(), weighed("creep", (0.03, 0.01), (0.01, 0.012))), CAUSE, (CAUSE, NOT_BORNE_OUT),
     ),

@@ -39,7 +39,7 @@ def written(first) -> bytes:
 
 def traced(campaign: Campaign, folder: Path) -> tuple[Trace, bytes]:
     """Return a trace, and trace.json with every prediction as written."""
-    found = run(campaign, folder / "out")
+    _, found = run(campaign, folder / "out")
     assert sorted(found.added) == ["cogging", "stribeck_friction"]
     files = [folder / "out" / "trace.json", *sorted((folder / "out" / "predictions").iterdir())]
     return found, b"".join(f.read_bytes() for f in files)
@@ -69,7 +69,7 @@ def test_what_is_tried_and_in_which_order_does_not_depend_on_the_validation_reco
 
     said = (
         first[0],
-        run(replace(campaign, records=tuple(map(other, campaign.records))), tmp_path / "two", closing=False),
+        run(replace(campaign, records=tuple(map(other, campaign.records))), tmp_path / "two", closing=False)[1],
     )
     assert said[0].steps == said[1].steps and said[0].smallest == said[1].smallest
     assert said[0].before.identification == said[1].before.identification

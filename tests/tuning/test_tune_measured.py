@@ -8,7 +8,7 @@ from scipy.linalg import expm
 
 from workbench.description import Equivalent
 from workbench.frequency import Response
-from workbench.tuning import TuningGoal, sampled, tune, tune_within
+from workbench.tuning import TuningGoal, sampled, tune, tune_within, tuned_axis
 from workbench.tuning.measured import law_of
 
 TS, TOTAL = 0.25e-3, 0.0046
@@ -103,7 +103,6 @@ def test_the_law_is_that_of_the_sampled_loop():
 def test_a_study_tunes_within_the_response_of_its_records():
     """The gains at each amplitude that a controller is designed from are those that the measured mode allows."""
     from workbench.definition import find
-    from workbench.design.design import gains_of
     from workbench.plant import Limits, Plant
     from workbench.simulation import Loop
 
@@ -114,6 +113,6 @@ def test_a_study_tunes_within_the_response_of_its_records():
     )
     loop = Loop(TS, delay=TS, velocity_filter=TS, resolution=1e-6)
     amplitudes = np.geomspace(1e-3, 0.1, 4)
-    free, held = (gains_of(plant, amplitudes, GOAL, loop, response=r)[1] for r in (None, response(150.0)))
+    free, held = (tuned_axis(plant, amplitudes, GOAL, loop, response=r).gains for r in (None, response(150.0)))
     assert (held.kp[-2:] < 0.9 * free.kp[-2:]).all()
     assert any(f.kind == "response limits" for f in held.findings)

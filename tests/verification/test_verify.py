@@ -9,7 +9,7 @@ from workbench.control import fixed_pd
 from workbench.definition import find
 from workbench.description import equivalent
 from workbench.description.friction import equivalent_of, friction_of
-from workbench.design.design import gains_of, linear_of
+from workbench.design.design import linear_of
 from workbench.design.families.family import blended, cascade_family, pd_family
 from workbench.design.families.linear import Linear
 from workbench.design.optimise import Budget, Trail, optimise, optimise_seeds
@@ -81,10 +81,11 @@ def test_a_part_that_swings_is_mass_of_the_rigid_axis_and_no_friction_over_ampli
 
 
 def test_gains_of_a_plant_hold_their_limits_at_every_amplitude():
-    from workbench.tuning import TuningGoal
+    from workbench.tuning import TuningGoal, tuned_axis
 
     a = np.geomspace(1e-4, 1.0, 8)
-    equivalents, gains = gains_of(axis(), a, TuningGoal(drive=3.3, speed=12.57), LOOP)
+    found = tuned_axis(axis(), a, TuningGoal(drive=3.3, speed=12.57), LOOP)
+    equivalents, gains = found.equivalent, found.gains
     assert np.all(gains.kp * a <= 3.3 * 1.001) and np.all(gains.sensitivity_peak <= 2.0 * 1.005)
     assert np.all(gains.spectral_radius < 1.0) and np.all(np.diff(equivalents.stiffness) < 0)
 
@@ -125,10 +126,10 @@ def test_the_search_improves_on_its_start_and_keeps_to_the_sensitivity_limit():
     small = Budget(generations=6, local=20)
     plant = axis()
     task = Task(plant, LOOP, STEP, 0.4, phases=1, weights=Weights(overshoot=0.008))
-    from workbench.tuning import TuningGoal
+    from workbench.tuning import TuningGoal, tuned_axis
 
-    equivalents, _ = gains_of(plant, np.geomspace(1e-3, 1.0, 4), TuningGoal(drive=3.3, speed=12.57), LOOP)
-    linear = linear_of(plant, equivalents, LOOP)
+    found = tuned_axis(plant, np.geomspace(1e-3, 1.0, 4), TuningGoal(drive=3.3, speed=12.57), LOOP)
+    linear = linear_of(found.rigid, found.equivalent, LOOP)
     for family in (pd_family(linear, (60.0, 1.0)), cascade_family(linear, (60.0, 1.0, 5.0), 12.57)):
         found = optimise(task, family, 3, small)
         first = task.run(family.controller(family.start[None, :], 1), task.scenarios())
@@ -230,10 +231,10 @@ def test_every_controller_meets_the_same_scenarios():
 def test_a_gain_table_for_a_plant_that_has_changed_since_tuning_is_refused(tmp_path):
     from workbench.exporting import export
     from workbench.schedule import fit_schedule
-    from workbench.tuning import TuningGoal
+    from workbench.tuning import TuningGoal, tuned_axis
 
     plant = axis()
-    _, gains = gains_of(plant, np.geomspace(1e-4, 1.0, 20), TuningGoal(drive=3.3, speed=12.57), LOOP)
+    gains = tuned_axis(plant, np.geomspace(1e-4, 1.0, 20), TuningGoal(drive=3.3, speed=12.57), LOOP).gains
     schedule = fit_schedule(
         gains, per_octave=2, lowest=1e-4, highest=1.0, tolerance=0.2, plant_digest=plant.digest, loop=LOOP
     )

@@ -3,9 +3,11 @@
 from workbench.public import handed_on
 
 HELD = {
+    "Cancellation": "worth",
     "Cancelled": "closed",
     "Slow": "following",
     "Worth": "following",
+    "cancellation_worth": "worth",
 }
 
 __all__ = [*HELD]

@@ -162,7 +162,7 @@ def contestant(
     judged, base = _judge_of(made, task, compensator), made.tuned[name]
     if isinstance(base, Climb):
         return replace(base, family=entered(base.family, compensator, base.point, _tabled(base.family, judged)))
-    every = baseline_families(made.plant, judged, made.gains, task)
+    every = baseline_families(made.plant.limits, judged, made.gains, task)
     family = next(f for f in every if f.name == name)
     ours = entered(family, compensator, base.point)
     return best_of(task.on(made.plant), [ours], seeds, say)[ours.name]
@@ -170,7 +170,7 @@ def contestant(
 
 def _judge_of(made: Designed, task: Task, compensator: Compensator) -> Judge:
     """Return what sensitivities of laws on a designed plant are asked of beside a compensation."""
-    return judge(linear_of(made.plant, made.equivalent, task.loop), made.plant, compensator)
+    return judge(linear_of(friction_of(made.plant), made.equivalent, task.loop), made.plant, compensator)
 
 
 def _tabled(family: Family, judged: Judge) -> Callable[[np.ndarray], np.ndarray]:
@@ -195,7 +195,7 @@ def margins(
         if isinstance(base, Climb):
             ms = _tabled(base.family, judged)(base.point[None, :])
         else:
-            every = baseline_families(made.plant, judged, made.gains, task)
+            every = baseline_families(made.plant.limits, judged, made.gains, task)
             ms = next(f for f in every if f.name == name).sensitivity(base.point[None, :])
         found[g] = float(ms[0])
     return found

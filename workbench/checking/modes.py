@@ -14,7 +14,7 @@ RISES = 2.0  # factor by which a resonance must rise: below, it is a slope of fr
 DAMPEST = 0.15  # damping ratio above which it may be the axis on its own presliding stiffness
 
 
-def resonances(records: Sequence[Record], plant: Plant, bandwidth: float) -> tuple[Response | None, list]:
+def _resonances(records: Sequence[Record], plant: Plant, bandwidth: float) -> tuple[Response | None, list]:
     """Return (response of the record that is shaken most, modes below the bandwidth that one mass cannot have).
 
     The response is None where nothing shakes the axis, or where the plant declares more than one mass.
@@ -29,9 +29,17 @@ def resonances(records: Sequence[Record], plant: Plant, bandwidth: float) -> tup
     return response, [m for m in found if m.frequency < bandwidth and m.rise > RISES and m.damping < DAMPEST]
 
 
+def all_resonances(records: Sequence[Record], plant: Plant, bandwidth: float) -> tuple[Response | None, list]:
+    """Return the resonances, those that the plant declares among them; (None, []) where none shows, or there are no records."""
+    for e in plant.effects:
+        plant = plant.without(e.key) if e.name == "flexible_mode" else plant
+    response, modes = _resonances(records, plant, bandwidth) if records else (None, [])
+    return (response, modes) if modes else (None, [])
+
+
 def undeclared(seen: Seen) -> Iterator[Finding]:
     """Say which resonances below the evaluation bandwidth one mass cannot have."""
-    response, found = resonances(seen.campaign.records, seen.campaign.plant, seen.campaign.bandwidth)
+    response, found = _resonances(seen.campaign.records, seen.campaign.plant, seen.campaign.bandwidth)
     for m in found:
         yield Finding(
             "mode", f"{response.record}.position",

@@ -5,6 +5,7 @@ So the forces are stepped together through q = A cos(w t), as identification ste
 """
 
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 
@@ -18,18 +19,23 @@ SAMPLES = 1024  # a cycle
 MASS = {"inertia": "inertia", "flexible_mode": "mass"}  # effect -> its parameter that the rigid axis carries
 
 
-def friction_of(plant: Plant) -> tuple[Plant, float, float]:
-    """Return (plant with only forces that are neither inertia nor linear viscous, inertia, viscous coefficient), SI.
+class RigidAxis(NamedTuple):
+    """friction: the plant with only forces that are neither inertia nor linear viscous. inertia, viscous: coefficients, SI."""
 
-    The inertia is that of the rigid axis: parts that swing on it move with it far below their modes.
-    """
+    friction: Plant
+    inertia: float
+    viscous: float
+
+
+def friction_of(plant: Plant) -> RigidAxis:
+    """Return what a plant is as a rigid axis. Parts that swing on it move with it far below their modes, and count as inertia."""
     inertia = sum(e.parameters[MASS[e.name]].value for e in plant.effects if e.name in MASS)
     viscous = sum(e.parameters["viscous"].value for e in plant.effects if e.name == "viscous_friction")
     rest = plant
     for e in plant.effects:
         if e.name in (*MASS, "viscous_friction") or e.port != fx.FORCE:
             rest = rest.without(e.key)
-    return rest, inertia, viscous
+    return RigidAxis(rest, inertia, viscous)
 
 
 def equivalent_of(plant: Plant, amplitudes: Sequence[float], omegas: Sequence[float], counts: float) -> Equivalent:

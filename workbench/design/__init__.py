@@ -8,7 +8,6 @@ HELD = {
     "Polished": "polish",
     "Regret": "regret",
     "Tabled": "tabled",
-    "gains_of": "design",
     "regret_of": "worth",
 }
 

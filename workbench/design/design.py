@@ -6,7 +6,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from workbench.description import Equivalent
-from workbench.description.friction import equivalent_of, friction_of
+from workbench.description.friction import RigidAxis
 from workbench.design.climb import Climb, Climbed
 from workbench.design.families.family import Family, blended, cascade_family, pd_family, profile_family
 from workbench.design.families.gain_table import BEGUN
@@ -14,23 +14,22 @@ from workbench.design.families.linear import Linear
 from workbench.design.families.shaped import shaped
 from workbench.design.optimise import Tuned, optimise_all
 from workbench.design.polish import Polished, polish
-from workbench.design.tabled import RUNS, tabled
-from workbench.design.worth import Rivals
+from workbench.design.regret import Regret
+from workbench.design.tabled import RUNS, Tabled, tabled
+from workbench.design.worth import Rivals, regret_of
 from workbench.finding import RESPONSE_LIMITS, Finding
 from workbench.frequency import Response
-from workbench.plant import Plant
+from workbench.plant import Limits, Plant
 from workbench.schedule import BetweenKnots, Schedule, between_knots, passivity
 from workbench.simulation import Loop, loop_under
 from workbench.task.task import Task
-from workbench.tuning import Gains, TuningGoal, tune, tune_within
+from workbench.tuning import Gains, TunedAxis, TuningGoal, tuned_axis
 
 BRAKING = 0.65  # of the torque that the drive has: where a search for the deceleration of a profile begins
 REACHED = 0.98  # of the speed limit: what laws ask for, so that the drive keeps some torque there
-ROUNDS = 2  # of describing and tuning: friction that depends on speed is described at the loop's own frequency
 # Of the sampling rate, and at its centre: the notch at which a search on one mass begins, near the stiffest PD at every Kp/Kd. On the main
 # study it takes the fixed PD's worst error from 1.22 to 0.78 mrad, the cost of cascade and profile by 0.2 %, and twice the CPU time.
 LEADS, DEEP = 0.065, 0.6
-FASTEST = 0.2  # natural frequency times sample time that the first round assumes at most
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,46 +56,10 @@ class Designed:
     unnotched: Mapping[str, Tuned] = field(default_factory=dict)
 
 
-def gains_of(
-    plant: Plant,
-    amplitudes: np.ndarray,
-    goal: TuningGoal,
-    loop: Loop,
-    margins: bool = True,
-    response: Response | None = None,
-) -> tuple[Equivalent, Gains]:
-    """Return the equivalent friction of a plant and the gains tuned to it, at amplitudes (n,), rad or m.
-
-    response: a measured frequency response whose modes limit the gains too.
-    """
-    friction, inertia, viscous = friction_of(plant)
-    omega = np.minimum(np.sqrt(goal.drive / (amplitudes * inertia)), FASTEST / loop.sample_time)
-    for _ in range(ROUNDS):
-        equivalent = equivalent_of(friction, amplitudes, omega, loop.resolution)
-        if response is None:
-            gains = tune(equivalent, inertia, viscous, goal, loop)
-        else:
-            gains = tune_within(response, equivalent, inertia, viscous, goal, loop)
-        omega = np.sqrt((gains.kp + equivalent.stiffness) / inertia)
-    return equivalent, gains
-
-
-def described_at(plant: Plant, equivalent: Equivalent, gains: Gains, loop: Loop) -> Callable[[np.ndarray], Equivalent]:
-    """Return amplitudes (n,) -> Equivalent of the plant's friction, each at the natural frequency that the gains give it."""
-    friction, inertia, _ = friction_of(plant)
-    omega = np.log(np.sqrt((gains.kp + equivalent.stiffness) / inertia))
-
-    def at(amplitudes: np.ndarray) -> Equivalent:
-        known = np.exp(np.interp(np.log(amplitudes), np.log(gains.amplitude), omega))
-        return equivalent_of(friction, amplitudes, known, loop.resolution)
-
-    return at
-
-
-def linear_of(plant: Plant, equivalent: Equivalent, loop: Loop) -> Linear:
+def linear_of(rigid: RigidAxis, equivalent: Equivalent, loop: Loop) -> Linear:
     """Return the linearisations that every law must be robust on: gross sliding, and the stiffest presliding spring."""
-    _, inertia, viscous = friction_of(plant)
-    return Linear(loop, inertia, viscous, np.array([0.0, float(equivalent.stiffness.max())]), equivalent)
+    springs = np.array([0.0, float(equivalent.stiffness.max())])
+    return Linear(loop, rigid.inertia, rigid.viscous, springs, equivalent)
 
 
 def two_modes(schedule: Schedule, tuned: Tuned, rule: str) -> Schedule:
@@ -128,50 +91,43 @@ def design(
     """
     loop, own = task.loop, task.on(plant)
     say("tuning gains at each amplitude")
-    equivalent, gains = gains_of(plant, amplitudes, goal, loop, response=response)
-    polished = polish(plant, equivalent, gains, goal, own, say)
-    linear = linear_of(plant, equivalent, loop)
+    axis = tuned_axis(plant, amplitudes, goal, loop, response=response)
+    polished = polish(axis, goal, own, say)
+    linear = linear_of(axis.rigid, axis.equivalent, loop)
     made = tabled(
         polished, linear, goal, own, rule, per_octave=per_octave, tolerance=tolerance, load=load, seeds=seeds, say=say,
         against=baselines,
     )  # fmt: skip
+    tuned: dict[str, Tuned | Climb] = {f"scheduled PD ({rule})": made.climbed.best}
+    unnotched: dict[str, Tuned] = {}
+    if baselines:
+        tuned |= best_of(own, baseline_families(plant.limits, linear, axis.gains, task), seeds, say)
+        say("tuning the baselines without a notch")
+        bare = baseline_families(plant.limits, linear, axis.gains, task, notch=False)
+        found = optimise_all([(own, f, tuned[f.name].seed) for f in bare])
+        unnotched = {one.family.name: one for one in found}
     say("checking the gains between the knots")
-    inertia, viscous = linear.inertia, linear.viscous
-    at = described_at(plant, equivalent, gains, loop)
+    between, findings = _checked(made, axis, goal, loop)
+    return Designed(
+        plant, axis.equivalent, axis.gains, made.interpolated, polished, between, tuned, {rule: made.schedule}, made.climbed,
+        made.rivals, findings, unnotched,
+    )  # fmt: skip
+
+
+def _checked(made: Tabled, axis: TunedAxis, goal: TuningGoal, loop: Loop) -> tuple[BetweenKnots, tuple[Finding, ...]]:
+    """Return how robust the table is between its knots, and what is to be said of it and of the gains that it began with."""
+    at, inertia, viscous = axis.described(loop.resolution), axis.rigid.inertia, axis.rigid.viscous
     own_loop = loop_under(made.climbed.best.controller(), loop)
     between = between_knots(
         made.schedule, at, inertia, own_loop, viscous=viscous, sensitivity=goal.sensitivity, points=3
     )
-    tuned: dict[str, Tuned | Climb] = {f"scheduled PD ({rule})": made.climbed.best}
-    unnotched: dict[str, Tuned] = {}
-    if baselines:
-        tuned |= best_of(own, baseline_families(plant, linear, gains, task), seeds, say)
-        say("tuning the baselines without a notch")
-        bare = baseline_families(plant, linear, gains, task, notch=False)
-        found = optimise_all([(own, f, tuned[f.name].seed) for f in bare])
-        unnotched = {one.family.name: one for one in found}
     pumping = passivity(replace(made.schedule, rule="following"), at, inertia, viscous=viscous)
-    limits = (f for f in gains.findings if f.kind == RESPONSE_LIMITS)
-    findings = (*limits, *between.findings, *pumping.findings)
-    final = {rule: made.schedule}
-    return Designed(
-        plant,
-        equivalent,
-        gains,
-        made.interpolated,
-        polished,
-        between,
-        tuned,
-        final,
-        made.climbed,
-        made.rivals,
-        findings,
-        unnotched,
-    )
+    limits = (f for f in axis.gains.findings if f.kind == RESPONSE_LIMITS)
+    return between, (*limits, *between.findings, *pumping.findings)
 
 
 def baseline_families(
-    plant: Plant, linear: Linear, gains: Gains, task: Task, *, notch: bool = True
+    limits: Limits, linear: Linear, gains: Gains, task: Task, *, notch: bool = True
 ) -> tuple[Family, ...]:
     """Return the families that a scheduled PD is held against, each with its velocity filter and, where asked, a notch.
 
@@ -179,9 +135,9 @@ def baseline_families(
     """
     middle = int(np.argmin(np.abs(np.log(gains.amplitude / (1e-2 * task.step)))))
     kp, kd = float(gains.kp[middle]), float(gains.kd[middle])
-    kv, speed = kp / kd, REACHED * plant.limits.speed
+    kv, speed = kp / kd, REACHED * limits.speed
     start = (kv, kd, 0.1 * kv * kd)
-    braking = BRAKING * plant.limits.drive / linear.inertia
+    braking = BRAKING * limits.drive / linear.inertia
     makers = (
         lambda judge: pd_family(judge, (kp, kd)),
         lambda judge: cascade_family(judge, start, speed),
@@ -200,3 +156,10 @@ def best_of(
     # one family after the other, so that kernels of different ones are compiled side by side
     runs = optimise_all([(task, f, seed) for seed in used for f in families])
     return {f.name: min((r for r in runs if r.family is f), key=lambda r: r.value) for f in families}
+
+
+def regrets_on_ladder(made: Designed, names: Sequence[str]) -> tuple[dict[str, Regret], dict[str, Regret]]:
+    """Return the regrets of what has fewer levels than the table, and of tuned controllers by name, on the table's ladder."""
+    on, known = made.climbed.on, made.climbed.references
+    fewer = {r.family.name: regret_of(on, r, known) for r in made.rivals.found}
+    return fewer, {n: regret_of(on, made.tuned[n], known) for n in names}

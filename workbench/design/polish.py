@@ -16,15 +16,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from workbench.control import fixed_pd
-from workbench.description import Equivalent
-from workbench.description.friction import friction_of
 from workbench.keeping import kept
-from workbench.plant import Plant
 from workbench.processes import shared
 from workbench.simulation import ScenarioArrays, simulate
 from workbench.task.stepping import Figures, figures_of
 from workbench.task.task import Task
-from workbench.tuning import Gains, TuningGoal, sampled
+from workbench.tuning import Gains, TunedAxis, TuningGoal, sampled
 from workbench.tuning.axis import Axis
 from workbench.tuning.reach import stiffest
 from workbench.tuning.tuning import ACTIVE
@@ -89,21 +86,14 @@ class Polished:
 
 
 @kept
-def polish(
-    plant: Plant,
-    equivalent: Equivalent,
-    gains: Gains,
-    goal: TuningGoal,
-    task: Task,
-    say: Callable[[str], None] = lambda _: None,
-) -> Polished:
+def polish(axis: TunedAxis, goal: TuningGoal, task: Task, say: Callable[[str], None] = lambda _: None) -> Polished:
     """Optimise the gains of each amplitude on simulated steps, from those of the closed form, (n,) each.
 
-    task: its loop (without the encoder's counts: small amplitudes are a few of them), weights, frictions and inertias.
+    task: its plant, loop (without the encoder's counts: small amplitudes are a few of them), weights, frictions and inertias.
     """
     say("optimising the gains of each amplitude on simulated steps")
-    _, inertia, viscous = friction_of(plant)
-    search = Search(plant, Axis.of(equivalent, inertia, viscous, task.loop), gains, goal, task)
+    rigid, gains = axis.rigid, axis.gains
+    search = Search(Axis.of(axis.equivalent, rigid.inertia, rigid.viscous, task.loop), gains, goal, task)
     several = ((f, i) for f in {1.0, *task.frictions} for i in {1.0, *task.inertias})
     corners = tuple(sorted(several, key=lambda s: (s != (1.0, 1.0), s)))  # the nominal plant first
     nominal, *robust = shared(search.run, [((1.0, 1.0),), corners][: len(corners)])
@@ -114,7 +104,6 @@ def polish(
 class Search:
     """One search, all amplitudes side by side. Candidates are flat arrays: rows (c,) says whose they are."""
 
-    plant: Plant
     axis: Axis
     start: Gains
     goal: TuningGoal
@@ -191,7 +180,7 @@ class Search:
         friction, inertia = (np.tile([s[k] for s in scenarios], rows.size) for k in (0, 1))
         lanes = ScenarioArrays(target.size, target=target, phase=0.5, friction=friction, inertia=inertia)
         controller = fixed_pd(np.repeat(kp, count), np.repeat(kd, count))
-        q = simulate(self.plant, loop, controller, lanes, duration, ("q",)).trajectories["q"]
+        q = simulate(self.task.plant, loop, controller, lanes, duration, ("q",)).trajectories["q"]
         every = figures_of(q, np.zeros(target.size), target, loop.sample_time, self.goal.band)
         first = Figures(*(getattr(every, n)[::count] for n in ("time", "rise", "overshoot", "error")))
         return np.stack([list(vars(every.worst(count)).values()), list(vars(first).values())])

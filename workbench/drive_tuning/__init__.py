@@ -3,9 +3,10 @@
 from workbench.public import handed_on
 
 HELD = {
-    "Beside": "beside",
+    "ComparedDrive": "comparison",
     "ClosedDrive": "search",
     "DriveGains": "search",
+    "compared_drive": "comparison",
     "tune_drive": "search",
 }
 

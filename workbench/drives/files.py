@@ -20,7 +20,7 @@ NAMES = {
 
 
 @dataclass(frozen=True)
-class Told:
+class FormatOptions:
     """What the formats need besides the gains. integral: unit of Elmo's. channel: of LinuxCNC. joint: of ros2_control."""
 
     units: Units = Units()
@@ -30,17 +30,19 @@ class Told:
     joint: str = "axis"
 
 
-def writer(name: str, sets: Sequence[Cascade], told: Told) -> tuple[Callable[[], str], Callable[[str], object]]:
+def writer(
+    name: str, sets: Sequence[Cascade], options: FormatOptions
+) -> tuple[Callable[[], str], Callable[[str], object]]:
     """Return (write, read) of a format; the last set is the one of a drive that holds one. WorkbenchError for no format."""
     one = sets[-1]
     known = {
-        "sdo": (lambda: sdo.write(one, told.objects), sdo.read),
-        "twincat": (lambda: twincat.write(one, told.objects), twincat.read),
-        "elmo": (lambda: elmo.write(sets, told.units, told.integral), elmo.read),
+        "sdo": (lambda: sdo.write(one, options.objects), sdo.read),
+        "twincat": (lambda: twincat.write(one, options.objects), twincat.read),
+        "elmo": (lambda: elmo.write(sets, options.units, options.integral), elmo.read),
         "odrive": (lambda: odrive.write(one), odrive.read),
         "moteus": (lambda: moteus.write(one), moteus.read),
-        "ros2": (lambda: ros2.write(one, told.joint), ros2.read),
-        "linuxcnc": (lambda: linuxcnc.write(one, told.units, told.channel), linuxcnc.read),
+        "ros2": (lambda: ros2.write(one, options.joint), ros2.read),
+        "linuxcnc": (lambda: linuxcnc.write(one, options.units, options.channel), linuxcnc.read),
     }
     if name not in known:
         raise WorkbenchError(f"there is no format '{name}' of a drive; {nearest(name, known)}")
@@ -60,10 +62,10 @@ def _maps(plant: Plant) -> dict[str, tuple[Callable[[], str], Callable[[str], ob
 
 
 def files(
-    formats: Sequence[str], sets: Sequence[Cascade], plant: Plant, told: Told
+    formats: Sequence[str], sets: Sequence[Cascade], plant: Plant, options: FormatOptions
 ) -> tuple[Mapping[str, str], Mapping[str, str]]:
     """Return (file name -> text, format or file -> the sentence by which it was refused)."""
-    wanted = {NAMES.get(n, n): (n, *writer(n, sets, told)) for n in formats}
+    wanted = {NAMES.get(n, n): (n, *writer(n, sets, options)) for n in formats}
     wanted |= {n: (n, *both) for n, both in _maps(plant).items()}
     kept, refused = {}, {}
     for name, (asked, write, read) in wanted.items():

@@ -17,7 +17,7 @@ ENCODERS = ("position", "load_position")
 ORDER = 8  # increments that predict the next one; neither changes any
 BLOCK = 64  # samples over which the scale of what is not predicted is taken: a chirp's is not its beginning's; neither changes any
 PLAIN = 10.0  # t statistic of a shift. Halved, two logs of one robot lose counts, too; doubled, no change
-LEAST = 5.0  # counts of the encoder: reading, dither and an imperfect disc add up to less; neither changes any
+LEAST = 2.5  # counts of the encoder: two readings and their dither add up to less. Doubled, a disc that loses 1 to 5 is not found; halved, no change
 # Power of its t statistic over that of a push, and of a glitch. At most 1 + a_1^2 + ... + a_p^2 can come out, of a slow axis 2 to 3:
 # from 1.0 to 1.75 no campaign changes, at 0.75 (and halved) four sound axes lose counts, at 2.0 (and doubled) neither of the two does
 RATHER = 1.3

@@ -30,8 +30,9 @@ from pathlib import Path
 import numpy as np
 
 from workbench.control import RULES
-from workbench.errors import WorkbenchError, regular
+from workbench.errors import WorkbenchError
 from workbench.exporting.document import FORMAT_VERSION
+from workbench.readers.files import regular
 from workbench.schedule.tables import DRIVE_ROWS, ROWS, Tables
 
 MAGIC = b"WBGAINS\0"

@@ -7,8 +7,9 @@ from pathlib import Path
 import numpy as np
 
 from workbench import __version__
-from workbench.errors import WorkbenchError, regular
+from workbench.errors import WorkbenchError
 from workbench.exporting.changes import digest
+from workbench.readers.files import regular
 from workbench.schedule.tables import Tables, tables
 
 SCHEMA = Path(__file__).with_name("gains.schema.json")

@@ -15,7 +15,7 @@ from workbench.identification.result import Fit
 from workbench.inverse.dynamics import inverse_dynamics
 from workbench.plant import freed
 from workbench.record import Record
-from workbench.tracing import calibration, tracing
+from workbench.tracing import tracing
 from workbench.tracing.budget import BUDGET, Budget
 from workbench.tracing.criteria import Criteria
 from workbench.tracing.result import Trace
@@ -73,14 +73,8 @@ def trace(
     passes = inverse_dynamics(campaign.records, campaign.bandwidth)
     say = progress or (lambda _: None)
     found = tracing.trace(campaign.plant, passes, say, most, only, own, criteria or Criteria(), budget or BUDGET)
-    phases = calibration.calibrations(passes, found)
     measured = {"records": campaign.records, "bandwidth": campaign.bandwidth}
-    return replace(
-        found,
-        before=replace(found.before, **measured),
-        after=replace(found.after, **measured),
-        findings=(*found.findings, *map(calibration.finding, phases)),
-    )
+    return replace(found, before=replace(found.before, **measured), after=replace(found.after, **measured))
 
 
 def diff(before: Measured, after: Measured) -> difference.Difference:

@@ -66,13 +66,12 @@ def tune(
     Raises WorkbenchError for what is no axis of one mass; tuning.OutOfReach where no gains keep the goal.
     """
     from workbench.description.friction import friction_of
-    from workbench.design.design import gains_of
 
     plant = _of_one_mass(model, "tuned")
     if not friction_of(plant)[1] > 0.0:
         raise WorkbenchError("the plant has no inertia above 0; add find('inertia') with its value.")
     goal = goal or TuningGoal(drive=plant.limits.drive, speed=plant.limits.speed)
-    return gains_of(plant, np.asarray(amplitudes, dtype=float), goal, loop, response=response)[1]
+    return tuning.tuned_axis(plant, np.asarray(amplitudes, dtype=float), goal, loop, response=response).gains
 
 
 def fit_schedule(

@@ -9,8 +9,9 @@ from workbench.errors import WorkbenchError, nearest
 from workbench.frequency import Response
 from workbench.front.given import Measured, campaign_of
 from workbench.planning import Plan, Separation
+from workbench.planning.basis import ACCURACY, Basis, basis
 from workbench.record import Record
-from workbench.study.planning import ACCURACY, Basis, basis, parted
+from workbench.tracing.separation import separation_of
 
 Say = Callable[[str], None]
 
@@ -63,7 +64,7 @@ def separate(
     `sentence`, `reference` (the motion). Raises WorkbenchError for an effect that is no candidate, with the nearest names.
     """
     limits = {"low": low, "high": high, "speed": speed, "acceleration": acceleration, "drive": drive}
-    return parted(_within(basis(campaign_of(model, records, bandwidth)), limits), first, second)[0]
+    return separation_of(_within(basis(campaign_of(model, records, bandwidth)), limits), first, second)[0]
 
 
 def _within(start: Basis, limits: dict[str, float | None]) -> Basis:

@@ -70,21 +70,21 @@ def held_out(problem: Problem, solution: Solution, base: float = 0.0, astray: fl
     powers = np.array([target[b] @ target[b] for b in blocks])
     errors = np.empty(len(blocks))
     steps = []
-    for out, rest in parted(len(blocks)):
+    for out, rest in folds_of(len(blocks)):
         d = model.best(grams[rest].sum(axis=0), moments[rest].sum(axis=0))
         steps.append(d[solution.c.size :] / model.norms[solution.c.size :])
         for i in out:
             errors[i] = powers[i] - 2 * d @ moments[i] + d @ grams[i] @ d
     gained, lost = base - solution.cost, errors.sum() - solution.cost
     if solution.theta.size and gained > WORTH * base and lost > astray * gained:
-        for (out, rest), step in zip(parted(len(blocks)), steps, strict=True):
+        for (out, rest), step in zip(folds_of(len(blocks)), steps, strict=True):
             left = followed(problem, solution, step, np.concatenate([np.r_[blocks[i]] for i in rest]))
             for i in out:
                 errors[i] = left[blocks[i]] @ left[blocks[i]]
     return HeldOut(np.maximum(errors, 0.0))
 
 
-def parted(count: int, folds: int = FOLDS) -> list[tuple[np.ndarray, np.ndarray]]:
+def folds_of(count: int, folds: int = FOLDS) -> list[tuple[np.ndarray, np.ndarray]]:
     """Return (blocks that are left out, the rest) of each fold."""
     number = np.arange(count) % folds
     return [(np.flatnonzero(number == k), np.flatnonzero(number != k)) for k in range(min(folds, count))]

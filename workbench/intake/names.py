@@ -79,7 +79,7 @@ class Meaning:
 
 def meaning(name: str, stated: str = "") -> Meaning:
     """Return what a column's name says. stated: the unit that the file itself gives the column, which comes first."""
-    words, text = parted(name)
+    words, text = words_of(name)
     bare = [w for w in words if not (text and w == text.lower())] or words
     by_length = sorted(
         bare, key=lambda w: len(w) == 1
@@ -113,7 +113,7 @@ def _states_unit(text: str) -> bool:
     return text not in ("", "-", "1") and not remark and (bool(words) or text in ("%", "°", "‰"))
 
 
-def parted(name: str) -> tuple[list[str], str]:
+def words_of(name: str) -> tuple[list[str], str]:
     """Return (words in lower case, text in brackets) of a column's name: "Iq_act [A]" gives (["iq", "act"], "A")."""
     bracketed = re.search(r"[\[(]([^\])]*)[\])]", name)
     text = bracketed.group(1).strip() if bracketed else ""

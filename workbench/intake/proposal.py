@@ -8,7 +8,7 @@ import numpy as np
 from workbench.intake import signals
 from workbench.intake.clocks import seconds
 from workbench.intake.columns import Columns, Guess, Scale
-from workbench.intake.names import is_length, kind_of, parted
+from workbench.intake.names import is_length, kind_of, words_of
 from workbench.readers import stem
 from workbench.readers.sampling import TOLERANCE
 from workbench.record import IDENTIFICATION, VALIDATION
@@ -155,7 +155,7 @@ def _entries(columns: Columns, clocks, places, rates, bands) -> tuple[Entry, ...
     """Say what each record is for: by its name, else the one that rests most validates; a single one is parted."""
     if len(clocks) == 1:
         return _parted(columns, clocks[0], signals.resting(places[0], rates[0], bands[0]))
-    named = [k for k, s in enumerate(columns.surveys) if WORDS & set(parted(stem(s.path))[0])]
+    named = [k for k, s in enumerate(columns.surveys) if WORDS & set(words_of(stem(s.path))[0])]
     if named and len(named) < len(clocks):
         reasons = dict.fromkeys(named, "its name says so")
     else:

@@ -5,7 +5,8 @@ from collections.abc import Iterator, Mapping, Sequence
 from math import inf, isfinite
 from pathlib import Path
 
-from workbench.errors import WorkbenchError, nearest, regular
+from workbench.errors import WorkbenchError, nearest
+from workbench.readers.files import regular
 from workbench.units import to_si
 
 KINDS = {bool: "true or false", int: "a number", float: "a number", str: "a text", dict: "a table", list: "a list"}

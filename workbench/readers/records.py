@@ -165,13 +165,7 @@ def _record(one: Table, folder: Path, name: str, channels: Mapping[str, Channel]
     for n in data:
         plausible(name, n, channels[n], data[n], sheet, first)
     time, data, resampled = uniform(name, time, data, lambda k: sheet.place(k + first), resample=resample)
-    counts_from = _counted(one, time)
-    findings = [f for n, c in measured.items() if (f := stated(name, c.column, sheet.units.get(n, ""), c.unit))]
-    findings += [resampled] if resampled else []
-    findings += [Finding(RESAMPLED, name, f"In record '{name}' {note}") for note in sheet.notes]
     start = one.number("start_time_s", float(time[0]))
-    if abs(start - time[0]) > time[1] - time[0]:
-        findings.append(_clock(name, start, time))
     record = Record(
         name=name,
         role=one.text("role"),
@@ -182,9 +176,13 @@ def _record(one: Table, folder: Path, name: str, channels: Mapping[str, Channel]
         resolution={n: c.resolution for n, c in channels.items() if c.resolution},
         motion=one.text("motion"),
         locked=one.flag("load_locked"),
-        counts_from=counts_from,
+        counts_from=_counted(one, time),
         payload=_payload(one, "torque" in channels),
     )
+    findings = [f for n, c in measured.items() if (f := stated(name, c.column, sheet.units.get(n, ""), c.unit))]
+    findings += [resampled] if resampled else []
+    findings += [Finding(RESAMPLED, name, f"In record '{name}' {note}") for note in sheet.notes]
+    findings += [_clock(name, start, time)] if abs(start - time[0]) > time[1] - time[0] else []
     return record, findings
 
 

@@ -18,7 +18,7 @@ from workbench.report.contents import (
     Table,
 )
 from workbench.report.model import parameters
-from workbench.report.wording import ALARMS, listed, said
+from workbench.report.wording import ALARMS, finding_items, listed
 from workbench.tracing.result import CAUSE, CandidateScore, Cause
 from workbench.tracing.smallest import Smallest
 
@@ -37,7 +37,7 @@ def cause(result: StudyResult) -> Chapter:
     if trace.refinements:
         blocks.append(Paragraph("Refinements, too small for a cause, leave the verdict as it is:"))
         blocks.append(Items(tuple(r.sentence for r in trace.refinements)))
-    return Chapter(heading, (*blocks, *said(f for f in trace.findings if f.kind not in ALARMS)))
+    return Chapter(heading, (*blocks, *finding_items(f for f in trace.findings if f.kind not in ALARMS)))
 
 
 def _how(result: StudyResult) -> str:

@@ -15,7 +15,7 @@ from workbench.report.required import required
 from workbench.report.residual import residual
 from workbench.report.residual_maps import where_it_lives
 from workbench.report.unknown import localised, shade
-from workbench.report.wording import said, typeset
+from workbench.report.wording import finding_items, typeset
 
 __all__ = [
     "cause",
@@ -79,7 +79,7 @@ def _with_findings(chapters: list[Chapter], result: StudyResult) -> list[Chapter
 
 
 def _added(chapter: Chapter, findings: list[Finding]) -> Chapter:
-    return replace(chapter, blocks=(*chapter.blocks, *said(findings)))
+    return replace(chapter, blocks=(*chapter.blocks, *finding_items(findings)))
 
 
 def _once(chapters: Iterable[Chapter]) -> tuple[Chapter, ...]:

@@ -3,7 +3,7 @@
 import numpy as np
 
 from workbench.description.result import Equivalent
-from workbench.finding import capital, title
+from workbench.finding import capital
 from workbench.report import figures, numbers
 from workbench.report.contents import Chapter, Figure, Paragraph, StudyResult, Table
 from workbench.report.wording import listed
@@ -14,7 +14,7 @@ ROUNDING = 1e-9  # of the stiffness: a loss of less is what rounding leaves of a
 
 def description(result: StudyResult) -> Chapter:
     """The curves, and a small table of them."""
-    names = listed([title(e.name) for e, _ in result.equivalent])
+    names = listed([e.title for e, _ in result.equivalent])
     text = (
         f"{_lossy(result)} Under a sinusoidal motion of amplitude A, {names} {'acts' if len(result.equivalent) == 1 else 'act'} in the first "
         "harmonic like a spring k\u2091 with a damper c\u2091. A is zero to peak, half of the stroke between reversals. The loss "
@@ -25,7 +25,7 @@ def description(result: StudyResult) -> Chapter:
 
 def _drawn(result: StudyResult) -> Figure:
     """Stiffness and loss over amplitude."""
-    curves = [(title(e.name), q) for e, q in result.equivalent]
+    curves = [(e.title, q) for e, q in result.equivalent]
     heading = _falling(result)
     caption = f"Equivalent stiffness (top) and loss (bottom) over amplitude, of {listed([n for n, _ in curves])}."
     draw = lambda: figures.description(heading, curves, result.plant.rotary)  # noqa: E731
@@ -47,9 +47,9 @@ def _lossy(result: StudyResult) -> str:
         if q.stiffness[i]
     ]
     return (
-        f"The loss of {title(effect.name)} is {listed(ends)}."
+        f"The loss of {effect.title} is {listed(ends)}."
         if ends
-        else f"{capital(title(effect.name))} is no spring, but a loss."
+        else f"{capital(effect.title)} is no spring, but a loss."
     )
 
 
@@ -68,7 +68,7 @@ def _falling(result: StudyResult) -> str:
         return f"Equivalent stiffness hardly changes from {low} to {high}"
     verb = "falls" if ratio > 1 else "rises"
     first, last = (numbers.quantity(float(q.stiffness[i]), f"{result.plant.effort}/{unit}") for i in (0, -1))
-    return f"Stiffness of {title(effect.name)} {verb} from {first} at {low} to {last} at {high}"
+    return f"Stiffness of {effect.title} {verb} from {first} at {low} to {last} at {high}"
 
 
 def _table(result: StudyResult) -> Table:
@@ -81,7 +81,7 @@ def _table(result: StudyResult) -> Table:
             values = (float(q.stiffness[i]), _lost(q, i))
             amplitude = numbers.scaled(float(q.amplitude[i]), result.plant.displacement)
             loss_factor = numbers.number(_lost(q, i) / float(q.stiffness[i]), 2) if q.stiffness[i] else "\u2013"
-            name = capital(title(effect.name)) if k == 0 else ""
+            name = capital(effect.title) if k == 0 else ""
             rows.append((name, amplitude, *map(numbers.number, values), loss_factor))
     columns = (
         "effect",

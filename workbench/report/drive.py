@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from workbench.drive_tuning.beside import Beside
+from workbench.drive_tuning.comparison import ComparedDrive, SizeComparison
 from workbench.drive_tuning.search import DriveGains
 from workbench.plant import Plant
 from workbench.report import numbers
@@ -15,9 +15,10 @@ STYLES = (("scheduled", BEFORE, "--"), ("single", MUTED, ":"), ("sets", AFTER, "
 
 
 def drive_chapter(
-    gains: DriveGains, rows: Sequence[Beside], smooth: tuple[float, float], plant: Plant, scheduled: str, kept: Sequence[str], refused: Mapping[str, str]
-) -> Chapter:  # fmt: skip
-    """Return the chapter. smooth: following errors without and with feed-forward. scheduled: name of the PD schedule. kept: files."""
+    found: ComparedDrive, plant: Plant, scheduled: str, kept: Sequence[str], refused: Mapping[str, str]
+) -> Chapter:
+    """Return the chapter. scheduled: name of the PD schedule. kept: files."""
+    gains, rows, smooth = found.gains, found.sizes, found.following
     blocks = [
         Paragraph(_said(gains, rows) + _followed(gains, smooth, plant)),
         _gains_table(gains, plant),
@@ -33,7 +34,7 @@ def drive_chapter(
     return Chapter("A drive that takes no code", tuple(blocks))
 
 
-def _arrives(rows: Sequence[Beside]) -> str:
+def _arrives(rows: Sequence[SizeComparison]) -> str:
     """Say on how many of the moves the drive's own gains come within 1 %."""
     came = sum(np.isfinite(r.sets.time) for r in rows)
     return (
@@ -41,7 +42,7 @@ def _arrives(rows: Sequence[Beside]) -> str:
     )
 
 
-def _said(gains: DriveGains, rows: Sequence[Beside]) -> str:
+def _said(gains: DriveGains, rows: Sequence[SizeComparison]) -> str:
     """What the drive comes to, what it was stated to be, and how its gains were found."""
     lag, n = gains.closed.lag, len(gains.notches)
     notches = ", ".join(
@@ -89,7 +90,7 @@ def _gains_table(gains: DriveGains, plant: Plant) -> Table:
     return Table(columns, rows, "Gains of the drive, in SI; its files hold them in its own units.", "rrrrrr")
 
 
-def _beside_table(rows: Sequence[Beside], plant: Plant, scheduled: str) -> Table:
+def _beside_table(rows: Sequence[SizeComparison], plant: Plant, scheduled: str) -> Table:
     """The worst arrival of each size under all three."""
     kinds = ("scheduled", "single", "sets") if len(rows) > 1 else ("scheduled", "sets")
     cells = tuple(
@@ -111,7 +112,7 @@ def _text(value: float, unit: str) -> str:
     return numbers.scaled(value, unit) if np.isfinite(value) else "never"
 
 
-def _figure(gains: DriveGains, rows: Sequence[Beside], plant: Plant, scheduled: str) -> Figure:
+def _figure(gains: DriveGains, rows: Sequence[SizeComparison], plant: Plant, scheduled: str) -> Figure:
     """Time and error over the size of the move."""
     settled = {k: sum(np.isfinite(getattr(r, k).time) for r in rows) for k, _, _ in STYLES}
     heading = (

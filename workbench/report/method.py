@@ -3,7 +3,6 @@
 from importlib.metadata import version
 
 from workbench import __version__
-from workbench.finding import title
 from workbench.report import numbers
 from workbench.report.contents import CODE, Chapter, Equation, Items, Marked, Paragraph, StudyResult, Table
 
@@ -77,7 +76,7 @@ def _sources(result: StudyResult) -> tuple[str, ...]:
     cited = {}
     for effect in result.trace.after.plant.effects:
         if effect.source:
-            cited.setdefault(effect.source, []).append(title(effect.name))
+            cited.setdefault(effect.source, []).append(effect.title)
     methods = METHODS if result.equivalent else METHODS[:-1]
     return (*methods, *(f"{source} ({', '.join(names)})." for source, names in cited.items()))
 

@@ -2,13 +2,13 @@
 
 from collections.abc import Collection, Mapping, Sequence
 
-from workbench.finding import Finding, title
+from workbench.finding import Finding
 from workbench.identification.findings import DISAGREE
 from workbench.identification.result import Estimate, Fit
 from workbench.plant import MASSES, Plant
 from workbench.report import numbers
 from workbench.report.contents import BAD, CODE, QUIET, Chapter, Heading, Marked, Paragraph, StudyResult, Table
-from workbench.report.wording import listed, said
+from workbench.report.wording import finding_items, listed
 
 Spread = Mapping[str, tuple[float, float]]
 
@@ -57,13 +57,13 @@ def _on_parameters(findings: Sequence[Finding]) -> tuple:
     """Return the findings on parameters under their headings; nothing where there are none."""
     differ = [f for f in findings if f.kind == DISAGREE]
     rest = [f for f in findings if f.kind != DISAGREE]
-    blocks = (Heading("Where the records disagree"), *said(differ)) if differ else ()
-    return blocks + ((Heading("What these records do not determine"), *said(rest)) if rest else ())
+    blocks = (Heading("Where the records disagree"), *finding_items(differ)) if differ else ()
+    return blocks + ((Heading("What these records do not determine"), *finding_items(rest)) if rest else ())
 
 
 def _effects(plant: Plant, caption: str) -> Table:
     """Which effects a plant holds, where they act, and their laws."""
-    rows = tuple((title(e.name), e.at, Marked(e.formula, CODE), e.cause) for e in plant.effects)
+    rows = tuple((e.title, e.at, Marked(e.formula, CODE), e.cause) for e in plant.effects)
     return Table(("effect", "at", "law", "cause"), rows, caption, "llwp")
 
 

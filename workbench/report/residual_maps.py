@@ -1,6 +1,7 @@
 """Where the residual lives: small multiples of its mean and size over everything that it may follow, before and after."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -39,11 +40,12 @@ def where_it_lives(found: Sequence[ResidualMaps], unknown: Sequence[Block] = (),
         "rest, it is the one whose variance differs most likely from the rest's."
     )
     blocks = [*unknown]
-    for k, w in enumerate(found):
+    every = [_words(w) for w in found]
+    for k, (w, words) in enumerate(zip(found, every, strict=True)):
         if w.of == "angle":
             blocks += [Heading("In the angle of the joint"), Paragraph(ANGLE + _balanced(w))]
-        blocks += [Items(tuple(_told(w))), *([] if k else [Paragraph(text)])]
-        blocks += [*_drawn(w, shade if w.of != "angle" else None), _ways(w)]
+        blocks += [Items(tuple(_told(w, words))), *([] if k else [Paragraph(text)])]
+        blocks += [*_drawn(w, words, shade if w.of != "angle" else None), _ways(w)]
     return Chapter("Where the residual lives", tuple(blocks))
 
 
@@ -56,6 +58,23 @@ def _balanced(w: ResidualMaps) -> str:
     return f" The load's balance leaves {listed(texts)}, in per cent of the joint's torque." if texts else ""
 
 
+@dataclass(frozen=True)
+class Words:
+    """What is said of the window in each coordinate: of the declared model's residual, and of the extended one's."""
+
+    before: Mapping[str, str]
+    after: Mapping[str, str]
+
+
+def _words(w: ResidualMaps) -> Words:
+    """Return what is said of each window."""
+    every = [
+        {p.coordinate: sentence(p, _name(w), span(p.low, p.high, p.unit)) for p in residual.windows} if residual else {}
+        for residual in (w.before, w.after)
+    ]
+    return Words(*every)
+
+
 def _name(w: ResidualMaps) -> str:
     return "residual" if w.of in ("torque", "force") else f"{w.of} residual"
 
@@ -64,7 +83,7 @@ def _standing(w: ResidualMaps) -> list[Window]:
     return [p for p in w.before.windows if p.stands_out]
 
 
-def _told(w: ResidualMaps) -> list[str]:
+def _told(w: ResidualMaps, words: Words) -> list[str]:
     """Return sentences: what the residual follows most, and the windows that stand out."""
     best = _ranked(w)[0]
     share = w.before.explained(best)
@@ -74,7 +93,7 @@ def _told(w: ResidualMaps) -> list[str]:
         ]
     else:
         texts = [f"No coordinate explains more than {numbers.percent(max(share, 1e-3))} of the {_name(w)}'s power."]
-    texts += [f"{capital(sentence(p, _name(w), span))}{_later(w, p)}." for p in _standing(w)[:NAMED]]
+    texts += [f"{capital(words.before[p.coordinate])}{_later(w, words, p)}." for p in _standing(w)[:NAMED]]
     return texts
 
 
@@ -91,33 +110,33 @@ def _then(w: ResidualMaps, coordinate: str) -> str:
     return f", and {numbers.percent(w.after.explained(coordinate))} of what the extended model leaves"
 
 
-def _later(w: ResidualMaps, p: Window) -> str:
+def _later(w: ResidualMaps, words: Words, p: Window) -> str:
     """Return whether a window stands out in the extended model's residual too."""
     if w.after is None:
         return ""
     other = w.after.window(p.coordinate)
     if other is None or not other.stands_out:
         return "; in the extended model's residual nothing stands out there"
-    return f"; for the extended model {sentence(other, _name(w), span)}"
+    return f"; for the extended model {words.after[p.coordinate]}"
 
 
-def _drawn(w: ResidualMaps, shade: Shade | None = None) -> list[Figure]:
+def _drawn(w: ResidualMaps, words: Words, shade: Shade | None = None) -> list[Figure]:
     """Return the figures of one residual."""
     coordinates = [c for c in dict.fromkeys(m.coordinate for m in w.before.maps) if c not in (DIRECTION, TIME)]
     rows = {"place": [c for c in coordinates if c in PLACES], "motion": [c for c in coordinates if c not in PLACES]}
-    made = [_multiples(w, kind, chosen, shade) for kind, chosen in rows.items()]
+    made = [_multiples(w, words, kind, chosen, shade) for kind, chosen in rows.items()]
     if w.before.over(TIME):
-        made.append(_over_time(w, shade))
+        made.append(_over_time(w, words, shade))
     return [*made, _spectra(w)]
 
 
-def _heading(w: ResidualMaps, coordinates: Sequence[str]) -> str:
+def _heading(w: ResidualMaps, words: Words, coordinates: Sequence[str]) -> str:
     """Return which coordinate the residual follows; where it follows none closely, the window that stands out most."""
     best = max(coordinates, key=w.before.explained)
     share = w.before.explained(best)
     places = [p for p in _standing(w) if p.coordinate in coordinates]
     if places and share < CLOSELY:
-        return capital(sentence(places[0], _name(w), span))
+        return capital(words.before[places[0].coordinate])
     if share < FOLLOWS:
         return f"The {_name(w)} follows none of these: {numbers.percent(share)} of its power at most"
     return f"{capital(best)} and the way of motion explain {numbers.percent(share)} of the {_name(w)}'s power{_then(w, best)}"
@@ -127,10 +146,12 @@ def _both(w: ResidualMaps) -> str:
     return "of the declared and the extended model" if w.after else "of the declared model"
 
 
-def _multiples(w: ResidualMaps, kind: str, coordinates: Sequence[str], shade: Shade | None = None) -> Figure:
+def _multiples(
+    w: ResidualMaps, words: Words, kind: str, coordinates: Sequence[str], shade: Shade | None = None
+) -> Figure:
     """Return one figure: a row a coordinate, backward motion on the left and forward motion on the right."""
     shade = shade if shade and shade.coordinate in coordinates else None
-    title = shade.title if shade else _heading(w, coordinates)
+    title = shade.title if shade else _heading(w, words, coordinates)
     others = "; ".join(f"{c} explains {numbers.percent(w.before.explained(c))}" for c in coordinates)
     caption = (
         f"Residual of the {w.of} over {listed(coordinates)}: mean with two standard errors (line and area) and rms (dotted), "
@@ -164,7 +185,7 @@ def _ways(w: ResidualMaps) -> Table:
     return Table(columns, tuple(rows), caption, "lr" + "rr" * len(found))
 
 
-def _over_time(w: ResidualMaps, shade: Shade | None = None) -> Figure:
+def _over_time(w: ResidualMaps, words: Words, shade: Shade | None = None) -> Figure:
     """Return the residual on each record over time."""
     records = [m.record for m in w.before.over(TIME)]
     place = w.before.window(TIME)
@@ -172,7 +193,7 @@ def _over_time(w: ResidualMaps, shade: Shade | None = None) -> Figure:
     if shade:
         title = shade.title
     else:
-        title = capital(sentence(place, _name(w), span)) if place and place.stands_out else _falling(w)
+        title = capital(words.before[TIME]) if place and place.stands_out else _falling(w)
     return Figure(
         f"where_{w.of}_time",
         lambda: figures.over_time(title, w, shade),

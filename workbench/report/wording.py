@@ -52,7 +52,7 @@ def bound(text: str) -> str:
     return text.replace("<=", "\u2264").replace(">=", "\u2265").replace("!=", "\u2260")
 
 
-def said(findings: Iterable[Finding]) -> tuple[Items, ...]:
+def finding_items(findings: Iterable[Finding]) -> tuple[Items, ...]:
     """Return findings as a list of sentences, each with what would change it; nothing where there are none."""
     texts = [f.sentence + (f" What would change it: {f.remedy.rstrip('.')}." if f.remedy else "") for f in findings]
     return (Items(tuple(texts)),) if texts else ()

@@ -6,7 +6,7 @@ the data likeliest: the largest N ln s^2 - n ln s_in^2 - (N - n) ln s_out^2 with
 Source: Kulldorff, Huang and Konty 2009 (a scan statistic for continuous data based on the normal model), for variances.
 """
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 
@@ -15,8 +15,6 @@ from workbench.residual.window import DIRECTIONS, EITHER, Window
 
 MOST = 0.5  # of the samples that a window may hold
 QUIET = 1e-300
-
-Shown = Callable[[float, float, str], str]
 
 
 def _windows(m: Map) -> tuple[np.ndarray, ...]:
@@ -81,13 +79,11 @@ def explained(group: Sequence[Map]) -> float:
     return max(known / total, 0.0) if total > 0.0 else 0.0
 
 
-def _plain(low: float, high: float, unit: str) -> str:
-    """Return "between 1.2 and 1.5 rad"."""
-    return f"between {low:.3g} and {high:.3g} {unit}"
+def sentence(p: Window, of: str = "residual", span: str = "") -> str:
+    """Return "the residual is 4 times larger between 1.2 and 1.5 rad when moving forward", or that none stands out.
 
-
-def sentence(p: Window, of: str = "residual", shown: Shown = _plain) -> str:
-    """Return "the residual is 4 times larger between 1.2 and 1.5 rad when moving forward", or that none stands out."""
+    of: what it is called. span: where, in words; in three digits of SI units where absent.
+    """
     if not p.stands_out:
         over = {DIRECTION: "ways of motion", TIME: "times and records"}.get(p.coordinate, f"of the {p.coordinate}")
         return f"the {of} is about the same over all {over}"
@@ -96,7 +92,7 @@ def sentence(p: Window, of: str = "residual", shown: Shown = _plain) -> str:
             w for k, w in enumerate(("moving backward", "at rest", "moving forward")) if p.low < k - 1 < p.high
         )
         return f"the {of} is {p.times:.2g} times larger when {where}"
-    span = shown(p.low, p.high, p.unit)
+    span = span or f"between {p.low:.3g} and {p.high:.3g} {p.unit}"
     way = f" when moving {DIRECTIONS[p.direction]}" if p.direction else ""
     return f"the {of} is {p.times:.2g} times larger {span}{_named(p)}{way}"
 

@@ -6,7 +6,8 @@ from pathlib import Path
 
 import numpy as np
 
-from workbench.errors import WorkbenchError, nearest, regular
+from workbench.errors import WorkbenchError, nearest
+from workbench.readers.files import regular
 from workbench.robustness.cases import Cases
 from workbench.robustness.document import number, of_work, work_of
 from workbench.robustness.workload import KEPT, Block, Columns, Work

@@ -8,7 +8,7 @@ HELD = {
     "Part": "outcome",
     "Requirement": "configuration",
     "Study": "configuration",
-    "campaign_of": "running",
+    "campaign_of": "configuration",
     "limit_cycles": "limit_cycle",
     "run": "running",
     "steps_of": "running",

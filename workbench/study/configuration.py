@@ -1,15 +1,18 @@
 """study.toml: what a study asks, and what it must reach."""
 
+import ast
 import os
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from math import isfinite
 from pathlib import Path
 
+from workbench.campaign import FILE as CAMPAIGN
 from workbench.errors import WorkbenchError, nearest
 from workbench.readers.declaration import Table, read
 
 FILE = "study.toml"
+STEPS = "study.py"
 DATA = "WORKBENCH_DATA"
 KEYS = ("question", "answer", "campaign", "data", "describe", "requirements", "words")
 CONTROL = (
@@ -106,7 +109,7 @@ class Study:
         return file
 
 
-def there(path: Path) -> bool:
+def _there(path: Path) -> bool:
     """Whether a path is a file that can be looked at: none has a name of 300 characters."""
     try:
         return path.is_file()
@@ -117,7 +120,7 @@ def there(path: Path) -> bool:
 def find(name: str) -> Path:
     """Return the folder of a study given as a path or as a name under studies/."""
     for folder in (Path(name), Path("studies") / name):
-        if there(folder / FILE):
+        if _there(folder / FILE):
             return Path(os.path.abspath(folder))
     known = sorted(p.parent.name for p in Path("studies").glob(f"*/{FILE}"))
     raise WorkbenchError(
@@ -125,18 +128,28 @@ def find(name: str) -> Path:
     )
 
 
-def load(folder: Path, further: tuple[str, ...] = ()) -> Study:
-    """Return the study of a folder. further: tables of study.toml that the study's own steps read.
+def campaign_of(name: str) -> Path:
+    """Return the campaign's folder of a study given by path or name, or the folder itself where it is a campaign.
 
-    Raises WorkbenchError naming the file and key.
+    WorkbenchError where it is neither, or a study without a campaign.
     """
-    top = read(folder / FILE, ("title",), (*KEYS, *CONTROL, *SERIES, *further))
-    campaign = None
-    if "campaign" in top:
-        text = top.text("campaign")
-        campaign = (folder / text).resolve()
-        if not (campaign / "campaign.toml").is_file():
-            raise WorkbenchError(f"{top.path('campaign')}: there is no campaign.toml in '{text}'.")
+    if _there(Path(name) / CAMPAIGN):
+        return Path(name)
+    if _there(Path(name)):
+        raise WorkbenchError(f"'{name}' is a file; name the folder that holds {CAMPAIGN} and its records.")
+    try:
+        folder = find(name)
+    except WorkbenchError as e:
+        raise WorkbenchError(f"'{name}' is no folder with a {CAMPAIGN}, and {e}") from None
+    _, campaign = _declared(folder)
+    if campaign is None:
+        raise WorkbenchError(f"study '{folder.name}' reads its data in its own steps; it has no campaign.")
+    return campaign
+
+
+def load(folder: Path) -> Study:
+    """Return the study of a folder. Raises WorkbenchError naming the file and key."""
+    top, campaign = _declared(folder)
     measured, words = top.named("data"), top.named("words")
     files = {key: measured.table(key, ("path", "sha256")) for key in measured.values}
     data = {key: (one.text("path"), one.text("sha256")) for key, one in files.items()}
@@ -154,6 +167,46 @@ def load(folder: Path, further: tuple[str, ...] = ()) -> Study:
         folder, folder.name, top.text("title"), top.text("question"), top, campaign, data, describe, requirements(top),
         answer=top.text("answer") if "answer" in top else "", words={name: words.text(name) for name in words.values},
     )  # fmt: skip
+
+
+def _declared(folder: Path) -> tuple[Table, Path | None]:
+    """Return a study's study.toml, whose keys the workbench knows or the study's own steps, and its campaign's folder, None without."""
+    further = _further_keys(folder)
+    top = read(folder / FILE, ("title",), (*KEYS, *CONTROL, *SERIES, *further))
+    if "campaign" not in top:
+        return top, None
+    text = top.text("campaign")
+    campaign = (folder / text).resolve()
+    if not (campaign / CAMPAIGN).is_file():
+        raise WorkbenchError(f"{top.path('campaign')}: there is no {CAMPAIGN} in '{text}'.")
+    return top, campaign
+
+
+def _further_keys(study_folder: Path) -> tuple[str, ...]:
+    """Tables of study.toml that the study's own steps read: FURTHER = (...) in its study.py, read without running it.
+
+    WorkbenchError where it is no Python, or FURTHER no tuple of names.
+    """
+    path = study_folder / STEPS
+    if not path.is_file():
+        return ()
+    try:
+        tree = ast.parse(path.read_bytes(), str(path))
+    except (SyntaxError, ValueError, RecursionError, MemoryError) as e:
+        line = f", line {e.lineno}" if getattr(e, "lineno", None) else ""
+        raise WorkbenchError(f"{path}{line}: is no valid Python ({getattr(e, 'msg', e)}); mend it there.") from e
+    for node in tree.body:
+        if isinstance(node, ast.Assign) and any(getattr(t, "id", "") == "FURTHER" for t in node.targets):
+            try:
+                names = ast.literal_eval(node.value)
+            except (ValueError, TypeError, SyntaxError, RecursionError, MemoryError):
+                names = None
+            if not isinstance(names, (tuple, list)) or not all(isinstance(n, str) for n in names):
+                raise WorkbenchError(
+                    f'{path}, line {node.lineno}: FURTHER must be a tuple of names of tables in quotes, such as ("rig",).'
+                )
+            return tuple(names)
+    return ()
 
 
 def requirements(top: Table) -> tuple[Requirement, ...]:

@@ -14,25 +14,11 @@ from workbench.simulation import Criteria, Loop
 from workbench.task.task import Task, Weights
 from workbench.tuning import TuningGoal
 from workbench.units import effect_unit
-from workbench.verification.assumed import COUNTS, lasting
+from workbench.verification.assumed import COUNTS, Shown, lasting
 
 RANGE = ("lowest", "highest", "count")  # of [tuning]
 AMPLITUDES = 24  # at which gains are tuned, where a study states no other number
 LEAST = 1e-5  # of the step: the lowest amplitude where the encoder has no counts
-
-
-@dataclass(frozen=True)
-class Shown:
-    """What records show of all that a study may leave out, SI. loop: at their rate. start, step: a move within their travel.
-
-    speed: the largest. record: whose they are.
-    """
-
-    loop: Loop
-    start: float
-    step: float
-    speed: float
-    record: str
 
 
 @dataclass(frozen=True, eq=False)

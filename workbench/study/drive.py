@@ -27,19 +27,17 @@ from dataclasses import dataclass
 from math import inf, pi
 from pathlib import Path
 
-from workbench.checking.modes import resonances
 from workbench.control.drive import MOST
 from workbench.design.design import Designed
-from workbench.drive_tuning.beside import beside, following
-from workbench.drive_tuning.search import NUMBERS, STRATEGY, ClosedDrive, DriveGains, Strategy, tune_drive
-from workbench.drives import Cascade, Units
+from workbench.drive_tuning.comparison import compared_drive
+from workbench.drive_tuning.search import NUMBERS, STRATEGY, ClosedDrive, Strategy
+from workbench.drives import Units
 from workbench.drives.elmo import SETS
-from workbench.drives.files import Told, files, writer
+from workbench.drives.files import FormatOptions, files, writer
 from workbench.drives.objects import Object
+from workbench.drives.tuned import cascades
 from workbench.errors import WorkbenchError
 from workbench.finding import Finding
-from workbench.frequency import Response
-from workbench.frequency.notch import Notch, notch_for
 from workbench.plant import Plant
 from workbench.readers.declaration import Table
 from workbench.record import Record
@@ -59,11 +57,11 @@ REFUSED = "drive refuses"
 
 @dataclass(frozen=True)
 class Stated:
-    """What [drive] says. formats: to be written. told: what they need besides the gains."""
+    """What [drive] says. formats: to be written. options: what they need besides the gains."""
 
     closed: ClosedDrive
     formats: tuple[str, ...]
-    told: Told
+    options: FormatOptions
     seed: int
 
 
@@ -85,13 +83,13 @@ def stated(top: Table, plant: Plant, count: float) -> Stated:
     )
     turn = 2.0 * pi if plant.rotary else 1.0
     units = Units(one.number("counts", turn / count if count else 0.0), one.number("amps", 0.0, above=-1e-300))
-    told = Told(units, _objects(one), one.text("integral", "1/s"), one.text("channel", "pid.x"), one.text("joint", "axis"))  # fmt: skip
+    options = FormatOptions(units, _objects(one), one.text("integral", "1/s"), one.text("channel", "pid.x"), one.text("joint", "axis"))  # fmt: skip
     for name in formats:
         try:
-            writer(name, (None,), told)
+            writer(name, (None,), options)
         except WorkbenchError as error:
             raise WorkbenchError(f"{one.path('formats')}: {error}") from error
-    return Stated(closed, tuple(dict.fromkeys(formats)), told, int(one.number("seed", 1, above=-1)))
+    return Stated(closed, tuple(dict.fromkeys(formats)), options, int(one.number("seed", 1, above=-1)))
 
 
 def _whole(one: Table, key: str, default: int, most: int) -> int:
@@ -129,77 +127,22 @@ def _objects(one: Table) -> tuple[Object, ...]:
     return tuple(found)
 
 
-def _notches_for(
-    records: Sequence[Record], plant: Plant, bandwidth: float, most: int
-) -> tuple[Response | None, tuple[Notch, ...]]:
-    """Return (measured response where it shows a mode, a notch for each of the modes that rise most)."""
-    rigid = plant
-    for e in plant.effects:
-        rigid = rigid.without(e.key) if e.name == "flexible_mode" else rigid
-    response, modes = resonances(records, rigid, bandwidth) if records else (None, [])
-    if not modes:
-        return None, ()
-    highest = sorted(modes, key=lambda m: -m.rise)[:most]
-    return response, tuple(notch_for(m) for m in sorted(highest, key=lambda m: m.frequency))
-
-
-def cascades(gains: DriveGains, plant: Plant) -> tuple[Cascade, ...]:
-    """Return the sets as a closed drive is told them."""
-    limits = plant.limits
-    return tuple(
-        Cascade(
-            *map(float, point), limits.speed, limits.drive, gains.mass, 0.0, gains.forward, plant.rotary, gains.notches
-        )
-        for point in gains.points
-    )
-
-
 def driven(study: Study, task: Task, made: Designed, records: Sequence[Record], bandwidth: float, rule: str, say, budget: Strategy = STRATEGY) -> Part:  # fmt: skip
     """Tune the drive that a study states, hold it beside the scheduled PD, and write its files."""
-    plant = task.plant
+    plant, name = task.plant, f"scheduled PD ({rule})"
     given = stated(study.table, plant, task.loop.count)
     say("tuning the closed drive's gains")
-    response, notches = _notches_for(records, plant, bandwidth, given.closed.notches)
-    g = made.gains
-    gains = tune_drive(
-        given.closed, task, made.equivalent, (g.amplitude, g.kp, g.kd), notches=notches, measured=response, seed=given.seed,
-        budget=budget,
+    found = compared_drive(
+        given.closed, task, made.equivalent, made.gains, made.tuned[name].controller,
+        records=records, bandwidth=bandwidth, seed=given.seed, budget=budget,
     )  # fmt: skip
-    name = f"scheduled PD ({rule})"
-    rows = beside(gains, made.tuned[name].controller)
-    kept, refused = files(given.formats, cascades(gains, plant), plant, given.told)
+    kept, refused = files(given.formats, cascades(found.gains, plant), plant, given.options)
     findings = tuple(Finding(REFUSED, format, sentence, {}, "") for format, sentence in refused.items())
-    smooth = following(gains)
-    figures, units = _figures_of(gains, rows, smooth, plant)
-    chapter = drive_chapter(gains, rows, smooth, plant, name, tuple(kept), refused)
+    chapter = drive_chapter(found, plant, name, tuple(kept), refused)
+    units = dict.fromkeys(("drive_final_error", "drive_following_error"), plant.displacement) | {"drive_step_time": "s"}
+    table = found.as_dict | {"files": list(kept), "refused": dict(refused)}
 
     def write(folder: Path) -> None:
         write_together(folder / FOLDER, {n: t.encode() for n, t in kept.items()})
 
-    return Part(figures, units, (chapter,), findings, {"drive": _table(gains, rows, kept, refused)}, (write,))
-
-
-def _figures_of(gains: DriveGains, rows, smooth: tuple[float, float], plant: Plant) -> tuple[dict, dict]:
-    """Return (figures, units) by which a study may be judged."""
-    figures = {
-        "drive_sensitivity_peak": float(gains.sensitivity.max()),
-        "drive_final_error": rows[-1].sets.error,
-        "drive_following_error": smooth[1],
-        "drive_step_time": rows[-1].sets.time,
-    }
-    return figures, {
-        "drive_final_error": plant.displacement,
-        "drive_following_error": plant.displacement,
-        "drive_step_time": "s",
-    }
-
-
-def _table(gains: DriveGains, rows, kept, refused) -> dict:
-    """What results.json holds of the drive."""
-    return {
-        "sets": [dict(zip(NUMBERS, map(float, p), strict=True)) | {"move": float(s), "sensitivity": float(m)} for s, p, m in zip(gains.sizes, gains.points, gains.sensitivity, strict=True)],
-        "notches": [vars(n) for n in gains.notches],
-        "forward": gains.forward, "mass": gains.mass, "points_tried": gains.tried,
-        "beside": [{"size": r.size} | {k: vars(getattr(r, k)) for k in ("scheduled", "single", "sets")} for r in rows],
-        "files": list(kept), "refused": dict(refused),
-    }  # fmt: skip
+    return Part(found.figures, units, (chapter,), findings, {"drive": table}, (write,))

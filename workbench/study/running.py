@@ -13,10 +13,8 @@ from workbench.keeping import FOLDER as KEPT
 from workbench.keeping import keeping
 from workbench.outputs import replaceable, whole
 from workbench.study import configuration, stamp
-from workbench.study.configuration import Study
+from workbench.study.configuration import STEPS, Study
 from workbench.study.outcome import Outcome
-
-STEPS = "study.py"
 
 
 @dataclass(frozen=True)
@@ -68,56 +66,6 @@ def own_faults(study_folder: Path) -> Iterator[None]:
         raise WorkbenchError(f"{text}; mend the study's own steps there.") from e
 
 
-def further_keys(study_folder: Path) -> tuple[str, ...]:
-    """Tables of study.toml that the study's own steps read: FURTHER = (...) in its study.py, read without running it.
-
-    WorkbenchError where it is no Python, or FURTHER no tuple of names.
-    """
-    import ast
-
-    path = study_folder / STEPS
-    if not path.is_file():
-        return ()
-    try:
-        tree = ast.parse(path.read_bytes(), str(path))
-    except (SyntaxError, ValueError, RecursionError, MemoryError) as e:
-        line = f", line {e.lineno}" if getattr(e, "lineno", None) else ""
-        raise WorkbenchError(f"{path}{line}: is no valid Python ({getattr(e, 'msg', e)}); mend it there.") from e
-    for node in tree.body:
-        if isinstance(node, ast.Assign) and any(getattr(t, "id", "") == "FURTHER" for t in node.targets):
-            try:
-                names = ast.literal_eval(node.value)
-            except (ValueError, TypeError, SyntaxError, RecursionError, MemoryError):
-                names = None
-            if not isinstance(names, (tuple, list)) or not all(isinstance(n, str) for n in names):
-                raise WorkbenchError(
-                    f'{path}, line {node.lineno}: FURTHER must be a tuple of names of tables in quotes, such as ("rig",).'
-                )
-            return tuple(names)
-    return ()
-
-
-def campaign_of(name: str) -> Path:
-    """Return the campaign's folder of a study given by path or name, or the folder itself where it is a campaign.
-
-    WorkbenchError where it is neither, or a study without a campaign.
-    """
-    from workbench.campaign import FILE
-
-    if configuration.there(Path(name) / FILE):
-        return Path(name)
-    if configuration.there(Path(name)):
-        raise WorkbenchError(f"'{name}' is a file; name the folder that holds {FILE} and its records.")
-    try:
-        folder = configuration.find(name)
-    except WorkbenchError as e:
-        raise WorkbenchError(f"'{name}' is no folder with a {FILE}, and {e}") from None
-    study = configuration.load(folder, further_keys(folder))
-    if study.campaign is None:
-        raise WorkbenchError(f"study '{study.name}' reads its data in its own steps; it has no campaign.")
-    return study.campaign
-
-
 def _input_files(study: Study) -> list[Path]:
     """Files outside the study's folder that its results depend on."""
     found = [study.measured(key) for key in study.data]
@@ -132,7 +80,7 @@ def run(name: str, out: Path | None = None, say: Callable[[str], None] = lambda 
     scheduler: address of a cluster for what is many; the numbers are the same without it.
     """
     folder = configuration.find(name)
-    study = replace(configuration.load(folder, further_keys(folder)), scheduler=scheduler)
+    study = replace(configuration.load(folder), scheduler=scheduler)
     place = out or folder.parent.parent / "reports" / study.name
     digest = stamp.inputs(folder, _input_files(study))
     replaceable(place, stamp.FILE)
@@ -159,13 +107,12 @@ def _written(study: Study, outcome, place: Path, digest: str, say: Callable[[str
 
     judged = results.checks(study, outcome)
     from workbench.report import write as write_report
-    from workbench.residual.residual_maps import as_list
     from workbench.study.reporting import headline, list_again, report_of
     from workbench.tracing.output import write as write_trace
 
     say("writing the report")
     with whole(place, stamp.FILE) as beside:
-        write_trace(outcome.trace, beside, {"where": as_list(outcome.residual_maps)} if outcome.residual_maps else {})
+        write_trace(outcome.trace, beside, outcome.residual_maps)
         for writer in outcome.files:
             writer(beside)
         report = report_of(study, outcome, judged, beside, _input_files(study))

@@ -72,8 +72,10 @@ def run(study: Study, say: Say) -> Outcome:
     passes = inverse_dynamics(campaign.records, campaign.bandwidth)
     shown = None
     if "task" in study.table:
-        from workbench.study.control import check_plant, shown_by, with_control
+        from workbench.design.possible import check_plant
+        from workbench.study.control import with_control
         from workbench.study.controlling import control_of
+        from workbench.verification.assumed import shown_by
 
         shown = shown_by(campaign.plant, passes)
         early(check_plant, campaign.plant, say)

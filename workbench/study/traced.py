@@ -1,20 +1,19 @@
 """`workbench trace`: a campaign's trace with its page, written whole."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import replace
 from pathlib import Path
 
 from workbench.campaign import FILE as CAMPAIGN
-from workbench.campaign import Campaign
+from workbench.campaign import Campaign, load
 from workbench.errors import WorkbenchError
-from workbench.inverse.dynamics import InverseDynamics, inverse_dynamics
+from workbench.inverse.dynamics import inverse_dynamics
 from workbench.outputs import replaceable, whole
 from workbench.report import write as write_page
 from workbench.report.closed_loop import absent, heading
 from workbench.report.closed_loop import closing as closing_chapter
 from workbench.report.contents import Recorded, StudyResult
-from workbench.residual.residual_maps import as_list, load_as_dict, map_residual
-from workbench.tracing.calibration import as_dict, calibrations, finding
+from workbench.residual.residual_maps import ResidualMaps, map_residual
+from workbench.study.configuration import campaign_of
 from workbench.tracing.output import write
 from workbench.tracing.result import Trace
 from workbench.tracing.tracing import trace
@@ -29,37 +28,36 @@ FOLDER = "campaign"  # a study's records, by whose name nobody knows them: the s
 QUESTION = "Does the declared model lack an effect, and if so, which, where does it show, and what is it worth?"
 
 
-def run(campaign: Campaign, out: Path, say: Say = lambda _: None, closing: bool = True) -> Trace:
+def run(
+    campaign: Campaign | str, out: Path, say: Say = lambda _: None, *, closing: bool = True, resample: bool = False
+) -> tuple[Campaign, Trace]:
     """Trace a campaign and write trace.json, predictions, trace.html and trace.pdf into `out`, whole or not at all.
 
-    closing: whether the loop is closed with what was found, in simulation.
+    campaign: or its folder, or a study of one by path or name. closing: whether the loop is closed with what was found, in
+    simulation. resample: as of `load`. Returns the campaign as read, and its trace.
     """
+    folder = campaign_of(campaign) if isinstance(campaign, str) else None
     if (out / CAMPAIGN).exists():
         raise WorkbenchError(
             f"{out} holds a {CAMPAIGN}; name another folder to write into, a campaign is not replaced."
         )
     replaceable(out, FILE)
+    campaign = load(folder, resample=resample) if folder else campaign
     passes = inverse_dynamics(campaign.records, campaign.bandwidth)
     found = trace(campaign.plant, passes, say)
-    phases = calibrations(passes, found)
-    found = replace(found, findings=(*found.findings, *map(finding, phases)))
+    maps = map_residual(passes, found.before, found.extended)
     closed = closed_loop(campaign, found, say) if closing and found.causes else None
     say("writing the page")
-    result = _page(campaign, passes, found, closed)
-    more = {
-        "nrmse_load": load_as_dict(result.residual_maps),
-        "where": as_list(result.residual_maps),
-        "calibrations": [as_dict(c) for c in phases],
-        "closed_loop": {"missing": closed} if isinstance(closed, str) else closed and loop_as_dict(closed),
-    }
     with whole(out, FILE) as beside:
-        write(found, beside, more)
-        write_page(result, beside, "trace")
-    return found
+        page = _page(campaign, found, maps, closed)
+        loop = {"missing": closed} if isinstance(closed, str) else closed and loop_as_dict(closed)
+        write(found, beside, maps, {"closed_loop": loop})
+        write_page(page, beside, "trace")  # which carries trace.json
+    return campaign, found
 
 
 def _page(
-    campaign: Campaign, passes: Sequence[InverseDynamics], found: Trace, closed: ClosedLoop | str | None = None
+    campaign: Campaign, found: Trace, maps: Sequence[ResidualMaps], closed: ClosedLoop | str | None = None
 ) -> StudyResult:
     """Return what the page of a trace is made of. closed: the loop, a sentence why there is none, or None."""
     chapters = ()
@@ -77,7 +75,7 @@ def _page(
         trace=found,
         findings=(*campaign.findings, *found.findings, *found.after.findings),
         chapters=chapters,
-        residual_maps=map_residual(passes, found.before, found.extended),
+        residual_maps=tuple(maps),
         kind="Trace of campaign",
         command=f"workbench trace {f'{folder.parent.name}/{FOLDER}' if folder.name == FOLDER else folder.name}",
         answer=f"{heading(found, closed)}." if isinstance(closed, ClosedLoop) else "",

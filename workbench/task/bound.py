@@ -3,6 +3,7 @@
 from dataclasses import replace
 
 import numpy as np
+from scipy.integrate import cumulative_trapezoid
 
 from workbench.description.friction import friction_of
 from workbench.inverse.forces import force_along
@@ -53,8 +54,10 @@ def time_optimal(
     if np.any(speeding <= 0.0):
         v = v[: np.argmax(speeding <= 0.0)]
         speeding, braking = speeding[: v.size], braking[: v.size]
-    run_up, run_down = _distance(v, speeding), _distance(v, braking)
-    time_up, time_down = _time(v, speeding), _time(v, braking)
+    # from rest to each speed: the distance is the integral of v/a dv, the time that of 1/a dv
+    run_up, run_down, time_up, time_down = (
+        cumulative_trapezoid(y, v, initial=0.0) for y in (v / speeding, v / braking, 1.0 / speeding, 1.0 / braking)
+    )
     total = run_up + run_down
     if total[-1] >= step:  # the speed limit is not reached: switch where both branches meet
         top = float(np.interp(step, total, v))
@@ -65,15 +68,3 @@ def time_optimal(
     # the last stretch, inside the band, does not count
     crossing = float(np.interp(band * step, run_down, v))
     return rise + fall - float(np.interp(crossing, v, time_down))
-
-
-def _distance(v: np.ndarray, acceleration: np.ndarray) -> np.ndarray:
-    """Distance from rest to each speed: integral of v/a dv."""
-    y = v / acceleration
-    return np.concatenate([[0.0], np.cumsum(np.diff(v) * (y[1:] + y[:-1]) / 2)])
-
-
-def _time(v: np.ndarray, acceleration: np.ndarray) -> np.ndarray:
-    """Time from rest to each speed: integral of 1/a dv."""
-    y = 1.0 / acceleration
-    return np.concatenate([[0.0], np.cumsum(np.diff(v) * (y[1:] + y[:-1]) / 2)])

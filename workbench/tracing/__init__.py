@@ -9,7 +9,7 @@ HELD = {
     "Evidence": "evidence",
     "Trace": "result",
     "Verdict": "decide",
-    "calibrations": "calibration",
+    "calibrate": "power_up",
     "trace": "tracing",
     "write": "output",
 }

@@ -5,6 +5,7 @@
 | does the angle between two encoders say that one is late? | cause, whatever else |
 | do the counts that an encoder lost take more of the drive than any cause, and at least `explainable`? | unknown |
 | a correction within the fixed value's tolerance, or an effect (a correction beyond its tolerance) below the practical size, or below `explainable` with values that no machine has? | refinement |
+| a further one that takes less than `lesser` of what the largest cause takes, on validation less than the practical size, or says the curve that a larger one says? | refinement |
 | does the error grow on validation, or does the effect explain nearly nothing there? | not borne out |
 | is what they take of a window of the stroke paid for with residual elsewhere? | unknown |
 | has what takes most values that no machine has, and leaves `beside` explainable? | unknown |
@@ -45,7 +46,7 @@ class Verdict:
 
 def decide(evidence: Evidence, criteria: Criteria) -> Verdict:
     """Return the verdict on this evidence."""
-    roles = tuple(_role(a, criteria) for a in evidence.added)
+    roles = _lesser(evidence.added, tuple(_role(a, criteria) for a in evidence.added), criteria)
     causes = [a for a, r in zip(evidence.added, roles, strict=True) if r == CAUSE]
     spread = evidence.traded or (evidence.place_instead and not _little_left(evidence, criteria))
     if causes and (spread or _doubtful(evidence, causes, criteria) or not _answers(evidence, causes, criteria)):
@@ -98,6 +99,18 @@ def _role(a: Weighed, criteria: Criteria) -> str:
     if _beyond(a) < (criteria.explainable if a.implausible else criteria.practical):
         return REFINEMENT
     return CAUSE
+
+
+def _lesser(added: tuple[Weighed, ...], roles: tuple[str, ...], criteria: Criteria) -> tuple[str, ...]:
+    """Return the roles with those for refinements that only make up for the law of the largest cause."""
+    largest = max((a.size(IDENTIFICATION) for a, r in zip(added, roles, strict=True) if r == CAUSE), default=0.0)
+    small = (
+        a.same_curve
+        or a.size(IDENTIFICATION) < criteria.lesser * largest
+        or (a.size(IDENTIFICATION) < largest and a.size(VALIDATION) < criteria.practical)
+        for a in added
+    )
+    return tuple(REFINEMENT if r == CAUSE and s else r for r, s in zip(roles, small, strict=True))
 
 
 def _beyond(a: Weighed) -> float:

@@ -51,7 +51,8 @@ class Weighed:
     no machine's, "" where they may be. load_before, load_after: of two masses, error of the load's balance over the joint's torque;
     what acts behind the joint shows there, and need not show in the drive. outside, outside_error: its multiplier by what is outside
     the loop, and that one's standard error (`outside.multiplier`). power_up: whether its phase on validation is one of its
-    own, with which `after` is then.
+    own, with which `after` is then. same_curve: whether a larger addition says the same curve (a joint has one of torque over
+    angle), so that this one only bends its law.
     """
 
     effect: str
@@ -66,6 +67,7 @@ class Weighed:
     load_before: Mapping[str, float] = field(default_factory=dict)
     load_after: Mapping[str, float] = field(default_factory=dict)
     power_up: bool = False
+    same_curve: bool = False
     outside: float = float("nan")
     outside_error: float = float("inf")
 

@@ -16,7 +16,7 @@ from math import sqrt
 
 import numpy as np
 
-from workbench.identification.cross_validation import Deviations, parted
+from workbench.identification.cross_validation import Deviations, folds_of
 from workbench.inverse.dynamics import InverseDynamics
 from workbench.motion import MOTION_BAND, LowPass
 from workbench.tracing.criteria import Criteria
@@ -60,7 +60,7 @@ def _unseen(state: State) -> np.ndarray:
     grams = np.array([model.columns[b].T @ model.columns[b] for b in blocks])
     moments = np.array([model.columns[b].T @ residual[b] for b in blocks])
     found = np.array(residual)
-    for out, rest in parted(len(blocks), FOLDS):
+    for out, rest in folds_of(len(blocks), FOLDS):
         d = model.best(grams[rest].sum(axis=0), moments[rest].sum(axis=0))
         for i in out:
             found[blocks[i]] -= model.columns[blocks[i]] @ d

@@ -70,7 +70,7 @@ def _named(causes: Sequence[Cause], plant: Plant) -> list[str]:
 def _name_of(c: Cause, plant: Plant) -> str:
     """Return the name of a cause, with its place where the plant has another effect of this name."""
     alike = [e for e in plant.effects if e.named == c.effect]
-    return f"{title(c.effect)} at the {c.at}" if len(alike) > 1 else title(c.effect)
+    return f"{c.title} at the {c.at}" if len(alike) > 1 else c.title
 
 
 def _at_least(floor: float) -> str:
@@ -96,7 +96,7 @@ def _caused(causes: Sequence[Cause], before: Fit, after: Fit, evidence: Evidence
     if refined is None:
         return said
     return (
-        f"{said} With the free form of a declared law that is only nearly right, too, they are {100 * refined.validation:.2f} % and "
+        f"{said} With the refinements, too, they are {100 * refined.validation:.2f} % and "
         f"{100 * refined.identification:.2f} %."
     )
 

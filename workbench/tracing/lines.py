@@ -8,7 +8,7 @@ import numpy as np
 MAINS = (50.0, 60.0)  # Hz
 NEAR = 0.005  # relative distance within which a line is a multiple of these: grids keep to 0.4 %
 # Power of what the model asks for over the residual's, in such a line, below which the axis does not feel it: a force that a drive
-# knows nothing of asks for as much. Half and twice of it change no verdict
+# knows nothing of asks for as much. Halved or doubled, as NEAR, it changes no line of 232 axes; three have hum, of 0.3 to 28 % of what is left
 FELT = 0.25
 
 

@@ -1,15 +1,16 @@
 """trace.json and the predictions beside it."""
 
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from math import isfinite
 from pathlib import Path
-from types import MappingProxyType
 
 import numpy as np
 
 from workbench.identification.result import Estimate, Fit
 from workbench.record import IDENTIFICATION, VALIDATION
+from workbench.residual.residual_maps import ResidualMaps, as_list, load_as_dict
+from workbench.tracing import calibration
 from workbench.tracing.result import Cause, Refinement, Trace
 
 FORMAT = 1
@@ -132,13 +133,23 @@ def as_dict(trace: Trace, predictions: dict[str, str]) -> dict:
     }
 
 
-def write(trace: Trace, folder: Path, more: Mapping[str, object] = MappingProxyType({})) -> None:
-    """Write trace.json and predictions/<record>.csv into an existing folder. more: further keys of trace.json."""
+def write(
+    trace: Trace, folder: Path, maps: Sequence[ResidualMaps] = (), further: Mapping[str, object] | None = None
+) -> None:
+    """Write trace.json and predictions/<record>.csv into an existing folder.
+
+    maps: of the residual. further: keys of trace.json behind the trace's own; None where it stands beside a study's results, which
+    hold the errors of the load and the calibrations.
+    """
+    more = {"where": as_list(maps)} if maps else {}
+    if further is not None:
+        phases = [calibration.as_dict(c) for c in trace.calibrations]
+        more = {"nrmse_load": load_as_dict(maps), **more, "calibrations": phases, **further}
     paths = {}
     (folder / "predictions").mkdir()
     for name, prediction in sorted(trace.after.predictions.items()):
         paths[name] = f"predictions/{name}.csv"
         rows = np.column_stack([trace.after.series[name].time, prediction])
         np.savetxt(folder / paths[name], rows, fmt="%.9g", delimiter=",", header="time_s,prediction", comments="")
-    text = json.dumps(as_dict(trace, paths) | dict(more), indent=1, allow_nan=False)
+    text = json.dumps(as_dict(trace, paths) | more, indent=1, allow_nan=False)
     (folder / "trace.json").write_text(text + "\n", encoding="utf-8")

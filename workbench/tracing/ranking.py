@@ -3,10 +3,10 @@
 By gain; of those that explain practically the same the simplest leads, and no effect leads that by its values is another one.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
-from workbench.definition import TIME, catalogue, simpler
+from workbench.definition import TIME, TWO_COUNTS, Effect, catalogue
 from workbench.effects.free_bank import NAME as FREE_CURVE
 from workbench.identification.cross_validation import gain
 from workbench.plant import TWO_MASS
@@ -18,7 +18,7 @@ from workbench.tracing.plausible import implausible
 from workbench.tracing.state import Refitted, State
 
 BEHIND = 0.4  # of the best one's gain, below which a candidate is not
-NEUTRAL = 0.05  # relative distance within which a parameter stands at the value of a simpler law
+NEUTRAL = 0.1  # relative distance within which a parameter stands at the value of a simpler law. Halved, a gap with soft flanks is two springs
 # Orders of one mechanism are those of its shafts and teeth: two stand as small numbers. What lives in position without being
 # periodic is dressed by waves whose orders do not. Halved, orders 5 and 6 of a shaft are strangers; doubled, nearly none are.
 SMALL = 6
@@ -177,7 +177,7 @@ def _reduced(j: ScoredCandidate, state: State) -> str | None:
     around = {n: (p.value - near[n], p.value + near[n]) for n, p in effect.parameters.items()}
     # nor is a gap a gap that is short beside the presliding length
     length = effect.parameters["x0"].value if "x0" in effect.parameters else 0.0
-    return simpler(effect, around, max(counts, 0.5 * NEUTRAL * length))
+    return _simpler(effect, around, max(counts, 0.5 * NEUTRAL * length))
 
 
 def absurd(j: ScoredCandidate, state: State) -> bool:
@@ -196,3 +196,21 @@ def alike(best: ScoredCandidate, other: ScoredCandidate, criteria: Criteria, pow
     small = other.errors.total - best.errors.total <= criteria.practical**2 * power
     level = further <= max(criteria.alike * scatter, criteria.share) or small
     return level and best.candidate.gain > criteria.share
+
+
+def _simpler(effect: Effect, intervals: Mapping[str, tuple[float, float]], counts: float) -> str | None:
+    """Return the name of the simpler effect that this one is, "" where it is none at all, None where it is itself.
+
+    intervals: inside parameter -> (low, high), SI; a parameter without one stands at its value. counts: the encoder's step, SI.
+    A parameter is neutral where its interval holds the neutral value or, of TWO_COUNTS, reaches down to two counts. A composite
+    of which every part is gone is none at all.
+    """
+    found = []
+    for name, (neutral, left) in effect.reduces.items():
+        value = effect.parameters[name].value
+        low, high = intervals.get(name, (value, value))
+        if low <= 2.0 * counts if neutral == TWO_COUNTS else low <= neutral <= high:
+            found.append(left)
+    if not found:
+        return None
+    return "" if len(effect.parts) > 1 and len(found) == len(effect.parts) else found[0]

@@ -9,14 +9,15 @@ from workbench.identification.result import Estimate, Fit
 from workbench.inverse.dynamics import InverseDynamics
 from workbench.plant import Plant
 from workbench.record import IDENTIFICATION
-from workbench.tracing.calibration import withheld
+from workbench.tracing import calibration
+from workbench.tracing.candidates import ADDITION, without
 from workbench.tracing.criteria import Criteria
 from workbench.tracing.decide import CAUSE, NOTHING, UNKNOWN, Verdict
-from workbench.tracing.decimation import decimate
 from workbench.tracing.evidence import Evidence, Weighed
 from workbench.tracing.headline import verdict_sentence
 from workbench.tracing.judge import Progress, ScoredCandidate, shown
 from workbench.tracing.mending import Mended
+from workbench.tracing.power_up import calibrations, withheld
 from workbench.tracing.result import CandidateScore, Cause, Refinement, Trace
 from workbench.tracing.rivals import experiment, rivals
 from workbench.tracing.selection import Selection
@@ -32,13 +33,14 @@ from workbench.tracing.wording import cause, findings_of, refinement
 @dataclass(frozen=True, eq=False)
 class Declared:
     """declared: the plant as declared. plant: with the clock that the angle between two encoders says is late, held. whole: the
-    identification records. before: the fit of the declared plant, where there is such a clock. idle: a finding that the fit
+    identification records; thinned: the same at the lowest rate. before: the fit of the declared plant, where there is such a clock. idle: a finding that the fit
     lets the joint carry nothing. lost: counts that an encoder loses, which are put back in all that follows. sticks: where it
     does, if that is most of the residual."""
 
     declared: Plant
     plant: Plant
     whole: Sequence[InverseDynamics]
+    thinned: Sequence[InverseDynamics]
     skew: Skew | None = None
     before: Fit | None = None
     idle: Finding | None = None
@@ -93,11 +95,13 @@ def reported(o: Outcome, progress: Progress) -> Trace:
     if late.skew:
         first = [clock(late.skew, late.before, o.fits[0])]
         after = replace(after, estimates=_with_clock(after.estimates, late.skew))
+    phases = calibrations(after.plant, causes, o.passes, o.criteria)
     after, causes = withheld(after, causes, o.passes), [*first, *causes]
     before = late.lost.before if late.lost else late.before or o.fits[0]
     shows = shown(selected.steps[0].judgements)
-    refined = after if after.rms != o.fits[-1].rms else None
-    sentence = verdict_sentence(o.verdict.verdict, causes, before, o.fits[-1], evidence, lives, late.lost, refined)
+    alone = _of_causes(o)
+    refined = after if after.rms != alone.rms else None
+    sentence = verdict_sentence(o.verdict.verdict, causes, before, alone, evidence, lives, late.lost, refined)
     lost = late.lost.finding if late.lost and o.verdict.verdict != UNKNOWN else None
     idle = [f for f in (late.idle, lost, late.sticks and late.sticks.finding) if f]
     return Trace(
@@ -109,12 +113,13 @@ def reported(o: Outcome, progress: Progress) -> Trace:
         before,
         after,
         evidence.floor,
-        (*idle, *findings_of(o.verdict, evidence, causes, late.plant, o.criteria)),
+        (*idle, *findings_of(o.verdict, evidence, causes, late.plant, o.criteria), *map(calibration.finding, phases)),
         described(lives, evidence, late.lost),
         shows,
         refinements=tuple(refinements),
         evidence=evidence,
         criteria=o.criteria,
+        calibrations=phases,
     )
 
 
@@ -134,7 +139,7 @@ def _residual_place(o: Outcome) -> Unexplained | None:
     """Return where the residual lives that no effect explains. At rest, too: a slip or a knock need not wait for motion."""
     if o.place:
         return o.place
-    declared = State(o.late.plant, decimate(o.late.whole))
+    declared = State(o.late.plant, o.late.thinned)
     return unexplained(declared, {p.motion.record.name: max(declared.steady, 1e-300) for p in o.passes})
 
 
@@ -168,6 +173,18 @@ def _described_rivals(made: Cause, j: ScoredCandidate, o: Outcome, progress: Pro
     level = min(o.confirmed.levels.values())
     apart = experiment(answer.last.plant, o.late.plant, j, others[0], o.late.whole, level) if others else ""
     return replace(made, rivals=tuple(k.candidate.effect for k in others), experiment=apart)
+
+
+def _of_causes(o: Outcome) -> Fit:
+    """Return the fit with the causes alone, without what is a refinement beside them; the last fit where there is none, or no cause."""
+    fit = o.fits[-1]
+    keys = {e.key for e in fit.plant.effects}
+    every = [j.suspect for j, _ in o.standing if o.role(j) != CAUSE and j.suspect.kind == ADDITION]
+    lesser = [s for s in every if s.key in keys]
+    plant = fit.plant
+    for suspect in lesser:
+        plant = without(plant, suspect, o.selected.base.plant)
+    return identify(plant, o.passes) if lesser else fit
 
 
 def _refined(fit: Fit, selected: Selection, passes: Sequence[InverseDynamics]) -> Fit:

@@ -7,6 +7,7 @@ from workbench.finding import Finding, title
 from workbench.identification.result import Estimate, Fit
 from workbench.notebook import page
 from workbench.plant import Plant
+from workbench.tracing.calibration import Calibration
 from workbench.tracing.criteria import Criteria
 from workbench.tracing.decide import CAUSE, NOTHING, UNKNOWN
 from workbench.tracing.evidence import ADDITION, Evidence
@@ -99,7 +100,7 @@ class Trace:
     steps: the ranked candidates of every step (one list an addition tried). before, after: fits of the declared and of
     the extended plant. floor: role -> nrmse that encoder resolution and torque noise alone would leave. unknown: where what
     no effect explains lives. smallest: of each kind, the smallest effect that the records could have shown. refinements: what is
-    too small to be a cause. evidence, criteria: what the decision rests on.
+    too small to be a cause. evidence, criteria: what the decision rests on. calibrations: of periodic causes whose phase is a power-up's.
     """
 
     verdict: str
@@ -116,6 +117,7 @@ class Trace:
     refinements: tuple[Refinement, ...] = ()
     evidence: Evidence | None = None
     criteria: Criteria = Criteria()
+    calibrations: tuple[Calibration, ...] = ()
 
     @property
     def located(self) -> dict[str, object]:

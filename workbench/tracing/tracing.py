@@ -112,14 +112,14 @@ def _late_encoder(
     plant: Plant, passes: Sequence[InverseDynamics], whole: Sequence[InverseDynamics], only: Collection[str] | None
 ) -> Declared:
     """Ask the angle between two encoders before anything in torque, and whether the joint then carries anything."""
+    thinned = decimate(whole)
     if plant.kind != TWO_MASS:
-        return Declared(plant, plant, whole)
-    thinned = decimate(whole) if only is None or "clock_skew" in only else []
-    skew = skew_of(thinned, plant)
+        return Declared(plant, plant, whole, thinned)
+    skew = skew_of(thinned, plant) if only is None or "clock_skew" in only else None
     here = skew.suspect.plant if skew else plant
     before = identify(plant, passes) if skew else None
     fit = identify(here, passes)
-    return Declared(plant, here, whole, skew, before, idle(passes, fit.plant))
+    return Declared(plant, here, whole, thinned, skew, before, idle(passes, fit.plant))
 
 
 def _evidence_of(

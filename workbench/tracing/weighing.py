@@ -3,22 +3,25 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
+from workbench.definition import catalogue
 from workbench.identification.result import Fit
 from workbench.inverse.carrying import load_errors
 from workbench.inverse.dynamics import InverseDynamics
 from workbench.plant import TWO_MASS, Plant
-from workbench.record import ROLES, VALIDATION
+from workbench.record import IDENTIFICATION, ROLES, VALIDATION
 from workbench.residual.noise_floor import noise_rms
-from workbench.tracing.calibration import calibrate, periodic
 from workbench.tracing.criteria import Criteria
-from workbench.tracing.evidence import CORRECTION, Weighed
+from workbench.tracing.evidence import ADDITION, CORRECTION, Weighed
 from workbench.tracing.judge import ScoredCandidate
 from workbench.tracing.near_law import NAME
 from workbench.tracing.outside import multiplier
 from workbench.tracing.plausible import implausible
+from workbench.tracing.power_up import calibrate, periodic
 from workbench.tracing.result import Refinement
 from workbench.tracing.selection import Selection
 from workbench.tracing.whole import in_turn
+
+ONE_CURVE = ("joint stiffness",)  # families of which a place has one curve, whatever laws make it up
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,7 +79,18 @@ def weighed(
             **_outside(fits[i].plant, fits[i + 1].plant, selected.declared.passes),
         )
         found.append(_phased(w, fits[i + 1], key, passes) if present else w)
-    return tuple(found)
+    return tuple(replace(w, same_curve=_bends(w, found)) for w in found)
+
+
+def _bends(w: Weighed, found: Sequence[Weighed]) -> bool:
+    """Whether an addition only bends the law of a larger one: both are of a family of which a place has one curve."""
+
+    def family(x: Weighed) -> str:
+        return catalogue()[x.effect.partition(" ")[0]].family if x.kind == ADDITION else ""
+
+    own = family(w)
+    larger = (x for x in found if x is not w and x.at == w.at and x.size(IDENTIFICATION) >= w.size(IDENTIFICATION))
+    return own in ONE_CURVE and any(family(x) == own for x in larger)
 
 
 def _outside(before: Plant, after: Plant, passes: Sequence[InverseDynamics]) -> dict[str, float]:

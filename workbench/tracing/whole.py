@@ -15,7 +15,9 @@ from workbench.tracing.candidates import brought
 from workbench.tracing.judge import FURTHER, ScoredCandidate
 
 SETTLED = 1e-5  # relative decrease of the cost at which a fit on whole records is as good as it is compared
-FALLS = 0.05  # of what two balances leave, by which it falls plainly; all additions together take that much more than those that stand alone
+# Of what two balances leave, by which it falls plainly; all additions together take that much more than those that stand alone. Of 232 axes
+# five asked so, and took 13 % and more: neither halved nor doubled it changes any
+FALLS = 0.05
 RISEN = 1.05  # of the drive's error, from which it has plainly risen
 
 

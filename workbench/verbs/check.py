@@ -18,7 +18,7 @@ def declare(verbs) -> None:
 
 def do(given: argparse.Namespace) -> int:
     from workbench.checking.checking import check
-    from workbench.study.running import campaign_of
+    from workbench.study.configuration import campaign_of
 
     folder = campaign_of(given.study)
     with Progress() as say:

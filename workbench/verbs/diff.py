@@ -23,7 +23,7 @@ def do(given: argparse.Namespace) -> int:
     from workbench.difference.output import JSON, write
     from workbench.front.fitting import diff
     from workbench.outputs import replaceable, whole
-    from workbench.study.running import campaign_of
+    from workbench.study.configuration import campaign_of
 
     if given.out:
         replaceable(given.out, JSON)

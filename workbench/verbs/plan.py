@@ -82,9 +82,9 @@ def _separate(given: argparse.Namespace, basis, say) -> int:
     from workbench.planning.following import followed, with_effect
     from workbench.planning.output import FIGURE, JSON, TRAJECTORY, write_separation
     from workbench.report.trajectory import figure
-    from workbench.study.planning import parted
+    from workbench.tracing.separation import separation_of
 
-    found, plant, a, sensing = parted(basis, *given.separate)
+    found, plant, a, sensing = separation_of(basis, *given.separate)
     passes = followed(found.reference, with_effect(plant, a), sensing) if found.apart else None
     with whole(given.out, JSON) as beside:
         write_separation(beside, found, passes, plant.rotary, basis.sample_time)

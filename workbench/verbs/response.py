@@ -29,7 +29,7 @@ def do(given: argparse.Namespace) -> int:
     from workbench.front.motions import response as response_of
     from workbench.outputs import replaceable, whole
     from workbench.report.response import figure
-    from workbench.study.running import campaign_of
+    from workbench.study.configuration import campaign_of
 
     replaceable(given.out, JSON)
     campaign = load(campaign_of(given.campaign))

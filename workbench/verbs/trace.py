@@ -21,14 +21,10 @@ def declare(verbs) -> None:
 
 
 def do(given: argparse.Namespace) -> int:
-    from workbench.campaign import load
-    from workbench.study.running import campaign_of
     from workbench.study.traced import run
 
-    folder = campaign_of(given.campaign)
-    campaign = load(folder, resample=given.resample)
     with Progress("trace", given.campaign) as say:
-        found = run(campaign, given.out, say, closing=not given.no_close)
+        campaign, found = run(given.campaign, given.out, say, closing=not given.no_close, resample=given.resample)
     print(found.sentence)
     for finding in (*campaign.findings, *found.findings):
         print(f"- {finding.sentence}")

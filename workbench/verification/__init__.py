@@ -7,6 +7,7 @@ HELD = {
     "ClosedLoop": "closed_loop",
     "Comparison": "compare",
     "Contest": "contest",
+    "Judged": "judged",
     "Promise": "promise",
     "Recommended": "recommend",
     "Result": "contest",

@@ -1,6 +1,7 @@
 """The loop that is assumed where nothing is known of the bench's own: its rate, its step, and what gains must be robust on."""
 
-from dataclasses import replace
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from math import ceil, isfinite
 
 import numpy as np
@@ -9,8 +10,9 @@ from workbench.definition import FORCE
 from workbench.description.friction import equivalent_of, friction_of
 from workbench.design.families.linear import Judge, Linear, TwoMasses
 from workbench.errors import WorkbenchError
+from workbench.inverse.dynamics import InverseDynamics
 from workbench.plant import ONE_MASS, SENSORS, TWO_MASS, Plant
-from workbench.record import Record
+from workbench.record import VALIDATION, Record
 from workbench.simulation import Loop
 from workbench.task.task import Task
 
@@ -18,6 +20,27 @@ SUBSTEP = 2.5e-4  # s, at most
 STROKE = 0.5  # of the record's travel, that the step goes, from a quarter of it on
 LASTS, REST = 5.0, 0.3  # of the time-optimal bound, and s beside, that a step is simulated for
 COUNTS = 10.0  # of the amplitude at which presliding is described
+
+
+@dataclass(frozen=True)
+class Shown:
+    """What records show of all that a study may leave out, SI. loop: at their rate. start, step: a move within their travel.
+
+    speed: the largest. record: whose they are.
+    """
+
+    loop: Loop
+    start: float
+    step: float
+    speed: float
+    record: str
+
+
+def shown_by(plant: Plant, passes: Sequence[InverseDynamics]) -> Shown:
+    """Return what records show of a controller's half: loop, move and speed, by the first that validates."""
+    record = next((p.motion.record for p in passes if p.motion.record.role == VALIDATION), passes[0].motion.record)
+    speed = max(float(np.abs(p.motion.v).max()) for p in passes)
+    return Shown(loop_of(record), *_move_of(plant, record), speed, record.name)
 
 
 def loop_of(record: Record) -> Loop:
@@ -28,12 +51,12 @@ def loop_of(record: Record) -> Loop:
 
 def task_of(plant: Plant, record: Record, loop: Loop) -> Task:
     """Return the step that gains are tuned for: half of the record's travel, in the middle of it."""
-    start, step = move_of(plant, record)
+    start, step = _move_of(plant, record)
     task = Task(plant, loop, step, REST, start=start)
     return replace(task, duration=lasting(task))
 
 
-def move_of(plant: Plant, record: Record) -> tuple[float, float]:
+def _move_of(plant: Plant, record: Record) -> tuple[float, float]:
     """Return (start, step) of a move over half of a record's travel, in the middle of it, rad or m."""
     q = record.channels[SENSORS[plant.kind == TWO_MASS]]
     travel = float(np.ptp(q))

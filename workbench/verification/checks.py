@@ -5,13 +5,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from workbench.description.friction import friction_of
-from workbench.design.design import described_at
 from workbench.errors import WorkbenchError
-from workbench.plant import Plant
 from workbench.schedule import BetweenKnots, Passivity, Schedule, between_knots, fewest_knots, passivity
 from workbench.simulation import Loop
-from workbench.tuning import Gains, TuningGoal
+from workbench.tuning import Gains, TunedAxis, TuningGoal
 from workbench.tuning.axis import Axis
 from workbench.tuning.margins import margins
 
@@ -42,23 +39,20 @@ class Checks:
 
 
 def checked(
-    plant: Plant,
-    equivalent,
-    gains: Gains,
+    axis: TunedAxis,
     schedule: Schedule,
     goal: TuningGoal,
     loop: Loop,
     tolerances: Sequence[float] = TOLERANCES,
 ) -> Checks:
-    """Check a schedule on the plant that `gains` were tuned for, described over amplitude by `equivalent`."""
-    _, inertia, viscous = friction_of(plant)
-    at = described_at(plant, equivalent, gains, loop)
-    axis = Axis.of(at(schedule.knots), inertia, viscous, loop)
-    kp, kd = schedule.kp / axis.unit_kp, schedule.kd / axis.unit_kd
-    gain, phase = margins(kp, kd, axis.steps(kp), axis.clock)
+    """Check a schedule on the axis whose gains were tuned at its amplitudes."""
+    inertia, viscous, at = axis.rigid.inertia, axis.rigid.viscous, axis.described(loop.resolution)
+    at_knots = Axis.of(at(schedule.knots), inertia, viscous, loop)
+    kp, kd = schedule.kp / at_knots.unit_kp, schedule.kd / at_knots.unit_kd
+    gain, phase = margins(kp, kd, at_knots.steps(kp), at_knots.clock)
     between = between_knots(schedule, at, inertia, loop, viscous=viscous, sensitivity=goal.sensitivity, points=3)
     moving = passivity(replace(schedule, rule="following"), at, inertia, viscous=viscous)
-    return Checks(schedule, gain, phase, between, moving, tuple(_length(gains, loop, t) for t in tolerances))
+    return Checks(schedule, gain, phase, between, moving, tuple(_length(axis.gains, loop, t) for t in tolerances))
 
 
 def _length(gains: Gains, loop: Loop, tolerance: float) -> Length:

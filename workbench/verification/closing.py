@@ -29,7 +29,7 @@ def lacking(plant: Plant, record: Record | None) -> str:
 
 def closed_loop(campaign: Campaign, found: Trace, say: Callable[[str], None]) -> ClosedLoop | str:
     """Return the loop closed with what a trace found, on the validation record whose name comes first, or the sentence why it is not."""
-    record = min(campaign.with_role(VALIDATION), key=lambda r: r.name, default=None)
+    record = min((r for r in campaign.records if r.role == VALIDATION), key=lambda r: r.name, default=None)
     if missing := lacking(campaign.plant, record):
         return missing
     say("closing the loop")

@@ -6,9 +6,8 @@ import numpy as np
 
 from workbench.control import FeedForward, grid
 from workbench.control.laws import ERROR, FOLLOWING, FROZEN
-from workbench.description import Equivalent
 from workbench.description.friction import friction_of
-from workbench.design.design import BRAKING, REACHED, gains_of, linear_of
+from workbench.design.design import BRAKING, REACHED, linear_of
 from workbench.design.families.family import (
     Family,
     cascade_family,
@@ -24,20 +23,19 @@ from workbench.plant import Plant
 from workbench.schedule import Schedule, fit_schedule
 from workbench.task.bound import sliding_torque
 from workbench.task.task import Task
-from workbench.tuning import Gains, TuningGoal
+from workbench.tuning import TunedAxis, TuningGoal, tuned_axis
 
 SLOWEST = 1e-3  # of the speed limit: first knot of the friction that is fed forward
 
 
 @dataclass(frozen=True, eq=False)
 class Controllers:
-    """equivalent, gains: at the tuned amplitudes. schedule: through the gains. linear: what sensitivities are asked of.
+    """axis: described and tuned at its amplitudes. schedule: through these gains. linear: what sensitivities are asked of.
     feed_forward: of the model. families: of every controller that is tuned."""
 
     plant: Plant
     goal: TuningGoal
-    equivalent: Equivalent
-    gains: Gains
+    axis: TunedAxis
     schedule: Schedule
     linear: Linear
     feed_forward: FeedForward
@@ -59,7 +57,8 @@ def controllers_of(
 ) -> Controllers:
     """Describe the plant, tune gains at amplitudes (n,), fit the schedule, and make the families of all controllers."""
     loop, step = task.loop, task.step
-    equivalent, gains = gains_of(plant, amplitudes, goal, loop)
+    axis = tuned_axis(plant, amplitudes, goal, loop)
+    gains = axis.gains
     schedule = fit_schedule(
         gains,
         per_octave=per_octave,
@@ -70,7 +69,7 @@ def controllers_of(
         plant_lines=plant.digest_lines(),
         loop=loop,
     )
-    linear = linear_of(plant, equivalent, loop)
+    linear = linear_of(axis.rigid, axis.equivalent, loop)
     speed = REACHED * plant.limits.speed
     middle = int(np.argmin(np.abs(np.log(amplitudes / (1e-2 * step)))))
     kp, kd = float(gains.kp[middle]), float(gains.kd[middle])
@@ -93,4 +92,4 @@ def controllers_of(
     families = tuple(
         shaped(make, linear, BEGUN * loop.sample_time) for make in makers
     )  # the paper's laws have no notch
-    return Controllers(plant, goal, equivalent, gains, schedule, linear, known, families)
+    return Controllers(plant, goal, axis, schedule, linear, known, families)

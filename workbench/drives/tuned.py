@@ -1,0 +1,16 @@
+"""Gains that were tuned for a closed drive, as its files are told them."""
+
+from workbench.drive_tuning.search import DriveGains
+from workbench.drives.gains import Cascade
+from workbench.plant import Plant
+
+
+def cascades(gains: DriveGains, plant: Plant) -> tuple[Cascade, ...]:
+    """Return the sets as a closed drive is told them."""
+    limits = plant.limits
+    return tuple(
+        Cascade(
+            *map(float, point), limits.speed, limits.drive, gains.mass, 0.0, gains.forward, plant.rotary, gains.notches
+        )
+        for point in gains.points
+    )

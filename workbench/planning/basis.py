@@ -1,0 +1,51 @@
+"""What a plan starts from: a campaign with every value free and fitted, its limits, and how well its log sees."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from workbench.campaign import Campaign
+from workbench.identification.fit import fitted_on, identify
+from workbench.identification.result import Fit
+from workbench.inverse.dynamics import InverseDynamics, inverse_dynamics
+from workbench.planning.envelope import Envelope, Sensing, envelope_of, load_rest, sensing_of
+from workbench.plant import freed
+from workbench.record import IDENTIFICATION
+from workbench.residual.noise_floor import noise_rms
+
+ACCURACY = 0.02  # of every parameter's value, where none is asked for
+
+
+@dataclass(frozen=True, eq=False)
+class Basis:
+    """fit: of the plant with every value free. load: rms that it leaves of the load's balance, 0 of one mass. excess: what it leaves of the
+    drive over what noise and encoder counts alone would. sample_time: s, at which the drive reads a reference. accuracy: a share."""
+
+    campaign: Campaign
+    passes: tuple[InverseDynamics, ...]
+    fit: Fit
+    envelope: Envelope
+    sensing: Sensing
+    sample_time: float
+    accuracy: float
+    load: float
+    excess: float
+
+
+def basis(campaign: Campaign, say: Callable[[str], None] = lambda _: None) -> Basis:
+    """Return what a plan for a campaign starts from, within the limits that its records have shown."""
+    passes = inverse_dynamics(campaign.records, campaign.bandwidth)
+    say("fitting the declared model, every value free")
+    fit = identify(freed(campaign.plant), passes)
+    load = load_rest(fit.plant, fitted_on(passes))
+    sensing = sensing_of(passes, fit.rms[IDENTIFICATION], load)
+    envelope = envelope_of(fit.plant, passes)
+    return Basis(campaign, passes, fit, envelope, sensing, sensing.dt, ACCURACY, load, _excess_of(fit, passes))
+
+
+def _excess_of(fit: Fit, passes: tuple[InverseDynamics, ...]) -> float:
+    """Return the rms that a fit leaves of the drive over what noise and encoder counts alone would leave."""
+    alone = noise_rms(fitted_on(passes), fit.plant)
+    least = float(np.sqrt(np.mean(np.array(list(alone.values())) ** 2)))
+    return fit.rms[IDENTIFICATION] / least if least > 0.0 else 1.0
