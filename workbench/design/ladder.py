@@ -37,6 +37,7 @@ PHASES, FEW = 4, 200.0
 LANDING = 16
 # Lanes of a run, about: half or twice as many take as long; with all of a search at once memory is what costs.
 AT_ONCE = 3000
+BLOCK = 4  # phases of a rung that are climbed together by what may be given up: half or twice as many take as long
 GOLDEN = 0.6180339887498949
 FIGURES = ("time", "error", "overshoot")
 
@@ -95,9 +96,16 @@ class Ladder:
         return np.array([self.met if r[0].kind == "step" and abs(r[0].size) < few else 1 for r in self.rungs])
 
     @property
-    def lanes(self) -> np.ndarray:
-        """Lanes that each rung takes a point, (rungs,)."""
-        return self.phases * len(self.scenarios)
+    def blocks(self) -> np.ndarray:
+        """Blocks of BLOCK phases, or fewer, that each rung has, (rungs,)."""
+        return -(-self.phases // BLOCK)
+
+    def lanes(self, rung: np.ndarray, block: np.ndarray | None = None) -> tuple[np.ndarray, np.ndarray]:
+        """Return the first lane and how many lanes a point takes on rungs (n,), in one block (n,) of their phases or in all."""
+        corners, phases = len(self.scenarios), self.phases[rung]
+        if block is None:
+            return 0 * rung, corners * phases
+        return corners * BLOCK * block, corners * np.minimum(phases - BLOCK * block, BLOCK)
 
     def reference(self, rung: int, samples: int) -> np.ndarray:
         """Return the command over so many samples: to the size, and back."""
@@ -152,25 +160,32 @@ def all_rungs(on: Ladder, points: np.ndarray) -> np.ndarray:
     return np.tile(np.arange(len(on.rungs)), (len(points), 1))
 
 
-def climbed(on: Ladder, family: Family, points: np.ndarray, rungs: np.ndarray) -> np.ndarray:
+def climbed(
+    on: Ladder, family: Family, points: np.ndarray, rungs: np.ndarray, blocks: np.ndarray | None = None
+) -> np.ndarray:
     """Return figures (points, rungs a point, 2 moves, 3 FIGURES) of points (p, numbers), each on rungs (p, r), the worst over
-    the scenarios; of a rung of one move the second is that move again. Infinite where it does not come to rest."""
+    the scenarios; of a rung of one move the second is that move again. Infinite where it does not come to rest.
+
+    blocks (p, r): which BLOCK of a rung's phases alone is climbed; all where absent."""
     rung, point = rungs.ravel(), np.repeat(np.arange(len(points)), rungs.shape[1])
+    first, lanes = on.lanes(rung, None if blocks is None else blocks.ravel())
     out = np.empty((rung.size, 2, len(FIGURES)))
     order = np.lexsort((point, rung, on.samples[rung]))
-    before = np.cumsum(on.lanes[rung[order]])
+    before = np.cumsum(lanes[order])
     for part in np.split(order, np.flatnonzero(np.diff((before - 1) // AT_ONCE)) + 1):
-        out[part] = _climbed(on, family, points, point[part], rung[part])
+        out[part] = _climbed(on, family, points, point[part], rung[part], first[part], lanes[part])
     return out.reshape(*rungs.shape, 2, len(FIGURES))
 
 
-def _climbed(on: Ladder, family: Family, points: np.ndarray, point: np.ndarray, rung: np.ndarray) -> np.ndarray:
-    """Return figures (n, 2, 3) of points[point], each on one rung; point, rung (n,), by rung and rungs of like duration together."""
-    lanes, corner = on.lanes[rung], len(on.scenarios)
-    first = np.cumsum(lanes) - lanes
+def _climbed(
+    on: Ladder, family: Family, points: np.ndarray, point: np.ndarray, rung: np.ndarray, first: np.ndarray, lanes: np.ndarray
+) -> np.ndarray:  # fmt: skip
+    """Return figures (n, 2, 3) of points[point], each on one rung, in so many lanes from the first on; point, rung, first, lanes (n,), by
+    rung and rungs of like duration together."""
+    begin = np.cumsum(lanes) - lanes
     pair = np.repeat(np.arange(rung.size), lanes)
-    each, k = rung[pair], np.arange(pair.size) - first[pair]
-    friction, inertia = np.array(on.scenarios).T[:, k % corner]
+    each, k = rung[pair], np.arange(pair.size) + (first - begin)[pair]
+    friction, inertia = np.array(on.scenarios).T[:, k % len(on.scenarios)]
     load = np.array([moves[0].load for moves in on.rungs])[each]
     scenarios = ScenarioArrays(
         each.size, phase=(0.5 + GOLDEN * (each + k)) % 1.0, friction=friction, inertia=inertia, load=load
@@ -186,7 +201,7 @@ def _climbed(on: Ladder, family: Family, points: np.ndarray, point: np.ndarray, 
     for start, end in zip([0, *ends[:-1]], ends, strict=True):
         r = int(each[start])
         out[start:end] = _figures_of(on, r, q[: on.samples[r], start:end])
-    return np.maximum.reduceat(out, first, axis=0)
+    return np.maximum.reduceat(out, begin, axis=0)
 
 
 def _figures_of(on: Ladder, rung: int, q: np.ndarray) -> np.ndarray:

@@ -17,6 +17,7 @@ import numpy as np
 
 from workbench.control import fixed_pd
 from workbench.keeping import kept
+from workbench.processes import shared
 from workbench.simulation import ScenarioArrays, simulate
 from workbench.task.stepping import Figures, figures_of
 from workbench.task.task import Task
@@ -93,10 +94,10 @@ def polish(axis: TunedAxis, goal: TuningGoal, task: Task, say: Callable[[str], N
     say("optimising the gains of each amplitude on simulated steps")
     rigid, gains = axis.rigid, axis.gains
     search = Search(Axis.of(axis.equivalent, rigid.inertia, rigid.viscous, task.loop), gains, goal, task)
-    several = tuple((f, i) for f in {1.0, *task.frictions} for i in {1.0, *task.inertias})
+    several = ((f, i) for f in {1.0, *task.frictions} for i in {1.0, *task.inertias})
     corners = tuple(sorted(several, key=lambda s: (s != (1.0, 1.0), s)))  # the nominal plant first
-    nominal = search.run(((1.0, 1.0),))
-    return Polished(gains, nominal, search.run(corners) if len(corners) > 1 else nominal)
+    nominal, *robust = shared(search.run, [((1.0, 1.0),), corners][: len(corners)])
+    return Polished(gains, nominal, *robust or [nominal])
 
 
 @dataclass(frozen=True, eq=False)
@@ -145,9 +146,8 @@ class Search:
         levels = np.minimum(below[:, None] + along * lines, 0.0)
         levels = np.concatenate([levels, np.zeros((kp.size, 1))], axis=1)  # the edge is asked in every round
         kps = most[:, :, None] + levels[:, None, :]
-        shape = kps.shape
-        rows = np.broadcast_to(np.arange(shape[0])[:, None, None], shape)
-        return rows.ravel(), kps.ravel(), np.broadcast_to(ratios[:, :, None], shape).ravel()
+        rows = np.broadcast_to(np.arange(len(kps))[:, None, None], kps.shape)
+        return rows.ravel(), kps.ravel(), np.broadcast_to(ratios[:, :, None], kps.shape).ravel()
 
     def better(self, best: "Tried", rows, kp, ratio, scenarios) -> "Tried":
         """Return the best of what is known and of flat candidates, at each amplitude."""

@@ -187,16 +187,22 @@ def climbed_below(
     if figures is not None:
         found[:] = figures
         found[:, rungs] = 0.0
-    for part in _parts(on, rungs, len(points)):
+    for rung, block in _parts(on, rungs, len(points)):
         left = np.flatnonzero(cost(regret(on, found, known)) <= most)
         if not left.size:
             break
-        found[np.ix_(left, part)] = climbed(on, family, points[left], np.tile(part, (left.size, 1)))
+        new = climbed(on, family, points[left], *(np.tile(a, (left.size, 1)) for a in (rung, block)))
+        np.maximum.at(found, (left[:, None], rung), new)
     return found
 
 
-def _parts(on: Ladder, rungs: np.ndarray, points: int) -> list[np.ndarray]:
-    """Return rungs (r,), the shortest first, in parts of TOGETHER lanes or more."""
-    rungs = rungs[np.argsort(on.samples[rungs], kind="stable")]
-    before = np.cumsum(on.phases[rungs]) * len(on.scenarios) * points
-    return [p for p in np.split(rungs, np.flatnonzero(np.diff((before - 1) // TOGETHER)) + 1) if p.size]
+def _parts(on: Ladder, rungs: np.ndarray, points: int) -> list[tuple[np.ndarray, np.ndarray]]:
+    """Return rungs (r,) and blocks of their phases, every first block before all others and the shortest rungs before longer ones, in
+    parts of TOGETHER lanes or more."""
+    rung = np.repeat(rungs, on.blocks[rungs])
+    block = np.concatenate([np.arange(n) for n in on.blocks[rungs]])
+    order = np.lexsort((on.samples[rung], block > 0))
+    rung, block = rung[order], block[order]
+    before = np.cumsum(on.lanes(rung, block)[1]) * points
+    cuts = np.flatnonzero(np.diff((before - 1) // TOGETHER)) + 1
+    return list(zip(np.split(rung, cuts), np.split(block, cuts), strict=True))

@@ -3,10 +3,11 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
-from workbench.design.climb import Climbed, Climbing, evolved
+from workbench.design.climb import Climb, Climbed, Climbing, evolved
 from workbench.design.families.family import Family, OfFamily
 from workbench.design.ladder import Ladder, all_rungs, climbed
 from workbench.design.regret import OVERSHOOT, References, Regret, regret
+from workbench.processes import shared
 from workbench.task.task import Task
 
 EQUAL = 0.05  # of a regret: what two searches of one family part by; nearer than that, neither is better
@@ -22,7 +23,13 @@ class Rivals:
 def rivals(climbed_by: Climbed, families: tuple[Family, ...], budget: Climbing) -> Rivals:
     """Tune families over the ladder of a table, from its best run's seed, against its references."""
     seed = climbed_by.best.seed
-    return Rivals(tuple(evolved(climbed_by.on, f, climbed_by.references, seed, budget) for f in families))
+
+    def found(family: Family) -> Climb:
+        one = evolved(climbed_by.on, family, climbed_by.references, seed, budget)
+        return replace(one, family=None)  # a family is functions: every process has it
+
+    made = zip(shared(found, families), families, strict=True)
+    return Rivals(tuple(replace(one, family=family) for one, family in made))
 
 
 def regret_of(on: Ladder, one: OfFamily, known: References, task: Task | None = None) -> Regret:

@@ -16,6 +16,7 @@ from workbench.effects.command import actuator_lag
 from workbench.errors import WorkbenchError
 from workbench.frequency import Response
 from workbench.frequency.notch import Notch
+from workbench.processes import shared
 from workbench.simulation import Metrics, ScenarioArrays
 from workbench.task.task import Task, cost
 from workbench.threads import one_thread
@@ -235,7 +236,13 @@ def tune_drive(
         task.plant.limits.speed, float(closed.speed), inertia * closed.acceleration,
     )  # fmt: skip
     search = Search(first, judges)
-    runs = [_searched(search, np.clip(s, low, high), low, high, seed + i, budget) for i, s in enumerate(starts)]
+
+    def run(i: int) -> tuple[np.ndarray, np.ndarray, int]:
+        search.tried = 0
+        return *_searched(search, np.clip(starts[i], low, high), low, high, seed + i, budget), search.tried
+
+    runs = list(shared(run, range(len(starts))))
+    search.tried = sum(r[2] for r in runs)
     which, each = np.argmin([r[1] for r in runs], axis=0), np.arange(sizes.size)
     best_of = np.stack([r[0] for r in runs])[which, each]
     points, best = _searched(search, _shared(search, best_of, low, high), low, high, seed + len(runs), budget)
