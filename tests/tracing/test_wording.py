@@ -5,10 +5,11 @@ from types import SimpleNamespace
 import pytest
 
 from workbench.tracing.headline import verdict_sentence
+from workbench.tracing.result import Cause
 
 BEFORE = SimpleNamespace(identification=0.75, validation=0.90)
 AFTER = SimpleNamespace(identification=0.25, validation=0.33, plant=SimpleNamespace(effects=()))
-GRAVITY = SimpleNamespace(effect="gravity", at="axis", kind="addition")
+GRAVITY = Cause("gravity", "axis", "", (), 0.9, 0.9)
 
 
 @pytest.mark.parametrize(
@@ -24,7 +25,7 @@ def test_a_floor_is_said_only_where_the_records_show_one(floor, said):
 
 def test_what_a_refinement_takes_is_not_said_to_be_the_causes_own():
     evidence = SimpleNamespace(before=SimpleNamespace(size=0.0, kind=""), floor={"identification": 0.0}, clock=True)
-    late = SimpleNamespace(effect="clock_skew", at="sensor.load_position", kind="addition")
+    late = Cause("clock_skew", "sensor.load_position", "", (), 0.0, 0.0)
     same = SimpleNamespace(identification=0.75, validation=0.90, plant=SimpleNamespace(effects=()))
     sentence = verdict_sentence("cause", (late,), BEFORE, same, evidence, refined=AFTER)
     assert (

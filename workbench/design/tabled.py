@@ -6,12 +6,13 @@ from functools import partial
 
 import numpy as np
 
+from workbench.control.laws import CLOSING
 from workbench.design.climb import CLIMBING, Climbed, Climbing, climb
 from workbench.design.families.family import pd_family
 from workbench.design.families.gain_table import BEGUN, fixed_family, gain_table, switched_family, table_family
 from workbench.design.families.linear import Linear
 from workbench.design.families.shaped import shaped
-from workbench.design.ladder import ladder
+from workbench.design.ladder import LANDING, PHASES, SIZES, ladder
 from workbench.design.polish import Polished
 from workbench.design.regret import Regret, first_grid, from_references
 from workbench.design.worth import Rivals, regret_of, rivals
@@ -81,7 +82,7 @@ def tabled(
         plant_lines=plant.digest_lines(),
         loop=task.loop,
     )
-    on = ladder(task, load) if sizes is None else ladder(task, load, sizes=sizes)
+    on = ladder(task, load, sizes=sizes or SIZES, phases=LANDING if rule == CLOSING else PHASES)
     # a ratio for each size of step: under "closing" it then serves that size and the last part of longer ones
     table = gain_table(linear, amplitude, REVERSAL * task.loop.count, goal.sensitivity, per_octave, on.sizes)
     starts = [table_family(table, robust, linear, rule, ahead) for ahead in AHEAD[rule]]
