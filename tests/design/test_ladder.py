@@ -12,7 +12,8 @@ from workbench.design.families.family import pd_family
 from workbench.design.families.gain_table import fixed_family, gain_table, switched_family, table_family
 from workbench.design.families.linear import Linear
 from workbench.design.families.shaped import shaped
-from workbench.design.ladder import PHASES, all_rungs, climbed, corners, ladder, step_figures
+from workbench.design.figures import step_figures
+from workbench.design.ladder import PHASES, all_rungs, climbed, corners, ladder
 from workbench.design.regret import BEATEN, Regret, climbed_below, cost, first_grid, prices, references, regret
 from workbench.design.worth import regret_of, rivals, worth_sentence
 from workbench.task.task import Task, Weights

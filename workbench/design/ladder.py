@@ -7,22 +7,17 @@ is against the command. The band is 1 % of the step, or two counts where that is
 
 from dataclasses import dataclass, replace
 
-import numba
 import numpy as np
 
 from workbench.design.families.family import Family
+from workbench.design.figures import FIGURES, step_figures
 from workbench.simulation import ScenarioArrays, followed
 from workbench.task.task import Task
 
 SIZES, LEAST = 9, 10.0  # sizes, even in the logarithm, from so many counts to the study's own step
 SHARE = 1e-5  # of the step: the smallest size where the encoder has no counts
-COUNTS = 2.0  # of the encoder: what no error, overshoot or band is asked to be below
 HOLD = 0.06  # s, at rest before the first step: the load's deflection dies out in a third of it
 REST, LASTS = 0.1, 1.5  # s, and of the time-optimal bound: how long each step is given
-ANSWERED = (
-    0.5  # of a step that a response has to go: one that hardly moves is in the band of its own final value at once
-)
-LAST = 0.1  # of each step's time, over which the error is the largest that is left
 SINE, PERIOD = (
     10.0,
     1.0,
@@ -39,7 +34,6 @@ LANDING = 16
 AT_ONCE = 3000
 BLOCK = 4  # phases of a rung that are climbed together by what may be given up: half or twice as many take as long
 GOLDEN = 0.6180339887498949
-FIGURES = ("time", "error", "overshoot")
 
 
 @dataclass(frozen=True)
@@ -218,39 +212,3 @@ def _figures_of(on: Ladder, rung: int, q: np.ndarray) -> np.ndarray:
     return np.stack(
         [step_figures(part, target, size, count, dt) for (part, target), size in zip(parts, sizes, strict=True)], axis=1
     )
-
-
-def step_figures(q: np.ndarray, target: float, size: float, count: float, dt: float) -> np.ndarray:
-    """Return (n, 3) of a step of a signed size: time into the band about the own final value to stay, the largest error at the end, and the
-    overshoot beyond the own final value over the size, zero up to COUNTS counts."""
-    with np.errstate(all="ignore"):
-        samples, each = len(q), np.arange(q.shape[1])
-        final, way, band = q[-1], float(np.sign(size)), max(0.01 * abs(size), COUNTS * count)
-        end = max(int(LAST * samples), 1)
-        last, beyond, error, finite = _along(q, np.ascontiguousarray(final), way, float(band), float(target), end)
-        after = np.minimum(last + 1, samples - 1)
-        outer, inner = (np.abs(q[k, each] - final) for k in (last, after))
-        time = (last + np.clip((outer - band) / np.maximum(outer - inner, 1e-300), 0.0, 1.0)) * dt
-        over = np.where(beyond > COUNTS * count, beyond / abs(size), 0.0)
-        answered = way * (final - q[0]) >= ANSWERED * abs(size)
-        fine = finite & (last < samples - end) & answered
-        return np.stack([np.where(fine, v, np.inf) for v in (time, error, over)], axis=1)
-
-
-@numba.njit(cache=True, nogil=True, error_model="numpy")
-def _along(q, final, way, band, target, end):
-    """Return, of each column of q (samples, n), the last sample out of the band about `final` (n,) or 0, how far it goes beyond, the largest
-    |target - q| over the last `end` samples, and whether all is finite: in one pass, where NumPy takes eight."""
-    samples, n = q.shape
-    last, beyond, error = np.zeros(n, np.int64), np.zeros(n), np.zeros(n)
-    finite = np.ones(n, np.bool_)
-    for k in range(samples):
-        for j in range(n):
-            left = q[k, j] - final[j]
-            last[j] = k if abs(left) > band else last[j]
-            beyond[j] = max(beyond[j], way * left)
-            finite[j] = finite[j] and np.isfinite(left)
-    for k in range(samples - end, samples):
-        for j in range(n):
-            error[j] = max(error[j], abs(target - q[k, j]))
-    return last, beyond, error, finite

@@ -13,7 +13,8 @@ import numpy as np
 
 from workbench.design.families.family import Family
 from workbench.design.families.gain_table import FILTERS, GainTable
-from workbench.design.ladder import COUNTS, Ladder, all_rungs, climbed, timed
+from workbench.design.figures import COUNTS
+from workbench.design.ladder import Ladder, all_rungs, climbed, timed
 
 MEAN = 0.3  # share of the mean regret beside the worst, so that the others count where one move cannot be bettered: without it
 # they are free; with 1 and more, many moves that are a little better outweigh one that is much worse

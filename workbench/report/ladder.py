@@ -5,7 +5,8 @@ from collections.abc import Mapping
 import numpy as np
 
 from workbench.design.climb import Climbed
-from workbench.design.ladder import COUNTS, FEW, timed
+from workbench.design.figures import COUNTS
+from workbench.design.ladder import FEW, timed
 from workbench.design.regret import Regret
 from workbench.design.worth import worth_sentence
 from workbench.plant import Plant
