@@ -7,6 +7,7 @@ import sys
 import time
 from multiprocessing import active_children
 from multiprocessing.context import ForkProcess
+from pathlib import Path
 
 import pytest
 
@@ -159,3 +160,33 @@ def test_whoever_is_free_takes_the_next_item():
 def test_more_items_than_a_queue_holds_are_all_done(monkeypatch):
     monkeypatch.setattr(processes, "QUEUED", 4)
     assert list(shared(lambda k: k, range(10))) == list(range(10))
+
+
+def test_forks_of_a_process_that_is_killed_end_in_the_midst_of_their_work(tmp_path):
+    program = (
+        "import os, pathlib, sys, time\n"
+        "from workbench.processes import shared\n"
+        "def work(k):\n"
+        "    pathlib.Path(sys.argv[1], str(os.getpid())).touch()\n"
+        "    time.sleep(60)\n"
+        "list(shared(work, range(2)))\n"
+    )
+    run = subprocess.Popen(
+        [sys.executable, "-c", program, str(tmp_path)], env=os.environ | {"WORKBENCH_PROCESSES": "2"}
+    )
+    until = time.monotonic() + 30.0
+    while len(forks := [int(p.name) for p in tmp_path.iterdir()]) < 2 and time.monotonic() < until:
+        time.sleep(0.05)
+    run.kill()
+    run.wait()
+    while any(map(_runs, forks)) and time.monotonic() < until:
+        time.sleep(0.05)
+    assert len(forks) == 2 and run.pid not in forks and not any(map(_runs, forks))
+
+
+def _runs(pid: int) -> bool:
+    """Whether a process is there, and not merely unburied."""
+    try:
+        return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
+    except OSError:
+        return False

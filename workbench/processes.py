@@ -8,10 +8,11 @@ import os
 import signal
 import sys
 import threading
+import time
 import warnings
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from multiprocessing import current_process, get_context
+from multiprocessing import current_process, get_context, parent_process
 from multiprocessing.connection import wait
 from traceback import format_exc
 from typing import TypeVar
@@ -22,6 +23,7 @@ Item, Made = TypeVar("Item"), TypeVar("Made")
 
 VARIABLE = "WORKBENCH_PROCESSES"
 MOST = 4  # each holds a few hundred megabytes of its own
+WATCHED = 0.5  # s: how often a fork looks whether its parent is there; twice as often is as cheap
 BYTES, QUEUED = 4, 1024  # of an item's number; and numbers that any pipe holds at once
 
 
@@ -120,6 +122,7 @@ def _undisturbed() -> Iterator[None]:
 
 def _work(function: Callable, items: Sequence, queue: int, end) -> None:
     """What a fork does: send (k, True, result) of each item that it takes, or (k, False, what was raised) and no more."""
+    threading.Thread(target=_end_with, args=(parent_process().pid,), daemon=True).start()
     signal.signal(signal.SIGTERM, signal.SIG_DFL)  # at once, whatever it is in
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # whoever interrupts means the process that waits, which ends this one
     k = -1
@@ -132,6 +135,13 @@ def _work(function: Callable, items: Sequence, queue: int, end) -> None:
     except Exception as raised:
         raised.add_note(format_exc())
         end.send((k, False, raised))
+
+
+def _end_with(parent: int) -> None:
+    """End this fork once the process that made it is gone: killed, it could not end its forks, which may be in a long search."""
+    while os.getppid() == parent:
+        time.sleep(WATCHED)
+    os._exit(1)
 
 
 def _receive(pipe, made: dict[int, list], heard: list) -> None:
