@@ -21,7 +21,7 @@ def test_the_study_passes_its_checks_and_says_what_coulomb_friction_lacks(tmp_pa
     assert ran.passed, "\n".join(ran.lines)
     content = json.loads((tmp_path / "out" / "results.json").read_text(encoding="utf-8"))
     figures = {name: f["value"] for name, f in content["figures"].items()}
-    assert figures["added"] == "coulomb_asymmetry, cyclic_friction, presliding_length"
+    assert figures["added"] == "presliding_length"  # an asymmetry and a wave over the stroke are refinements of it
     assert figures["validation_error_after"] < 0.036 and figures["validation_error_whole_band"] < 0.036
     # one spring that is not the same in both directions beats a bank of springs that are
     assert figures["validation_error_uneven"] < 0.04 < 0.05 < figures["validation_error_bank"]
