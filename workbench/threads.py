@@ -3,7 +3,10 @@
 import sys
 from functools import wraps
 
-_known: list = [0, None]  # how many modules were loaded when the process's BLAS libraries were looked for, and what was found
+_known: list = [
+    0,
+    None,
+]  # how many modules were loaded when the process's BLAS libraries were looked for, and what was found
 _under: list[int] = []  # the same, of every call that is under way with one thread
 
 
