@@ -57,17 +57,36 @@ def test_a_rung_goes_to_its_size_and_back(short):
     assert np.count_nonzero(r) == short.half[0]
 
 
-def test_figures_of_a_step_count_nothing_that_two_counts_hide():
+def test_two_counts_of_a_short_step_are_a_hundredth_of_a_long_one():
     n, dt = 1000, 1e-3
     t = np.arange(n)[:, None]
     small = np.where(t < 10, 0.0, 10 * COUNT) + np.where((t > 20) & (t < 40), 1.9 * COUNT, 0.0)
     time, error, over = step_figures(small, 10 * COUNT, 10 * COUNT, COUNT, dt)[0]
-    assert time == pytest.approx(0.0098, abs=1e-9) and error == pytest.approx(0.0, abs=1e-15) and over == 0.0
+    assert time == pytest.approx(0.0098, abs=1e-9) and error == pytest.approx(0.0, abs=1e-15)
+    assert over == pytest.approx(0.0095)
     large = 0.01 * (1 - np.exp(-t / 50.0)) * np.ones((1, 2)) + np.array([0.0, 1e-3]) * (t == 300)
     figures = step_figures(large, 0.01, 0.01, COUNT, dt)
-    assert figures[0, 0] == pytest.approx(0.05 * np.log(100), rel=2e-3) and figures[0, 2] == 0.0
+    assert figures[0, 0] == pytest.approx(0.05 * np.log(100), rel=2e-3) and figures[0, 2] < 1e-6
     assert figures[1, 0] == pytest.approx(0.3, abs=0.002) and figures[1, 2] == pytest.approx(0.1, rel=0.05)
     assert np.isinf(step_figures(np.where(t > 950, 0.0, 0.01), 0.01, 0.01, COUNT, dt)).all()
+
+
+def test_a_loop_that_plays_within_two_counts_is_at_rest_about_their_middle():
+    t = np.arange(1000)[:, None]
+    play = np.where(t < 10, 0.0, 40 * COUNT + 1.9 * COUNT * (-1.0) ** t)
+    time, error, over = step_figures(play, 40 * COUNT, 40 * COUNT, COUNT, 1e-3)[0]
+    assert time == pytest.approx(0.0097, abs=3e-4) and error == pytest.approx(1.9 * COUNT) and over < 0.01
+    assert np.isinf(
+        step_figures(play + 0.2 * COUNT * (play - 40 * COUNT) / COUNT, 40 * COUNT, 40 * COUNT, COUNT, 1e-3)
+    ).all()
+
+
+def test_landings_that_no_search_knew_are_others(short):
+    own, other = (np.arange(m.met) + m.past for m in (short, short.elsewhere))
+    assert other.size == 4 * own.size and not set(own) & set(other)
+    family, points = pd_family(LINEAR, (400.0, 8.0)), np.array([[1500.0, 7.5]])
+    here, there = (climbed(on, family, points, all_rungs(on, points)) for on in (short, short.elsewhere))
+    assert (here[0, 0] != there[0, 0]).any()
 
 
 def test_gains_of_a_table_never_rise_and_are_as_stiff_as_the_sensitivity_allows():

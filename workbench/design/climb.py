@@ -76,7 +76,7 @@ class Run:
 
 @dataclass(frozen=True, eq=False)
 class Climbed:
-    """runs: every run, the best first. references: what no run beats. regret: of the best."""
+    """runs: every run, first what costs least at landings that no search knew. references: what no run beats. regret: of that one."""
 
     on: Ladder
     runs: tuple[Climb, ...]
@@ -90,7 +90,7 @@ class Climbed:
     @property
     def spread(self) -> float:
         """The worst run's cost over the best one's."""
-        return max(r.value for r in self.runs) / self.runs[0].value
+        return max(r.value for r in self.runs) / min(r.value for r in self.runs)
 
 
 @kept
@@ -119,7 +119,10 @@ def climb(
     steps = STEPS * budget.generations
     near = list(shared(lambda run: _refined(against, run, steps, budget), _priced(against, runs)))
     against = _raised(against, near)
-    found = sorted(_priced(against, near), key=lambda r: r.value)
+    elsewhere = replace(against, on=on.elsewhere)
+    points = np.array([run.point for run in near])
+    order = elsewhere.tried(points).costs.argsort(kind="stable")
+    found = [_priced(against, near)[k] for k in order]
     return Climbed(
         on,
         tuple(r.of(starts[0]) for r in found),
