@@ -74,13 +74,19 @@ class Returned(Judge):
         return returned(c, self.linear.position[k], self.fed[k], self.linear.own[k] + integrators)
 
     def scheduled_peak(
-        self, knots: np.ndarray, kp: np.ndarray, kd: np.ndarray, velocity_filter: np.ndarray | None = None
+        self,
+        knots: np.ndarray,
+        kp: np.ndarray,
+        kd: np.ndarray,
+        velocity_filter: np.ndarray | None = None,
+        behind: np.ndarray | None = None,
     ) -> np.ndarray:
         """Return Ms (points,) of schedules: the gains at some knots beside the friction of that amplitude, and of gross sliding."""
         near = [int(np.argmin(np.abs(np.log(self.amplitude / knots[i])))) for i in checked(knots)]
         rate = self.rate if velocity_filter is None else self.rate_of(velocity_filter)
-        laws = [kp[:, i, None] + kd[:, i, None] * rate for i in checked(knots)]
-        return np.max([self._at(k, c) for n, c in zip(near, laws, strict=True) for k in (n, -1)], axis=0)
+        n = 1.0 if behind is None else behind
+        laws = [n * (kp[:, i, None] + kd[:, i, None] * rate) for i in checked(knots)]
+        return np.max([self._at(k, c) for at, c in zip(near, laws, strict=True) for k in (at, -1)], axis=0)
 
 
 def returned(c: np.ndarray, plant: np.ndarray, fed: np.ndarray, integrators: int) -> np.ndarray:

@@ -207,7 +207,7 @@ def _begun(on: Ladder, family: Family, seed: int, starts: Sequence[np.ndarray], 
     """Return the first members: the starts (numbers,), and others about each of them."""
     draw = np.random.default_rng(seed)
     about = np.array([starts[k % len(starts)] for k in range(many)])
-    away = np.where(np.arange(many)[:, None] < len(starts), 0.0, NEAR) * draw.standard_normal(about.shape)
+    away = np.where(np.arange(many)[:, None] < len(starts), 0.0, NEAR) * family.about * draw.standard_normal(about.shape)
     points = family.settled(np.clip(about * np.exp(away), family.lower, family.upper))
     return Members(family, seed, draw, points, climbed(on, family, points, all_rungs(on, points)), many)
 

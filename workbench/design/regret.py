@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from workbench.design.families.family import Family
-from workbench.design.families.gain_table import FILTERS, GainTable
+from workbench.design.families.gain_table import LEADS, GainTable
 from workbench.design.figures import COUNTS
 from workbench.design.ladder import Ladder, all_rungs, climbed, timed
 
@@ -23,6 +23,8 @@ OVERSHOOT = 0.01  # of a step, beyond two counts
 STEEP, WORST = 20.0, 50.0  # what an overshoot costs, and the most that a regret counts
 LINES, SHARES = 22, (1.0, 0.6, 0.3)  # of the references' first grid: ratios, and shares of the stiffest Kp
 QUICK, SLOW = 0.4, 1.0  # samples: velocity filters of that grid, the second at the stiffest Kp alone
+# Notches of that grid, (share of LEADS, depth), with the quick filter: none; one for steps of few counts; those of large steps, the second at the stiffest Kp alone.
+BEHIND = ((1.0, 1.0), (0.75, 0.8), (0.75, 0.6), (0.75, 0.4))
 # Lanes of a part of the ladder, at least, after which points are given up that can cost less no more: with a third of it 4 % less is
 # simulated in as much time, for each part is a call of its own. No result depends on it.
 TOGETHER = 1500
@@ -72,15 +74,17 @@ def prices(on: Ladder, figures: np.ndarray, scale: np.ndarray) -> np.ndarray:
 
 
 def first_grid(table: GainTable) -> np.ndarray:
-    """Return points (p, 3), kp, kd and velocity filter in SI, over the whole range of a table's ratios and SHARES of the stiffest Kp."""
-    sample = table.filters[0] / FILTERS[0]
-    out = []
-    for samples, shares in ((QUICK, SHARES), (SLOW, SHARES[:1])):
-        own = np.array([samples * sample])
-        most = np.exp(np.interp(np.log(own), np.log(table.filters), np.log(table.most)))
-        ratio = np.geomspace(table.ratio[0], most[0], LINES)
-        stiff = table.stiffest(ratio[None], own)[0]
-        out += [np.stack([s * stiff, s * stiff / ratio, 0.0 * stiff + own], axis=1) for s in shares]
+    """Return points (p, 5), kp, kd, velocity filter, notch and its depth in SI, over the whole range of a table's ratios and SHARES of the
+    stiffest Kp."""
+    dt, out = table.sample_time, []
+    for k, (centre, depth) in enumerate((*BEHIND, BEHIND[0])):
+        quick, few = k < len(BEHIND), k >= len(BEHIND) - 1
+        own = np.array([[(QUICK if quick else SLOW) * dt, centre * LEADS / dt, depth]])
+        ratio = np.geomspace(table.stiff.least, table.stiff.largest(own)[0], LINES)
+        stiff = table.stiff.along(ratio[None], own)[0]
+        every = np.broadcast_to(own, (LINES, own.size))
+        shares = SHARES[:1] if few else SHARES
+        out += [np.column_stack([s * stiff, s * stiff / ratio, every]) for s in shares]
     return np.concatenate(out)
 
 
@@ -102,15 +106,15 @@ def references(on: Ladder, family: Family, points: np.ndarray, seed: int = 1) ->
 
 
 def from_references(family: Family, table: GainTable, on: Ladder, seen: float, known: References) -> Family:
-    """Return a family of tables that begins at the references' own ratios and filter: of each size the mean over its moves, at the
+    """Return a family of tables that begins at the references' own ratios, filter and notch: of each size the mean over its moves, at the
     amplitude seen times the size."""
     steps = timed(on)[:, 0]
     size = np.abs([r[0].size for r, step in zip(on.rungs, steps, strict=True) if step])
-    kp, kd, filtered = (np.log(known.points[steps, :, k]).mean(axis=1) for k in range(3))
+    kp, kd, *own = (np.log(known.points[steps, :, k]).mean(axis=1) for k in range(known.points.shape[-1]))
     sizes = np.unique(size)
     ratio = [np.mean((kp - kd)[size == s]) for s in sizes]
     start = np.exp(np.interp(np.log(table.nodes), np.log(seen * sizes), ratio))
-    start = np.append(np.minimum.accumulate(start), np.exp(filtered.mean()))
+    start = np.append(np.minimum.accumulate(start), np.exp(np.mean(own, axis=1)))
     return replace(family, start=np.clip(start, family.lower, family.upper))
 
 

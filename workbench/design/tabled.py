@@ -9,7 +9,7 @@ import numpy as np
 from workbench.control.laws import CLOSING
 from workbench.design.climb import CLIMBING, Climbed, Climbing, climb
 from workbench.design.families.family import pd_family
-from workbench.design.families.gain_table import BEGUN, fixed_family, gain_table, switched_family, table_family
+from workbench.design.families.gain_table import fixed_family, gain_table, switched_family, table_family
 from workbench.design.families.linear import Linear
 from workbench.design.families.shaped import shaped
 from workbench.design.ladder import LANDING, PHASES, SIZES, ladder
@@ -88,7 +88,8 @@ def tabled(
     starts = [table_family(table, robust, linear, rule, ahead) for ahead in AHEAD[rule]]
     middle = int(np.argmin(np.abs(np.log(amplitude / (1e-2 * task.step)))))
     pair = float(robust.kp[middle]), float(robust.kd[middle])
-    fixed = shaped(lambda judge: pd_family(judge, pair), linear, BEGUN * task.loop.sample_time)
+    first, *notch = table.begun
+    fixed = shaped(lambda judge: pd_family(judge, pair), linear, first, tuple(notch))
     informed = partial(from_references, starts[0], table, on, SEEN[rule])
     found = climb(on, starts, (fixed, first_grid(table)), informed, seeds=seeds, budget=budget, say=say)
     kp, kd = table.gains(found.best.point[None, :])
