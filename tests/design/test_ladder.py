@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from paper_axis import LOOP, plant
 
+from workbench.control.notched import coefficients
 from workbench.description import Equivalent
 from workbench.design.climb import Climbing, climb
 from workbench.design.families.family import pd_family
@@ -24,7 +25,8 @@ COUNT = LOOP.count
 AMPLITUDES = np.geomspace(1e-5, 2.5, 20)
 SPRING = Equivalent(AMPLITUDES, 95.0 / (1.0 + 600.0 * AMPLITUDES), 0 * AMPLITUDES)
 LINEAR = Linear(LOOP, 0.0074, 0.0, np.array([0.0, 95.0]), SPRING)
-FIXED = shaped(lambda judge: pd_family(judge, (400.0, 8.0)), LINEAR, 1e-4)
+FIXED = shaped(lambda judge: pd_family(judge, (400.0, 8.0)), LINEAR, 1e-4, (260.0, 0.8))
+OWN = 1e-4, 300.0, 0.8  # filter and notch of a table
 GAINS = type("Gains", (), {"amplitude": AMPLITUDES, "kp": 2000 / (1 + 4 * AMPLITUDES), "kd": 7.0 + 0 * AMPLITUDES})
 
 
@@ -77,10 +79,10 @@ def test_gains_of_a_table_never_rise_and_are_as_stiff_as_the_sensitivity_allows(
     points = np.clip(points, family.lower, family.upper)
     kp, kd = table.gains(points)
     assert (np.diff(kp, axis=1) <= 0.0).all() and (family.sensitivity(points) <= 2.003).all()
-    filtered = replace(LOOP, velocity_filter=float(points[0, -1]))
-    axis = Axis.of(Equivalent(np.array([1.0]), np.zeros(1), np.zeros(1)), 0.0074, 0.0, filtered).take(
-        np.zeros(kp[0].size, int)
-    )
+    schedule = table.held(points[0])
+    filtered, notch = replace(LOOP, velocity_filter=schedule["velocity_filter"]), schedule["notch"]
+    axis = Axis.of(Equivalent(np.array([1.0]), np.zeros(1), np.zeros(1)), 0.0074, 0.0, filtered)
+    axis = axis.take(np.zeros(kp[0].size, int)).behind(coefficients(notch, LOOP.sample_time))
     k, d = kp[0] / axis.unit_kp, kd[0] / axis.unit_kd
     peak, _ = sampled.sensitivity_peak(k, d, axis.steps(k), axis.clock)
     assert (peak <= 2.0).all() and peak.max() > 1.98
@@ -88,7 +90,7 @@ def test_gains_of_a_table_never_rise_and_are_as_stiff_as_the_sensitivity_allows(
 
 def test_of_references_searched_for_each_move_none_is_beaten_by_the_grid_that_it_came_from(short):
     family = FIXED
-    points = first_grid(gain_table(LINEAR, AMPLITUDES, 2.5 * COUNT, 2.0))[::9]
+    points = first_grid(gain_table(LINEAR, AMPLITUDES, 2.5 * COUNT, 2.0))[::20]
     found = references(short, family, points)
     points = points[family.sensitivity(points) <= 2.002]
     assert (
@@ -100,7 +102,7 @@ def test_of_references_searched_for_each_move_none_is_beaten_by_the_grid_that_it
 def test_a_search_over_the_ladder_is_the_same_again_and_beats_no_reference(short):
     table = gain_table(LINEAR, AMPLITUDES, 2.5 * COUNT, 2.0)
     starts = [table_family(table, GAINS, LINEAR, "error", ahead) for ahead in (4.0, 2.0)]
-    fixed = FIXED, first_grid(table)[::9]
+    fixed = FIXED, first_grid(table)[::20]
     found, again = (climb(short, starts, fixed, seeds=(1, 2), budget=Climbing(generations=2)) for _ in range(2))
     assert (found.best.point == again.best.point).all() and found.spread >= 1.0
     own = prices(short, found.best.figures, found.references.scale)
@@ -133,21 +135,26 @@ def test_fixed_gains_and_a_switch_are_tables_of_one_and_of_two_ratios():
     table = gain_table(LINEAR, AMPLITUDES, 2.5 * COUNT, 2.0)
     one = fixed_family(table, GAINS, LINEAR, "error", 0.02)
     columns = one.controller(one.start[None, :], 1).tables[0].columns
-    assert one.start.size == 2 and np.ptp(columns["kp"]) == 0.0 and np.ptp(columns["kd"]) == 0.0
+    assert one.start.size == 4 and np.ptp(columns["kp"]) == 0.0 and np.ptp(columns["kd"]) == 0.0
     two = switched_family(table, GAINS, LINEAR, "error")
-    kp, kd = table.switched(np.array([[200.0, 50.0, 1e-3, 1e-4]]))
+    kp, kd = table.switched(np.array([[200.0, 50.0, 1e-3, *OWN]]))
     assert np.unique(np.round(kp / kd, 6)).size == 2 and (np.diff(kp) <= 0.0).all()
-    assert two.settled(np.array([[50.0, 200.0, 1e-3, 1e-4]]))[0].tolist() == [50.0, 50.0, 1e-3, 1e-4]
+    assert two.settled(np.array([[50.0, 200.0, 1e-3, *OWN]]))[0].tolist() == [50.0, 50.0, 1e-3, *OWN]
     assert two.lower[2] == table.knots[0] and two.upper[2] == table.knots[-1]
 
 
 def test_what_has_fewer_levels_is_tuned_alike_and_the_sentence_says_who_is_behind(short):
     table = gain_table(LINEAR, AMPLITUDES, 2.5 * COUNT, 2.0)
     start = table_family(table, GAINS, LINEAR, "error", 4.0)
-    found = climb(short, [start], (FIXED, first_grid(table)[::9]), seeds=(1,), budget=Climbing(generations=1))
+    found = climb(short, [start], (FIXED, first_grid(table)[::20]), seeds=(1,), budget=Climbing(generations=1))
     fixed = rivals(found, (fixed_family(table, GAINS, LINEAR, "error", 0.02),), Climbing(generations=1)).found[0]
     own = regret_of(short, fixed, found.references)
-    assert own.time.shape == found.regret.time.shape and list(fixed.numbers) == ["ratio", "velocity_filter"]
+    assert own.time.shape == found.regret.time.shape and list(fixed.numbers) == [
+        "ratio",
+        "velocity_filter",
+        "notch",
+        "notch depth",
+    ]
     ours, behind = (Regret(np.full((1, 2), v), np.ones((1, 2)), np.zeros((1, 2))) for v in (1.2, 1.5))
     assert "is worth its schedule" in worth_sentence(ours, {"fixed gains": behind})
     assert "against fixed gains the description's curve buys nothing" in worth_sentence(ours, {"fixed gains": ours})

@@ -16,6 +16,7 @@ from math import inf
 import numpy as np
 
 from workbench.compensation import OBSERVED, REFERENCE, Compensator, compensated
+from workbench.control.notched import OWN, behind
 from workbench.description.bank import bank_equivalent
 from workbench.description.friction import equivalent_of, friction_of
 from workbench.design.climb import Climb
@@ -186,7 +187,9 @@ def _tabled(family: Family, judged: Judge) -> Callable[[np.ndarray], np.ndarray]
         made = family.controller(points, 1)
         kp, kd = (np.stack([t.columns[n] for t in made.tables]) for n in ("kp", "kd"))
         own = None if made.velocity_filter is None else np.reshape(made.velocity_filter, (-1, 1))
-        return judged.scheduled_peak(made.tables[0].knots, kp, kd, own)
+        notch = tuple(np.reshape(made.parameters[n], (-1, 1)) for n in OWN if n in made.parameters)
+        passed = behind(notch, judged.theta) if notch else None
+        return judged.scheduled_peak(made.tables[0].knots, kp, kd, own, passed)
 
     return sensitivity
 

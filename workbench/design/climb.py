@@ -122,11 +122,13 @@ def climb(
         seeds, starts[0],
     )  # fmt: skip
     say("tuning the references again that it beats")
-    known = _raised(on, known, [r.best(on, known) for r in runs])
+    known = raised(
+        on, known, starts[0], *(np.concatenate([getattr(r, n) for r in runs]) for n in ("points", "figures"))
+    )
     near = _side_by_side(
         lambda run: _refined(on, run.best(on, known), known, STEPS * generations, budget), runs, starts[0]
     )
-    known = _raised(on, known, near)
+    known = raised(on, known, starts[0], np.stack([r.point for r in near]), np.stack([r.figures for r in near]))
     values = [float(cost(regret(on, r.figures[None], known))[0]) for r in near]
     found = tuple(replace(near[i], value=values[i]) for i in np.argsort(values))
     return Climbed(on, found, known, regret(on, found[0].figures, known))
@@ -136,12 +138,6 @@ def _side_by_side(function: Callable[[Item], Run], items: Sequence[Item], family
     """Return function(item) of each item, a run of a family: a family is functions, and every process has it."""
     made = shared(lambda item: replace(function(item), family=None), items)
     return [replace(one, family=family) for one in made]
-
-
-def _raised(on: Ladder, known: References, runs: Sequence[Climb]) -> References:
-    """Return references that the best of some runs does not beat."""
-    best = min(runs, key=lambda r: r.value)
-    return raised(on, known, best.family, best.point)
 
 
 def _refined(on: Ladder, run: Climb, known: References, steps: int, budget: Climbing) -> Climb:
@@ -207,7 +203,9 @@ def _begun(on: Ladder, family: Family, seed: int, starts: Sequence[np.ndarray], 
     """Return the first members: the starts (numbers,), and others about each of them."""
     draw = np.random.default_rng(seed)
     about = np.array([starts[k % len(starts)] for k in range(many)])
-    away = np.where(np.arange(many)[:, None] < len(starts), 0.0, NEAR) * family.about * draw.standard_normal(about.shape)
+    away = (
+        np.where(np.arange(many)[:, None] < len(starts), 0.0, NEAR) * family.about * draw.standard_normal(about.shape)
+    )
     points = family.settled(np.clip(about * np.exp(away), family.lower, family.upper))
     return Members(family, seed, draw, points, climbed(on, family, points, all_rungs(on, points)), many)
 

@@ -28,7 +28,7 @@ BEHIND = ((1.0, 1.0), (0.75, 0.8), (0.75, 0.6), (0.75, 0.4))
 # Lanes of a part of the ladder, at least, after which points are given up that can cost less no more: with a third of it 4 % less is
 # simulated in as much time, for each part is a call of its own. No result depends on it.
 TOGETHER = 1500
-OWN, ROUNDS, SPREAD = 6, 3, 0.07  # candidates a move, rounds and spread (half the grid's step) of its own search
+OWN, ROUNDS, SPREAD = 8, 5, 0.07  # candidates a move, rounds and spread (half the grid's step) of its own search
 
 
 @dataclass(frozen=True, eq=False)
@@ -145,17 +145,22 @@ def _searched(
     return replace(known, time=time, error=error, cost=cost, law=law), at
 
 
-def raised(on: Ladder, known: References, family: Family, point: np.ndarray, seed: int = 1) -> References:
-    """Return references that no point of a family beats by more than BEATEN: searched again where it does, from that point."""
-    figures = climbed(on, family, point[None, :], all_rungs(on, point[None, :]))[0]
-    own = prices(on, figures, known.scale)
+def raised(
+    on: Ladder, known: References, family: Family, points: np.ndarray, figures: np.ndarray, seed: int = 1
+) -> References:
+    """Return references that no point of a family beats by more than BEATEN: searched again where one does, from that point.
+
+    points (p, numbers), figures (p, rungs, 2, 3): theirs."""
+    every = prices(on, figures, known.scale)
+    pick, own = every.argmin(axis=0), every.min(axis=0)
     beaten = own < known.cost - BEATEN
     if not beaten.any():
         return known
-    time, error = (np.where(beaten, figures[..., k], v) for k, v in ((0, known.time), (1, known.error)))
+    best = np.take_along_axis(figures, pick[None, :, :, None], axis=0)[0]
+    time, error = (np.where(beaten, best[..., k], v) for k, v in ((0, known.time), (1, known.error)))
     law = np.where(beaten, family.name, known.law)
     first = replace(known, time=time, error=error, cost=np.where(beaten, own, known.cost), law=law)
-    return _searched(on, family, first, np.broadcast_to(point, (*beaten.shape, point.size)).copy(), beaten, seed)[0]
+    return _searched(on, family, first, points[pick], beaten, seed)[0]
 
 
 def regret(on: Ladder, figures: np.ndarray, against: References) -> Regret:

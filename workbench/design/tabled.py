@@ -92,8 +92,7 @@ def tabled(
     fixed = shaped(lambda judge: pd_family(judge, pair), linear, first, tuple(notch))
     informed = partial(from_references, starts[0], table, on, SEEN[rule])
     found = climb(on, starts, (fixed, first_grid(table)), informed, seeds=seeds, budget=budget, say=say)
-    kp, kd = table.gains(found.best.point[None, :])
-    schedule = replace(interpolated, knots=table.knots, kp=kp[0], kd=kd[0], rule=rule, findings=())
+    schedule = replace(interpolated, rule=rule, findings=(), **table.held(found.best.point))
     fewer = (fixed_family(table, robust, linear, rule, 1e-2 * task.step), switched_family(table, robust, linear, rule))
     if against:
         say("tuning fixed gains and a two-level switch over all moves")

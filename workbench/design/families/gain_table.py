@@ -12,6 +12,7 @@ main study's axis), the best depth between 0.5 and 0.6. At a depth of 1 there is
 """
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -21,6 +22,8 @@ from workbench.design.families.family import Blend, Family
 from workbench.design.families.linear import Linear
 from workbench.design.families.shaped import DEEPEST, FASTEST, FILTER, HIGH, LOW, NOTCH, judged_by, notches
 from workbench.design.families.stiffness import Stiffness
+from workbench.frequency import Notch
+from workbench.frequency.notch import DAMPEST
 
 NODES = 9  # ratios that are free, even in log amplitude, where no others are asked for
 SAFE = 0.999  # of the stiffest Kp: what lies between the frequencies at which it is computed, and between knots, may cost of |S|
@@ -30,6 +33,7 @@ LEADS, SHALLOW = 0.08, 0.82  # of the sampling rate, and at its centre: the notc
 ABOUT = 0.3  # of what ratios are moved by: where filter and notch begin
 FREE = 3.0  # a ratio is sought within this factor of the tuned gains' range
 BEYOND = 1.5  # times the largest ratio without a notch: with one Kp is largest at up to 1.4 times
+HELD = 1000  # points whose gains are kept at most: more than a search has at once
 OWN = 3  # numbers of a point that are no ratios: filter, centre, depth
 
 
@@ -63,6 +67,13 @@ class GainTable:
         curves = np.stack([np.interp(where, np.log(self.nodes), row) for row in ratios])
         return self._along(curves, points[:, -OWN:])
 
+    def held(self, point: np.ndarray) -> dict[str, object]:
+        """Return what a schedule holds of one point (n + 3,): knots, gains, velocity filter and notch."""
+        kp, kd = self.gains(point[None, :])
+        filtered, centre, depth = map(float, point[-OWN:])
+        behind = {"velocity_filter": filtered, "notch": Notch(centre, 2.0 * DAMPEST * centre, depth)}
+        return {"knots": self.knots, "kp": kp[0], "kd": kd[0], **behind}
+
     def switched(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return (kp, kd) (points, m) of points (p, 6): the ratio up to an amplitude, that beyond it, the amplitude, filter and notch."""
         near, far, switch = (points[:, k : k + 1] for k in range(3))
@@ -70,6 +81,22 @@ class GainTable:
 
     def _along(self, curves: np.ndarray, own: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return (kp, kd) (points, m) of the logarithm of the ratio at every knot (points, m), held from rising."""
+        keys = [c.tobytes() + o.tobytes() for c, o in zip(curves, own, strict=True)]
+        if any(k not in self._held for k in keys):
+            made = self._made(curves, own)
+            if len(self._held) > HELD:
+                self._held.clear()
+            self._held.update(zip(keys, zip(*made, strict=True), strict=True))
+            return made
+        kp, kd = zip(*(self._held[k] for k in keys), strict=True)
+        return np.stack(kp), np.stack(kd)
+
+    @cached_property
+    def _held(self) -> dict[bytes, tuple[np.ndarray, np.ndarray]]:
+        """Gains of points: a search asks for those of one several times, for its margin and for each part of the ladder."""
+        return {}
+
+    def _made(self, curves: np.ndarray, own: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         most = np.log(self.stiff.largest(own))[:, None]
         ratio = np.exp(np.minimum.accumulate(np.clip(curves, np.log(self.stiff.least), most), axis=1))
         kp = SAFE * np.minimum.accumulate(self.stiff.along(ratio, own), axis=1)
@@ -154,6 +181,4 @@ def _ratio_family(
     upper = _joined(np.full(start.size, table.most), np.array([SLOWEST * dt, HIGH / dt, 1.0]))
     begun = np.clip(_joined(start, table.begun), lower, upper)
     about = _joined(np.ones(start.size), np.full(OWN, ABOUT))
-    return Family(
-        name, (*numbers, *FILTER, *NOTCH), lower, upper, begun, controller, sensitivity, settled, about=about
-    )
+    return Family(name, (*numbers, *FILTER, *NOTCH), lower, upper, begun, controller, sensitivity, settled, about=about)

@@ -64,7 +64,6 @@ class Shaped(Judge):
         return self.base.scheduled_peak(knots, kp, kd, self.velocity_filter, own)
 
 
-
 def shaped(
     make: Callable[[Judge], Family], judge: Judge, velocity_filter: float, notch: tuple[float, float] | None = None
 ) -> Family:

@@ -17,9 +17,9 @@ from workbench.tuning.reach import stiffest_along
 
 # Frequencies, rad a sample: a loop as stiff as |S| allows crosses over above a tenth of a rad a sample, for the delay stops it. With half as many
 # Kp is known to 1e-3, with twice as many to 1e-4.
-LOWEST, LINES = 0.01, 400
+LOWEST, LINES = 0.01, 300
 SOFTEST = 1e-3  # a sample: the least ratio, under which a loop takes a thousand samples
-COARSE, CLOSE = 24, 12  # ratios at which the largest of all is sought, and then about it: it is known to 3 %
+COARSE, CLOSE = 16, 8  # ratios at which the largest of all is sought, and then about it: it is known to 8 %
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,7 +54,9 @@ class Stiffness:
         met = judged_by(fine, own)
         above = fine.theta > dt * np.sqrt(fine.stiffnesses / fine.inertia)[:, None]
         each = zip(met.rate, met.passed, np.broadcast_to(ratio, (len(own), ratio.shape[1])), strict=True)
-        most = [stiffest_along(fine.position * n, v, np.ascontiguousarray(r), above, self.sensitivity) for v, n, r in each]
+        most = [
+            stiffest_along(fine.position * n, v, np.ascontiguousarray(r), above, self.sensitivity) for v, n, r in each
+        ]
         # of a slow loop no frequency may limit Kp: then it is one that the law may have at half the sampling rate
         free = 1.0 / np.abs(fine.position[:, -1]).max()
         return np.where(np.isfinite(most), most, free)
