@@ -9,13 +9,14 @@ import numpy as np
 from workbench.control.laws import CLOSING
 from workbench.design.climb import CLIMBING, Climbed, Climbing, climb
 from workbench.design.families.family import pd_family
-from workbench.design.families.gain_table import fixed_family, gain_table, switched_family, table_family
+from workbench.design.families.gain_table import GainTable, fixed_family, gain_table, switched_family, table_family
 from workbench.design.families.linear import Linear
 from workbench.design.families.shaped import shaped
 from workbench.design.ladder import LANDING, PHASES, SIZES, ladder
 from workbench.design.polish import Polished
 from workbench.design.regret import Regret, first_grid, from_references
 from workbench.design.worth import Rivals, regret_of, rivals
+from workbench.finding import Finding
 from workbench.keeping import kept
 from workbench.schedule import Schedule, fit_schedule
 from workbench.schedule.fit import REVERSAL
@@ -92,8 +93,22 @@ def tabled(
     fixed = shaped(lambda judge: pd_family(judge, pair), linear, first, tuple(notch))
     informed = partial(from_references, starts[0], table, on, SEEN[rule])
     found = climb(on, starts, (fixed, first_grid(table)), informed, seeds=seeds, budget=budget, say=say)
-    schedule = replace(interpolated, rule=rule, findings=(), **table.held(found.best.point))
+    schedule = replace(
+        interpolated, rule=rule, findings=(_stiffer(table, found.best.point),), **table.held(found.best.point)
+    )
     fewer = (fixed_family(table, robust, linear, rule, 1e-2 * task.step), switched_family(table, robust, linear, rule))
     if against:
         say("tuning fixed gains and a two-level switch over all moves")
     return Tabled(schedule, interpolated, found, rivals(found, fewer if against else (), budget))
+
+
+def _stiffer(table: GainTable, point: np.ndarray) -> Finding:
+    """Say how much stiffer a table is, at its ratios, than it might be without its notch."""
+    notch = table.held(point)["notch"]
+    kp, bare = (table.gains(one[None])[0][0] for one in (point, np.append(point[:-1], 1.0)))
+    low, high = float((kp / bare).min()), float((kp / bare).max())
+    sentence = (
+        f"The table has a notch at {notch.centre:.0f} Hz to {notch.depth:.2g} behind its law: with its ratios Kp is {low:.2f} to "
+        f"{high:.2f} times what |S| would allow without one. Gains without their notch keep no margin."
+    )
+    return Finding("notch", "schedule", sentence, {"least": low, "most": high})
