@@ -8,6 +8,7 @@ from paper_axis import LOOP, plant
 
 from workbench.control.notched import coefficients
 from workbench.description import Equivalent
+from workbench.design.against import Against
 from workbench.design.climb import Climbing, climb
 from workbench.design.families.family import pd_family
 from workbench.design.families.gain_table import fixed_family, gain_table, switched_family, table_family
@@ -15,7 +16,7 @@ from workbench.design.families.linear import Linear
 from workbench.design.families.shaped import shaped
 from workbench.design.figures import step_figures
 from workbench.design.ladder import PHASES, all_rungs, climbed, corners, ladder
-from workbench.design.regret import BEATEN, Regret, climbed_below, cost, first_grid, prices, references, regret
+from workbench.design.regret import BEATEN, Regret, cost, first_grid, prices, references, regret
 from workbench.design.worth import regret_of, rivals, worth_sentence
 from workbench.task.task import Task, Weights
 from workbench.tuning import sampled
@@ -54,7 +55,7 @@ def test_the_ladder_goes_from_ten_counts_to_the_step_both_ways_from_rest_and_bac
 
 def test_a_rung_goes_to_its_size_and_back(short):
     r = short.reference(0, int(short.samples[0]))
-    assert r[short.hold - 1] == 0.0 and r[short.hold] == short.rungs[0][0].size and r[-1] == 0.0
+    assert r[short.hold[0] - 1] == 0.0 and r[short.hold[0]] == short.rungs[0][0].size and r[-1] == 0.0
     assert np.count_nonzero(r) == short.half[0]
 
 
@@ -166,7 +167,7 @@ def test_what_has_fewer_levels_is_tuned_alike_and_the_sentence_says_who_is_behin
 def test_points_that_are_given_up_are_those_that_cost_more_and_all_others_have_the_figures_of_the_whole_ladder(
     short, monkeypatch
 ):
-    monkeypatch.setattr("workbench.design.regret.TOGETHER", 16)
+    monkeypatch.setattr("workbench.design.against.TOGETHER", 16)
     table = gain_table(LINEAR, AMPLITUDES, 2.5 * COUNT, 2.0)
     family = table_family(table, GAINS, LINEAR, "error", 4.0)
     draw = np.random.default_rng(3)
@@ -175,10 +176,11 @@ def test_points_that_are_given_up_are_those_that_cost_more_and_all_others_have_t
     whole = climbed(short, family, points, all_rungs(short, points))
     costs = cost(regret(short, whole, known))
     most = float(np.median(costs))
-    found = climbed_below(short, family, points, known, most)
+    against = Against(short, family, known)
+    found = against.tried(points, most).figures
     bounds = cost(regret(short, found, known))
     assert (found[costs <= most] == whole[costs <= most]).all()
     assert (bounds[costs > most] > most).all() and (bounds <= costs).all()
     assert (found[costs > most] == 0.0).any(), "some rungs were spared"
-    rest = climbed_below(short, family, points[:1], known, np.inf, np.array([2]), whole[1])
+    rest = against.tried(points[:1], np.inf, np.array([2]), whole[1]).figures
     assert (rest[0, 2] == whole[0, 2]).all() and (rest[0, 3:] == whole[1, 3:]).all()

@@ -39,15 +39,15 @@ def test_a_value_and_what_is_computed_from_it_is_followed_and_nothing_else(tools
 # Climbs back up the layers that each way had when it was last shortened; the way inside a trace may turn with its rules a little
 MOST = {
     "folder to Record": 6,
-    "campaign path to trace.json": 9,
-    "Trace to report": 2,
-    "plant to controllers": 7,
-    "records inside trace()": 29,
+    "campaign path to trace.json": 8,
+    "Trace to report": 1,
+    "plant to controllers": 6,
+    "records inside trace()": 24,
 }
 
 
 def test_no_way_climbs_back_up_the_layers_more_often_than_it_did():
     done = subprocess.run([sys.executable, TOOLS / "walks.py"], capture_output=True, text=True, check=True)
     counts = {line[:28].strip(): line[28:].split() for line in done.stdout.splitlines()}
-    assert counts.keys() == MOST.keys() and min(int(stays) for stays, *_ in counts.values()) > 20
+    assert counts.keys() == MOST.keys() and min(int(stays) for stays, *_ in counts.values()) > 10
     assert {way: int(n[4]) for way, n in counts.items() if int(n[4]) > MOST[way]} == {}

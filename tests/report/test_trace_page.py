@@ -14,7 +14,7 @@ from workbench.report import residual_figures, write
 from workbench.report.chapters import standard
 from workbench.report.contents import Figure, Heading, Items, Table
 from workbench.report.residual_figures import Shade
-from workbench.report.residual_maps import where_it_lives as chapter
+from workbench.report.residual_maps import where_it_lives
 from workbench.residual.residual_maps import as_list, map_residual
 from workbench.residual.window import BACKWARD, EITHER, FORWARD
 from workbench.study import traced
@@ -34,6 +34,11 @@ def found(passes):
 
 def mapped(passes, found):
     return map_residual(passes, found.before, found.extended)
+
+
+def chapter(found):
+    explained = SimpleNamespace(unknown=False, located={}, causes=())
+    return where_it_lives(SimpleNamespace(residual_maps=found, trace=explained))
 
 
 def figures(found) -> dict[str, Figure]:

@@ -6,19 +6,17 @@ what is good for short steps comes together with what is good for long ones. The
 counted and an overshoot of more than two counts at once. Seeds differ; every run is kept, so that how far they part can be said.
 """
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
-from typing import TypeVar
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from workbench.design.against import Against, Tried
 from workbench.design.families.family import Family, OfFamily
-from workbench.design.ladder import Ladder, all_rungs, climbed
-from workbench.design.regret import References, Regret, climbed_below, cost, raised, references, regret
+from workbench.design.ladder import Ladder
+from workbench.design.regret import References, Regret, raised, references, regret
 from workbench.keeping import kept
 from workbench.processes import shared
-
-Item, Run = TypeVar("Item"), TypeVar("Run")
 
 NEAR = 0.35  # of the first members about a start, of a logarithm
 BEST, CROSSED, FACTOR = 3, 0.9, (0.4, 0.9)  # how many are the best, share of numbers that cross, range of the step
@@ -26,7 +24,6 @@ BEST, CROSSED, FACTOR = 3, 0.9, (0.4, 0.9)  # how many are the best, share of nu
 # of the numbers together, and steps a generation. A ratio acts on steps of one size and on the last part of longer ones. Where steps are of few
 # counts the landscape is so rugged that only many points find a good one, and there a point costs the least.
 NARROW, WIDE, FAR, THIRD, OTHERS, STEPS = 0.01, 0.15, 2.0, 4, 0.3, 4
-BEYOND = 100.0  # what a start costs that |S| forbids
 
 
 @dataclass(frozen=True)
@@ -56,25 +53,25 @@ class Climb(OfFamily):
 
 
 @dataclass(frozen=True, eq=False)
-class Members:
-    """A population of one run. draw: its random numbers. points (members, numbers), figures (members, rungs, 2, 3)."""
+class Run:
+    """Where a search is. point (numbers,), figures (rungs, 2, 3), value: its best. touches: number -> rungs that it was seen to touch."""
 
-    family: Family
     seed: int
-    draw: np.random.Generator
-    points: np.ndarray
+    point: np.ndarray
     figures: np.ndarray
+    value: float
     evaluations: int
+    touches: Mapping[int, np.ndarray] = field(default_factory=dict)
 
-    def costs(self, on: Ladder, known: References) -> np.ndarray:
-        """Return what each member costs against references, (members,)."""
-        beyond = self.family.sensitivity(self.points) > on.task.weights.sensitivity * 1.001
-        return cost(regret(on, self.figures, known)) + np.where(beyond, BEYOND, 0.0)
+    def with_tried(self, tried: Tried) -> "Run":
+        """Return the run with the best of what was tried, where that costs less."""
+        i, more = int(tried.costs.argmin()), self.evaluations + len(tried.points)
+        if tried.costs[i] >= self.value:
+            return replace(self, evaluations=more)
+        return replace(self, point=tried.points[i], figures=tried.figures[i], value=float(tried.costs[i]), evaluations=more)  # fmt: skip
 
-    def best(self, on: Ladder, known: References) -> Climb:
-        costs = self.costs(on, known)
-        i = int(costs.argmin())
-        return Climb(self.family, self.seed, self.points[i], float(costs[i]), self.figures[i], self.evaluations)
+    def of(self, family: Family) -> Climb:
+        return Climb(family, self.seed, self.point, self.value, self.figures, self.evaluations)
 
 
 @dataclass(frozen=True, eq=False)
@@ -113,115 +110,60 @@ def climb(
     the references' first grid. informed: from these references to one more start.
     """
     say("tuning a reference for each move alone")
-    known = references(on, *fixed)
+    against = Against(on, starts[0], references(on, *fixed))
     say("tuning the gain table over all moves")
-    every = [f.start for f in (*starts, *([informed(known)] if informed else []))]
-    generations = budget.generations
-    runs = _side_by_side(
-        lambda seed: _evolved(on, _begun(on, starts[0], seed, every, budget.members), known, generations),
-        seeds, starts[0],
-    )  # fmt: skip
+    every = [f.start for f in (*starts, *([informed(against.known)] if informed else []))]
+    runs = list(shared(lambda seed: _evolved(against, seed, every, budget), seeds))
     say("tuning the references again that it beats")
-    known = raised(
-        on, known, starts[0], *(np.concatenate([getattr(r, n) for r in runs]) for n in ("points", "figures"))
+    against = _raised(against, runs)
+    steps = STEPS * budget.generations
+    near = list(shared(lambda run: _refined(against, run, steps, budget), _priced(against, runs)))
+    against = _raised(against, near)
+    found = sorted(_priced(against, near), key=lambda r: r.value)
+    return Climbed(
+        on,
+        tuple(r.of(starts[0]) for r in found),
+        against.known,
+        regret(on, found[0].figures, against.known),
     )
-    near = _side_by_side(
-        lambda run: _refined(on, run.best(on, known), known, STEPS * generations, budget), runs, starts[0]
-    )
-    known = raised(on, known, starts[0], np.stack([r.point for r in near]), np.stack([r.figures for r in near]))
-    values = [float(cost(regret(on, r.figures[None], known))[0]) for r in near]
-    found = tuple(replace(near[i], value=values[i]) for i in np.argsort(values))
-    return Climbed(on, found, known, regret(on, found[0].figures, known))
 
 
-def _side_by_side(function: Callable[[Item], Run], items: Sequence[Item], family: Family) -> list[Run]:
-    """Return function(item) of each item, a run of a family: a family is functions, and every process has it."""
-    made = shared(lambda item: replace(function(item), family=None), items)
-    return [replace(one, family=family) for one in made]
+def _raised(against: Against, runs: Sequence[Run]) -> Against:
+    """Return references that no best point of some runs beats."""
+    points, figures = (np.stack([getattr(r, n) for r in runs]) for n in ("point", "figures"))
+    return replace(against, known=raised(against.on, against.known, against.family, points, figures))
 
 
-def _refined(on: Ladder, run: Climb, known: References, steps: int, budget: Climbing) -> Climb:
-    """Return the best that a local search finds about a run's point: one number moved at a time, or all of them."""
-    draw = np.random.default_rng(run.seed + 100)
-    for k in range(steps):
-        run = _jointly(on, run, known, draw, budget) if k % THIRD == THIRD - 1 else _alone(on, run, known, draw, budget)
-    return run
-
-
-def _width(draw: np.random.Generator) -> float:
-    return NARROW + WIDE * draw.random() ** 1.5  # more often narrow than wide
-
-
-def _jointly(on: Ladder, run: Climb, known: References, draw: np.random.Generator, budget: Climbing) -> Climb:
-    """Move a share of the numbers together."""
-    family, width = run.family, _width(draw)
-    moved = width * np.where(draw.random((budget.offspring, run.point.size)) < OTHERS, 1.0, 0.0)
-    moved *= draw.standard_normal(moved.shape)
-    points = family.settled(np.clip(run.point * np.exp(moved), family.lower, family.upper))
-    return _better(on, run, known, points, climbed_below(on, family, points, known, run.value))
-
-
-def _alone(on: Ladder, run: Climb, known: References, draw: np.random.Generator, budget: Climbing) -> Climb:
-    """Move one number; rungs that it does not touch are not climbed again, and the fewer it touches, the more points are tried."""
-    family, j, width = run.family, int(draw.integers(run.point.size)), _width(draw)
-
-    def away(by: np.ndarray) -> np.ndarray:
-        points = np.tile(run.point, (by.size, 1))
-        points[:, j] = np.clip(run.point[j] * np.exp(width * by), family.lower[j], family.upper[j])
-        return family.settled(points)
-
-    probe = away(np.array([-FAR, FAR]))  # what a lesser move touches, these touch
-    seen = climbed(on, family, probe, all_rungs(on, probe))
-    touched = np.flatnonzero((seen != run.figures).any(axis=(0, 2, 3)))
-    run = _better(on, run, known, probe, seen)
-    if not touched.size:
-        return run
-    points = away(
-        np.clip(draw.standard_normal(min(budget.offspring * len(on.rungs) // touched.size, budget.many)), -FAR, FAR)
-    )
-    tried = climbed_below(on, family, points, known, run.value, touched, run.figures)
-    return _better(on, run, known, points, tried)
-
-
-def _better(on: Ladder, run: Climb, known: References, points: np.ndarray, tried: np.ndarray) -> Climb:
-    """Return a run with the best of some points where that costs less. points (p, numbers), tried (p, rungs, 2, 3): their figures."""
-    run = replace(run, evaluations=run.evaluations + len(points))
-    beyond = run.family.sensitivity(points) > on.task.weights.sensitivity * 1.001
-    costs = cost(regret(on, tried, known)) + np.where(beyond, BEYOND, 0.0)
-    i = int(costs.argmin())
-    return replace(run, point=points[i], value=float(costs[i]), figures=tried[i]) if costs[i] < run.value else run
+def _priced(against: Against, runs: Sequence[Run]) -> list[Run]:
+    """Return runs with what they cost against other references."""
+    return [replace(r, value=float(against.costs(r.point[None], r.figures[None])[0])) for r in runs]
 
 
 def evolved(on: Ladder, family: Family, known: References, seed: int, budget: Climbing) -> Climb:
     """Return the best point of a family that a search from its own start finds."""
-    return _evolved(on, _begun(on, family, seed, [family.start], budget.members), known, budget.generations).best(
-        on, known
-    )
+    return _evolved(Against(on, family, known), seed, [family.start], budget).of(family)
 
 
-def _begun(on: Ladder, family: Family, seed: int, starts: Sequence[np.ndarray], many: int) -> Members:
-    """Return the first members: the starts (numbers,), and others about each of them."""
+def _evolved(against: Against, seed: int, starts: Sequence[np.ndarray], budget: Climbing) -> Run:
+    """Return the best of a population about the starts (numbers,); each member gives way to what it is crossed to where that costs no more."""
     draw = np.random.default_rng(seed)
+    begun = against.tried(_about(against.family, draw, starts, budget.members))
+    points, figures, costs = begun.points.copy(), begun.figures.copy(), begun.costs.copy()
+    for _ in range(budget.generations):
+        tried = against.tried(_crossed(against.family, draw, points, costs), costs)
+        ok = tried.costs <= costs
+        points[ok], figures[ok], costs[ok] = tried.points[ok], tried.figures[ok], tried.costs[ok]
+    i = int(costs.argmin())
+    return Run(seed, points[i], figures[i], float(costs[i]), budget.members * (1 + budget.generations))
+
+
+def _about(family: Family, draw: np.random.Generator, starts: Sequence[np.ndarray], many: int) -> np.ndarray:
+    """Return the first members (many, numbers): the starts, and others about each of them."""
     about = np.array([starts[k % len(starts)] for k in range(many)])
     away = (
         np.where(np.arange(many)[:, None] < len(starts), 0.0, NEAR) * family.about * draw.standard_normal(about.shape)
     )
-    points = family.settled(np.clip(about * np.exp(away), family.lower, family.upper))
-    return Members(family, seed, draw, points, climbed(on, family, points, all_rungs(on, points)), many)
-
-
-def _evolved(on: Ladder, members: Members, known: References, generations: int) -> Members:
-    """Return the members after so many generations; each gives way to what it is crossed to where that costs no more."""
-    family, draw = members.family, members.draw
-    points, figures = members.points.copy(), members.figures.copy()
-    costs = members.costs(on, known)
-    for _ in range(generations):
-        tried = _crossed(family, draw, points, costs)
-        new = replace(members, points=tried, figures=climbed_below(on, family, tried, known, costs))
-        price = new.costs(on, known)
-        ok = price <= costs
-        points[ok], figures[ok], costs[ok] = tried[ok], new.figures[ok], price[ok]
-    return replace(members, points=points, figures=figures, evaluations=members.evaluations + generations * len(points))
+    return family.settled(np.clip(about * np.exp(away), family.lower, family.upper))
 
 
 def _crossed(family: Family, draw: np.random.Generator, points: np.ndarray, costs: np.ndarray) -> np.ndarray:
@@ -234,3 +176,55 @@ def _crossed(family: Family, draw: np.random.Generator, points: np.ndarray, cost
     own = draw.random(points.shape) < CROSSED
     own[np.arange(count), draw.integers(0, numbers, count)] = True
     return family.settled(np.clip(np.exp(np.where(own, moved, logs)), family.lower, family.upper))
+
+
+def _refined(against: Against, run: Run, steps: int, budget: Climbing) -> Run:
+    """Return the best that a local search finds about a run's point: one number moved at a time, or all of them."""
+    draw = np.random.default_rng(run.seed + 100)
+    for k in range(steps):
+        width = NARROW + WIDE * draw.random() ** 1.5  # more often narrow than wide
+        move = _jointly if k % THIRD == THIRD - 1 else _alone
+        run = move(against, run, draw, width, budget)
+    return run
+
+
+def _jointly(against: Against, run: Run, draw: np.random.Generator, width: float, budget: Climbing) -> Run:
+    """Move a share of the numbers together."""
+    moved = width * np.where(draw.random((budget.offspring, run.point.size)) < OTHERS, 1.0, 0.0)
+    return run.with_tried(
+        against.tried(_moved(against.family, run.point, moved * draw.standard_normal(moved.shape)), run.value)
+    )
+
+
+def _alone(against: Against, run: Run, draw: np.random.Generator, width: float, budget: Climbing) -> Run:
+    """Move one number. Only rungs that it was seen to touch are climbed, and the fewer these are, the more points are tried; what is then
+    better is climbed as a whole, so that no figure is assumed."""
+    j = int(draw.integers(run.point.size))
+    along = np.eye(run.point.size)[j] * width
+    if j not in run.touches:  # what a lesser move touches, these touch
+        probe = against.tried(_moved(against.family, run.point, along * np.array([[-FAR], [FAR]])))
+        run = _seen(run, j, probe.figures).with_tried(probe)
+    touched = run.touches[j]
+    if not touched.size:
+        return run
+    many = min(budget.offspring * len(against.on.rungs) // touched.size, budget.many)
+    by = np.clip(draw.standard_normal(many), -FAR, FAR)[:, None]
+    tried = against.tried(_moved(against.family, run.point, along * by), run.value, touched, run.figures)
+    i = int(tried.costs.argmin())
+    run = replace(run, evaluations=run.evaluations + many)
+    if tried.costs[i] >= run.value:
+        return run
+    best = against.tried(tried.points[i : i + 1])
+    return _seen(run, j, best.figures).with_tried(best)
+
+
+def _moved(family: Family, point: np.ndarray, by: np.ndarray) -> np.ndarray:
+    """Return points (p, numbers) that lie by logarithms (p, numbers) beside one."""
+    return family.settled(np.clip(point * np.exp(by), family.lower, family.upper))
+
+
+def _seen(run: Run, j: int, figures: np.ndarray) -> Run:
+    """Return a run that knows of number j which rungs it touches, where points that it was moved to have figures (p, rungs, 2, 3)."""
+    touched = np.flatnonzero((figures != run.figures).any(axis=(0, 2, 3)))
+    known = run.touches.get(j, touched)
+    return replace(run, touches={**run.touches, j: np.union1d(known, touched)})

@@ -89,7 +89,7 @@ def design(
     one, with modes that the plant does not have; it limits the gains at each amplitude, and the finding says by how much. The
     searches on the simulated loop know the plant alone.
     """
-    loop, own = task.loop, task.on(plant)
+    loop, own = task.loop, replace(task, plant=plant)
     say("tuning gains at each amplitude")
     axis = tuned_axis(plant, amplitudes, goal, loop, response=response)
     polished = polish(axis, goal, own, say)

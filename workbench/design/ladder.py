@@ -16,7 +16,8 @@ from workbench.task.task import Task
 
 SIZES, LEAST = 9, 10.0  # sizes, even in the logarithm, from so many counts to the study's own step
 SHARE = 1e-5  # of the step: the smallest size where the encoder has no counts
-HOLD = 0.06  # s, at rest before the first step: the load's deflection dies out in a third of it
+HOLD = 0.06  # s, at rest before the first step under a load: its deflection dies out in a third of it
+UNLOADED = 2  # samples, without one
 REST, LASTS = 0.1, 1.5  # s, and of the time-optimal bound: how long each step is given
 SINE, PERIOD = (
     10.0,
@@ -69,9 +70,10 @@ class Ladder:
         return np.unique([abs(r[0].size) for r in self.rungs if r[0].kind == "step"])
 
     @property
-    def hold(self) -> int:
-        """Samples before the first step."""
-        return int(round(HOLD / self.task.loop.sample_time))
+    def hold(self) -> np.ndarray:
+        """Samples before the first step, (rungs,): without a load nothing moves until then."""
+        loaded = int(round(HOLD / self.task.loop.sample_time))
+        return np.array([loaded if r[0].load else UNLOADED for r in self.rungs])
 
     @property
     def samples(self) -> np.ndarray:
@@ -103,12 +105,12 @@ class Ladder:
 
     def reference(self, rung: int, samples: int) -> np.ndarray:
         """Return the command over so many samples: to the size, and back."""
-        move, t = self.rungs[rung][0], np.arange(samples)
+        move, t, hold = self.rungs[rung][0], np.arange(samples), self.hold[rung]
         if move.kind == "sine":
-            return move.size * np.sin(2 * np.pi / PERIOD * self.task.loop.sample_time * np.maximum(t - self.hold, 0))
+            return move.size * np.sin(2 * np.pi / PERIOD * self.task.loop.sample_time * np.maximum(t - hold, 0))
         if move.kind == "load":
             return np.zeros(samples)
-        return np.where((t >= self.hold) & (t < self.hold + self.half[rung]), move.size, 0.0)
+        return np.where((t >= hold) & (t < hold + self.half[rung]), move.size, 0.0)
 
 
 def ladder(
@@ -200,7 +202,7 @@ def _climbed(
 
 def _figures_of(on: Ladder, rung: int, q: np.ndarray) -> np.ndarray:
     """Return figures (n, 2, 3) of positions q (samples, n) of one rung."""
-    moves, hold, half = on.rungs[rung], on.hold, int(on.half[rung])
+    moves, hold, half = on.rungs[rung], int(on.hold[rung]), int(on.half[rung])
     if moves[0].kind != "step":
         first = hold + half // 2 if moves[0].kind == "sine" else 0  # what the start of a sine leaves has died out
         left = np.max(np.abs(q[first:] - on.reference(rung, len(q))[first:, None]), axis=0)

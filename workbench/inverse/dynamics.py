@@ -21,6 +21,7 @@ from workbench.motion import Motion, motion
 from workbench.plant import PLACES, TWO_MASS, Plant, carried, reads_load
 from workbench.record import Record
 
+LOAD_DRIVE = "drive of the load"  # channel of a record whose load is driven, too: that of a machine that is a model, no log has it
 KEEP = 160  # columns kept a record: the declared model, and a few dozen trial shapes
 # by what a force at a place enters the balances: of the one body, or the motor's and the load's
 LEVERS = {"axis": np.ones((1, 1)), "motor": np.array([[1.0], [0.0]]), "load": np.array([[0.0], [1.0]])}
@@ -59,10 +60,12 @@ class InverseDynamics:
         return value
 
     def filtered_drive(self, plant: Plant) -> np.ndarray:
-        """Return F(u') (rows, n): the drive, and nothing on the load's side; less what the record's payload takes."""
+        """Return F(u') (rows, n): the drive, and what drives the load, nothing unless the record says so; less what its payload takes."""
         path = path_of(drive_maps(plant))
         drive = self._keep(("drive", path), lambda: self.motion.filter(self.command.applied(plant)))
-        given = np.stack([drive, np.zeros_like(drive)][: self.rows(plant)])
+        at_load = self.motion.record.channels.get(LOAD_DRIVE)
+        driven = np.zeros_like(drive) if at_load is None else self.motion.filter(at_load)
+        given = np.stack([drive, driven][: self.rows(plant)])
         added = self.payload(plant)
         return given if added is None else given - self.closed(plant, self.motion.filter(added), added)
 

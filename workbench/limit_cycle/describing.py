@@ -163,10 +163,12 @@ def _stepped(
         return np.broadcast_to(_values(made, given)["out"], shape), {}
     along = {n: np.empty(shape) for n in ("out", *names)}
     start = {n: np.zeros(shape[:-1]) + begun.get(n.removeprefix("z."), 0.0) for n in names}
+    read = {n: given[n] for n in made.inputs if n in given}
+    moving = {n: v for n, v in read.items() if np.ndim(v)}
     for _ in range(CYCLES):
         now = start
         for k in range(shape[-1]):
-            here = {n: v[..., k % v.shape[-1]] if np.ndim(v) else v for n, v in given.items()}
+            here = read | {n: v[..., k % v.shape[-1]] for n, v in moving.items()}
             for n in names:
                 along[n][..., k] = now[n]
             values = _values(made, here | now)

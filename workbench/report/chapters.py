@@ -5,7 +5,7 @@ from dataclasses import replace
 
 from workbench.finding import Finding
 from workbench.report.cause import cause
-from workbench.report.contents import Block, Callout, Chapter, Heading, Items, Paragraph, StudyResult
+from workbench.report.contents import Block, Callout, Chapter, Items, Paragraph, StudyResult
 from workbench.report.description import description
 from workbench.report.method import method, provenance
 from workbench.report.model import declared, extended
@@ -14,43 +14,27 @@ from workbench.report.recommend import RECOMMENDED
 from workbench.report.required import required
 from workbench.report.residual import residual
 from workbench.report.residual_maps import where_it_lives
-from workbench.report.unknown import localised, shade
 from workbench.report.wording import finding_items, typeset
 
-__all__ = [
-    "cause",
-    "declared",
-    "description",
-    "extended",
-    "finding",
-    "method",
-    "provenance",
-    "records",
-    "residual",
-    "standard",
-    "where_it_lives",
-]
 OF_GAINS = ("gains", "schedule")  # subjects of findings that belong to the chapters of the study
 
 
+def _of_study(result: StudyResult) -> tuple[Chapter, ...]:
+    """Return the chapters of the study itself."""
+    return result.chapters
+
+
+# What a report may hold, in its order: a new chapter is a function of the result and its place here. One that has nothing to say is None.
+ORDER = (
+    finding, records, declared, residual, where_it_lives, cause, extended, description, _of_study, required, method, provenance,
+)  # fmt: skip
+
+
 def standard(result: StudyResult) -> tuple[Chapter, ...]:
-    """Return all chapters; those of the study itself stand between the description and the requirements. No sentence of a list
-    or a paragraph is there twice."""
-    chapters = [finding(result), records(result), declared(result), residual(result)]
-    unknown = (Heading("Where it lives"), localised(result)) if result.trace.unknown else ()
-    if result.residual_maps:
-        chapters.append(where_it_lives(result.residual_maps, unknown, shade(result)))
-    elif unknown:
-        chapters.append(Chapter("Where the residual lives", unknown))
-    chapters.append(cause(result))
-    if result.trace.causes:
-        chapters.append(extended(result))
-    if result.equivalent:
-        chapters.append(description(result))
-    chapters += result.chapters
-    if result.checks:
-        chapters.append(required(result))
-    return _once(_with_findings([*chapters, method(result), provenance(result)], result))
+    """Return all chapters that have something to say. No sentence of a list or a paragraph is there twice."""
+    made = [make(result) for make in ORDER]
+    chapters = [c for one in made for c in (one if isinstance(one, tuple) else (one,)) if c is not None]
+    return _once(_with_findings(chapters, result))
 
 
 def texts(chapters: Iterable[Chapter]) -> list[str]:

@@ -12,8 +12,10 @@ ROWS = 8
 ROUNDING = 1e-9  # of the stiffness: a loss of less is what rounding leaves of a spring (1e-11 of it was met); halved or doubled, the same
 
 
-def description(result: StudyResult) -> Chapter:
-    """The curves, and a small table of them."""
+def description(result: StudyResult) -> Chapter | None:
+    """The curves, and a small table of them; None where nothing was described."""
+    if not result.equivalent:
+        return None
     names = listed([e.title for e, _ in result.equivalent])
     text = (
         f"{_lossy(result)} Under a sinusoidal motion of amplitude A, {names} {'acts' if len(result.equivalent) == 1 else 'act'} in the first "

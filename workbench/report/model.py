@@ -35,9 +35,11 @@ def declared(result: StudyResult) -> Chapter:
     return Chapter("The declared model", tuple(blocks))
 
 
-def extended(result: StudyResult) -> Chapter:
-    """The declared model with what it lacked: the one that all that follows is computed with."""
+def extended(result: StudyResult) -> Chapter | None:
+    """The declared model with what it lacked: the one that all that follows is computed with. None where it lacked nothing."""
     trace = result.trace
+    if not trace.causes:
+        return None
     names = listed([c.title for c in trace.causes])
     text = (
         f"Once {names} {'is' if len(trace.causes) == 1 else 'are'} in the model, the other parameters move by what they had stood "

@@ -71,8 +71,10 @@ def judged(checks: Sequence[Check]) -> str:
     return f"{len(failed)} of {len(checks)} requirements {verb} not hold: {listed(failed)}."
 
 
-def required(result: StudyResult) -> Chapter:
-    """Every requirement with its value and bound."""
+def required(result: StudyResult) -> Chapter | None:
+    """Every requirement with its value and bound; None where the study states none."""
+    if not result.checks:
+        return None
     failed = sum(not c.passed for c in result.checks)
     text = (
         f"What was required is reached in {'all' if not failed else len(result.checks) - failed} of {len(result.checks)} points; a "

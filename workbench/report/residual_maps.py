@@ -8,8 +8,9 @@ import numpy as np
 from workbench.finding import capital
 from workbench.report import numbers
 from workbench.report import residual_figures as figures
-from workbench.report.contents import Block, Chapter, Figure, Heading, Items, Paragraph, Table
+from workbench.report.contents import Block, Chapter, Figure, Heading, Items, Paragraph, StudyResult, Table
 from workbench.report.residual_figures import SPREAD, Shade
+from workbench.report.unknown import localised, shade
 from workbench.report.wording import listed, span
 from workbench.residual.maps import BINS, DIRECTION, MOTOR_TURN, POSITION_NAME, TIME, TURN
 from workbench.residual.residual_maps import ResidualMaps
@@ -27,11 +28,16 @@ NAMED = 3  # windows said, those where the residual stands out most: one window 
 PLACES = (POSITION_NAME, TURN, MOTOR_TURN)
 
 
-def where_it_lives(found: Sequence[ResidualMaps], unknown: Sequence[Block] = (), shade: Shade | None = None) -> Chapter:
-    """The chapter: over place, over motion, over time, over frequency and order; in the angle too, where there is one.
+def where_it_lives(result: StudyResult) -> Chapter | None:
+    """The chapter: over place, over motion, over time, over frequency and order; in the angle too, where there is one. What no effect
+    explains stands first, and is shaded in the graphs of the drive."""
+    unknown = (Heading("Where it lives"), localised(result)) if result.trace.unknown else ()
+    blocks = (*unknown, *_mapped(result.residual_maps, shade(result)))
+    return Chapter("Where the residual lives", blocks) if blocks else None
 
-    unknown: what is said of a residual that no effect explains; shade: where it lives, shaded in the graphs of the drive.
-    """
+
+def _mapped(found: Sequence[ResidualMaps], shaded: Shade | None) -> list[Block]:
+    """Return what is said and drawn of the maps."""
     text = (
         "What a residual follows tells what it comes from. The residual of the identification records is held "
         "against each coordinate in bins, for each way of motion: its mean, with two standard errors (over visits to a bin, "
@@ -39,14 +45,14 @@ def where_it_lives(found: Sequence[ResidualMaps], unknown: Sequence[Block] = (),
         "residual's power that the means hold. Where a window of a coordinate holds plainly more of the residual than the "
         "rest, it is the one whose variance differs most likely from the rest's."
     )
-    blocks = [*unknown]
+    blocks: list[Block] = []
     every = [_words(w) for w in found]
     for k, (w, words) in enumerate(zip(found, every, strict=True)):
         if w.of == "angle":
             blocks += [Heading("In the angle of the joint"), Paragraph(ANGLE + _balanced(w))]
         blocks += [Items(tuple(_told(w, words))), *([] if k else [Paragraph(text)])]
-        blocks += [*_drawn(w, words, shade if w.of != "angle" else None), _ways(w)]
-    return Chapter("Where the residual lives", tuple(blocks))
+        blocks += [*_drawn(w, words, shaded if w.of != "angle" else None), _ways(w)]
+    return blocks
 
 
 def _balanced(w: ResidualMaps) -> str:

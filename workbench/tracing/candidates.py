@@ -5,6 +5,7 @@ from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 
 from workbench.definition import FORCE, Effect, catalogue
+from workbench.effects.families import family_of
 from workbench.effects.free_bank import NAME as FREE_CURVE
 from workbench.parameter import Parameter
 from workbench.plant import Plant, places
@@ -42,6 +43,10 @@ class Candidate:
     @property
     def key(self) -> str:
         return f"{self.effect}@{self.at}"
+
+    @property
+    def family(self) -> str:
+        return family_of(self.plant[self.key])
 
 
 @dataclass(frozen=True)
@@ -86,9 +91,8 @@ def suspects(
         if motion not in effect.motions:
             continue
         for place in places(plant.kind, effect, plant.rotary):
-            if place in effect.stated or not _offered(effect, place, plant):
-                continue
-            if not all(s in _plant_signals(plant) for s in effect.reads):
+            readable = all(s in _plant_signals(plant) for s in effect.reads)
+            if place in effect.stated or not readable or not _offered(effect, place, plant):
                 continue
             another = effect(at=place)
             known = {e.key for e in (*plant.effects, *stands_for.values())}
@@ -101,12 +105,9 @@ def suspects(
             rest = plant
             for key in same:
                 rest = rest.without(key)
-            restored: tuple[str, ...] = ()
-            if another.linear:
-                instead = (*same, *(stands_for[k].key for k in same if k in stands_for))
-            else:  # a length of its own, by which the declared law builds up
-                instead = same
-                restored = tuple(stands_for[key].key for key in same)
+            instead, restored = (*same, *(stands_for[k].key for k in same if k in stands_for)), ()
+            if not another.linear:  # a length of its own, by which the declared law builds up
+                instead, restored = same, tuple(stands_for[key].key for key in same)
                 for key in same:
                     rest = rest + stands_for[key]
             part = _missing_part(another, [stands_for.get(key) or plant[key] for key in same])

@@ -9,11 +9,9 @@ what the model asks for, as is what drives its load, and its encoders read count
 from collections.abc import Sequence
 from dataclasses import replace
 
-import numpy as np
-
 from workbench.identification.solve import NoValue
 from workbench.inverse.balances import balances, predicted
-from workbench.inverse.dynamics import InverseDynamics
+from workbench.inverse.dynamics import LOAD_DRIVE, InverseDynamics
 from workbench.motion import motion
 from workbench.plant import Plant
 from workbench.residual.noise_floor import read_again
@@ -23,18 +21,6 @@ from workbench.tracing.decimation import thin_one
 from workbench.tracing.result import CandidateScore
 from workbench.tracing.search import fitted, within_reach
 from workbench.tracing.state import State
-
-LOAD = "asked at the load"  # channel of what drives the load of a machine that is the present model
-
-
-class NoiselessReplica(InverseDynamics):
-    """InverseDynamics of a machine that the present model is exact for, but for its counts: of two masses its load is driven, too."""
-
-    def filtered_drive(self, plant: Plant) -> np.ndarray:
-        drive = super().filtered_drive(plant)
-        if len(drive) > 1:
-            drive[1] = self.motion.filter(self.motion.record.channels[LOAD])
-        return drive
 
 
 def _sound(passes: Sequence[InverseDynamics], plant: Plant) -> list[InverseDynamics]:
@@ -49,12 +35,8 @@ def _sound(passes: Sequence[InverseDynamics], plant: Plant) -> list[InverseDynam
         true, read = InverseDynamics(motion(records[0], band)), records[1]
         made = {"torque" if "torque" in read.channels else "force": predicted(true, plant)}
         if true.rows(plant) > 1:
-            made[LOAD] = balances(true, plant)[1]
-        found.append(
-            thin_one(
-                NoiselessReplica(motion(replace(read, channels={**read.channels, **made}), band)), of=NoiselessReplica
-            )
-        )
+            made[LOAD_DRIVE] = balances(true, plant)[1]
+        found.append(thin_one(InverseDynamics(motion(replace(read, channels={**read.channels, **made}), band))))
     return found
 
 

@@ -61,16 +61,14 @@ def decimate(
     return [thin_one(p, plant, least) for p in passes]
 
 
-def thin_one(
-    p: InverseDynamics, plant: Plant | None = None, least: float = LEAST, of: type[InverseDynamics] = InverseDynamics
-) -> InverseDynamics:
-    """Return passes, `of` this class, over one thinned record, whose operators run at FINE times the band."""
+def thin_one(p: InverseDynamics, plant: Plant | None = None, least: float = LEAST) -> InverseDynamics:
+    """Return passes over one thinned record, whose operators run at FINE times the band."""
     band = p.motion.filter.bandwidth
     record = decimated(p.motion.record, band, least)
     at_rest = {place: still(p, place, WINDOW) for place in dry(plant)} if plant is not None else {}
     counts = _counting(p, record, at_rest)
     if record is p.motion.record:
-        return p if counts is None else of(p.motion, counts=counts)
+        return p if counts is None else InverseDynamics(p.motion, counts=counts)
     fine = decimated(p.motion.record, band, max(FINE, least))
     finer = p if fine is p.motion.record else InverseDynamics(motion(fine, band))
     low_pass = LowPass(CUT / record.dt, 1 / fine.dt, fine.time.size)
@@ -79,7 +77,7 @@ def thin_one(
     def coarse(outputs: np.ndarray) -> np.ndarray:
         return np.stack([between(x, steps) for x in low_pass(outputs)])
 
-    return of(motion(record, band), finer, coarse, counts)
+    return InverseDynamics(motion(record, band), finer, coarse, counts)
 
 
 def dry(plant: Plant) -> list[str]:

@@ -8,7 +8,7 @@ which class it is, the free form is added in its stead and bears the formula's n
 from collections.abc import Sequence
 from dataclasses import replace
 
-from workbench.effects.families import FREE_FORMS, family_of
+from workbench.effects.families import FREE_FORMS
 from workbench.processes import shared
 from workbench.tracing.budget import BUDGET, Budget
 from workbench.tracing.candidates import ADDITION
@@ -35,7 +35,7 @@ def free_law(
     formulas = [j for j in judgements if j.suspect.kind == ADDITION and j.candidate.gain > criteria.share]
     asked: dict[tuple[str, str], ScoredCandidate] = {}
     for j in formulas:
-        asked.setdefault((family_of(j.suspect.plant[j.suspect.key]), j.suspect.at), j)
+        asked.setdefault((j.suspect.family, j.suspect.at), j)
     asked = {k: j for k, j in list(asked.items())[: budget.families] if k[0] in FREE_FORMS and k[0] != MEMORY}
     forms = [
         f
@@ -54,11 +54,9 @@ def free_law(
     most, own = whole - free.errors.total, whole - best.errors.total
     if own >= criteria.near * most or best.errors.total - free.errors.total <= criteria.practical**2 * state.power:
         return None
-    family = family_of(free.suspect.plant[free.suspect.key])
+    family = free.suspect.family
     nearest = asked[(family, free.suspect.at)]
-    earlier = [
-        j for j in added if j.suspect.at == free.suspect.at and family_of(j.suspect.plant[j.suspect.key]) == family
-    ]
+    earlier = [j for j in added if j.suspect.at == free.suspect.at and j.suspect.family == family]
     if earlier:
         return refitted_as(
             state, replace(free, suspect=replace(free.suspect, stands=earlier[0].suspect.name)), criteria

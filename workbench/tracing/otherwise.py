@@ -8,7 +8,7 @@ from collections.abc import Collection, Sequence
 from dataclasses import replace
 
 from workbench.definition import catalogue
-from workbench.effects.families import FREE_FORMS, family_of
+from workbench.effects.families import FREE_FORMS
 from workbench.identification.result import Fit
 from workbench.identification.solve import NoValue
 from workbench.inverse.dynamics import InverseDynamics
@@ -102,7 +102,7 @@ def _laws(
         known = {**offer.stands_for, **{law.key: law.declared for law in selected.laws}}
         offered = replace(offer, only={e.name for e in (*asked, *near)}, own=(*offer.own, *near), stands_for=known)
         found += step(state, progress, offered, criteria)
-    if (family := family_of(own)) in FREE_FORMS and family != MEMORY and not j.suspect.stands:
+    if (family := j.suspect.family) in FREE_FORMS and family != MEMORY and not j.suspect.stands:
         forms = free_forms(state.plant, state.passes, [family], state.residuals)
         found += [ScoredCandidate(f.suspect, **judged(state, f.suspect, criteria, offer.budget)) for f in forms]
     here = [k for k in found if k.suspect.at == j.suspect.at and k.candidate.earns and k.theta is not None]

@@ -3,11 +3,9 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from workbench.finding import Finding
 from workbench.identification.fit import identify
 from workbench.identification.result import Estimate, Fit
 from workbench.inverse.dynamics import InverseDynamics
-from workbench.plant import Plant
 from workbench.record import IDENTIFICATION
 from workbench.tracing import calibration
 from workbench.tracing.candidates import ADDITION, without
@@ -16,36 +14,17 @@ from workbench.tracing.decide import CAUSE, NOTHING, UNKNOWN, Verdict
 from workbench.tracing.evidence import Evidence, Weighed
 from workbench.tracing.headline import verdict_sentence
 from workbench.tracing.judge import Progress, ScoredCandidate, shown
-from workbench.tracing.mending import Mended
 from workbench.tracing.power_up import calibrations, withheld
+from workbench.tracing.preparing import Declared
 from workbench.tracing.result import CandidateScore, Cause, Refinement, Trace
 from workbench.tracing.rivals import experiment, rivals
 from workbench.tracing.selection import Selection
 from workbench.tracing.skew import Skew, clock
 from workbench.tracing.smallest import named
 from workbench.tracing.state import State
-from workbench.tracing.sticking import Sticking
 from workbench.tracing.unexplained import Unexplained, described, unexplained
 from workbench.tracing.weighing import Confirmed, curve_of
 from workbench.tracing.wording import cause, findings_of, refinement
-
-
-@dataclass(frozen=True, eq=False)
-class Declared:
-    """declared: the plant as declared. plant: with the clock that the angle between two encoders says is late, held. whole: the
-    identification records; thinned: the same at the lowest rate. before: the fit of the declared plant, where there is such a clock. idle: a finding that the fit
-    lets the joint carry nothing. lost: counts that an encoder loses, which are put back in all that follows. sticks: where it
-    does, if that is most of the residual."""
-
-    declared: Plant
-    plant: Plant
-    whole: Sequence[InverseDynamics]
-    thinned: Sequence[InverseDynamics]
-    skew: Skew | None = None
-    before: Fit | None = None
-    idle: Finding | None = None
-    lost: Mended | None = None
-    sticks: Sticking | None = None
 
 
 @dataclass(frozen=True, eq=False)

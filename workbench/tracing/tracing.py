@@ -5,13 +5,11 @@ from dataclasses import replace
 
 from workbench.definition import Effect
 from workbench.errors import WorkbenchError
-from workbench.identification.fit import fitted_on, identify
 from workbench.identification.result import Fit
 from workbench.identification.solve import NoValue
-from workbench.inverse.carrying import idle
 from workbench.inverse.dynamics import InverseDynamics
 from workbench.keeping import kept
-from workbench.plant import TWO_MASS, Plant
+from workbench.plant import Plant
 from workbench.residual.noise_floor import floor as noise_floor
 from workbench.threads import one_thread
 from workbench.tracing.budget import BUDGET, Budget
@@ -22,14 +20,12 @@ from workbench.tracing.decimation import decimate
 from workbench.tracing.evidence import CORRECTION, Evidence
 from workbench.tracing.explainable import explainable
 from workbench.tracing.judge import STANDARD, Progress, ScoredCandidate
-from workbench.tracing.mending import mended
 from workbench.tracing.otherwise import otherwise
-from workbench.tracing.reporting import Declared, Outcome, reported
+from workbench.tracing.preparing import Declared, prepared
+from workbench.tracing.reporting import Outcome, reported
 from workbench.tracing.result import Trace
 from workbench.tracing.selection import Selection, select
-from workbench.tracing.skew import skew_of
 from workbench.tracing.state import State
-from workbench.tracing.sticking import sticking
 from workbench.tracing.unexplained import Unexplained, instead, traded
 from workbench.tracing.weighing import Confirmed, confirm
 
@@ -57,20 +53,15 @@ def trace(
     criteria = criteria if most is None else replace(criteria, steps=most)
     progress("fitting the declared model")
     try:
-        lost = mended(plant, passes, criteria.explainable)
-        passes = lost.passes if lost else passes
-        sticks = sticking(plant, passes)
-        passes = sticks.passes if sticks else passes
-        whole = fitted_on(passes)
-        late = replace(_late_encoder(plant, passes, whole, only), lost=lost, sticks=sticks)
+        late = prepared(plant, passes, only, criteria)
         loose, told = within_tolerance(late.plant, criteria.tolerance)
-        thinned = decimate(whole, late.plant)
-        declared = State(loose, thinned)
+        declared = State(loose, decimate(late.whole, late.plant))
     except NoValue:
         raise WorkbenchError(
             "the declared model has no value on these records: a shape parameter lies far from them; check it and its unit."
         ) from None
     offer = Offer(() if late.idle else only, own, [e.key for e in plant.effects], told, budget)
+    passes, whole = late.passes, late.whole
     selected = select(declared, whole, offer, criteria, progress)
     progress("fitting the extended model")
     order, confirmed, refused = selected.answer.added, None, []
@@ -106,20 +97,6 @@ def _standing(confirmed: Confirmed, verdict: Verdict) -> list[ScoredCandidate] |
     roles = dict(zip((j.suspect.key for j in confirmed.added), verdict.roles, strict=True))
     kept = [j for j in confirmed.added if roles[j.suspect.key] == CAUSE or _stays(j, roles)]
     return kept if len(kept) < len(confirmed.added) else None
-
-
-def _late_encoder(
-    plant: Plant, passes: Sequence[InverseDynamics], whole: Sequence[InverseDynamics], only: Collection[str] | None
-) -> Declared:
-    """Ask the angle between two encoders before anything in torque, and whether the joint then carries anything."""
-    thinned = decimate(whole)
-    if plant.kind != TWO_MASS:
-        return Declared(plant, plant, whole, thinned)
-    skew = skew_of(thinned, plant) if only is None or "clock_skew" in only else None
-    here = skew.suspect.plant if skew else plant
-    before = identify(plant, passes) if skew else None
-    fit = identify(here, passes)
-    return Declared(plant, here, whole, thinned, skew, before, idle(passes, fit.plant))
 
 
 def _evidence_of(

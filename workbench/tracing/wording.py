@@ -3,7 +3,6 @@
 from collections.abc import Sequence
 
 from workbench.definition import find
-from workbench.effects.families import family_of
 from workbench.finding import BELOW_FLOOR, SOMETHING_ELSE, Finding, capital, title
 from workbench.identification.result import Fit
 from workbench.plant import Plant
@@ -49,8 +48,7 @@ def cause(
         whose = "With what is declared there it is" if effect.parts else "Its law is that of"
         sentence += f" {whose} {title(candidate.effect)}, {effect.formula}."
     if suspect.stands:
-        family = family_of(last.plant[suspect.key])
-        sentence += f" It is {family}, of no catalogued law: its curve is in the parameters, and the name is that of the nearest law."
+        sentence += f" It is {suspect.family}, of no catalogued law: its curve is in the parameters, and the name is that of the nearest law."
     if weight.implausible:
         sentence += f" Doubt it: {weight.implausible}."
     if credited:

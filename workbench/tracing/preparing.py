@@ -1,0 +1,83 @@
+"""What is asked of a declared model and its records before any effect is tried, in order: each answer may change either.
+
+counts that an encoder lost are put back ─► an axis that sticks does not count at rest ─► a clock that is late between two
+encoders is held ─► does the joint then carry anything?
+"""
+
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+from workbench.finding import Finding
+from workbench.identification.fit import fitted_on, identify
+from workbench.identification.result import Fit
+from workbench.inverse.carrying import idle
+from workbench.inverse.dynamics import InverseDynamics
+from workbench.plant import TWO_MASS, Plant
+from workbench.tracing.criteria import Criteria
+from workbench.tracing.decimation import decimate
+from workbench.tracing.mending import Mended, mended
+from workbench.tracing.skew import Skew, skew_of
+from workbench.tracing.sticking import Sticking, sticking
+
+Only = Collection[str] | None
+
+
+@dataclass(frozen=True, eq=False)
+class Declared:
+    """declared: the plant as declared. plant: with the clock that the angle between two encoders says is late, held. passes: that
+    count in all that follows. before: the fit of the declared plant, where there is such a clock. idle: a finding that the fit lets
+    the joint carry nothing. lost: counts that an encoder loses, which are put back. sticks: where it does, if that is most of the
+    residual."""
+
+    declared: Plant
+    plant: Plant
+    passes: Sequence[InverseDynamics]
+    skew: Skew | None = None
+    before: Fit | None = None
+    idle: Finding | None = None
+    lost: Mended | None = None
+    sticks: Sticking | None = None
+
+    @cached_property
+    def whole(self) -> Sequence[InverseDynamics]:
+        """The identification records."""
+        return fitted_on(self.passes)
+
+    @cached_property
+    def thinned(self) -> Sequence[InverseDynamics]:
+        """The same at the lowest rate."""
+        return decimate(self.whole)
+
+
+def prepared(plant: Plant, passes: Sequence[InverseDynamics], only: Only, criteria: Criteria) -> Declared:
+    """Return a declared plant and its records as the search for effects meets them. only: names of the effects that are judged."""
+    found = Declared(plant, plant, passes)
+    for ask in FIRST:
+        found = ask(found, only, criteria)
+    return found
+
+
+def _put_back(d: Declared, only: Only, criteria: Criteria) -> Declared:
+    lost = mended(d.plant, d.passes, criteria.explainable)
+    return replace(d, passes=lost.passes, lost=lost) if lost else d
+
+
+def _leave_rest_out(d: Declared, only: Only, criteria: Criteria) -> Declared:
+    sticks = sticking(d.plant, d.passes)
+    return replace(d, passes=sticks.passes, sticks=sticks) if sticks else d
+
+
+def _hold_late_clock(d: Declared, only: Only, criteria: Criteria) -> Declared:
+    """The angle between two encoders is asked before anything in torque."""
+    if d.plant.kind != TWO_MASS or (only is not None and "clock_skew" not in only):
+        return d
+    skew = skew_of(d.thinned, d.plant)
+    return replace(d, plant=skew.suspect.plant, skew=skew, before=identify(d.plant, d.passes)) if skew else d
+
+
+def _see_whether_idle(d: Declared, only: Only, criteria: Criteria) -> Declared:
+    return replace(d, idle=idle(d.passes, identify(d.plant, d.passes).plant)) if d.plant.kind == TWO_MASS else d
+
+
+FIRST = (_put_back, _leave_rest_out, _hold_late_clock, _see_whether_idle)
