@@ -69,6 +69,13 @@ class GainTable:
         curves = np.stack([np.interp(where, np.log(self.nodes), row) for row in ratios])
         return self._along(curves, points[:, -OWN:])
 
+    def acting(self, points: np.ndarray, ratios: int) -> np.ndarray:
+        """Return points whose first numbers, so many ratios, never rise, and none of which is beyond what its filter and notch let act:
+        a search that moved it there would see nothing."""
+        most = self.stiff.largest(points[:, -OWN:])[:, None]
+        falling = np.minimum.accumulate(np.minimum(points[:, :ratios], most), axis=1)
+        return _joined(falling, points[:, ratios:])
+
     def held(self, point: np.ndarray) -> dict[str, object]:
         """Return what a schedule holds of one point (n + 3,): knots, gains, velocity filter and notch."""
         kp, kd = self.gains(point[None, :])
@@ -125,7 +132,7 @@ def table_family(table: GainTable, gains, linear: Linear, rule: str, ahead: floa
     start = np.minimum.accumulate(_looked_up(table, gains, ahead * table.nodes))
     return _ratio_family(
         f"gain table ({rule})", tuple(f"ratio at {a:.2g}" for a in table.nodes), table, gains, linear, rule, table.gains,
-        start, lambda points: _joined(np.minimum.accumulate(points[..., :-OWN], axis=-1), points[..., -OWN:]),
+        start, lambda points: table.acting(points, table.nodes.size),
     )  # fmt: skip
 
 
@@ -133,7 +140,9 @@ def fixed_family(table: GainTable, gains, linear: Linear, rule: str, at: float) 
     """Return fixed gains as tables of one ratio, starting at that of amplitude `at`."""
     one = replace(table, nodes=np.array([at]))
     start = _looked_up(table, gains, one.nodes)
-    return _ratio_family("fixed gains", ("ratio",), one, gains, linear, rule, one.gains, start)
+    return _ratio_family(
+        "fixed gains", ("ratio",), one, gains, linear, rule, one.gains, start, lambda points: one.acting(points, 1)
+    )
 
 
 def switched_family(table: GainTable, gains, linear: Linear, rule: str) -> Family:
@@ -143,7 +152,7 @@ def switched_family(table: GainTable, gains, linear: Linear, rule: str) -> Famil
     start = np.array([*_looked_up(table, gains, np.array([np.sqrt(first * middle), np.sqrt(middle * last)])), middle])
     made = _ratio_family(
         "two-level switch", ("ratio below", "ratio above", "switch"), table, gains, linear, rule, table.switched, start,
-        lambda points: _joined(np.minimum.accumulate(points[..., :2], axis=-1), points[..., 2:]),
+        lambda points: table.acting(points, 2),
     )  # fmt: skip
     lower, upper = made.lower.copy(), made.upper.copy()
     lower[2], upper[2] = first, last
