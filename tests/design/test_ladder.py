@@ -16,7 +16,7 @@ from workbench.design.families.linear import Linear
 from workbench.design.families.shaped import shaped
 from workbench.design.figures import step_figures
 from workbench.design.ladder import PHASES, all_rungs, climbed, corners, ladder
-from workbench.design.regret import BEATEN, Regret, cost, first_grid, prices, references, regret
+from workbench.design.regret import BEATEN, Regret, cost, first_grid, prices, raised, references, regret
 from workbench.design.worth import regret_of, rivals, worth_sentence
 from workbench.task.task import Task, Weights
 from workbench.tuning import sampled
@@ -87,6 +87,47 @@ def test_gains_of_a_table_never_rise_and_are_as_stiff_as_the_sensitivity_allows(
     k, d = kp[0] / axis.unit_kp, kd[0] / axis.unit_kd
     peak, _ = sampled.sensitivity_peak(k, d, axis.steps(k), axis.clock)
     assert (peak <= 2.0).all() and peak.max() > 1.98
+
+
+def test_with_a_wide_notch_a_table_is_half_as_stiff_again_within_the_same_sensitivity():
+    stiff = gain_table(LINEAR, AMPLITUDES, 2.5 * COUNT, 2.0).stiff
+    ratio = np.array([[20.0, 50.0, 100.0, 200.0]])
+    behind, bare = (stiff.along(ratio, np.array([[5e-5, 270.0, depth]])) for depth in (0.55, 1.0))
+    assert (behind / bare > 1.45).all()
+    family = shaped(lambda judge: pd_family(judge, (400.0, 8.0)), LINEAR, 5e-5, (270.0, 0.55))
+    points = np.stack([behind[0], behind[0] / ratio[0], *np.full((4, 3), (5e-5, 270.0, 0.55)).T], axis=1)
+    assert family.sensitivity(points) == pytest.approx(2.0, rel=3e-3)
+
+
+def test_a_ratio_beyond_the_largest_that_acts_is_brought_back_to_it_and_the_gains_stay():
+    table = gain_table(LINEAR, AMPLITUDES, 2.5 * COUNT, 2.0)
+    family = table_family(table, GAINS, LINEAR, "error", 4.0)
+    beyond = family.start[None].copy()
+    beyond[:, :-3] = family.upper[:-3]
+    settled = family.settled(beyond)
+    most = table.stiff.largest(beyond[:, -3:])[0]
+    assert (settled[0, :-3] == most).all() and most < family.upper[0]
+    for one, other in zip(table.gains(beyond), table.gains(settled), strict=True):
+        assert one == pytest.approx(other, rel=1e-9)
+
+
+def test_every_search_for_a_table_begins_within_its_bounds():
+    table = gain_table(LINEAR, AMPLITUDES, 2.5 * COUNT, 2.0)
+    fewer = fixed_family(table, GAINS, LINEAR, "error", 0.02), switched_family(table, GAINS, LINEAR, "error")
+    for family in (table_family(table, GAINS, LINEAR, "error", 4.0), *fewer):
+        assert (family.lower <= family.start).all() and (family.start <= family.upper).all()
+
+
+def test_references_are_raised_by_whichever_point_beats_them_most(short):
+    table = gain_table(LINEAR, AMPLITUDES, 2.5 * COUNT, 2.0)
+    family = table_family(table, GAINS, LINEAR, "error", 4.0)
+    known = references(short, FIXED, first_grid(table)[::60])
+    points = family.settled(family.start * np.array([[1.0], [1.3]]))
+    figures = climbed(short, family, points, all_rungs(short, points))
+    own = prices(short, figures, known.scale).min(axis=0)
+    found = raised(short, known, family, points, figures)
+    assert (found.cost <= np.where(own < known.cost - BEATEN, own, known.cost)).all()
+    assert (found.law == family.name).any() == (own < known.cost - BEATEN).any()
 
 
 def test_of_references_searched_for_each_move_none_is_beaten_by_the_grid_that_it_came_from(short):
