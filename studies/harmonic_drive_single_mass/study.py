@@ -175,7 +175,7 @@ def contested(study: Study, control: Control, model: Plant, known: Plant, traced
         part = with_part(part, robustness(study, held.task, held.factories, say))
     if "limit_cycle" in study.table:
         part = with_part(part, limit_cycles(study, held.task, held.factories, say))
-    return with_part(part, firmware_part(as_firmware(tuned, choice.name), held.task, traced, say))
+    return with_part(part, firmware_part(as_firmware(tuned, choice.name), held.task, traced, say, table.climbed))
 
 
 def second(study: Study, control: Control, say) -> Part:

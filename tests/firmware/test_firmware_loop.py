@@ -10,11 +10,16 @@ from workbench.cli import main
 from workbench.compensation import Compensator, compensated
 from workbench.control import fixed_pd, pi_cascade, scheduled_pd
 from workbench.definition import find
+from workbench.design.climb import Climb, Climbed
+from workbench.design.families.family import Family
+from workbench.design.ladder import all_rungs, climbed, ladder
+from workbench.design.regret import References, regret
 from workbench.firmware import firmware, quantisation
 from workbench.firmware.comparison import same_bits
 from workbench.firmware.document import document
 from workbench.firmware.image import read
 from workbench.firmware.loop import run_firmware
+from workbench.firmware.on_ladder import compiled_regrets
 from workbench.firmware.verification import judged
 from workbench.plant import ONE_MASS, TWO_MASS, Limits, Plant
 from workbench.robustness import worst
@@ -45,6 +50,26 @@ def test_the_firmware_moves_an_axis_as_the_law_does(controller, arithmetic):
     assert np.abs(law.final_error - run.final_error).max() < 2.0 * COUNT
     assert np.abs(law.time_1pct - run.time_1pct).max() < (1e-4 if arithmetic == "float32" else 1e-3)  # of 103 ms
     assert run.peak_torque.max() <= 3.3
+
+
+def test_a_gain_table_is_on_its_ladder_as_compiled_what_its_law_is_there():
+    need_compiler()
+    task = Task(AXIS, LOOP, TO, 0.4)
+    on = ladder(task, 0.15, scenarios=((1.0, 1.0),), sizes=3)
+    numbers = np.array([1.0])
+    family = Family(
+        "table", ("scale",), numbers / 2, numbers * 2, numbers,
+        lambda points, lanes: scheduled_pd(Gains, scale=np.repeat(points[:, 0], lanes)), lambda points: points[:, 0],
+    )  # fmt: skip
+    law = climbed(on, family, numbers[None], all_rungs(on, numbers[None]))[0]
+    known = References(law[..., 0], law[..., 1], 0.0 * law[..., 0], np.empty(law.shape[:2]), law[..., 0], np.empty(0))
+    best = Climb(family, 1, numbers, 1.0, law)
+    held = compiled_regrets(Climbed(on, (best,), known, regret(on, law, known)), task)
+    assert list(held) == ["in float32", "in fixed point"]
+    for found, most in zip(
+        held.values(), (1.02, 1.2), strict=True
+    ):  # ten counts under a load end 9 samples later in fixed point
+        assert found.worst[0] < most and found.worst[1] < 1.03 and found.worst[2] < 0.01
 
 
 def test_two_masses_are_moved_too():

@@ -157,24 +157,24 @@ def all_rungs(on: Ladder, points: np.ndarray) -> np.ndarray:
 
 
 def climbed(
-    on: Ladder, family: Family, points: np.ndarray, rungs: np.ndarray, blocks: np.ndarray | None = None
+    on: Ladder, family: Family, points: np.ndarray, rungs: np.ndarray, blocks: np.ndarray | None = None, follow=followed
 ) -> np.ndarray:
     """Return figures (points, rungs a point, 2 moves, 3 FIGURES) of points (p, numbers), each on rungs (p, r), the worst over
     the scenarios; of a rung of one move the second is that move again. Infinite where it does not come to rest.
 
-    blocks (p, r): which BLOCK of a rung's phases alone is climbed; all where absent."""
+    blocks (p, r): which BLOCK of a rung's phases alone is climbed; all where absent. follow: what closes the loop, as `followed`."""
     rung, point = rungs.ravel(), np.repeat(np.arange(len(points)), rungs.shape[1])
     first, lanes = on.lanes(rung, None if blocks is None else blocks.ravel())
     out = np.empty((rung.size, 2, len(FIGURES)))
     order = np.lexsort((point, rung, on.samples[rung]))
     before = np.cumsum(lanes[order])
     for part in np.split(order, np.flatnonzero(np.diff((before - 1) // AT_ONCE)) + 1):
-        out[part] = _climbed(on, family, points, point[part], rung[part], first[part], lanes[part])
+        out[part] = _climbed(on, family, points, point[part], rung[part], first[part], lanes[part], follow)
     return out.reshape(*rungs.shape, 2, len(FIGURES))
 
 
 def _climbed(
-    on: Ladder, family: Family, points: np.ndarray, point: np.ndarray, rung: np.ndarray, first: np.ndarray, lanes: np.ndarray
+    on: Ladder, family: Family, points: np.ndarray, point: np.ndarray, rung: np.ndarray, first: np.ndarray, lanes: np.ndarray, follow
 ) -> np.ndarray:  # fmt: skip
     """Return figures (n, 2, 3) of points[point], each on one rung, in so many lanes from the first on; point, rung, first, lanes (n,), by
     rung and rungs of like duration together."""
@@ -191,7 +191,7 @@ def _climbed(
     known = np.stack([on.reference(r, int(samples.max())) for r in every], axis=1)
     used, at = np.unique(point, return_inverse=True)
     controller = family.controller(points[used], 1).taken(at[pair])
-    q = followed(on.task.plant, on.task.loop, controller, scenarios, known, which, on.samples[each])
+    q = follow(on.task.plant, on.task.loop, controller, scenarios, known, which, on.samples[each])
     out = np.empty((each.size, 2, len(FIGURES)))
     ends = np.append(np.flatnonzero(np.diff(each)) + 1, each.size)
     for start, end in zip([0, *ends[:-1]], ends, strict=True):

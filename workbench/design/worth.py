@@ -8,6 +8,7 @@ from workbench.design.families.family import Family, OfFamily
 from workbench.design.ladder import Ladder, all_rungs, climbed
 from workbench.design.regret import OVERSHOOT, References, Regret, regret
 from workbench.processes import shared
+from workbench.simulation import followed
 from workbench.task.task import Task
 
 EQUAL = 0.05  # of a regret: what two searches of one family part by; nearer than that, neither is better
@@ -32,11 +33,11 @@ def rivals(climbed_by: Climbed, families: tuple[Family, ...], budget: Climbing) 
     return Rivals(tuple(replace(one, family=family) for one, family in made))
 
 
-def regret_of(on: Ladder, one: OfFamily, known: References, task: Task | None = None) -> Regret:
-    """Return the regret of any tuned controller on a ladder, climbed by the plant of `task` where it is another."""
+def regret_of(on: Ladder, one: OfFamily, known: References, task: Task | None = None, follow=followed) -> Regret:
+    """Return the regret of any tuned controller on a ladder, climbed by the plant of `task` where it is another. follow: as of `climbed`."""
     on = on if task is None else replace(on, task=task)
     point = one.point[None, :]
-    return regret(on, climbed(on, one.family, point, all_rungs(on, point))[0], known)
+    return regret(on, climbed(on, one.family, point, all_rungs(on, point), follow=follow)[0], known)
 
 
 def worth_sentence(ours: Regret, others: Mapping[str, Regret]) -> str:

@@ -52,7 +52,7 @@ class Run(ctypes.Structure):
     _fields_ = [
         ("seed", ctypes.c_uint64), ("strength", ctypes.c_double), ("sample_time", ctypes.c_double),
         ("h", ctypes.c_double), ("count", ctypes.c_double), ("other_count", ctypes.c_double), ("unit", ctypes.c_double),
-        ("reference", ctypes.c_int64), ("delay", ctypes.c_long), ("samples", ctypes.c_long),
+        ("reference", ctypes.c_void_p), ("delay", ctypes.c_long), ("samples", ctypes.c_long),
         ("window_from", ctypes.c_long), ("slots", ctypes.c_long),
     ]  # fmt: skip
 
@@ -102,7 +102,7 @@ def _source(made: Firmware, design: Design, substeps: int) -> str:
     return Template((HERE / "loop.c.in").read_text(encoding="utf-8")).substitute(
         beside,
         header=f"{made.source.name}.h", p=made.source.p, pieces="\n".join(pieces), other=other, counted=counted, noise=noise,
-        y=at["y"], u=at["u"], u_c=at["u_c"], substeps=substeps,
+        y=at["y"], u=at["u"], u_c=at["u_c"], q=at["q"] if "q" in at else at["y"], substeps=substeps,
     )  # fmt: skip
 
 
@@ -120,8 +120,11 @@ class Compiled:
             data = made.compensation.image.bytes()
             assert self.library.wb_loop_load_beside(data, len(data)) == 0
 
-    def lane(self, bound: Bound, i: int) -> tuple[np.ndarray, np.ndarray]:
-        """Return the final rows of one scenario, and its readings, commands and counts of the other encoder (samples, 3)."""
+    def lane(self, bound: Bound, i: int, reference: np.ndarray | None = None) -> tuple[np.ndarray, np.ndarray]:
+        """Return the final rows of one scenario, and its readings, commands, counts of the other encoder and positions (samples, 4).
+
+        reference (samples,): rad or m, its target all along where absent; it is rounded to counts.
+        """
         scenarios, loop, made = bound.scenarios, bound.loop, self.made
 
         def one(x):
@@ -133,12 +136,13 @@ class Compiled:
         slots = 1 + -(-delay // loop.substeps) + 1
         other = loop.load_resolution if loop.feedback == "position" else loop.resolution
         unit = float(made.reference.real("u_c", 1))
+        asked = np.full(bound.samples, one(scenarios.target)) if reference is None else reference
+        asked = np.floor(asked / loop.count + 0.5).astype(np.int64)
         run = Run(
             int(one(scenarios.seed)), float(one(bound.strength)), loop.sample_time, loop.substep, loop.count,
-            other or 1.0, unit, int(np.floor(one(scenarios.target) / loop.count + 0.5)), delay, bound.samples,
-            bound.window_from, slots,
+            other or 1.0, unit, asked.ctypes.data, delay, asked.size, bound.window_from, slots,
         )  # fmt: skip
-        ring, out = np.zeros(slots), np.zeros((bound.samples, 3))
+        ring, out = np.zeros(slots), np.zeros((asked.size, 4))
         pointers = [x.ctypes.data_as(ctypes.c_void_p) for x in (rows, constants)]
         self.library.wb_loop_run(
             *pointers, ctypes.byref(run), *(x.ctypes.data_as(ctypes.c_void_p) for x in (ring, out))
@@ -171,5 +175,25 @@ def run_firmware(
         bound,
         final,
         criteria.band,
-        Trajectories(time, dict(zip(("y", "u", "other"), np.moveaxis(kept, 1, 0), strict=True))),
+        Trajectories(time, dict(zip(("y", "u", "other", "q"), np.moveaxis(kept, 1, 0), strict=True))),
     )
+
+
+def followed_by_firmware(
+    made: Firmware,
+    plant: Plant,
+    loop: Loop,
+    scenarios: ScenarioArrays,
+    references: np.ndarray,
+    which: np.ndarray,
+    lasts: np.ndarray,
+) -> np.ndarray:
+    """Return the positions (n, lanes) of loops that the compiled firmware closes, as `workbench.simulation.followed` does of a law's.
+
+    Of positions beyond those that are needed, lasts (lanes,), nothing is known.
+    """
+    bound = bind(plant, loop, None, scenarios, len(references), Criteria())
+    compiled, q = Compiled(made, bound), np.full((len(references), scenarios.lanes), np.nan)
+    for i, (r, n) in enumerate(zip(which, lasts, strict=True)):
+        q[:n, i] = compiled.lane(bound, i, references[:n, r])[1][:, 3]
+    return q

@@ -4,6 +4,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from workbench.design.regret import Regret
 from workbench.firmware import quantisation
 from workbench.firmware.comparison import COUNTS, Comparison
 from workbench.firmware.summary import Summary
@@ -20,15 +21,32 @@ CHECKS = (
 )
 
 
-def firmware_chapter(made: Mapping[str, tuple[Sequence[Summary], str]]) -> Chapter:
-    """Return the chapter on firmware. made: controller -> (in each arithmetic, where its files are), the recommended one first."""
+def firmware_chapter(
+    made: Mapping[str, tuple[Sequence[Summary], str]], held: Mapping[str, Regret] | None = None
+) -> Chapter:
+    """Return the chapter on firmware. made: controller -> (in each arithmetic, where its files are), the recommended one first.
+    held: regrets of the gain table over its ladder, of the law and of what was compiled of it."""
     blocks = []
     for i, (name, (found, folder)) in enumerate(made.items()):
         blocks += [Heading(f"Beside it: {name}")] if i else []
         blocks += _of_one(("The recommended controller, " if i == 0 else "") + name, found, folder)
+    if held:
+        blocks += [Heading("The gain table over every move, as compiled"), _held(held)]
     return Chapter(
         "Firmware", (*blocks, Heading("What the tests of the workbench hold of such firmware"), Items(CHECKS))
     )
+
+
+def _held(regrets: Mapping[str, Regret]) -> Table:
+    """The worst regret of the gain table over its ladder, by who computes it."""
+    rows = tuple(
+        (name, *(numbers.number(x) for x in r.worst[:2]), numbers.percent(r.worst[2])) for name, r in regrets.items()
+    )
+    caption = (
+        "Worst regret of the gain table over its ladder of moves, against the same references. The firmware is asked for whole counts of the "
+        "encoder, so that up to half a count of its error is the command's."
+    )
+    return Table(("computed", "time", "error", "overshoot"), rows, caption, "lrrr")
 
 
 def _of_one(name: str, made: Sequence[Summary], folder: str) -> list:

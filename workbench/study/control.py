@@ -99,7 +99,7 @@ def _further(
         part = with_part(part, limit_cycles(study, task, factories, say))
     if "compensation" in study.table:
         part = with_part(part, compensation(study, task, factories, say, margins=partial(margins, made, task)))
-    part = with_part(part, firmware_part(as_firmware(made.tuned, name), task, found.verdict, say))
+    part = with_part(part, firmware_part(as_firmware(made.tuned, name), task, found.verdict, say, made.climbed))
     if "drive" in study.table:
         part = with_part(part, driven(study, task, made, records, bandwidth, control.rule, say))
     return part

@@ -47,14 +47,15 @@ def tuned_axis(
     """Return the equivalent friction of a plant of one mass and the gains tuned to it, at amplitudes (n,), rad or m.
 
     loop: sample_time, delay, velocity_filter (s), resolution. response: a measured frequency response whose modes limit the gains too.
+    Margins are asked of the schedule that comes of the gains, not of these.
     """
     rigid = friction_of(plant)
     omega = np.minimum(np.sqrt(goal.drive / (amplitudes * rigid.inertia)), FASTEST / loop.sample_time)
     for _ in range(ROUNDS):
         equivalent = equivalent_of(rigid.friction, amplitudes, omega, loop.resolution)
         if response is None:
-            gains = tune(equivalent, rigid.inertia, rigid.viscous, goal, loop)
+            gains = tune(equivalent, rigid.inertia, rigid.viscous, goal, loop, margins=False)
         else:
-            gains = tune_within(response, equivalent, rigid.inertia, rigid.viscous, goal, loop)
+            gains = tune_within(response, equivalent, rigid.inertia, rigid.viscous, goal, loop, margins=False)
         omega = np.sqrt((gains.kp + equivalent.stiffness) / rigid.inertia)
     return TunedAxis(rigid, equivalent, gains)
