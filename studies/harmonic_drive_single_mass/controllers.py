@@ -140,7 +140,7 @@ def designed(
     polished = polish(axis, made.goal, own, say)
     table = tabled(
         polished, made.linear, made.goal, own, control.rule, per_octave=control.per_octave, tolerance=control.tolerance,
-        load=control.load, seeds=control.seeds, say=say,
+        load=control.load, notch=control.notch, seeds=control.seeds, say=say,
     )  # fmt: skip
     paper = two_modes(made.schedule, found[PAPER].tuned.median, "following")
     laws = {"following": (paper, found[PAPER].tuned.median), control.rule: (table.schedule, table.climbed.best)}

@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 from paper_axis import LOOP, plant
 
-from workbench.control.notched import coefficients
+from workbench.control.notched import coefficients, numbers_of
 from workbench.description import Equivalent
 from workbench.design.against import Against
 from workbench.design.climb import Climbing, climb
 from workbench.design.families.family import pd_family
-from workbench.design.families.gain_table import fixed_family, gain_table, switched_family, table_family
+from workbench.design.families.gain_table import fixed_family, gain_table, switched_family, table_family, without_notch
 from workbench.design.families.linear import Linear
 from workbench.design.families.shaped import shaped
 from workbench.design.figures import step_figures
@@ -116,6 +116,19 @@ def test_every_search_for_a_table_begins_within_its_bounds():
     fewer = fixed_family(table, GAINS, LINEAR, "error", 0.02), switched_family(table, GAINS, LINEAR, "error")
     for family in (table_family(table, GAINS, LINEAR, "error", 4.0), *fewer):
         assert (family.lower <= family.start).all() and (family.start <= family.upper).all()
+
+
+def test_a_table_without_a_notch_has_two_numbers_less_and_the_gains_of_a_depth_of_one():
+    table = gain_table(LINEAR, AMPLITUDES, 2.5 * COUNT, 2.0)
+    whole = table_family(table, GAINS, LINEAR, "error", 4.0)
+    bare = without_notch(table, whole)
+    assert bare.numbers == whole.numbers[:-2] and bare.start.size == bare.lower.size == whole.start.size - 2
+    points = bare.settled(bare.start * np.array([[1.0], [0.7]]))
+    same = np.column_stack([points, np.full(2, 300.0), np.ones(2)])
+    made = bare.controller(points, 1)
+    assert numbers_of(made) is None and bare.sensitivity(points) == pytest.approx(whole.sensitivity(same), rel=1e-12)
+    assert made.tables[1].columns["kp"] == pytest.approx(table.gains(same)[0][1], rel=1e-12)
+    assert table.held(same[0])["notch"] is None and first_grid(table, notch=False).shape[1] == 3
 
 
 def test_references_are_raised_by_whichever_point_beats_them_most(short):

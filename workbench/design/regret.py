@@ -71,19 +71,20 @@ def prices(on: Ladder, figures: np.ndarray, scale: np.ndarray) -> np.ndarray:
     return np.where(np.isfinite(value), value, np.inf)
 
 
-def first_grid(table: GainTable) -> np.ndarray:
+def first_grid(table: GainTable, notch: bool = True) -> np.ndarray:
     """Return points (p, 5), kp, kd, velocity filter, notch and its depth in SI, over the whole range of a table's ratios and SHARES of the
-    stiffest Kp."""
+    stiffest Kp; without a notch (p, 3)."""
     dt, out = table.sample_time, []
-    for k, (centre, depth) in enumerate((*BEHIND, BEHIND[0])):
-        quick, few = k < len(BEHIND), k >= len(BEHIND) - 1
+    behind = BEHIND if notch else BEHIND[:1]
+    for k, (centre, depth) in enumerate((*behind, BEHIND[0])):
+        quick, few = k < len(behind), k >= max(len(behind) - 1, 1)
         own = np.array([[(QUICK if quick else SLOW) * dt, centre / dt, depth]])
         ratio = np.geomspace(table.stiff.least, table.stiff.largest(own)[0], LINES)
         stiff = table.stiff.along(ratio[None], own)[0]
         every = np.broadcast_to(own, (LINES, own.size))
         shares = SHARES[:1] if few else SHARES
         out += [np.column_stack([s * stiff, s * stiff / ratio, every]) for s in shares]
-    return np.concatenate(out)
+    return np.concatenate(out)[:, : None if notch else 3]
 
 
 def references(on: Ladder, family: Family, points: np.ndarray, seed: int = 1) -> References:

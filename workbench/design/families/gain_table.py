@@ -58,10 +58,14 @@ class GainTable:
         return np.array([BEGUN * self.sample_time, LEADS / self.sample_time, SHALLOW])
 
     @property
+    def bare(self) -> np.ndarray:
+        """Centre and depth (2,) of no notch."""
+        return np.array([LEADS / self.sample_time, 1.0])
+
+    @property
     def most(self) -> float:
         """The largest ratio that is sought, 1/s."""
-        bare = np.array([[FASTEST * self.sample_time, LEADS / self.sample_time, 1.0]])
-        return BEYOND * float(self.stiff.largest(bare)[0])
+        return BEYOND * float(self.stiff.largest(_joined(np.array([FASTEST * self.sample_time]), self.bare)[None])[0])
 
     def gains(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return (kp, kd) (points, m), SI, of ratios, filter and notch (points, n + 3): straight in log-log between nodes, never rising."""
@@ -80,8 +84,8 @@ class GainTable:
         """Return what a schedule holds of one point (n + 3,): knots, gains, velocity filter and notch."""
         kp, kd = self.gains(point[None, :])
         filtered, centre, depth = map(float, point[-OWN:])
-        behind = {"velocity_filter": filtered, "notch": Notch(centre, 2.0 * DAMPEST * centre, depth)}
-        return {"knots": self.knots, "kp": kp[0], "kd": kd[0], **behind}
+        notch = Notch(centre, 2.0 * DAMPEST * centre, depth) if depth < 1.0 else None
+        return {"knots": self.knots, "kp": kp[0], "kd": kd[0], "velocity_filter": filtered, "notch": notch}
 
     def switched(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return (kp, kd) (points, m) of points (p, 6): the ratio up to an amplitude, that beyond it, the amplitude, filter and notch."""
@@ -159,6 +163,22 @@ def switched_family(table: GainTable, gains, linear: Linear, rule: str) -> Famil
     return replace(made, lower=lower, upper=upper)
 
 
+def without_notch(table: GainTable, family: Family) -> Family:
+    """Return a family of a table's with its notch fixed at none."""
+
+    def whole(points):
+        return _joined(points, np.tile(table.bare, (len(points), 1)))
+
+    bounds = {n: getattr(family, n)[: -table.bare.size] for n in ("numbers", "lower", "upper", "start", "about")}
+    return replace(
+        family,
+        **bounds,
+        controller=lambda points, lanes: family.controller(whole(points), lanes),
+        sensitivity=lambda points: family.sensitivity(whole(points)),
+        settled=lambda points: family.settled(whole(points))[:, : -table.bare.size],
+    )
+
+
 def _joined(*parts: np.ndarray) -> np.ndarray:
     """Return the parts of points as one."""
     return np.concatenate(parts, axis=-1)
@@ -182,7 +202,8 @@ def _ratio_family(
         tables = [Blend(table.knots, p, d, rule, table.reversal) for p, d in zip(kp, kd, strict=True)]
         made = scheduled_pd(tables, rule, table=np.repeat(np.arange(len(points)), lanes))
         made = replace(made, velocity_filter=np.repeat(points[:, -OWN], lanes))
-        return notched(made, notches(points[:, 1 - OWN :], lanes=lanes), dt)
+        behind = points[:, 1 - OWN :]
+        return notched(made, notches(behind, lanes=lanes), dt) if (behind[:, 1] < 1.0).any() else made
 
     def sensitivity(points):
         return judged_by(linear, points[:, -OWN:]).scheduled_peak(table.knots, *of(points))

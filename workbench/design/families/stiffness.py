@@ -19,6 +19,7 @@ from workbench.tuning.reach import stiffest_along
 # Kp is known to 1e-3, with twice as many to 1e-4.
 LOWEST, LINES = 0.01, 300
 SOFTEST = 1e-3  # a sample: the least ratio, under which a loop takes a thousand samples
+KEPT = 10000  # largest ratios that are kept at most
 COARSE, CLOSE = 16, 8  # ratios at which the largest of all is sought, and then about it: it is known to 8 %
 
 
@@ -63,6 +64,21 @@ class Stiffness:
 
     def largest(self, own: np.ndarray) -> np.ndarray:
         """Return the ratio (p,) at which the stiffest Kp is largest: beyond, damping is short and Kp has to fall again."""
+        keys = [row.tobytes() for row in own]
+        new = {k: i for i, k in enumerate(keys) if k not in self._known}
+        if len(self._known) > KEPT:
+            self._known.clear()
+            new = {k: i for i, k in enumerate(keys)}
+        if new:
+            self._known.update(zip(new, self._largest(own[list(new.values())]), strict=True))
+        return np.array([self._known[k] for k in keys])
+
+    @cached_property
+    def _known(self) -> dict[bytes, float]:
+        """Of filters and notches: most points of a search differ in their ratios alone."""
+        return {}
+
+    def _largest(self, own: np.ndarray) -> np.ndarray:
         known = np.geomspace(10.0 * self.least, 1e3 * self.least, COARSE)[None]
         first = known[0, self.along(known, own).argmax(axis=1)]
         about = first[:, None] * np.geomspace(*(known[0, :2] / known[0, 1::-1]), CLOSE)
