@@ -15,8 +15,9 @@ from workbench.design.families.linear import Linear
 from workbench.design.families.shaped import judged_by
 from workbench.tuning.reach import stiffest_along
 
-# Frequencies, rad a sample: a loop as stiff as |S| allows crosses over above a tenth of a rad a sample, for the delay stops it. With half as many
-# Kp is known to 1e-3, with twice as many to 1e-4.
+# Frequencies, rad a sample: a loop as stiff as |S| allows crosses over above a tenth of a rad a sample, for the delay stops it. Kp is known to 1e-3 at
+# 99 of 100 points; with half as many to 4e-3, with twice as many to 2e-4. At the rest, beside the largest ratio, Kp jumps, and what is then too
+# stiff is refused by its |S|, which a search asks for anyway.
 LOWEST, LINES = 0.01, 300
 SOFTEST = 1e-3  # a sample: the least ratio, under which a loop takes a thousand samples
 KEPT = 10000  # largest ratios that are kept at most
