@@ -23,8 +23,6 @@ BEST, CROSSED, FACTOR = 3, 0.9, (0.4, 0.9)  # how many are the best, share of nu
 # Of the local search: widths between two, every which step moves a share
 # of the numbers together, and steps a generation. A ratio acts on steps of one size and on the last part of longer ones. Where steps are of few
 # counts the landscape is so rugged that only many points find a good one, and there a point costs the least.
-# From one point walks of 64 steps end as far apart as runs do, 2 to 8 %, and of 16 steps no higher: of three as short the best is followed.
-WALKS = 3
 NARROW, WIDE, FAR, THIRD, OTHERS, STEPS = 0.01, 0.15, 2.0, 4, 0.3, 4
 
 
@@ -78,7 +76,7 @@ class Run:
 
 @dataclass(frozen=True, eq=False)
 class Climbed:
-    """runs: every run, the best first. references: what the best does not beat. regret: of the best."""
+    """runs: every run, the best first. references: what no run beats. regret: of the best."""
 
     on: Ladder
     runs: tuple[Climb, ...]
@@ -120,9 +118,7 @@ def climb(
     against = _raised(against, runs)
     steps = STEPS * budget.generations
     near = list(shared(lambda run: _refined(against, run, steps, budget), _priced(against, runs)))
-    against = _raised(
-        against, sorted(near, key=lambda r: r.value)[:1]
-    )  # what leaves beats none; all others are held against the same
+    against = _raised(against, near)
     found = sorted(_priced(against, near), key=lambda r: r.value)
     return Climbed(
         on,
@@ -183,17 +179,8 @@ def _crossed(family: Family, draw: np.random.Generator, points: np.ndarray, cost
 
 
 def _refined(against: Against, run: Run, steps: int, budget: Climbing) -> Run:
-    """Return the best that a local search finds about a run's point: the best of WALKS short ones, followed on."""
-    share = steps // (WALKS + 1)
-    each = [_walked(against, run, run.seed + 100 * (k + 1), share, budget) for k in range(WALKS)]
-    tried = run.evaluations + sum(r.evaluations - run.evaluations for r in each)
-    best = replace(min(each, key=lambda r: r.value), evaluations=tried)
-    return _walked(against, best, run.seed, steps - WALKS * share, budget)
-
-
-def _walked(against: Against, run: Run, seed: int, steps: int, budget: Climbing) -> Run:
-    """Return the best of so many steps from a run's point: one number moved at a time, or all of them."""
-    draw = np.random.default_rng(seed)
+    """Return the best that a local search finds about a run's point: one number moved at a time, or all of them."""
+    draw = np.random.default_rng(run.seed + 100)
     for k in range(steps):
         width = NARROW + WIDE * draw.random() ** 1.5  # more often narrow than wide
         move = _jointly if k % THIRD == THIRD - 1 else _alone
