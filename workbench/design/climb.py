@@ -132,9 +132,9 @@ def climb(
 
 
 def _raised(against: Against, runs: Sequence[Run]) -> Against:
-    """Return references that the best of some runs does not beat."""
-    best = min(runs, key=lambda r: r.value)
-    return replace(against, known=raised(against.on, against.known, against.family, best.point))
+    """Return references that no best point of some runs beats."""
+    points, figures = (np.stack([getattr(r, n) for r in runs]) for n in ("point", "figures"))
+    return replace(against, known=raised(against.on, against.known, against.family, points, figures))
 
 
 def _priced(against: Against, runs: Sequence[Run]) -> list[Run]:
@@ -163,7 +163,9 @@ def _evolved(against: Against, seed: int, starts: Sequence[np.ndarray], budget: 
 def _about(family: Family, draw: np.random.Generator, starts: Sequence[np.ndarray], many: int) -> np.ndarray:
     """Return the first members (many, numbers): the starts, and others about each of them."""
     about = np.array([starts[k % len(starts)] for k in range(many)])
-    away = np.where(np.arange(many)[:, None] < len(starts), 0.0, NEAR) * draw.standard_normal(about.shape)
+    away = (
+        np.where(np.arange(many)[:, None] < len(starts), 0.0, NEAR) * family.about * draw.standard_normal(about.shape)
+    )
     return family.settled(np.clip(about * np.exp(away), family.lower, family.upper))
 
 
