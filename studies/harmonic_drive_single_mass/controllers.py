@@ -6,6 +6,7 @@ import numpy as np
 
 from workbench.control import pi_cascade
 from workbench.description.friction import friction_of
+from workbench.design.baselines import REACHED
 from workbench.design.design import Designed, two_modes
 from workbench.design.families.family import Family
 from workbench.design.optimise import Tuned, optimise_all
@@ -20,7 +21,7 @@ from workbench.task.task import Task
 from workbench.verification.checks import Checks, checked
 from workbench.verification.compare import PHASES
 from workbench.verification.contest import Contest, contest, entered
-from workbench.verification.controllers import REACHED, Controllers, controllers_of
+from workbench.verification.controllers import Controllers, controllers_of
 from workbench.verification.margin import AgainstMargin, Asked
 from workbench.verification.promise import Promise
 

@@ -10,6 +10,7 @@ from workbench.cancellation.contestant import SUFFIX
 from workbench.cancellation.contestant import entered as compensating
 from workbench.cancellation.worth import check_controller
 from workbench.description import Equivalent
+from workbench.design.baselines import BRAKING, REACHED
 from workbench.design.families.family import (
     Family,
     cascade_family,
@@ -35,7 +36,7 @@ from workbench.study.configuration import Study
 from workbench.study.controlling import Control
 from workbench.study.controlling import numbers as numbers_of
 from workbench.verification.contest import Contest, contest, entered
-from workbench.verification.controllers import BRAKING, REACHED, controllers_of
+from workbench.verification.controllers import controllers_of
 
 from .plant import Assumed
 

@@ -19,8 +19,9 @@ from workbench.compensation import OBSERVED, REFERENCE, Compensator, compensated
 from workbench.control.notched import OWN, behind
 from workbench.description.bank import bank_equivalent
 from workbench.description.friction import equivalent_of, friction_of
+from workbench.design.baselines import baseline_families, best_of, seeds_of
 from workbench.design.climb import Climb
-from workbench.design.design import Designed, baseline_families, best_of, linear_of
+from workbench.design.design import Designed, linear_of
 from workbench.design.families.family import Family
 from workbench.design.families.linear import Judge, Linear, checked, peak_of
 from workbench.design.optimise import Tuned
@@ -169,10 +170,12 @@ def contestant(
     judged, base = _judge_of(made, task, compensator), made.tuned[name]
     if isinstance(base, Climb):
         return replace(base, family=entered(base.family, compensator, base.point, _tabled(base.family, judged)))
-    every = baseline_families(made.plant.limits, judged, made.gains, task)
+    own = task.on(made.plant)
+    every = baseline_families(own, judged, made.gains)
     family = next(f for f in every if f.name == name)
     ours = entered(family, compensator, base.point)
-    return best_of(task.on(made.plant), [ours], seeds, say)[ours.name]
+    say(f"tuning {ours.name} on the simulated loop")
+    return best_of(own, [ours], {ours.name: seeds_of(seeds)})[ours.name]
 
 
 def _judge_of(made: Designed, task: Task, compensator: Compensator) -> Judge:
@@ -204,7 +207,7 @@ def margins(
         if isinstance(base, Climb):
             ms = _tabled(base.family, judged)(base.point[None, :])
         else:
-            every = baseline_families(made.plant.limits, judged, made.gains, task)
+            every = baseline_families(task.on(made.plant), judged, made.gains)
             ms = next(f for f in every if f.name == name).sensitivity(base.point[None, :])
         found[g] = float(ms[0])
     return found

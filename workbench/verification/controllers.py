@@ -7,7 +7,8 @@ import numpy as np
 from workbench.control import FeedForward, grid
 from workbench.control.laws import ERROR, FOLLOWING, FROZEN
 from workbench.description.friction import friction_of
-from workbench.design.design import BRAKING, DEEP, LEADS, REACHED, linear_of
+from workbench.design.baselines import shaped_alike, starts_of
+from workbench.design.design import linear_of
 from workbench.design.families.family import (
     Family,
     cascade_family,
@@ -16,9 +17,7 @@ from workbench.design.families.family import (
     scheduled_family,
     soft_gains,
 )
-from workbench.design.families.gain_table import BEGUN
 from workbench.design.families.linear import Linear
-from workbench.design.families.shaped import shaped
 from workbench.plant import Plant
 from workbench.schedule import Schedule, fit_schedule
 from workbench.task.bound import sliding_torque
@@ -71,26 +70,21 @@ def controllers_of(
         loop=loop,
     )
     linear = linear_of(axis.rigid, axis.equivalent, loop)
-    speed = REACHED * plant.limits.speed
-    middle = int(np.argmin(np.abs(np.log(amplitudes / (1e-2 * step)))))
-    kp, kd = float(gains.kp[middle]), float(gains.kd[middle])
-    kv = kp / kd
-    ki = 0.1 * kv * kd
-    braking = BRAKING * plant.limits.drive / linear.inertia
+    begin = starts_of(gains, linear.inertia, plant.limits, step)
+    *_, braking = begin.profile
     soft = soft_gains(linear.inertia, plant.limits.drive, plant.limits.speed)
     known = feed_forward_of(plant, loop.resolution)
     makers = (
         *(
-            lambda j, rule=rule: scheduled_family(j, schedule, rule, (kp, kd), soft=soft)
+            lambda j, rule=rule: scheduled_family(j, schedule, rule, begin.pd, soft=soft)
             for rule in (FROZEN, FOLLOWING, ERROR)
         ),
-        lambda j: scheduled_family(j, schedule, "error", (kp, kd), braking, speed),
-        lambda j: pd_family(j, (kp, kd)),
-        lambda j: cascade_family(j, (kv, kd, ki), speed),
-        lambda j: profile_family(j, (kv, kd, ki, braking), speed, step),
-        lambda j: profile_family(j, (kv, kd, ki, braking), speed, step, known),
+        lambda j: scheduled_family(j, schedule, "error", begin.pd, braking, begin.speed),
+        lambda j: pd_family(j, begin.pd),
+        lambda j: cascade_family(j, begin.cascade, begin.speed),
+        lambda j: profile_family(j, begin.profile, begin.speed, step),
+        lambda j: profile_family(j, begin.profile, begin.speed, step, known),
     )
-    dt = loop.sample_time
     # the paper's laws have no notch
-    families, notched = (tuple(shaped(m, linear, BEGUN * dt, n) for m in makers) for n in (None, (LEADS / dt, DEEP)))
+    families, notched = (shaped_alike(makers, linear, loop.sample_time, notch=n) for n in (False, True))
     return Controllers(plant, goal, axis, schedule, linear, known, families, notched)
