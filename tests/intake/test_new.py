@@ -388,6 +388,7 @@ def test_several_axes_are_listed_and_asked_for(tmp_path):
     assert "did you mean 'q7'" in refusal(tmp_path, header, *columns, axis="q77")
     said, campaign = made_of(tmp_path, header, *columns, axis="q7")
     assert campaign.records[0].source.columns["torque"] == "effort.q7"
+    assert "'position.q6', 'effort.q6': of axis q6" in said
     assert "a sliding joint's is in" in said and {"torque", "position"} <= {f.subject for f in campaign.findings}
 
 

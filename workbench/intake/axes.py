@@ -38,6 +38,11 @@ def of_axis(columns: Columns, axis: str, told: Mapping[str, str]) -> tuple[Colum
     return columns.only([n for n in columns.names if n not in others or n in told.values()]), tuple(found)
 
 
+def elsewhere(columns: Columns, used: set[str]) -> dict[str, str]:
+    """Return column -> its axis, of the axes of which no column is used."""
+    return {n: a for a, names in _axes(columns).items() if not names & used for n in names}
+
+
 def _axes(columns: Columns) -> dict[str, set[str]]:
     """Return axis -> its columns: names that a drive and a position share, where there are two at least; else nothing."""
     for pattern in PATTERNS:

@@ -11,6 +11,7 @@ from workbench import campaign
 from workbench.errors import WorkbenchError
 from workbench.finding import capital
 from workbench.intake.columns import common
+from workbench.intake.entries import Entry
 from workbench.intake.guess import channels
 from workbench.intake.names import alike, known_unit
 from workbench.intake.others import unused
@@ -154,9 +155,17 @@ def _lines(p: Proposal, files: Sequence[str]) -> list[str]:
         if c.resolution:
             said.append(f"    encoder step {c.resolution:.6g} {g.unit}: {c.resolution_why}.")
     for e in p.entries:
-        window = f" up to {e.until:.6g} s" if e.until else f" from {e.counts_from:.6g} s on" if e.counts_from else ""
-        said.append(f"{files[e.survey]}{window}: {e.role} - {e.why}.")
+        said.append(f"{files[e.survey]}{_window(e)}: {e.role} - {e.why}.")
     said.append(f"evaluation bandwidth {p.bandwidth:g} Hz: up to here the position's spectrum stands above its noise.")
+    if p.short:
+        said.append(f"{p.short} samples are left out: they lie between gaps too near each other for a record.")
     if p.uneven:
         said.append(f"{p.uneven} time steps are more than 1 % off; the records are resampled, and the report says so.")
     return said
+
+
+def _window(e: Entry) -> str:
+    """Say which part of a file is a record, or counts as one."""
+    first = e.since if e.counts_from is None else e.counts_from
+    since, until = f" from {first:.6g} s" if first is not None else "", f" up to {e.until:.6g} s" if e.until else ""
+    return since + (until or (" on" if since else ""))

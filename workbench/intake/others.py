@@ -5,6 +5,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from workbench.errors import WorkbenchError
+from workbench.intake.axes import elsewhere
 from workbench.intake.clocks import unknown_unit
 from workbench.intake.columns import Columns, Guess
 from workbench.units import to_si
@@ -100,8 +101,12 @@ def _same(columns: Columns, a: str, b: str) -> bool:
 def unused(columns: Columns, guesses: Sequence[Guess]) -> list[str]:
     """Return a line on every column that is not used: what it might be."""
     used = {g.column for g in guesses}
-    position = guesses[2].column
-    left = [f"    '{n}': {_maybe(columns, n, position)}" for n in columns.names if n not in used]
+    position, apart = guesses[2].column, elsewhere(columns, used)
+    mine = [n for n in columns.names if n not in used and n not in apart]
+    left = [f"    '{n}': {_maybe(columns, n, position)}" for n in mine]
+    for axis in dict.fromkeys(apart.values()):
+        names = [f"'{n}'" for n in columns.names if apart.get(n) == axis]
+        left.append(f"    {', '.join(names)}: of axis {axis}")
     more = [f"    and {len(left) - SHOWN} more"] if len(left) > SHOWN else []
     return ["not used:", *left[:SHOWN], *more] if left else []
 

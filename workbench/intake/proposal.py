@@ -8,16 +8,11 @@ import numpy as np
 from workbench.intake import signals
 from workbench.intake.clocks import seconds
 from workbench.intake.columns import Columns, Guess, Scale
-from workbench.intake.names import is_length, kind_of, words_of
-from workbench.readers import stem
+from workbench.intake.entries import Entry, entries, stretches
+from workbench.intake.names import is_length, kind_of
 from workbench.readers.sampling import TOLERANCE
-from workbench.record import IDENTIFICATION, VALIDATION
 
 SURE = 0.3  # share of the drive that motion must explain before its sign is believed
-CALM = (0.55, 0.75)  # of a single record: where it is parted, at the calmest moment
-WORDS = {"val", "valid", "validation", "validate", "test", "check", "verify", "verification"}
-DWELL = 0.02  # of the largest speed: an axis slower than this rests
-APART = 0.1  # records whose shares of rest differ by less are taken for motions of one kind
 
 
 @dataclass(frozen=True)
@@ -31,24 +26,8 @@ class Channel:
 
 
 @dataclass(frozen=True)
-class Entry:
-    """One [[records]] of the proposed campaign. survey: which file. until, counts_from: s, where a file is parted.
-
-    locked: the load's encoder stands while the motor's moves.
-    """
-
-    survey: int
-    role: str
-    why: str
-    name: str = ""
-    until: float | None = None
-    counts_from: float | None = None
-    locked: bool = False
-
-
-@dataclass(frozen=True)
 class Proposal:
-    """two_mass: with an encoder on the load. rotary: torque over rad, else force over m. bandwidth, rate: Hz. uneven: time steps off, or 0. peak: largest drive,
+    """two_mass: with an encoder on the load. rotary: torque over rad, else force over m. bandwidth, rate: Hz. uneven: time steps off, or 0. short: samples between gaps too near for a record. peak: largest drive,
     as logged. travel: of the position, as logged.
     """
 
@@ -59,6 +38,7 @@ class Proposal:
     bandwidth: float
     rate: float
     uneven: int
+    short: int
     peak: float
     travel: float
 
@@ -69,8 +49,9 @@ def proposal(columns: Columns, guesses: Sequence[Guess]) -> Proposal:
     linear = drive.channel == "force" or is_length(position.unit)
     sizes = [s.columns[drive.column].size for s in columns.surveys]
     clocks = [seconds(time, s.columns.get(time.column), n) for s, n in zip(columns.surveys, sizes, strict=True)]
-    rates = [1.0 / float(np.median(np.diff(t))) for t in clocks]
-    places, drives = columns.of(position.column), columns.of(drive.column)
+    parts = [part for k, t in enumerate(clocks) for part in stretches(k, t)]
+    rates = [1.0 / float(np.median(np.diff(part.time))) for part in parts]
+    places, drives = ([columns.of(g.column)[p.survey][p.samples] for p in parts] for g in (position, drive))
     bands = [signals.motion_band(p, r) for p, r in zip(places, rates, strict=True)]
     related = [signals.relation(*x) for x in zip(places, drives, rates, bands, strict=True)]
     best = max(related, key=lambda r: r.explained)
@@ -81,18 +62,19 @@ def proposal(columns: Columns, guesses: Sequence[Guess]) -> Proposal:
         step, why = _resolution(columns.of(guess.column)) if "position" in guess.channel else (0.0, "")
         channels.append(Channel(guess, scale, step, why))
     load = next((g.column for g in guesses if g.channel == "load_position"), None)
-    entries = _entries(columns, clocks, places, rates, bands)
+    made = entries(columns, parts, places, rates, bands)
     if load:
         still = [not np.ptp(x) > 0 for x in columns.of(load)]
-        entries = tuple(replace(e, locked=still[e.survey]) for e in entries)
+        made = tuple(replace(e, locked=still[e.survey]) for e in made)
     return Proposal(
         two_mass=load is not None,
         rotary=not linear,
         channels=tuple(channels),
-        entries=entries,
+        entries=made,
         bandwidth=_rounded(min(max(bands), signals.HIGHEST * min(rates))),
         rate=min(rates),
-        uneven=sum(_uneven(t) for t in clocks),
+        uneven=sum(_uneven(part.time) for part in parts),
+        short=sum(t.size for t in clocks) - sum(part.time.size for part in parts),
         peak=max(float(np.max(np.abs(d))) for d in drives),
         travel=max(float(np.ptp(p)) for p in places),
     )
@@ -149,38 +131,3 @@ def _resolution(columns: Sequence[np.ndarray]) -> tuple[float, str]:
         return min(steps), "all increments are multiples of it"
     noise = min(float(np.median(np.abs(np.diff(x, 2)))) for x in columns)
     return noise, "no step is to be seen in the data; this is the size of its noise"
-
-
-def _entries(columns: Columns, clocks, places, rates, bands) -> tuple[Entry, ...]:
-    """Say what each record is for: by its name, else the one that rests most validates; a single one is parted."""
-    if len(clocks) == 1:
-        return _parted(columns, clocks[0], signals.resting(places[0], rates[0], bands[0]))
-    named = [k for k, s in enumerate(columns.surveys) if WORDS & set(words_of(stem(s.path))[0])]
-    if named and len(named) < len(clocks):
-        reasons = dict.fromkeys(named, "its name says so")
-    else:
-        rest = [float(np.mean(signals.resting(*x) < DWELL)) for x in zip(places, rates, bands, strict=True)]
-        top = [k for k, share in enumerate(rest) if share >= max(rest) - APART]
-        k = top[-1]
-        reasons = {k: f"it rests for {100 * rest[k]:.0f} % of its time, as an axis does that positions"}
-        if len(top) > 1:
-            reasons = {k: "records of one kind are fitted but for the last"}
-    return tuple(
-        Entry(k, VALIDATION, reasons[k]) if k in reasons else Entry(k, IDENTIFICATION, "the others are fitted")
-        for k in range(len(clocks))
-    )
-
-
-def _parted(columns: Columns, time: np.ndarray, speed: np.ndarray) -> tuple[Entry, ...]:
-    """Part the only record in time: fitted up to the calmest moment between 55 and 75 % of it, and validated after it."""
-    first, last = (int(share * time.size) for share in CALM)
-    at = float(time[first + int(np.argmin(speed[first:last]))])
-    name = stem(columns.path).replace(" ", "_")
-    name = "".join(c for c in name if c.isalnum() or c in "_-") or "record"
-    why = "the only record is parted at its calmest moment between 55 and 75 %"
-    return (
-        Entry(0, IDENTIFICATION, why, f"{name}_first", until=at),
-        Entry(
-            0, VALIDATION, f"{why}; what lies before only brings friction into its state", f"{name}_second", None, at
-        ),
-    )

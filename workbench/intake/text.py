@@ -50,7 +50,7 @@ def campaign_text(title: str, p: Proposal, files: Sequence[str]) -> str:
         said += [f'name = "{e.name}"'] if e.name else []
         said.append(f'role = "{e.role}"  # {e.why}')
         said += ["load_locked = true  # the load's encoder stands"] if e.locked else []
-        for key, value in (("until", e.until), ("counts_from", e.counts_from)):
+        for key, value in (("from", e.since), ("until", e.until), ("counts_from", e.counts_from)):
             said += [f'{key} = {{ value = {value!r}, unit = "s" }}'] if value is not None else []
         said.append("")
     return "\n".join(said).rstrip() + "\n"
