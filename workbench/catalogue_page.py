@@ -50,17 +50,17 @@ MADE = (
 )
 
 
-def factory(effect: Effect) -> Callable:
+def _factory(effect: Effect) -> Callable:
     """Return the function of `workbench.effects` that makes an effect."""
     return getattr(sys.modules[effect.step.__module__], effect.name)
 
 
-def law(function: Callable) -> str:
+def _law(function: Callable) -> str:
     """The docstring, as paragraphs."""
     return inspect.getdoc(function) or ""
 
 
-def bound(p: Parameter) -> str:
+def _bound(p: Parameter) -> str:
     if p.lower == -float("inf") and p.upper == float("inf"):
         return "any"
     if p.upper == float("inf"):
@@ -68,7 +68,7 @@ def bound(p: Parameter) -> str:
     return f"<= {p.upper:g}" if p.lower == -float("inf") else f"{p.lower:g} to {p.upper:g}"
 
 
-def found(effect: Effect, name: str, p: Parameter) -> str:
+def _found(effect: Effect, name: str, p: Parameter) -> str:
     """How identification treats an inside parameter."""
     if p.fixed:
         return "held"
@@ -77,27 +77,27 @@ def found(effect: Effect, name: str, p: Parameter) -> str:
     return f"searched ({p.scale})" if p.scale else "searched"
 
 
-def sentence(text: str) -> str:
+def _sentence(text: str) -> str:
     return text[:1].upper() + text[1:] + "."
 
 
-def call(function: Callable) -> str:
+def _call(function: Callable) -> str:
     """The function with the names of its arguments, and their defaults."""
     given = inspect.signature(function).parameters.values()
     arguments = (p.name if p.default is p.empty else f"{p.name}={p.default!r}" for p in given)
     return f"{function.__name__}({', '.join(arguments)})"
 
 
-def table(rows: Mapping[str, Parameter], tell: Callable[[str, Parameter], str] | None = None) -> list[str]:
+def _table(rows: Mapping[str, Parameter], tell: Callable[[str, Parameter], str] | None = None) -> list[str]:
     head = ["parameter", "unit", "bounds", "meaning", *(["found"] if tell else [])]
     lines = [f"| {' | '.join(head)} |", "|---" * len(head) + "|"]
     for n, p in rows.items():
-        cells = [f"`{n}`", p.unit, bound(p), p.meaning, *([tell(n, p)] if tell else [])]
+        cells = [f"`{n}`", p.unit, _bound(p), p.meaning, *([tell(n, p)] if tell else [])]
         lines.append(f"| {' | '.join(cells)} |")
     return lines
 
 
-def section(effect: Effect) -> list[str]:
+def _section(effect: Effect) -> list[str]:
     """Lines of one effect."""
     lines = [
         f"## {effect.name}",
@@ -106,7 +106,7 @@ def section(effect: Effect) -> list[str]:
         "",
         effect.cause.capitalize() + ".",
         "",
-        law(factory(effect)),
+        _law(_factory(effect)),
         "",
     ]
     facts = [f"{PORTS[effect.port]}, at {', '.join(effect.places)}"]
@@ -118,18 +118,18 @@ def section(effect: Effect) -> list[str]:
     facts += [] if effect.traced else ["not offered by a trace"]
     facts += ["named after others that explain as much"] if effect.rare else []
     facts += [f"family: {effect.family}"] if effect.family else []
-    facts += limits(effect)
-    lines += [sentence("; ".join(facts)), ""]
+    facts += _limits(effect)
+    lines += [_sentence("; ".join(facts)), ""]
     if effect.parameters:
-        lines += table(effect.parameters, lambda n, p: found(effect, n, p)) + [""]
+        lines += _table(effect.parameters, lambda n, p: _found(effect, n, p)) + [""]
     if effect.border is not None:
-        lines += ["As a campaign writes it:", "", *table(effect.border.parameters), ""]
-    if inspect.signature(factory(effect)).parameters:
-        lines += [f"Built as `{call(factory(effect))}`.", ""]
+        lines += ["As a campaign writes it:", "", *_table(effect.border.parameters), ""]
+    if inspect.signature(_factory(effect)).parameters:
+        lines += [f"Built as `{_call(_factory(effect))}`.", ""]
     return [*lines, f"Source: {effect.source}.", ""]
 
 
-def limits(effect: Effect) -> list[str]:
+def _limits(effect: Effect) -> list[str]:
     """What an effect is at a neutral value, and what it is made of, as facts."""
     said = []
     for name, (neutral, left) in effect.reduces.items():
@@ -148,7 +148,7 @@ def page() -> str:
         lines.append(f"| {anchor} | {e.family} | `{e.formula.replace('|', chr(92) + '|')}` | {', '.join(e.places)} |")
     lines.append("")
     for e in known.values():
-        lines += section(e)
+        lines += _section(e)
     lines += [
         "## Made from data",
         "",
@@ -157,8 +157,8 @@ def page() -> str:
     ]
     for function in MADE:
         where = function.__module__
-        lines += [f"### {function.__name__}", "", f"`{where}.{call(function)}`", ""]
-        lines += [law(function), ""]
+        lines += [f"### {function.__name__}", "", f"`{where}.{_call(function)}`", ""]
+        lines += [_law(function), ""]
     return "\n".join(lines).rstrip() + "\n"
 
 

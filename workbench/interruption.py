@@ -85,10 +85,10 @@ def _ended(heard: int) -> bool:
     return True
 
 
-def forget_in_forks() -> None:
+def _forget_in_forks() -> None:
     """A fork's signals are its own: they wake nobody here."""
     signal.set_wakeup_fd(-1)
 
 
 if hasattr(os, "register_at_fork"):
-    os.register_at_fork(after_in_child=forget_in_forks)
+    os.register_at_fork(after_in_child=_forget_in_forks)

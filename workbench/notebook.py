@@ -13,12 +13,12 @@ DOTS = 96  # an inch: a pixel of a page; a bitmap, since a record has more sampl
 MOST = 40  # rows of a table: more are counted, so that a long result does not fill the notebook
 
 
-def number(value: float) -> str:
+def _number(value: float) -> str:
     """Return a number as tables show it: four digits, a dash for none."""
     return "–" if value != value else f"{value:.4g}"
 
 
-def table(head: Sequence[str], rows: Iterable[Sequence[object]]) -> str:
+def _table(head: Sequence[str], rows: Iterable[Sequence[object]]) -> str:
     """Return an HTML table; numbers are set to the right."""
     rows = list(rows)
     body = ["".join(_cell(value) for value in row) for row in rows[:MOST]]
@@ -31,10 +31,10 @@ def table(head: Sequence[str], rows: Iterable[Sequence[object]]) -> str:
 def _cell(value: object) -> str:
     if isinstance(value, str):
         return f'<td style="text-align:left">{escape(value)}</td>'
-    return f"<td>{number(value)}</td>"
+    return f"<td>{_number(value)}</td>"
 
 
-def drawing(draw: Callable, title: str, *, rows: int = 1) -> str:
+def _drawing(draw: Callable, title: str, *, rows: int = 1) -> str:
     """Return an HTML image of what draw(axes) draws; axes: a list of `rows` matplotlib axes with one abscissa."""
     import matplotlib
     from matplotlib.backends.backend_agg import FigureCanvasAgg
@@ -58,5 +58,5 @@ def page(
     graphs: int = 1,
 ) -> str:
     """Return the HTML of a result. draw(axes): its drawing of `graphs` graphs, one above the other."""
-    shown = drawing(draw, sentence, rows=graphs) if draw else ""
-    return f"<div><p>{escape(sentence)}</p>{table(head, rows)}{shown}</div>"
+    shown = _drawing(draw, sentence, rows=graphs) if draw else ""
+    return f"<div><p>{escape(sentence)}</p>{_table(head, rows)}{shown}</div>"

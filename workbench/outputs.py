@@ -1,7 +1,7 @@
 """Outputs appear whole or not at all: a folder is written beside its place and changes places with it.
 
 A link is followed. Where the place cannot be renamed (a mount point, a folder in one that may not be written), the folder
-is written inside it and entries are moved one by one; a run killed meanwhile is put right by the next one (`sweep`).
+is written inside it and entries are moved one by one; a run killed meanwhile is put right by the next one (`_sweep`).
 """
 
 import ctypes
@@ -51,7 +51,7 @@ def _left_by_the_dead(place: Path) -> list[Path]:
     return sorted(dead, key=lambda p: not p.name.endswith((LEAVING, OLD)))
 
 
-def sweep(place: Path, ours: str) -> None:
+def _sweep(place: Path, ours: str) -> None:
     """Remove what killed runs left of `place`, and put back an earlier output that one was killed while replacing."""
     for left in _left_by_the_dead(place):
         with suppress(OSError):
@@ -72,7 +72,7 @@ def replaceable(place: Path, ours: str) -> Path:
             os.lstat(place)  # a name too long
         if place.exists() and not place.is_dir():
             raise WorkbenchError(f"{given} is a file; name a folder to write into.")
-        sweep(place, ours)
+        _sweep(place, ours)
         if place.is_dir() and _entries(place) and not (place / ours).is_file():
             raise WorkbenchError(
                 f"{given} holds files that this command did not write (there is no {ours}); name an empty or a new folder."

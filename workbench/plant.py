@@ -152,7 +152,7 @@ def reads_load(effect: Effect) -> bool:
     return effect.port == FORCE and bool(set(effect.reads) & set(LOAD_SIGNALS))
 
 
-def stands_still(effect: Effect) -> bool:
+def _stands_still(effect: Effect) -> bool:
     """Whether a force is there whether or not anything moves: gravity, springs, a constant load."""
     return not effect.states and set(effect.reads) <= set(STILL)
 
@@ -161,7 +161,7 @@ def carried(plant_kind: str, place: str, effects: Iterable[Effect]) -> tuple[lis
     """Return the forces that make up (tau, tau_inertia) at a place: the torque that a contact there carries, by the model.
 
     Of two masses tau is the joint's torque, at the motor, at the load and in the joint alike, and tau_inertia is zero: what
-    is accelerated behind the joint is in its torque. Of one mass tau is what passes a gear at standstill (`stands_still`), and
+    is accelerated behind the joint is in its torque. Of one mass tau is what passes a gear at standstill (`_stands_still`), and
     tau_inertia the torque of inertia, of which a share lies behind the contact: only an effect's own parameter can say which.
     Friction is in neither: of one mass nothing tells what of it lies behind the gear, and most lies at the gear's fast side.
     The measured drive never is: a prediction that saw it would be none.
@@ -170,7 +170,7 @@ def carried(plant_kind: str, place: str, effects: Iterable[Effect]) -> tuple[lis
     forces = [e for e in effects if e.port == FORCE and e.at == here and not reads_load(e)]
     if plant_kind == TWO_MASS:
         return forces, []
-    return [e for e in forces if stands_still(e)], [e for e in forces if "a" in e.reads]
+    return [e for e in forces if _stands_still(e)], [e for e in forces if "a" in e.reads]
 
 
 def freed(plant: Plant) -> Plant:

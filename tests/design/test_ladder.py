@@ -237,10 +237,7 @@ def test_what_has_fewer_levels_is_tuned_alike_and_the_sentence_says_who_is_behin
     assert "fixed gains no rest on 1 of 2 moves" in said and "is worth its schedule" in said and "nan" not in said
 
 
-def test_points_that_are_given_up_are_those_that_cost_more_and_all_others_have_the_figures_of_the_whole_ladder(
-    short, monkeypatch
-):
-    monkeypatch.setattr("workbench.design.against.TOGETHER", 16)
+def test_points_that_are_given_up_are_those_that_cost_more_and_all_others_have_the_figures_of_the_whole_ladder(short):
     table = gain_table(LINEAR, AMPLITUDES, 2.5 * COUNT, 2.0)
     family = table_family(table, GAINS, LINEAR, "error", 4.0)
     draw = np.random.default_rng(3)
@@ -249,7 +246,7 @@ def test_points_that_are_given_up_are_those_that_cost_more_and_all_others_have_t
     whole = climbed(short, family, points, all_rungs(short, points))
     costs = cost(regret(short, whole, known))
     most = float(np.median(costs))
-    against = Against(short, family, known)
+    against = Against(short, family, known, together=16)
     found = against.tried(points, most).figures
     bounds = cost(regret(short, found, known))
     assert (found[costs <= most] == whole[costs <= most]).all()

@@ -10,6 +10,9 @@ import pytest
 ROOT = Path(__file__).resolve().parents[2]
 READERS = ("workbench", "studies", "benchmarks", "tests", "docs")
 PACKAGES = sorted(init.parent.name for init in (ROOT / "workbench").glob("*/__init__.py"))
+ALONE = sorted(
+    f.stem for f in (ROOT / "workbench").glob("*.py") if not f.stem.startswith("__")
+)  # modules of no package
 
 
 def module_of(path: Path) -> str:
@@ -54,7 +57,7 @@ def said() -> dict[str, Words]:
 
 
 def lonely(package: str) -> list[str]:
-    """Return "module.function" of the public functions of a package that no other file asks for."""
+    """Return "module.function" of the public functions of a package, or of a module of none, that no other file asks for."""
     found = []
     for module, tree in trees().items():
         if module.split(".")[:2] != ["workbench", package]:
@@ -67,7 +70,7 @@ def lonely(package: str) -> list[str]:
     return found
 
 
-@pytest.mark.parametrize("package", PACKAGES)
+@pytest.mark.parametrize("package", [*PACKAGES, *ALONE])
 def test_a_function_that_its_own_file_alone_calls_is_private(package):
     held = [name for name in lonely(package) if not name.startswith("workbench.front.")]
     assert not held, f"write an underscore before: {', '.join(held)}"

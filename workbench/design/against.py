@@ -25,11 +25,12 @@ class Tried:
 
 @dataclass(frozen=True, eq=False)
 class Against:
-    """Points of one family on a ladder, held against references."""
+    """Points of one family on a ladder, held against references. together: lanes of a part of the ladder, at least."""
 
     on: Ladder
     family: Family
     known: References
+    together: int = TOGETHER
 
     def tried(
         self, points: np.ndarray, most: np.ndarray | float = np.inf, rungs: np.ndarray | None = None, figures: np.ndarray | None = None
@@ -60,12 +61,12 @@ class Against:
 
     def _parts(self, rungs: np.ndarray, points: int) -> list[tuple[np.ndarray, np.ndarray]]:
         """Return rungs (r,) and blocks of their phases, every first block before all others and the shortest rungs before longer ones, in
-        parts of TOGETHER lanes or more."""
+        parts of `together` lanes or more."""
         on = self.on
         rung = np.repeat(rungs, on.blocks[rungs])
         block = np.concatenate([np.arange(n) for n in on.blocks[rungs]])
         order = np.lexsort((on.samples[rung], block > 0))
         rung, block = rung[order], block[order]
         before = np.cumsum(on.lanes(rung, block)[1]) * points
-        cuts = np.flatnonzero(np.diff((before - 1) // TOGETHER)) + 1
+        cuts = np.flatnonzero(np.diff((before - 1) // self.together)) + 1
         return list(zip(np.split(rung, cuts), np.split(block, cuts), strict=True))

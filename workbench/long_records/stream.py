@@ -150,7 +150,7 @@ def _checked(x, y, thresholds, kind: str) -> np.ndarray:
 
 def fit_operators(
     x: np.ndarray, y: np.ndarray, thresholds: Sequence[float], kind: str = "stop", columns: Sequence[Column] = (),
-    non_negative: bool = True, block: int = BLOCK, *, monotone: bool = False,
+    non_negative: bool = True, block: int = BLOCK, *, monotone: bool = False, conditioned: float = ILL_CONDITIONED,
 ) -> Weights:  # fmt: skip
     """Return the weights of least squares of operators on positions x (n,) that start unstrained at x[0], for y (n,).
 
@@ -158,15 +158,22 @@ def fit_operators(
     columns, each called with a block of x (b,) and the index of its first sample, returning (b,); their factors may have
     any sign. non_negative: weights of operators >= 0, so that a bank of stops takes up energy on every closed path.
     monotone: instead, no slope of the virgin curve below 0, so that more motion never means less output. block: samples
-    a block; it changes no more than rounding. x and y may be memory-mapped. Memory besides them: one block.
+    a block; it changes no more than rounding. conditioned: of the scaled Gram matrix, up to which it is solved. x and y may be memory-mapped. Memory besides them: one block.
     WorkbenchError where a number is not finite.
     """
     blocks = Blocks(x, y, _checked(x, y, thresholds, kind), kind, columns, block, slice(None))
-    return weights_of([blocks], kind, non_negative=non_negative, monotone=monotone)
+    return weights_of([blocks], kind, non_negative=non_negative, monotone=monotone, conditioned=conditioned)
 
 
 @one_thread
-def weights_of(records: Sequence[Blocks], kind: str, *, non_negative: bool = True, monotone: bool = False) -> Weights:
+def weights_of(
+    records: Sequence[Blocks],
+    kind: str,
+    *,
+    non_negative: bool = True,
+    monotone: bool = False,
+    conditioned: float = ILL_CONDITIONED,
+) -> Weights:
     """Return the weights that serve all records, of the same operators and columns; see `fit_operators`."""
     radii, k = records[0].radii, len(records[0].columns)
     gram = _gram_of(records)
@@ -178,7 +185,7 @@ def weights_of(records: Sequence[Blocks], kind: str, *, non_negative: bool = Tru
     keep = np.append(moved, True)
     scaled = (gram / np.outer(norms, norms))[np.ix_(keep, keep)]
     condition = float(np.linalg.cond(scaled[:-1, :-1])) if moved.any() else 1.0
-    if condition <= ILL_CONDITIONED:
+    if condition <= conditioned:
         method, r = "cholesky", np.linalg.cholesky(scaled[:-1, :-1]).T
         b = np.linalg.solve(r.T, scaled[:-1, -1])
         beyond = max(scaled[-1, -1] - b @ b, 0.0)
