@@ -223,6 +223,16 @@ def test_the_python_of_the_readme_runs(tmp_path, monkeypatch, capsys):
     assert "Stribeck friction is missing" in capsys.readouterr().out
 
 
+def test_the_python_of_the_page_on_packages_runs(tmp_path, monkeypatch):
+    (tmp_path / "studies").symlink_to(ROOT / "studies")
+    page = (ROOT / "docs" / "python.md").read_text("utf-8")
+    names = run("".join(re.findall(r"^```python\n(.*?)^```$", page, re.MULTILINE | re.DOTALL)), tmp_path, monkeypatch)
+    friction, long = names["friction"], names["long"]
+    assert friction.effects == ("viscous_friction@axis",) and (friction.low <= friction.value).all()
+    elements = [long.plant["maxwell_slip"].parameters[f"k{k}"].value for k in (1, 2, 3)]
+    assert long.error < 0.2 and min(elements) >= 0.0 < max(elements)
+
+
 def test_the_notebook_runs_from_a_log_to_gains(tmp_path, monkeypatch):
     notebook = json.loads((ROOT / "docs" / "from_log_to_gains.ipynb").read_text("utf-8"))
     cells = [c for c in notebook["cells"] if c["cell_type"] == "code"]
