@@ -17,9 +17,8 @@ from workbench.simulation import loop_under
 from workbench.study.configuration import Study
 from workbench.study.controlling import Control
 from workbench.study.controlling import numbers as numbers_of
-from workbench.task.task import Task
+from workbench.task.task import PHASES, Task
 from workbench.verification.checks import Checks, checked
-from workbench.verification.compare import PHASES
 from workbench.verification.contest import Contest, contest, entered
 from workbench.verification.controllers import Controllers, controllers_of
 from workbench.verification.margin import AgainstMargin, Asked

@@ -9,6 +9,7 @@ from workbench.report import numbers
 from workbench.report.contents import Callout, Chapter, Figure, Items, Paragraph, Table
 from workbench.report.drawing import AFTER, BEFORE, MUTED, STYLES, decades, envelope, svg
 from workbench.report.wording import listed, typeset
+from workbench.task.task import PHASES, Weights
 from workbench.tracing.result import Trace
 from workbench.verification.closed_loop import DECLARED, EXTENDED, ClosedLoop, Response
 
@@ -102,7 +103,7 @@ def _changed(was: float, now: float) -> bool:
 def _assumed(found: Trace, closed: ClosedLoop) -> str:
     """Return what loop and what step this is."""
     plant = found.after.plant
-    loop, x = closed.loop, plant.displacement
+    loop, x, asked = closed.loop, plant.displacement, Weights()
     two = ""
     if plant.kind == TWO_MASS:
         two = " Of the two masses the motor's encoder closes the loop, and the step and its figures are the load's."
@@ -110,7 +111,8 @@ def _assumed(found: Trace, closed: ClosedLoop) -> str:
         f"The bench's own controller is not known, so one is assumed: position P over velocity PI every "
         f"{_seconds(loop.sample_time)}, with one sample of delay, one of velocity filter and the record's encoder. Its three "
         "numbers are tuned by one search, on the declared and on the extended model, for the shortest 1 % time with an "
-        "overshoot of 0.2 % at most and a sensitivity of the sampled loop of 2 at most, within the limit of the drive. The "
+        f"overshoot of {100.0 * asked.overshoot:g} % at most and a sensitivity of the sampled loop of {asked.sensitivity:g} at most, within "
+        "the limit of the drive. The "
         f"step goes {numbers.scaled(closed.step, x)} from {numbers.scaled(closed.start, x)}, the middle half of the "
         "validation record's travel. The extended model stands for the axis: these are predictions, to be checked on the bench."
         + two
@@ -136,7 +138,7 @@ def _responses(closed: ClosedLoop, x: str) -> Table:
         for r in closed.responses
     )
     columns = ("gains tuned on", "run on", "rise, 10 to 90 %", "1 % time", "overshoot", f"final error ({unit})")
-    caption = "The step: what the declared model promises, what becomes of it on the extended one, and the same tuned anew; the worst of eight encoder phases."  # fmt: skip
+    caption = f"The step: what the declared model promises, what becomes of it on the extended one, and the same tuned anew; the worst of {PHASES} encoder phases."  # fmt: skip
     return Table(columns, rows, caption, "llrrrr")
 
 

@@ -9,8 +9,8 @@ from workbench.report import numbers
 from workbench.report.contents import BAD, GOOD, Callout, Chapter, Figure, Items, Marked, Paragraph, Table
 from workbench.report.drawing import AFTER, BEFORE, MUTED, SERIES, STYLES, decades, envelope, svg
 from workbench.report.gains import course, step_heading
-from workbench.task.task import Task
-from workbench.verification.compare import Comparison
+from workbench.task.task import PHASES, Task
+from workbench.verification.compare import LEVEL, Comparison, Row, side
 
 DRAWN = 3  # decades below the step that the error is drawn over, at least
 
@@ -157,7 +157,7 @@ def comparison_chapter(comparison: Comparison, task: Task, beside: tuple[str, ..
     """Who is beaten on what, and who is not. beside: further sentences."""
     c = task.criteria
     caption = (
-        "The worst of eight encoder phases and noise seeds each. The bound comes to rest on the target; a controller that "
+        f"The worst of {PHASES} encoder phases and noise seeds each. The bound comes to rest on the target; a controller that "
         "overshoots within the band may be below it. Settled: within "
         f"±{c.counts:g} counts for {numbers.scaled(c.hold, 's')}. Load inertia in {numbers.unit('kg*m^2' if task.plant.rotary else 'kg')}."
     )
@@ -169,20 +169,20 @@ def comparison_chapter(comparison: Comparison, task: Task, beside: tuple[str, ..
     )
 
 
+def _changed(now: Row, before: Row) -> Marked | str:
+    """Say on which side of another row one is, in time and error together."""
+    time = side(now.time_1pct, before.time_1pct, LEVEL["time"])
+    sides = {time, side(now.final_error, before.final_error, LEVEL["error"])}
+    if sides == {1, -1}:
+        return "mixed"
+    return Marked("better", GOOD) if 1 in sides else Marked("worse", BAD) if -1 in sides else "equal"
+
+
 def worth_chapter(declared: Comparison, extended: Comparison, cause: str, task: Task) -> Chapter:
     """The same controllers tuned on the declared and on the extended model, all run on the extended plant."""
     rows = []
     for r in extended.rows:
         other = declared.row(r.controller, r.load_inertia)
-        better = r.final_error < other.final_error * 0.8 or r.time_1pct < other.time_1pct * 0.99
-        worse = r.final_error > other.final_error * 1.25 or r.time_1pct > other.time_1pct * 1.01
-        word = (
-            Marked("better", GOOD)
-            if better and not worse
-            else Marked("worse", BAD)
-            if worse and not better
-            else "mixed"
-        )
         rows.append(
             (
                 r.controller,
@@ -191,7 +191,7 @@ def worth_chapter(declared: Comparison, extended: Comparison, cause: str, task: 
                 _time(r.time_1pct),
                 numbers.number(other.final_error, 2),
                 numbers.number(r.final_error, 2),
-                "equal" if not better and not worse else word,
+                _changed(r, other),
             )
         )
     unit = numbers.unit(task.plant.displacement)

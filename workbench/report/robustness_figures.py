@@ -11,6 +11,7 @@ from workbench.report.drawing import AFTER, BEFORE, MUTED, SERIES, STYLES, decad
 from workbench.robustness.result import Series
 from workbench.robustness.workload import Work
 from workbench.robustness.worst import Replayed, replay
+from workbench.task.task import PHASES
 
 FLOOR = 0.05  # of an encoder count: where a logarithmic axis begins
 OWN = {"phase": "phase of the encoder's counts"}  # what varies and is no effect's
@@ -75,7 +76,7 @@ def perspectives_figure(found: Series) -> Figure:
         "robust_perspectives",
         lambda: svg(heading, draw, height=1.3 + 0.32 * len(names)),
         f"Final errors over {found.grid.title}: factors {_listed(found.grid.frictions)} and {_listed(found.grid.inertias)}, each "
-        "the worst of eight encoder phases.",
+        f"the worst of {PHASES} encoder phases.",
         f"Errors of {len(names)} controllers on a logarithmic axis. {heading}.",
     )
 

@@ -10,9 +10,7 @@ from workbench.robustness.influence import influences
 from workbench.robustness.perspective import perspectives, share_beyond
 from workbench.robustness.result import OfGrid, Series
 from workbench.robustness.workload import Block, Columns, Work, blocks, joined, work
-from workbench.task.task import Task
-
-PHASES = 8  # encoder phases and noise seeds that a point of the grid is the worst of
+from workbench.task.task import PHASES, Task
 
 Factories = Mapping[str, Callable[[int], Controller]]  # name -> factory(lanes)
 Run = Callable[[Work, list[Block], Callable[[str], None]], Iterator[Columns]]

@@ -9,6 +9,8 @@ from workbench.simulation import Criteria, Loop, Metrics, ScenarioArrays, simula
 from workbench.simulation.run import LANES
 from workbench.task.bound import time_optimal
 
+PHASES = 8  # encoder phases and noise seeds that a judged controller is the worst of
+
 
 @dataclass(frozen=True)
 class Weights:

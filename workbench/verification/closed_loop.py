@@ -20,7 +20,7 @@ from workbench.design.optimise import Tuned, optimise_all
 from workbench.plant import ONE_MASS, TWO_MASS, Plant
 from workbench.record import Record
 from workbench.simulation import Loop, Metrics, ScenarioArrays, simulate
-from workbench.task.task import Task
+from workbench.task.task import PHASES, Task
 from workbench.verification.assumed import judge, late, loop_of, task_of
 
 DECLARED, EXTENDED = "declared", "extended"
@@ -28,7 +28,6 @@ FIGURES = ("rise", "time_1pct", "overshoot", "final_error")
 TURNOVER = 0.2  # of the velocity loop, over its delays: where the search begins
 RISE = (0.1, 0.9)  # shares of the step
 OUTPUT = {ONE_MASS: "q", TWO_MASS: "load.q"}
-PHASES = 8  # of the encoder, that a row is the worst of; and scenarios side by side in a kernel
 
 
 @dataclass(frozen=True)

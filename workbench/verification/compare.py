@@ -8,9 +8,8 @@ import numpy as np
 from workbench.finding import Finding
 from workbench.keeping import kept
 from workbench.simulation import Metrics
-from workbench.task.task import Task
+from workbench.task.task import PHASES, Task
 
-PHASES = 8  # encoder phases and noise seeds that a row is the worst of
 LEVEL = {"time": 0.01, "error": 0.25}  # relative differences below which two controllers count as equal
 
 

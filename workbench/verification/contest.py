@@ -16,8 +16,8 @@ from workbench.finding import Finding
 from workbench.keeping import kept
 from workbench.plant import Plant
 from workbench.simulation import Metrics
-from workbench.task.task import Task
-from workbench.verification.compare import LEVEL, PHASES, micro, ms, side, words
+from workbench.task.task import PHASES, Task
+from workbench.verification.compare import LEVEL, micro, ms, side, words
 
 Factory = Callable[[int], Controller]
 

@@ -8,8 +8,7 @@ import numpy as np
 from workbench.compensation import Compensated
 from workbench.control import Controller
 from workbench.simulation import Metrics
-from workbench.task.task import Task
-from workbench.verification.compare import PHASES
+from workbench.task.task import PHASES, Task
 
 LEVELS = (0.5, 1.0, 1.5)  # of inertia and friction: what a controller has to bear, whatever it was tuned for
 GRID_OVERSHOOT = 0.025  # of the step, at the grid's corners: beyond it a motion is no longer a point-to-point one
