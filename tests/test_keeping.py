@@ -101,7 +101,7 @@ def test_effects_and_laws_are_those_of_the_catalogue_again(tmp_path):
 
 @pytest.fixture
 def study(tmp_path):
-    """A study of a short campaign, traced with few suspects, whose own steps are counted."""
+    """A study of a short campaign, traced with few candidates, whose own steps are counted."""
     import fuzz
 
     folder = tmp_path / "studies" / "axis"

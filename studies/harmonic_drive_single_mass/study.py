@@ -47,7 +47,7 @@ from .controllers import CASCADE, ERROR, FIXED, NOMINAL, PAPER, SHORT, SOFT, TRA
 from .records import FIRST, SECOND
 
 FURTHER = ("actuators", "friction", "records", "contest")
-SUSPECTS = ("viscous_friction", "stribeck_friction", "coulomb_asymmetry")  # the trace is asked about these
+CANDIDATES = ("viscous_friction", "stribeck_friction", "coulomb_asymmetry")  # the trace is asked about these
 TABLE = "gain table (closing)"
 BASELINES = (FIXED, CASCADE, SOFT)
 SHOWN = (PAPER, ERROR, CASCADE, PROFILE_PI, SOFT)  # steps
@@ -60,7 +60,7 @@ def run(study: Study, say) -> Outcome:
     say("logging slow sines")
     seen = records.logged(study, control, known)
     passes = inverse_dynamics(seen.records, seen.bandwidth)
-    found = trace(seen.declared, passes, say, most=1, only=SUSPECTS)
+    found = trace(seen.declared, passes, say, most=1, only=CANDIDATES)
     alone = identify(seen.declared, passes[:1])
     curve, fitted = records.virgin_chapter(seen, found.before, alone, passes)
     model = found.after.plant

@@ -41,7 +41,7 @@ from .controllers import BEST, BOTH, FIXED, JOINT, ON_LOAD, ON_MOTOR, OUTPUT, WI
 from .plant import Assumed, assumed, declared, free, identified, locked, with_gear, with_ground
 
 FURTHER = ("plant", "records", "encoders", "contest")
-SUSPECTS = (
+CANDIDATES = (
     "presliding_hysteresis",
     "viscous_friction",
     "linear_damping",
@@ -60,7 +60,7 @@ def run(study: Study, say) -> Outcome:
     records, bandwidth = locked(study, loop, known.plant)
     lacking = declared(known.plant)
     passes = inverse_dynamics(records, bandwidth)
-    found = trace(lacking, passes, say, most=1, only=SUSPECTS)
+    found = trace(lacking, passes, say, most=1, only=CANDIDATES)
     fit = found.before  # the paper's one spring
     apart = identify(with_ground(fit.plant), passes)
     say("identifying with the output free")

@@ -21,7 +21,7 @@ METRE = 0.5e-6  # m a V of the vibrometer
 BANDWIDTH = 100.0  # Hz of the comparison: above it windage is all that is left
 EVERY = 6  # samples a logged one
 STIFFNESS, REST = 0.4e-3, -6.0  # V/V, V: a pull of 2.4 mV, as large as the friction
-SUSPECTS = (
+CANDIDATES = (
     "constant_offset cable_spring gravity linear_stiffness cubic_stiffness viscous_friction coulomb_asymmetry "
     "stribeck_friction friction_drift cogging"
 ).split()

@@ -130,7 +130,7 @@ def traced(study: Study, fits: identified.Identified, noise: Noise, say) -> Outc
     """Trace the records of a loop whose flex cable pulls to one side, from the identified pivot."""
     lacking = bias.declared(fits.broad.few.bank)
     seen = bias.passes(noise)
-    found = trace(lacking, seen, say, most=2, only=bias.SUSPECTS)
+    found = trace(lacking, seen, say, most=2, only=bias.CANDIDATES)
     return Outcome(
         plant=lacking,
         campaign="synthetic pivot with a flex cable that the declared model lacks (chapters 2 to 7), records simulated by this study",

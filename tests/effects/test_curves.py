@@ -27,7 +27,7 @@ from workbench.motion import motion
 from workbench.plant import Geometry, Plant
 from workbench.record import Record, Source
 from workbench.simulation import Loop, Scenario, simulate
-from workbench.tracing.candidates import CORRECTION, suspects
+from workbench.tracing.candidates import CORRECTION, candidates_of
 from workbench.tracing.free_forms import free_forms
 from workbench.tracing.ranking import _simpler
 
@@ -317,8 +317,8 @@ def test_each_family_is_offered_where_it_could_act_with_knots_from_the_records()
     found = {f.family: f for f in free_forms(PLAIN, [passes])}
     assert set(found) == set(FREE_FORMS) - {"joint stiffness", "angle over angle"}  # no turn of a motor was seen
     bank = found["friction with memory"]
-    assert bank.suspect.instead == ("coulomb_friction@axis",) and bank.effect.name == "hysteresis_bank"
-    assert all(not f.suspect.instead for f in found.values() if f is not bank)
+    assert bank.candidate.instead == ("coulomb_friction@axis",) and bank.effect.name == "hysteresis_bank"
+    assert all(not f.candidate.instead for f in found.values() if f is not bank)
     speed = found["friction over speed"].effect
     top = np.abs(passes.motion.v[passes.motion.keep]).max()
     assert speed.parameters["knot11"].value == pytest.approx(top)
@@ -327,7 +327,7 @@ def test_each_family_is_offered_where_it_could_act_with_knots_from_the_records()
     (angle,) = free_forms(turning, [passes], ["angle over angle"])
     assert angle.effect.at == "sensor.position" and angle.effect.parameters["order"].value == 20.0
     for f in found.values():
-        assert f.effect.family == f.family and identify(f.suspect.plant, [passes]).identification < 0.01
+        assert f.effect.family == f.family and identify(f.candidate.plant, [passes]).identification < 0.01
 
 
 @pytest.mark.parametrize("name", ["cogging", "cyclic_friction"])
@@ -343,7 +343,7 @@ def test_waves_of_no_common_order_are_found_in_the_residual(name):
     found = sorted(p.value for n, p in free.effect.parameters.items() if n.startswith("order"))
     for order in (47.0, 75.3):
         assert min(abs(k - order) for k in found) < 0.5
-    assert identify(free.suspect.plant, [passes]).identification < 0.2 * before.identification
+    assert identify(free.candidate.plant, [passes]).identification < 0.2 * before.identification
 
 
 def test_on_two_masses_a_force_over_the_deflection_is_the_joints_stiffness():
@@ -354,7 +354,7 @@ def test_on_two_masses_a_force_over_the_deflection_is_the_joints_stiffness():
     made = Record("two", "identification", t, channels, {}, Source(Path("x"), "", "none", {}))
     spring = find("linear_stiffness")(stiffness=900.0)
     plant = Plant("two mass", (INERTIA(at="motor"), INERTIA(at="load"), spring))
-    found = {(f.family, f.suspect.at): f.effect for f in free_forms(plant, [InverseDynamics(motion(made, BAND))])}
+    found = {(f.family, f.candidate.at): f.effect for f in free_forms(plant, [InverseDynamics(motion(made, BAND))])}
     joint = found["joint stiffness", "joint"]
     assert joint.parameters["knot13"].value == pytest.approx(2e-3, rel=0.02)
     assert joint.parameters["force13"].fixed  # the declared spring's slope is free
@@ -400,7 +400,7 @@ def test_no_knot_is_offered_as_a_wrong_value():
     plant = (
         PLAIN + curves.friction_over_speed((0.1, 0.2, 0.4), PLAIN.effects) + free_maps.creep_spectrum((1.0, 2.0, 4.0))
     )
-    assert not [s for s in suspects(plant) if s.kind == CORRECTION]
+    assert not [s for s in candidates_of(plant) if s.kind == CORRECTION]
 
 
 # --- families and the simpler of two ------------------------------------------------------------------------------------

@@ -13,7 +13,7 @@ from workbench.inverse.dynamics import inverse_dynamics
 from workbench.inverse.shift import LAGRANGE, between, weights
 from workbench.plant import TWO_MASS, Plant
 from workbench.record import IDENTIFICATION, Record, Source
-from workbench.tracing.candidates import suspects
+from workbench.tracing.candidates import candidates_of
 
 DT, BAND = 1e-3, 100.0
 
@@ -107,13 +107,13 @@ def test_what_a_force_beside_a_solved_model_comes_to_is_that_of_the_whole_proble
     base = Problem(plant(), passes())
     solution = solve(base)
     tried = 0
-    for suspect in suspects(plant()):
-        problem = Linearised(suspect.plant, base, solution)
+    for candidate in candidates_of(plant()):
+        problem = Linearised(candidate.plant, base, solution)
         if problem.beside is None:
             continue
         tried += 1
         theta = problem.start()
-        assert problem.cost(theta) == pytest.approx(solved_at(problem, theta).cost, rel=1e-6), suspect.key
+        assert problem.cost(theta) == pytest.approx(solved_at(problem, theta).cost, rel=1e-6), candidate.key
     assert tried > 15
 
 

@@ -10,7 +10,7 @@ from workbench.definition import find
 from workbench.inverse.dynamics import inverse_dynamics
 from workbench.plant import ONE_MASS, Plant
 from workbench.record import IDENTIFICATION, VALIDATION, Record, Source
-from workbench.tracing.candidates import suspects
+from workbench.tracing.candidates import candidates_of
 from workbench.tracing.starts import resonances
 from workbench.tracing.tracing import trace
 
@@ -45,11 +45,11 @@ def test_friction_that_levels_off_is_carried_to_speeds_that_were_not_fitted():
 
 
 def test_a_composite_bears_the_name_of_the_part_that_is_missing():
-    named = {s.effect: s.name for s in suspects(PLANT) if s.instead}
+    named = {s.effect: s.name for s in candidates_of(PLANT) if s.instead}
     assert named["friction_behind_gap"] == "backlash"  # the friction is declared
     assert named["lugre_friction"] == "lugre_friction"  # of its parts either may be what Coulomb friction lacks
     bare = Plant(ONE_MASS) + find("inertia")(inertia=0.01)
-    assert {s.effect: s.name for s in suspects(bare)}["friction_behind_gap"] == "friction_behind_gap"
+    assert {s.effect: s.name for s in candidates_of(bare)}["friction_behind_gap"] == "friction_behind_gap"
 
 
 def test_a_sharp_resonance_is_where_a_search_starts():

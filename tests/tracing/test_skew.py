@@ -14,18 +14,18 @@ from workbench.finding import CARRIES_NOTHING
 from workbench.identification.fit import identify
 from workbench.inverse.carrying import idle
 from workbench.inverse.dynamics import inverse_dynamics
-from workbench.tracing.candidates import ADDITION, CORRECTION, suspects
+from workbench.tracing.candidates import ADDITION, CORRECTION, candidates_of
 from workbench.tracing.decimation import decimate
 from workbench.tracing.skew import skew_of
 
 KNOWN = {"inertia": True, "viscous": True}
 
 
-def test_a_late_load_encoder_is_the_first_suspect_with_its_value_held():
+def test_a_late_load_encoder_is_the_first_candidate_with_its_value_held():
     passes = inverse_dynamics([joint(1, late=2e-3, zero=1e-3), joint(2, late=2e-3)], BAND)
     found = skew_of(passes, jointed(**KNOWN))
-    assert (found.suspect.key, found.suspect.kind) == ("clock_skew@sensor.load_position", ADDITION)
-    clock = found.suspect.plant["clock_skew@sensor.load_position"]
+    assert (found.candidate.key, found.candidate.kind) == ("clock_skew@sensor.load_position", ADDITION)
+    clock = found.candidate.plant["clock_skew@sensor.load_position"]
     assert clock.parameters["offset"].value == pytest.approx(2e-3, rel=0.02)
     assert clock.parameters["skew"].value == 0.0 and all(p.fixed for p in clock.parameters.values())
     (offset, _) = found.parameters
@@ -35,12 +35,12 @@ def test_a_late_load_encoder_is_the_first_suspect_with_its_value_held():
 def test_a_late_motor_encoder_is_told_by_the_drive():
     passes = inverse_dynamics([joint(1, late=3e-3, motor=True), joint(2, late=3e-3, motor=True)], BAND)
     found = skew_of(passes, jointed(**KNOWN))
-    assert found.suspect.at == "sensor.position"
+    assert found.candidate.at == "sensor.position"
     assert found.late.values["offset"] == pytest.approx(3e-3, rel=0.05) and "position is read" in found.sentence
 
 
 @pytest.mark.parametrize("law", [{}, {"loop": 0.5}, {"viscous": 3000.0}, {"zero": 1e-3}])
-def test_what_is_no_clock_is_no_suspect(law):
+def test_what_is_no_clock_is_no_candidate(law):
     assert skew_of(inverse_dynamics([joint(1, **law), joint(2, **law)], BAND), jointed()) is None
 
 
@@ -66,7 +66,7 @@ def test_a_value_that_the_angle_told_is_no_correction():
     """Only what was declared may have been declared wrong."""
     plant = jointed(**KNOWN) + find("clock_skew")(at="sensor.load_position", offset=2e-3, fixed=True)
     declared = [e.key for e in jointed(**KNOWN).effects]
-    kinds = {s.key: s.kind for s in suspects(plant, (), declared)}
+    kinds = {s.key: s.kind for s in candidates_of(plant, (), declared)}
     assert "clock_skew@sensor.load_position" not in kinds and kinds["inertia@load"] == CORRECTION
 
 
@@ -83,14 +83,14 @@ def test_a_joint_without_stiffness_carries_nothing_and_a_sound_one_carries():
 
 
 @pytest.mark.parametrize("name", ["kr300_axis1", "kr300_axis1_JmJl", "kr300_axis3", "kr300_axis3_JmJl"])
-def test_the_clock_of_a_robots_link_encoder_is_the_first_suspect(name):
+def test_the_clock_of_a_robots_link_encoder_is_the_first_candidate(name):
     campaign = load(measured("measured", name))
     passes = inverse_dynamics(campaign.records, campaign.bandwidth)
     found = skew_of(passes, campaign.plant)
-    assert found.suspect.key == "clock_skew@sensor.load_position"
+    assert found.candidate.key == "clock_skew@sensor.load_position"
     assert 2.6e-3 < found.late.values["offset"] < 3.3e-3
     before = {e.key: e for e in campaign.plant.effects}  # nothing else is touched, a fixed inertia least
-    assert {e.key: e for e in found.suspect.plant.effects if e.key in before} == before
+    assert {e.key: e for e in found.candidate.plant.effects if e.key in before} == before
 
 
 @pytest.mark.parametrize("name", ["kr300_axis1", "kr300_axis1_JmJl"])

@@ -14,7 +14,7 @@ from workbench.identification.cross_validation import HeldOut, gain
 from workbench.identification.fit import identify
 from workbench.inverse.dynamics import inverse_dynamics
 from workbench.plant import ONE_MASS, TWO_MASS, Plant
-from workbench.tracing.candidates import suspects
+from workbench.tracing.candidates import candidates_of
 from workbench.tracing.output import as_dict, write
 from workbench.tracing.result import CAUSE, NOTHING, UNKNOWN, Trace
 from workbench.tracing.tracing import trace
@@ -182,16 +182,16 @@ def test_validation_chooses_no_effect_but_says_whether_one_is_borne_out(tmp_path
 # --- parts ----------------------------------------------------------------------------------------------------------------
 
 
-def test_suspects_are_what_is_not_declared_and_what_is_held():
+def test_candidates_are_what_is_not_declared_and_what_is_held():
     plant = Plant("one mass") + find("inertia")(inertia=2e-3, fixed=True) + find("viscous_friction")
-    kinds = {s.key: s.kind for s in suspects(plant)}
+    kinds = {s.key: s.kind for s in candidates_of(plant)}
     assert kinds["inertia@axis"] == "correction" and "viscous_friction@axis" not in kinds
     assert kinds["stribeck_friction@axis"] == "addition" and "linear_stiffness@joint" not in kinds
-    keys = [s.key for s in suspects(plant)]
-    assert keys == [s.key for s in suspects(replace(plant, effects=plant.effects[::-1]))]
+    keys = [s.key for s in candidates_of(plant)]
+    assert keys == [s.key for s in candidates_of(replace(plant, effects=plant.effects[::-1]))]
     free = plant.swap(find("inertia")(inertia=2e-3, fixed=False))
-    assert "inertia@axis" not in [s.key for s in suspects(free)]
-    assert "gravity@axis" not in [s.key for s in suspects(replace(free, rotary=False))]
+    assert "inertia@axis" not in [s.key for s in candidates_of(free)]
+    assert "gravity@axis" not in [s.key for s in candidates_of(replace(free, rotary=False))]
 
 
 def test_a_gain_in_proportion_has_no_scatter():
@@ -219,7 +219,7 @@ def test_a_trace_is_written_as_it_says(tmp_path):
         np.testing.assert_allclose(rows[:, 1], found.after.predictions[record.name], rtol=1e-7, atol=1e-9)
 
 
-def test_a_suspect_without_a_value_on_the_records_is_ranked_and_harms_nothing(tmp_path, monkeypatch):
+def test_a_candidate_without_a_value_on_the_records_is_ranked_and_harms_nothing(tmp_path, monkeypatch):
     """A law outside its domain gives NaN; the trace says so and goes on."""
     import casadi as ca
 
@@ -238,10 +238,10 @@ def test_a_suspect_without_a_value_on_the_records_is_ranked_and_harms_nothing(tm
     judgements = ranking.step(
         State(campaign.plant, inverse_dynamics(campaign.records[:1], campaign.bandwidth)), lambda _: None
     )
-    found = {j.candidate.effect: j.candidate for j in judgements}
+    found = {j.score.effect: j.score for j in judgements}
     assert found["broken_friction"].gain == 0.0 and "no value" in found["broken_friction"].sentence
     best = judgements[0]
-    assert best.candidate.effect == "stribeck_friction" and best.candidate.earns and best.state is not None
+    assert best.score.effect == "stribeck_friction" and best.score.earns and best.state is not None
 
 
 def test_the_package_is_called_with_a_fit(tmp_path):

@@ -16,7 +16,7 @@ from workbench.identification.problem import Problem
 from workbench.inverse.dynamics import InverseDynamics, inverse_dynamics
 from workbench.plant import ONE_MASS, Plant
 from workbench.tracing import ranking
-from workbench.tracing.candidates import Candidate, brought, suspects, without
+from workbench.tracing.candidates import Candidate, brought, candidates_of, without
 from workbench.tracing.counted import quantisation_bias
 from workbench.tracing.decimation import decimate
 from workbench.tracing.greedy import Step, earned, promised
@@ -41,8 +41,8 @@ def searched(campaign: Campaign) -> tuple[list[InverseDynamics], list[InverseDyn
     return whole, decimate(whole)
 
 
-def suspect(campaign: Campaign, key: str) -> Candidate:
-    return next(s for s in suspects(campaign.plant) if s.key == key)
+def candidate(campaign: Campaign, key: str) -> Candidate:
+    return next(s for s in candidates_of(campaign.plant) if s.key == key)
 
 
 def judgement(gain: float, scatter: float, *, earns: bool = False, state: object = True) -> ScoredCandidate:
@@ -94,9 +94,9 @@ def test_what_was_added_on_credit_goes_where_nothing_earns_its_place_after_it():
 def test_an_effect_that_a_later_one_takes_the_place_of_is_no_cause():
     """Coulomb friction comes first; once something else is in, friction with memory stands in its stead."""
     declared = Plant(ONE_MASS) + find("inertia") + find("viscous_friction")
-    first = next(s for s in suspects(declared) if s.key == "coulomb_friction@axis")
-    last = next(s for s in suspects(first.plant) if s.instead and s.effect == "presliding_hysteresis")
-    added = [replace(judgement(0.5, 0.1), suspect=s, state=SimpleNamespace(plant=s.plant)) for s in (first, last)]
+    first = next(s for s in candidates_of(declared) if s.key == "coulomb_friction@axis")
+    last = next(s for s in candidates_of(first.plant) if s.instead and s.effect == "presliding_hysteresis")
+    added = [replace(judgement(0.5, 0.1), candidate=s, state=SimpleNamespace(plant=s.plant)) for s in (first, last)]
     standing = Answer(added, SimpleNamespace(plant=declared)).standing
     assert standing.added == added[1:]
     names = {e.key for e in brought(declared, last, last.plant).effects}
@@ -117,10 +117,10 @@ def test_an_inertia_set_free_explains_what_counts_leave_as_errors_in_variables_s
         )
         whole, decimated = searched(campaign)
         state = State(campaign.plant, decimated)
-        s = suspect(campaign, "inertia@motor")
+        s = candidate(campaign, "inertia@motor")
         shares[count] = quantisation_bias(s, state, whole)
         if count == COARSE:
-            taken = judged(state, s, STANDARD)["candidate"].gain
+            taken = judged(state, s, STANDARD)["score"].gain
             assert shares[count] == pytest.approx(taken, abs=0.05)
     assert shares[COARSE] > 0.1 and shares[FINE] < 0.2 * shares[COARSE]
 
@@ -168,8 +168,8 @@ def test_shape_parameters_that_are_hard_to_tell_apart_are_judged_by_what_they_do
         band=200.0, ratio=50.0,
     )  # fmt: skip
     _, decimated = searched(campaign)
-    found = judged(State(campaign.plant, decimated), suspect(campaign, "multi_body_compliance@joint"), STANDARD)[
-        "candidate"
+    found = judged(State(campaign.plant, decimated), candidate(campaign, "multi_body_compliance@joint"), STANDARD)[
+        "score"
     ]
     assert found.gain > 0.9 and found.earns
     assert found.held_out < 1.1 * found.nrmse
@@ -235,6 +235,6 @@ def test_of_equals_the_usual_effect_is_named_before_a_rare_one(monkeypatch):
 def test_a_further_wave_is_of_one_mechanism_where_orders_stand_as_small_numbers(order, strange):
     first, more = (find("cogging")(label=label, order=n) for label, n in (("", 47.0), ("2", order)))
     plant = Plant(ONE_MASS) + first + more
-    suspect = Candidate(more.named, "axis", "addition", plant)
-    fitted = SimpleNamespace(suspect=suspect, refitted=SimpleNamespace(plant=plant))
+    candidate = Candidate(more.named, "axis", "addition", plant)
+    fitted = SimpleNamespace(candidate=candidate, refitted=SimpleNamespace(plant=plant))
     assert ranking._stranger(fitted) == strange

@@ -15,7 +15,7 @@ from workbench.plant import ONE_MASS, TWO_MASS, Plant
 from workbench.record import IDENTIFICATION, Record, Source
 from workbench.tracing import search
 from workbench.tracing.budget import BUDGET, Budget
-from workbench.tracing.candidates import suspects
+from workbench.tracing.candidates import candidates_of
 from workbench.tracing.search import within_reach
 from workbench.tracing.starts import lateness, resolved, starts, strokes
 from workbench.tracing.tracing import trace
@@ -92,12 +92,12 @@ def test_the_search_keeps_orders_between_one_period_of_travel_and_what_is_resolv
 
 def test_what_a_study_offers_is_a_candidate_like_any_other():
     plant = Plant(ONE_MASS, rotary=False) + find("coulomb_friction")
-    known = {s.effect for s in suspects(plant)}
+    known = {s.effect for s in candidates_of(plant)}
     offered = (find("presliding_length"), find("cogging")(order=7.0, label="pitch"))
-    assert {s.effect for s in suspects(plant, offered)} - known == {"presliding_length", "cogging pitch"}
+    assert {s.effect for s in candidates_of(plant, offered)} - known == {"presliding_length", "cogging pitch"}
     # a second source of the direction of motion at one place is not offered, whoever offers it
     held = plant + find("presliding_hysteresis")
-    assert "presliding_length" not in {s.effect for s in suspects(held, offered)}
+    assert "presliding_length" not in {s.effect for s in candidates_of(held, offered)}
 
 
 def test_an_offered_presliding_length_is_found_and_comes_out_right():
@@ -165,7 +165,7 @@ def test_strokes_reach_from_counts_to_what_is_travelled_there(at):
 
 def offered(plant: Plant) -> dict[str, Plant]:
     """Return key -> plant of each candidate."""
-    return {s.key: s.plant for s in suspects(plant, declared=[e.key for e in plant.effects])}
+    return {s.key: s.plant for s in candidates_of(plant, declared=[e.key for e in plant.effects])}
 
 
 def test_two_waves_share_the_zero_of_the_angle_between_two_encoders():

@@ -63,9 +63,9 @@ class Offer:
     stands_for: Mapping[str, Effect] = field(default_factory=dict)
     budget: Budget = BUDGET
 
-    def suspects(self, plant: Plant) -> list[Candidate]:
+    def candidates(self, plant: Plant) -> list[Candidate]:
         """Return the candidates of a plant that are judged."""
-        found = suspects(plant, self.own, self.declared, self.stands_for)
+        found = candidates_of(plant, self.own, self.declared, self.stands_for)
         return [s for s in found if self.only is None or {s.effect, s.effect.partition(" ")[0]} & set(self.only)]
 
 
@@ -73,7 +73,7 @@ ZERO = "zero"  # parameter of a map of the angle between two encoders
 WHOLE = Offer()  # all of the catalogue, and nothing else
 
 
-def suspects(
+def candidates_of(
     plant: Plant,
     own: Collection[Effect] = (),
     declared: Collection[str] = (),
@@ -227,24 +227,24 @@ def _plant_signals(plant: Plant) -> set[str]:
     return set("q dq v a dt t u tau tau_inertia dir motor_q load_q ratio pole_pairs locked".split())
 
 
-def without(plant: Plant, suspect: Candidate, declared: Plant) -> Plant:
-    """Return `plant` without what a suspect brought to the declared one."""
-    if suspect.kind != ADDITION:
-        return plant.swap(declared[suspect.key])
-    plant = plant.without(suspect.key)
-    for key in {e.key for e in plant.effects} & ({*suspect.restored} - {e.key for e in declared.effects}):
+def without(plant: Plant, candidate: Candidate, declared: Plant) -> Plant:
+    """Return `plant` without what a candidate brought to the declared one."""
+    if candidate.kind != ADDITION:
+        return plant.swap(declared[candidate.key])
+    plant = plant.without(candidate.key)
+    for key in {e.key for e in plant.effects} & ({*candidate.restored} - {e.key for e in declared.effects}):
         plant = plant.without(key)
     for e in declared.effects:  # what it took the place of may itself have been added
-        if e.key in suspect.instead:
+        if e.key in candidate.instead:
             plant = plant + e
     return plant
 
 
-def brought(plant: Plant, suspect: Candidate, last: Plant) -> Plant:
-    """Return `plant` with what a suspect brings, as it came out in `last`."""
-    effect = last[suspect.key]
-    if suspect.kind != ADDITION:
+def brought(plant: Plant, candidate: Candidate, last: Plant) -> Plant:
+    """Return `plant` with what a candidate brings, as it came out in `last`."""
+    effect = last[candidate.key]
+    if candidate.kind != ADDITION:
         return plant.swap(effect)
-    for key in {e.key for e in plant.effects} & {*suspect.instead}:
+    for key in {e.key for e in plant.effects} & {*candidate.instead}:
         plant = plant.without(key)
     return plant + effect

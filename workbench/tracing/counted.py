@@ -41,9 +41,9 @@ def _sound(passes: Sequence[InverseDynamics], plant: Plant) -> list[InverseDynam
 
 
 def quantisation_bias(
-    suspect: Candidate, state: State, whole: Sequence[InverseDynamics], budget: Budget = BUDGET
+    candidate: Candidate, state: State, whole: Sequence[InverseDynamics], budget: Budget = BUDGET
 ) -> float:
-    """Return the power that a suspect takes away of what counts alone leave, over that of the state's residual.
+    """Return the power that a candidate takes away of what counts alone leave, over that of the state's residual.
 
     whole: passes of the identification records as they are. 0 where nothing comes of it.
     """
@@ -52,7 +52,7 @@ def quantisation_bias(
         return 0.0
     try:
         alone = State(within_reach(state.plant, made), made)  # whose travel is not quite that of the records
-        _, solution = fitted(suspect, alone.problem, alone.solution, alone.residuals, budget)
+        _, solution = fitted(candidate, alone.problem, alone.solution, alone.residuals, budget)
     except NoValue:
         return 0.0
     taken = max(alone.solution.cost - solution.cost, 0.0)

@@ -1,4 +1,4 @@
-"""The free-form law of each family as a suspect, with knots from the records: what could any law of the family take?"""
+"""The free-form law of each family as a candidate, with knots from the records: what could any law of the family take?"""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -25,14 +25,14 @@ FASTEST = 0.25  # of the evaluation bandwidth, of a relaxation: what relaxes fas
 
 @dataclass(frozen=True)
 class Free:
-    """A free-form law at one place. suspect: the plant with it; its keys `instead` are what it takes the place of."""
+    """A free-form law at one place. candidate: the plant with it; its keys `instead` are what it takes the place of."""
 
     family: str
-    suspect: Candidate
+    candidate: Candidate
 
     @property
     def effect(self) -> Effect:
-        return self.suspect.plant[self.suspect.key]
+        return self.candidate.plant[self.candidate.key]
 
 
 def free_forms(

@@ -32,36 +32,36 @@ def free_law(
     judgements: of the step, best first. A formula says it as well that takes `near` of what the free form takes, or leaves no
     more than what is of practical size beside it; it names the class from `resembles` of it on.
     """
-    formulas = [j for j in judgements if j.suspect.kind == ADDITION and j.candidate.gain > criteria.share]
+    formulas = [j for j in judgements if j.candidate.kind == ADDITION and j.score.gain > criteria.share]
     asked: dict[tuple[str, str], ScoredCandidate] = {}
     for j in formulas:
-        asked.setdefault((j.suspect.family, j.suspect.at), j)
+        asked.setdefault((j.candidate.family, j.candidate.at), j)
     asked = {k: j for k, j in list(asked.items())[: budget.families] if k[0] in FREE_FORMS and k[0] != MEMORY}
     forms = [
         f
         for f in free_forms(state.plant, state.passes, sorted({family for family, _ in asked}), state.residuals)
-        if (f.family, f.suspect.at) in asked
+        if (f.family, f.candidate.at) in asked
     ]
     forms = [
-        ScoredCandidate(f.suspect, **found)
-        for f, found in zip(forms, shared(lambda f: judged(state, f.suspect, criteria, budget), forms), strict=True)
+        ScoredCandidate(f.candidate, **found)
+        for f, found in zip(forms, shared(lambda f: judged(state, f.candidate, criteria, budget), forms), strict=True)
     ]
-    forms = [j for j in forms if j.candidate.earns and j.theta is not None]
+    forms = [j for j in forms if j.score.earns and j.theta is not None]
     if not forms:
         return None
-    free = min(forms, key=lambda j: (j.errors.total, j.suspect.key))
+    free = min(forms, key=lambda j: (j.errors.total, j.candidate.key))
     whole = state.errors.total
     most, own = whole - free.errors.total, whole - best.errors.total
     if own >= criteria.near * most or best.errors.total - free.errors.total <= criteria.practical**2 * state.power:
         return None
-    family = free.suspect.family
-    nearest = asked[(family, free.suspect.at)]
-    earlier = [j for j in added if j.suspect.at == free.suspect.at and j.suspect.family == family]
+    family = free.candidate.family
+    nearest = asked[(family, free.candidate.at)]
+    earlier = [j for j in added if j.candidate.at == free.candidate.at and j.candidate.family == family]
     if earlier:
         return refitted_as(
-            state, replace(free, suspect=replace(free.suspect, stands=earlier[0].suspect.name)), criteria
+            state, replace(free, candidate=replace(free.candidate, stands=earlier[0].candidate.name)), criteria
         )
     if whole - nearest.errors.total < criteria.resembles * most:
         return None
-    named = replace(free.suspect, stands=nearest.suspect.effect)
-    return refitted_as(state, replace(free, suspect=named), criteria)
+    named = replace(free.candidate, stands=nearest.candidate.effect)
+    return refitted_as(state, replace(free, candidate=named), criteria)

@@ -50,9 +50,9 @@ def extended(
         least = criteria.plain if noise_alone(state, level, PLAIN) else 0.0
         best = leading(judgements, least)
         if best is not None and least > 0.0:
-            spurious = quantisation_bias(best.suspect, state, whole, offer.budget)
-            if best.candidate.gain - spurious <= least:
-                judgements[0], best = replace(best, candidate=by_counts(best.candidate, spurious)), None
+            spurious = quantisation_bias(best.candidate, state, whole, offer.budget)
+            if best.score.gain - spurious <= least:
+                judgements[0], best = replace(best, score=by_counts(best.score, spurious)), None
         if (
             best is not None
             and (free := free_law(state, judgements, best, [s.added for s in found], criteria, offer.budget))
@@ -85,7 +85,7 @@ def promised(judgements: Sequence[ScoredCandidate], criteria: Criteria) -> Score
     gain of either scatters from block to block.
     """
     best = judgements[0] if judgements else None
-    c = best.candidate if best else None
+    c = best.score if best else None
     plain = best is not None and best.state is not None and c.gain > max(criteria.plain, criteria.hint * c.scatter)
     return best if plain else None
 
@@ -93,5 +93,5 @@ def promised(judgements: Sequence[ScoredCandidate], criteria: Criteria) -> Score
 def leading(judgements: Sequence[ScoredCandidate], least: float = 0.0) -> ScoredCandidate | None:
     """Return the judgement whose effect is to be added, or None. least: share that it must take away."""
     best = judgements[0] if judgements else None
-    worth = best is not None and best.state is not None and best.candidate.earns and best.candidate.gain > least
+    worth = best is not None and best.state is not None and best.score.earns and best.score.gain > least
     return best if worth else None

@@ -15,7 +15,7 @@ from workbench.tracing.budget import BUDGET, Budget
 from workbench.tracing.candidates import ADDITION, Candidate
 from workbench.tracing.criteria import Criteria
 from workbench.tracing.result import CandidateScore
-from workbench.tracing.search import fitted, suspected
+from workbench.tracing.search import fitted, problem_with
 from workbench.tracing.smallest import Smallest, smallest
 from workbench.tracing.state import Refitted, State
 
@@ -29,14 +29,14 @@ STANDARD = Criteria()
 
 @dataclass(frozen=True, eq=False)
 class ScoredCandidate:
-    """A suspect and what it came to beside the present model.
+    """A candidate and what it came to beside the present model.
 
-    theta: where a search with everything free starts, on the search scale; None where the suspect has no value on these
+    theta: where a search with everything free starts, on the search scale; None where the candidate has no value on these
     records. refitted: that fit, of those that lead. state: the state that it ended in, of the one that is chosen.
     """
 
-    suspect: Candidate
-    candidate: CandidateScore
+    candidate: Candidate
+    score: CandidateScore
     errors: HeldOut
     freedom: int
     theta: np.ndarray | None = None
@@ -45,25 +45,27 @@ class ScoredCandidate:
     state: State | None = None
 
 
-def judged(state: State, suspect: Candidate, criteria: Criteria, budget: Budget = BUDGET) -> dict:
-    """Fit one suspect beside the present model and score it against the present state: all but the suspect of a ScoredCandidate.
+def judged(state: State, candidate: Candidate, criteria: Criteria, budget: Budget = BUDGET) -> dict:
+    """Fit one candidate beside the present model and score it against the present state: all but the candidate of a ScoredCandidate.
 
     Plain data, because it may come from another process.
     """
     try:
-        problem, solution = fitted(suspect, state.problem, state.solution, state.residuals, budget)
+        problem, solution = fitted(candidate, state.problem, state.solution, state.residuals, budget)
     except NoValue:
-        sentence = f"{capital(title(suspect.effect))} has no value on these records."
+        sentence = f"{capital(title(candidate.effect))} has no value on these records."
         whole = float(np.sqrt(state.errors.total / state.power))
-        hopeless = CandidateScore(suspect.effect, suspect.at, suspect.kind, 0.0, 0.0, whole, whole, False, sentence)
-        return {"candidate": hopeless, "errors": state.errors, "freedom": _freedom(suspect.plant)}
+        hopeless = CandidateScore(
+            candidate.effect, candidate.at, candidate.kind, 0.0, 0.0, whole, whole, False, sentence
+        )
+        return {"score": hopeless, "errors": state.errors, "freedom": _freedom(candidate.plant)}
     errors = held_out(problem, solution, state.solution.cost, LOST)
     return {
-        "candidate": _scored(state, suspect, errors, solution.cost, criteria),
+        "score": _scored(state, candidate, errors, solution.cost, criteria),
         "errors": errors,
-        "freedom": _freedom(suspect.plant),
+        "freedom": _freedom(candidate.plant),
         "theta": problem.free_start(solution),
-        "shows": smallest(suspect.key, suspect.kind != ADDITION, problem, solution, state.absorbed, criteria.share),
+        "shows": smallest(candidate.key, candidate.kind != ADDITION, problem, solution, state.absorbed, criteria.share),
     }
 
 
@@ -73,15 +75,15 @@ def _freedom(plant: Plant) -> int:
 
 
 def refitted(state: State, j: ScoredCandidate, criteria: Criteria) -> dict:
-    """Fit a suspect with everything free: what changes of its judgement, as plain data; nothing where that has no value."""
+    """Fit a candidate with everything free: what changes of its judgement, as plain data; nothing where that has no value."""
     try:
         after = State(
             free_of(state, j).plant, state.passes, j.theta, base=state.solution.cost, most=FURTHER, tolerance=COMPARED
         )
     except NoValue:
         return {}
-    candidate = _scored(state, j.suspect, after.errors, after.solution.cost, criteria)
-    return {"candidate": candidate, "errors": after.errors, "fit": (after.solution.theta, after.solution.c)}
+    score = _scored(state, j.candidate, after.errors, after.solution.cost, criteria)
+    return {"score": score, "errors": after.errors, "fit": (after.solution.theta, after.solution.c)}
 
 
 def refitted_as(state: State, j: ScoredCandidate, criteria: Criteria) -> ScoredCandidate:
@@ -94,22 +96,22 @@ def refitted_as(state: State, j: ScoredCandidate, criteria: Criteria) -> ScoredC
 
 
 def free_of(state: State, j: ScoredCandidate) -> Problem:
-    """Return the problem of a suspect beside the present model with everything free."""
-    return suspected(j.suspect, state.problem, state.solution).free
+    """Return the problem of a candidate beside the present model with everything free."""
+    return problem_with(j.candidate, state.problem, state.solution).free
 
 
-def _scored(state: State, suspect: Candidate, errors: HeldOut, cost: float, criteria: Criteria) -> CandidateScore:
-    """Return the candidate that a suspect is, by its held-out errors against those of the present state."""
+def _scored(state: State, candidate: Candidate, errors: HeldOut, cost: float, criteria: Criteria) -> CandidateScore:
+    """Return the score of a candidate, by its held-out errors against those of the present state."""
     g, scatter = gain(state.errors, errors)
-    name = title(suspect.effect)
-    verb = "Correcting the declared" if suspect.kind != ADDITION else "Adding"
+    name = title(candidate.effect)
+    verb = "Correcting the declared" if candidate.kind != ADDITION else "Adding"
     sentence = (
         f"{verb} {name} takes away {100 * g:.1f} % of the held-out residual power (standard error {100 * scatter:.1f} %)."
         if g > 0
         else f"{verb} {name} explains nothing on held-out blocks."
     )
     return CandidateScore(
-        suspect.effect, suspect.at, suspect.kind, g, scatter,
+        candidate.effect, candidate.at, candidate.kind, g, scatter,
         float(np.sqrt(errors.total / state.power)), float(np.sqrt(cost / state.power)),
         g > criteria.share and g > criteria.certain * scatter, sentence,
     )  # fmt: skip

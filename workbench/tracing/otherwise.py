@@ -47,14 +47,14 @@ def otherwise(
         return selected, confirmed
     i, w = max(enumerate(confirmed.weighed), key=lambda x: x[1].size(IDENTIFICATION))
     j = confirmed.added[i]
-    if not _doubted(w, criteria) or j.suspect.kind != ADDITION or j.suspect.instead:
+    if not _doubted(w, criteria) or j.candidate.kind != ADDITION or j.candidate.instead:
         return selected, confirmed
-    progress(f"asking for another law than {j.suspect.key}, which validation does not carry")
+    progress(f"asking for another law than {j.candidate.key}, which validation does not carry")
     best, now = None, confirmed.fits[-1]
     for k in _laws(selected, j, offer, criteria, progress):
         added = [*confirmed.added[:i], k, *confirmed.added[i + 1 :]]
         kept, fits = in_turn(declared, added, as_declared(k.state.plant, selected.laws), passes)
-        before = confirmed.fits[0] if j.suspect.stands and best is None else None
+        before = confirmed.fits[0] if j.candidate.stands and best is None else None
         if len(kept) == len(added) and _better(fits[-1], now, criteria, before):
             now, best = fits[-1], (k, kept, fits)
     if best is None:
@@ -90,30 +90,30 @@ def _laws(
     """Return the other laws of an addition's class at its place, fitted beside all else that was added, best first."""
     last = selected.answer.last
     try:
-        state = State(without(last.plant, j.suspect, selected.base.plant), last.passes)
+        state = State(without(last.plant, j.candidate, selected.base.plant), last.passes)
     except NoValue:
         return []
-    own = last.plant[j.suspect.key]
+    own = last.plant[j.candidate.key]
     same = [e for e in catalogue().values() if e.name != own.name and e.family == own.family]
     asked = [e for e in same if e.traced and (offer.only is None or e.name in offer.only)]
-    near = [e for e in same if e.nearest == j.suspect.name]
+    near = [e for e in same if e.nearest == j.candidate.name]
     found: list[ScoredCandidate] = []
     if asked or near:
         known = {**offer.stands_for, **{law.key: law.declared for law in selected.laws}}
         offered = replace(offer, only={e.name for e in (*asked, *near)}, own=(*offer.own, *near), stands_for=known)
         found += step(state, progress, offered, criteria)
-    if (family := j.suspect.family) in FREE_FORMS and family != MEMORY and not j.suspect.stands:
+    if (family := j.candidate.family) in FREE_FORMS and family != MEMORY and not j.candidate.stands:
         forms = free_forms(state.plant, state.passes, [family], state.residuals)
-        found += [ScoredCandidate(f.suspect, **judged(state, f.suspect, criteria, offer.budget)) for f in forms]
-    here = [k for k in found if k.suspect.at == j.suspect.at and k.candidate.earns and k.theta is not None]
-    best = sorted(here, key=lambda k: (k.errors.total, k.suspect.key))[: offer.budget.laws]
+        found += [ScoredCandidate(f.candidate, **judged(state, f.candidate, criteria, offer.budget)) for f in forms]
+    here = [k for k in found if k.candidate.at == j.candidate.at and k.score.earns and k.theta is not None]
+    best = sorted(here, key=lambda k: (k.errors.total, k.candidate.key))[: offer.budget.laws]
     fitted = (k if k.state else refitted_as(state, k, criteria) for k in best)
     return [_called(k, j, {e.name for e in asked}) for k in fitted if k.state]
 
 
 def _called(k: ScoredCandidate, j: ScoredCandidate, named: Collection[str]) -> ScoredCandidate:
     """Return a law under the name that it bears: its own, if that is one that causes have; else that of the law it is in place of."""
-    if k.suspect.effect in named:
+    if k.candidate.effect in named:
         return k
-    bears = {"part": j.suspect.name} if k.suspect.plant[k.suspect.key].nearest else {"stands": j.suspect.name}
-    return replace(k, suspect=replace(k.suspect, **bears))
+    bears = {"part": j.candidate.name} if k.candidate.plant[k.candidate.key].nearest else {"stands": j.candidate.name}
+    return replace(k, candidate=replace(k.candidate, **bears))

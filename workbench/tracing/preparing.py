@@ -73,7 +73,7 @@ def _hold_late_clock(d: Declared, only: Only, criteria: Criteria) -> Declared:
     if d.plant.kind != TWO_MASS or (only is not None and "clock_skew" not in only):
         return d
     skew = skew_of(d.thinned, d.plant)
-    return replace(d, plant=skew.suspect.plant, skew=skew, before=identify(d.plant, d.passes)) if skew else d
+    return replace(d, plant=skew.candidate.plant, skew=skew, before=identify(d.plant, d.passes)) if skew else d
 
 
 def _see_whether_idle(d: Declared, only: Only, criteria: Criteria) -> Declared:

@@ -29,21 +29,21 @@ EQUAL = 0.1  # standard errors of a gain within which two effects as simple expl
 def step(
     state: State, progress: Progress, offer: Offer = WHOLE, criteria: Criteria = STANDARD
 ) -> list[ScoredCandidate]:
-    """Judge every suspect that is offered; return them best first, those that lead fitted with everything free."""
-    suspects = offer.suspects(state.plant)
+    """Judge every candidate that is offered; return them best first, those that lead fitted with everything free."""
+    candidates = offer.candidates(state.plant)
     # made here, else by every process for itself
     _ = state.power, state.residuals, state.absorbed, state.solution.columns, state.solution.gram
     judgements = []
-    for suspect, found in zip(
-        suspects, shared(lambda s: judged(state, s, criteria, offer.budget), suspects), strict=True
+    for candidate, found in zip(
+        candidates, shared(lambda s: judged(state, s, criteria, offer.budget), candidates), strict=True
     ):
-        progress(f"trying {suspect.key}")
-        judgements.append(ScoredCandidate(suspect, **found))
+        progress(f"trying {candidate.key}")
+        judgements.append(ScoredCandidate(candidate, **found))
     judgements = _by_gain(judgements)
-    least = max(criteria.share / 2, BEHIND * judgements[0].candidate.gain) if judgements else 0.0
-    leaders = [j for j in judgements[: offer.budget.leading] if j.candidate.gain > least and j.theta is not None]
+    least = max(criteria.share / 2, BEHIND * judgements[0].score.gain) if judgements else 0.0
+    leaders = [j for j in judgements[: offer.budget.leading] if j.score.gain > least and j.theta is not None]
     for i, more in enumerate(shared(lambda j: refitted(state, j, criteria), leaders)):
-        progress(f"fitting {leaders[i].suspect.key} with everything free")
+        progress(f"fitting {leaders[i].candidate.key} with everything free")
         if more:
             fit = Refitted(free_of(state, leaders[i]), *more.pop("fit"))
             judgements[judgements.index(leaders[i])] = replace(leaders[i], refitted=fit, **more)
@@ -57,7 +57,7 @@ def _by_gain(judgements: Sequence[ScoredCandidate]) -> list[ScoredCandidate]:
     """Order by gain, those that earn their place ahead of those that do not."""
     return sorted(
         judgements,
-        key=lambda j: (not j.candidate.earns, -j.candidate.gain, j.candidate.effect, j.candidate.at),
+        key=lambda j: (not j.score.earns, -j.score.gain, j.score.effect, j.score.at),
     )
 
 
@@ -73,11 +73,11 @@ def simplest_first(judgements: Sequence[ScoredCandidate], criteria: Criteria, st
     leader = judgements[0]
     level = [j for j in judgements if j is leader or (j.refitted and alike(leader, j, criteria, state.power))]
     sound = [j for j in level if not j.refitted or not absurd(j, state)]
-    level = sorted(sound or level, key=lambda j: (j.freedom, -j.candidate.gain, j.candidate.effect, j.candidate.at))
+    level = sorted(sound or level, key=lambda j: (j.freedom, -j.score.gain, j.score.effect, j.score.at))
     first = level[0]
-    least = first.candidate.gain - EQUAL * first.candidate.scatter
-    equal = [j for j in level if j.freedom == first.freedom and j.candidate.gain >= least]
-    simplest = next((j for j in equal if not j.suspect.plant[j.suspect.key].rare), first)
+    least = first.score.gain - EQUAL * first.score.scatter
+    equal = [j for j in level if j.freedom == first.freedom and j.score.gain >= least]
+    simplest = next((j for j in equal if not j.candidate.plant[j.candidate.key].rare), first)
     return [simplest, *(j for j in judgements if j is not simplest)]
 
 
@@ -100,19 +100,23 @@ def _plainest_first(
         name = _reduced(first, state)
         if name is None:
             break
-        said = name == "" or f"{name}@{first.suspect.at}" in {*present, *first.suspect.instead, *first.suspect.restored}
-        if said or (first.suspect.at in curved and "masing" in catalogue()[name].holds):
+        said = name == "" or f"{name}@{first.candidate.at}" in {
+            *present,
+            *first.candidate.instead,
+            *first.candidate.restored,
+        }
+        if said or (first.candidate.at in curved and "masing" in catalogue()[name].holds):
             judgements = _pushed_back(judgements, criteria, state)
             continue
-        other = next((j for j in judgements if j.suspect.effect == name and j.theta is not None), None)
+        other = next((j for j in judgements if j.candidate.effect == name and j.theta is not None), None)
         if other is None:
             break
         whole = state.errors.total
-        if other.candidate.earns and whole - other.errors.total >= criteria.near * (whole - first.errors.total):
+        if other.score.earns and whole - other.errors.total >= criteria.near * (whole - first.errors.total):
             other = _as_simple(
                 other if other.refitted else refitted_as(state, other, criteria), judgements, criteria, state
             )
-            judgements = [other, *(j for j in judgements if j.suspect is not other.suspect)]
+            judgements = [other, *(j for j in judgements if j.candidate is not other.candidate)]
             break
         judgements = _pushed_back(judgements, criteria, state)
     return judgements
@@ -126,7 +130,7 @@ def _as_simple(
     What led to `first` may take plainly more (what LuGre takes of a count, and Stribeck's friction does not), so that these two
     were not held against each other: Stribeck's, of a speed above all that is driven, is Coulomb's.
     """
-    for j in (j for j in others if j.candidate.earns and j.theta is not None and j.freedom < first.freedom):
+    for j in (j for j in others if j.score.earns and j.theta is not None and j.freedom < first.freedom):
         fitted = j if j.refitted else refitted_as(state, j, criteria)
         if alike(first, fitted, criteria, state.power) and not absurd(fitted, state):
             return fitted
@@ -135,9 +139,9 @@ def _as_simple(
 
 def _stranger(j: ScoredCandidate) -> bool:
     """Whether a fitted candidate is a further wave of an effect whose order stands to none of its waves as small numbers."""
-    if not j.refitted or j.suspect.kind != ADDITION:
+    if not j.refitted or j.candidate.kind != ADDITION:
         return False
-    effect, plant = j.refitted.plant[j.suspect.key], j.refitted.plant
+    effect, plant = j.refitted.plant[j.candidate.key], j.refitted.plant
     others = [e for e in plant.effects if (e.name, e.at) == (effect.name, effect.at) and e.key != effect.key]
     name = next((n for n, p in effect.parameters.items() if p.scale == "order"), None)
     if name is None or not others:
@@ -151,14 +155,14 @@ def _stranger(j: ScoredCandidate) -> bool:
 def _pushed_back(judgements: Sequence[ScoredCandidate], criteria: Criteria, state: State) -> list[ScoredCandidate]:
     """Return judgements with the first behind all others, as one that does not earn its place."""
     first, *rest = judgements
-    return [*simplest_first(rest, criteria, state), replace(first, candidate=replace(first.candidate, earns=False))]
+    return [*simplest_first(rest, criteria, state), replace(first, score=replace(first.score, earns=False))]
 
 
 def _reduced(j: ScoredCandidate, state: State) -> str | None:
     """Return the name of the simpler effect that a fitted addition is, "" for none at all, None where it is itself."""
-    if not j.refitted or j.suspect.kind != ADDITION:
+    if not j.refitted or j.candidate.kind != ADDITION:
         return None
-    effect = j.refitted.plant[j.suspect.key]
+    effect = j.refitted.plant[j.candidate.key]
     if effect.port == TIME and state.plant.kind == TWO_MASS:
         return None  # a clock of one of two encoders is no delay of the drive
     counts = max(p.motion.counts for p in state.passes)
@@ -183,7 +187,7 @@ def _reduced(j: ScoredCandidate, state: State) -> str | None:
 def absurd(j: ScoredCandidate, state: State) -> bool:
     """Whether a fitted candidate has values that no machine has."""
     plant = j.refitted.plant
-    return bool(implausible(plant[j.suspect.key], plant, state.problem.plant, state.passes))
+    return bool(implausible(plant[j.candidate.key], plant, state.problem.plant, state.passes))
 
 
 def alike(best: ScoredCandidate, other: ScoredCandidate, criteria: Criteria, power: float) -> bool:
@@ -195,7 +199,7 @@ def alike(best: ScoredCandidate, other: ScoredCandidate, criteria: Criteria, pow
     further, scatter = gain(other.errors, best.errors)
     small = other.errors.total - best.errors.total <= criteria.practical**2 * power
     level = further <= max(criteria.alike * scatter, criteria.share) or small
-    return level and best.candidate.gain > criteria.share
+    return level and best.score.gain > criteria.share
 
 
 def _simpler(effect: Effect, intervals: Mapping[str, tuple[float, float]], counts: float) -> str | None:

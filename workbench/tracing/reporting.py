@@ -42,7 +42,9 @@ class Outcome:
 
     def role(self, j: ScoredCandidate) -> str:
         """What the decision makes of an addition."""
-        return dict(zip((k.suspect.key for k in self.confirmed.added), self.verdict.roles, strict=True))[j.suspect.key]
+        return dict(zip((k.candidate.key for k in self.confirmed.added), self.verdict.roles, strict=True))[
+            j.candidate.key
+        ]
 
     @property
     def standing(self) -> list[tuple[ScoredCandidate, Weighed]]:
@@ -105,13 +107,13 @@ def reported(o: Outcome, progress: Progress) -> Trace:
 def _said_of_each(o: Outcome, after: Fit, progress: Progress) -> tuple[list[Cause], list[Refinement]]:
     """Return the causes, the one that takes most first, and the refinements among what stands."""
     made = {
-        j.suspect.key: cause(
-            j, w, o.fits[i], o.fits[i + 1], after, o.late.plant, credited=j.suspect.key in o.selected.credited
+        j.candidate.key: cause(
+            j, w, o.fits[i], o.fits[i + 1], after, o.late.plant, credited=j.candidate.key in o.selected.credited
         )
         for i, (j, w) in enumerate(o.standing)
     }
-    refinements = [refinement(made[j.suspect.key]) for j, _ in o.standing if o.role(j) != CAUSE]
-    return [_described_rivals(made[j.suspect.key], j, o, progress) for j in o.by_size], refinements
+    refinements = [refinement(made[j.candidate.key]) for j, _ in o.standing if o.role(j) != CAUSE]
+    return [_described_rivals(made[j.candidate.key], j, o, progress) for j in o.by_size], refinements
 
 
 def _residual_place(o: Outcome) -> Unexplained | None:
@@ -124,23 +126,23 @@ def _residual_place(o: Outcome) -> Unexplained | None:
 
 def _named_as(j: ScoredCandidate) -> CandidateScore:
     """Return a candidate under the name that it bears: of a free form that of its class' nearest formula."""
-    return replace(j.candidate, effect=j.suspect.name)
+    return replace(j.score, effect=j.candidate.name)
 
 
 def _of_step(j: ScoredCandidate) -> CandidateScore:
     """Return a candidate as it was judged in its step, where no free form had been asked."""
-    return replace(j.candidate, effect=j.suspect.part or j.candidate.effect)
+    return replace(j.score, effect=j.candidate.part or j.score.effect)
 
 
 def _candidate_of(skew: Skew, fit: Fit) -> CandidateScore:
     """Return the late clock as the first of the candidates: what the angle says of it is its gain."""
     s = skew.late.measured
-    return CandidateScore(skew.suspect.effect, skew.suspect.at, skew.suspect.kind, s.share, 0.0, fit.identification, fit.identification, True, skew.sentence)  # fmt: skip
+    return CandidateScore(skew.candidate.effect, skew.candidate.at, skew.candidate.kind, s.share, 0.0, fit.identification, fit.identification, True, skew.sentence)  # fmt: skip
 
 
 def _with_clock(estimates: Sequence[Estimate], skew: Skew) -> tuple[Estimate, ...]:
     """Return estimates with the clock's as the angle gives them."""
-    key = (skew.suspect.effect, skew.suspect.at)
+    key = (skew.candidate.effect, skew.candidate.at)
     return (*(e for e in estimates if (e.effect, e.at) != key), *skew.parameters)
 
 
@@ -151,18 +153,18 @@ def _described_rivals(made: Cause, j: ScoredCandidate, o: Outcome, progress: Pro
     progress("looking for the motion that would tell rivals apart")
     level = min(o.confirmed.levels.values())
     apart = experiment(answer.last.plant, o.late.plant, j, others[0], o.late.whole, level) if others else ""
-    return replace(made, rivals=tuple(k.candidate.effect for k in others), experiment=apart)
+    return replace(made, rivals=tuple(k.score.effect for k in others), experiment=apart)
 
 
 def _of_causes(o: Outcome) -> Fit:
     """Return the fit with the causes alone, without what is a refinement beside them; the last fit where there is none, or no cause."""
     fit = o.fits[-1]
     keys = {e.key for e in fit.plant.effects}
-    every = [j.suspect for j, _ in o.standing if o.role(j) != CAUSE and j.suspect.kind == ADDITION]
+    every = [j.candidate for j, _ in o.standing if o.role(j) != CAUSE and j.candidate.kind == ADDITION]
     lesser = [s for s in every if s.key in keys]
     plant = fit.plant
-    for suspect in lesser:
-        plant = without(plant, suspect, o.selected.base.plant)
+    for candidate in lesser:
+        plant = without(plant, candidate, o.selected.base.plant)
     return identify(plant, o.passes) if lesser else fit
 
 

@@ -32,9 +32,9 @@ def rivals(
     for judgements in steps:
         if any(j is found for j in judgements):
             for j in judgements:
-                if j is not found and j.refitted and j.candidate.earns and alike(found, j, criteria, power):
-                    level.setdefault(j.candidate.effect, j)
-    taken = {j.candidate.effect for j in added}
+                if j is not found and j.refitted and j.score.earns and alike(found, j, criteria, power):
+                    level.setdefault(j.score.effect, j)
+    taken = {j.score.effect for j in added}
     return [j for name, j in level.items() if name not in taken][:MOST]
 
 
@@ -53,10 +53,10 @@ def experiment(
     """
     from workbench.planning import envelope_of, load_rest, sensing_of, separate
 
-    a, b = plant[found.suspect.key], rival.refitted.plant[rival.suspect.key]
+    a, b = plant[found.candidate.key], rival.refitted.plant[rival.candidate.key]
     passes = decimate(whole, least=PLANNED)
-    bare = without(plant, found.suspect, declared)
-    bare = bare.without(b.key) if b.key in {e.key for e in bare.effects} and rival.suspect.kind == ADDITION else bare
+    bare = without(plant, found.candidate, declared)
+    bare = bare.without(b.key) if b.key in {e.key for e in bare.effects} and rival.candidate.kind == ADDITION else bare
     try:
         return separate(
             bare, a, b, envelope_of(bare, passes), sensing_of(passes, rms, load_rest(plant, passes), whole)

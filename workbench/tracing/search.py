@@ -1,4 +1,4 @@
-"""Fit one suspect jointly with the present model: the best of its data-driven starts, then refined."""
+"""Fit one candidate jointly with the present model: the best of its data-driven starts, then refined."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -46,9 +46,9 @@ def _within(p: Parameter, least: float, most: float) -> Parameter:
     return replace(p, lower=lower, upper=upper, value=min(max(p.value, lower), upper))
 
 
-def suspected(suspect: Candidate, base: Problem, solution: Solution) -> Linearised:
-    """Return the problem of a suspect beside the solved present model."""
-    return Linearised(within_reach(suspect.plant, base.passes), base, solution)
+def problem_with(candidate: Candidate, base: Problem, solution: Solution) -> Linearised:
+    """Return the problem of a candidate beside the solved present model."""
+    return Linearised(within_reach(candidate.plant, base.passes), base, solution)
 
 
 def worth(problem: Linearised, options: Sequence[np.ndarray], refined: int) -> list[float]:
@@ -67,23 +67,23 @@ def worth(problem: Linearised, options: Sequence[np.ndarray], refined: int) -> l
 
 
 def fitted(
-    suspect: Candidate,
+    candidate: Candidate,
     base: Problem,
     solution: Solution,
     residuals: Sequence[np.ndarray],
     budget: Budget = BUDGET,
 ) -> tuple[Linearised, Solution]:
-    """Return the linearised problem of a suspect and its best solution. residuals: what is left on the records.
+    """Return the linearised problem of a candidate and its best solution. residuals: what is left on the records.
 
-    Raises NoValue where the suspect has no value on these records from any of its starts.
+    Raises NoValue where the candidate has no value on these records from any of its starts.
     """
-    problem = suspected(suspect, base, solution)
+    problem = problem_with(candidate, base, solution)
     options = [problem.start()]
-    if suspect.kind == ADDITION:
-        effect = suspect.plant[suspect.key]
+    if candidate.kind == ADDITION:
+        effect = candidate.plant[candidate.key]
         options = [
             np.array([start.get(n.parameter, to_search(problem.parameter(n))) for n in problem.free_shape])
-            for start in starts(effect, base.passes, residuals, suspect.plant, budget)
+            for start in starts(effect, base.passes, residuals, candidate.plant, budget)
         ] or options
     rough = ROUGH
     if len(options) > 1:

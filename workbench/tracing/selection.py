@@ -34,7 +34,7 @@ class Answer:
     def standing(self) -> "Answer":
         """The answer without effects that a later one took the place of."""
         held = {e.key for e in self.last.plant.effects}
-        return replace(self, added=[j for j in self.added if j.suspect.key in held])
+        return replace(self, added=[j for j in self.added if j.candidate.key in held])
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,7 +60,7 @@ class Selection:
 
     @property
     def credited(self) -> set[str]:
-        return {s.added.suspect.key for s in self.steps if s.credit}
+        return {s.added.candidate.key for s in self.steps if s.credit}
 
 
 def select(
@@ -146,12 +146,12 @@ def _of_declared_laws(
         )
         judgements = step(plain, progress, offered, criteria)
         looked.append(judgements)
-        formulas = [j for j in judgements if j.suspect.at == law.declared.at and j.suspect.instead and j.refitted]
+        formulas = [j for j in judgements if j.candidate.at == law.declared.at and j.candidate.instead and j.refitted]
         best = _commonest(formulas, criteria.practical**2 * last.power)
         near = best is not None and _taken(plain, best) >= criteria.near * (plain.errors.total - last.errors.total)
         if near and _length(best) > SEEN * count_at(law.declared.at, last.passes):
             best = best if best.state else replace(best, state=best.refitted.state)
-            first = _taken(plain, best) > sum(j.candidate.gain for j in answer.added[:1]) * answer.declared.errors.total
+            first = _taken(plain, best) > sum(j.score.gain for j in answer.added[:1]) * answer.declared.errors.total
             added = [best, *answer.added] if first else [*answer.added, best]
             answer = Answer(added, answer.declared, best.state)
         else:
@@ -162,9 +162,9 @@ def _of_declared_laws(
 def _commonest(formulas: Sequence[ScoredCandidate], alike: float) -> ScoredCandidate | None:
     """Return the formula that leaves least, or the one with Masing's memory where it leaves no more than `alike` beside that one:
     asperities remember every reversal, and bristles that forget are the rarer picture."""
-    best = min(formulas, key=lambda j: (j.errors.total, j.suspect.key), default=None)
+    best = min(formulas, key=lambda j: (j.errors.total, j.candidate.key), default=None)
     level = [j for j in formulas if j.errors.total - best.errors.total <= alike]
-    return next((j for j in level if "masing" in j.suspect.plant[j.suspect.key].holds), best)
+    return next((j for j in level if "masing" in j.candidate.plant[j.candidate.key].holds), best)
 
 
 def _taken(before: State, j: ScoredCandidate) -> float:
@@ -174,7 +174,7 @@ def _taken(before: State, j: ScoredCandidate) -> float:
 
 def _length(j: ScoredCandidate) -> float:
     """Return the presliding length of a fitted friction with memory, SI: x0, or 1/alpha."""
-    values = {n: p.value for n, p in j.refitted.plant[j.suspect.key].parameters.items()}
+    values = {n: p.value for n, p in j.refitted.plant[j.candidate.key].parameters.items()}
     return values["x0"] if "x0" in values else 1.0 / max(values.get("alpha", 0.0), 1e-300)
 
 
@@ -194,20 +194,20 @@ def _pruned(
     """
     for i in range(len(answer.added) - 1):
         present = answer.added[i]
-        if present.suspect.stands:
+        if present.candidate.stands:
             continue  # no formula comes near to a free form: that was asked
-        progress(f"asking again for {present.suspect.key}")
+        progress(f"asking again for {present.candidate.key}")
         rest = [j for k, j in enumerate(answer.added) if k != i]
         try:
-            reduced = State(without(answer.last.plant, present.suspect, declared), answer.last.passes)
+            reduced = State(without(answer.last.plant, present.candidate, declared), answer.last.passes)
         except NoValue:
             continue
         judgements = step(reduced, progress, replace(offer, only=_promising(looked)), criteria)
         best = leading(judgements)
         looked.append(lighter(judgements, best))
-        if best is not None and best.suspect.key == present.suspect.key and present.candidate.earns:
+        if best is not None and best.candidate.key == present.candidate.key and present.score.earns:
             continue  # else what it comes to now is its evidence
-        if best is not None and best.suspect.key != present.suspect.key and present.candidate.earns:
+        if best is not None and best.candidate.key != present.candidate.key and present.score.earns:
             if not _better(best, present, answer.last, criteria):
                 continue
         if best is None:
@@ -228,4 +228,4 @@ def _better(other: ScoredCandidate, present: ScoredCandidate, last: State, crite
 
 def _promising(looked: Sequence[Sequence[ScoredCandidate]]) -> set[str]:
     """Return the names of the candidates that explained something in one of these steps."""
-    return {j.candidate.effect for judgements in looked for j in judgements if j.candidate.gain > PROMISE}
+    return {j.score.effect for judgements in looked for j in judgements if j.score.gain > PROMISE}

@@ -23,10 +23,10 @@ from workbench.tracing.result import Cause
 
 @dataclass(frozen=True, eq=False)
 class Skew:
-    """late: what the angle says. suspect: the plant with the clock, its values held."""
+    """late: what the angle says. candidate: the plant with the clock, its values held."""
 
     late: Late
-    suspect: Candidate
+    candidate: Candidate
 
     @property
     def sentence(self) -> str:
@@ -35,7 +35,7 @@ class Skew:
     @property
     def parameters(self) -> tuple[Estimate, ...]:
         """The clock's values with the intervals that the angle gives them."""
-        clock, s = self.suspect.plant[self.suspect.key], self.late.seconds
+        clock, s = self.candidate.plant[self.candidate.key], self.late.seconds
         drift = self.late.measured.drift
         half = {"offset": 0.5 * (s.high - s.low), "skew": 0.5 * (drift.high - drift.low)}
         middle = {
@@ -73,5 +73,5 @@ def clock(skew: Skew, before: Fit, here: Fit) -> Cause:
     )
     power = max(before.identification**2 - here.identification**2, 0.0)
     return Cause(
-        skew.suspect.effect, skew.suspect.at, skew.sentence, skew.parameters, identification, validation, size=power**0.5,
+        skew.candidate.effect, skew.candidate.at, skew.sentence, skew.parameters, identification, validation, size=power**0.5,
     )  # fmt: skip

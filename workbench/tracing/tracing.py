@@ -94,8 +94,8 @@ def _standing(confirmed: Confirmed, verdict: Verdict) -> list[ScoredCandidate] |
     """Return what of the additions stays in the extended model with a cause; None where all of it does, or there is none."""
     if verdict.verdict != CAUSE:
         return None
-    roles = dict(zip((j.suspect.key for j in confirmed.added), verdict.roles, strict=True))
-    kept = [j for j in confirmed.added if roles[j.suspect.key] == CAUSE or _stays(j, roles)]
+    roles = dict(zip((j.candidate.key for j in confirmed.added), verdict.roles, strict=True))
+    kept = [j for j in confirmed.added if roles[j.candidate.key] == CAUSE or _stays(j, roles)]
     return kept if len(kept) < len(confirmed.added) else None
 
 
@@ -129,4 +129,4 @@ def _evidence_of(
 
 def _stays(j: ScoredCandidate, roles: Mapping[str, str]) -> bool:
     """Whether a refinement stays in the extended model: a fixed value that is right within its tolerance does not move."""
-    return roles[j.suspect.key] == REFINEMENT and j.suspect.kind != CORRECTION
+    return roles[j.candidate.key] == REFINEMENT and j.candidate.kind != CORRECTION

@@ -61,18 +61,18 @@ def weighed(
     load = [load_errors(passes, f.plant) if declared.kind == TWO_MASS else {} for f in fits]
     found = []
     for i, j in enumerate(added):
-        key = j.suspect.key
+        key = j.candidate.key
         present = key in {e.key for e in last.effects}
         before, after = ({r: getattr(fits[k], r) for r in ROLES} for k in (i, i + 1))
         w = Weighed(
-            effect=j.suspect.name,
-            at=j.candidate.at,
-            kind=j.suspect.kind,
+            effect=j.candidate.name,
+            at=j.score.at,
+            kind=j.candidate.kind,
             before=before,
             after=after,
-            changed=_change(declared, fits[-1], key) if j.suspect.kind == CORRECTION and present else 0.0,
+            changed=_change(declared, fits[-1], key) if j.candidate.kind == CORRECTION and present else 0.0,
             tolerance=criteria.tolerance,
-            law="free form" if j.suspect.stands else "catalogue",
+            law="free form" if j.candidate.stands else "catalogue",
             implausible=implausible(last[key], last, declared, selected.declared.passes) if present else "",
             load_before=load[i],
             load_after=load[i + 1],

@@ -33,7 +33,7 @@ def in_turn(
     """
     plants = [declared]
     for j in added:
-        plants.append(valued(brought(plants[-1], j.suspect, found), found))
+        plants.append(valued(brought(plants[-1], j.candidate, found), found))
     whole = fitted_on(passes)
 
     def end_of(plant: Plant) -> np.ndarray | None:
@@ -48,7 +48,7 @@ def in_turn(
     fits = [identify(declared, passes, ends[0], solved=True)]
     kept: list[ScoredCandidate] = []
     for i, j in enumerate(added):
-        plant = brought(fits[-1].plant, j.suspect, found)
+        plant = brought(fits[-1].plant, j.candidate, found)
         end = ends[i + 1] if i == len(kept) else None  # else it is of a plant with what was not borne out
         again = ((valued(plant, found), end), (plant, None))
         tried = (identify(p, passes, theta, solved=theta is not None) for p, theta in again)

@@ -30,37 +30,36 @@ def cause(
     weight: what whole records say of it. declared: the plant as declared, whose fixed values a correction moved. credited: it
     was not certain alone, and the candidate is what it came to with the others in place.
     """
-    candidate, name = judgement.candidate, judgement.suspect.name
-    suspect = judgement.suspect
-    was = _held(declared, candidate) if candidate.kind == CORRECTION else {}
-    effect = find((candidate.effect if suspect.part else name).partition(" ")[0])  # without its label
-    estimates = tuple(e for e in last.estimates if (e.effect, e.at) == (candidate.effect, candidate.at))
+    score, candidate, name = judgement.score, judgement.candidate, judgement.candidate.name
+    was = _held(declared, score) if score.kind == CORRECTION else {}
+    effect = find((score.effect if candidate.part else name).partition(" ")[0])  # without its label
+    estimates = tuple(e for e in last.estimates if (e.effect, e.at) == (score.effect, score.at))
     identification, validation = (
         1.0 - (here.rms[r] / before.rms[r]) ** 2 if before.rms[r] > 0.0 else 0.0 for r in (IDENTIFICATION, VALIDATION)
     )
-    verb = "is declared with a wrong value" if candidate.kind != ADDITION else "is missing"
+    verb = "is declared with a wrong value" if score.kind != ADDITION else "is missing"
     sentence = (
-        f"{capital(title(name))} at the {candidate.at} {verb}: {effect.cause}. It explains "
+        f"{capital(title(name))} at the {score.at} {verb}: {effect.cause}. It explains "
         f"{100 * identification:.1f} % of the residual power on the identification records and {100 * validation:.1f} % "
         "on the validation record."
     )
-    if suspect.part:
+    if candidate.part:
         whose = "With what is declared there it is" if effect.parts else "Its law is that of"
-        sentence += f" {whose} {title(candidate.effect)}, {effect.formula}."
-    if suspect.stands:
-        sentence += f" It is {suspect.family}, of no catalogued law: its curve is in the parameters, and the name is that of the nearest law."
+        sentence += f" {whose} {title(score.effect)}, {effect.formula}."
+    if candidate.stands:
+        sentence += f" It is {candidate.family}, of no catalogued law: its curve is in the parameters, and the name is that of the nearest law."
     if weight.implausible:
         sentence += f" Doubt it: {weight.implausible}."
     if credited:
         sentence += (
             " Alone its gain was not certain, because another effect was missing too; with the others in place it takes away "
-            f"{100 * candidate.gain:.1f} % of the held-out residual power (standard error {100 * candidate.scatter:.1f} %)."
+            f"{100 * score.gain:.1f} % of the held-out residual power (standard error {100 * score.scatter:.1f} %)."
         )
     return Cause(
-        name, candidate.at, sentence, estimates, identification, validation,
-        kind=candidate.kind,
+        name, score.at, sentence, estimates, identification, validation,
+        kind=score.kind,
         was=was, law=weight.law, size=weight.size(IDENTIFICATION),
-        form=candidate.effect if name != candidate.effect else "",
+        form=score.effect if name != score.effect else "",
     )  # fmt: skip
 
 
@@ -107,9 +106,9 @@ def findings_of(verdict: Verdict, evidence: Evidence, causes: Sequence[Cause], p
         )  # fmt: skip
 
 
-def _held(plant: Plant, candidate: CandidateScore) -> dict[str, float]:
+def _held(plant: Plant, score: CandidateScore) -> dict[str, float]:
     """Return outside parameter -> the value that a plant holds it at, of the effect that a candidate corrects."""
-    return {n: p.value for n, p in plant[f"{candidate.effect}@{candidate.at}"].outside.items() if p.fixed}
+    return {n: p.value for n, p in plant[f"{score.effect}@{score.at}"].outside.items() if p.fixed}
 
 
 def not_carried(causes: Sequence[Cause], criteria: Criteria):
