@@ -16,7 +16,8 @@ class Explainable:
 
     exogenous: from what is outside the loop (the reference, its past, place, direction). time: from its neighbours in bench
     time, as a level or as friction. line: one spectral line. burst: moments. frequency: of the line, Hz. instrument: "reference",
-    or "low-passed position" where no reference was logged.
+    or "low-passed position" where no reference was logged. hum: a line of the mains, at `mains` Hz; it is none of the four, for the
+    mains are no law of an axis.
     """
 
     exogenous: float = 0.0
@@ -25,6 +26,8 @@ class Explainable:
     burst: float = 0.0
     frequency: float = 0.0
     instrument: str = "reference"
+    hum: float = 0.0
+    mains: float = 0.0
 
     @property
     def sizes(self) -> tuple[float, float, float, float]:

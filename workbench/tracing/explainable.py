@@ -7,7 +7,7 @@ bench time (instruments: Young 2011; Janot, Gautier, Brunot 2019). Four kinds ar
 - exogenous: boosted trees over the reference's motion, blocks of BLOCK s left out by turns, no standstill;
 - time: a stretch of STRETCH s from its neighbours in bench time, as a level, or as one that goes with the direction, the speed or the
   acceleration (a friction, a damping, a mass that changes);
-- line: the strongest line of the spectrum that neither the reference nor the drive has, nor is hum of the mains in the reported drive;
+- line: the strongest line of the spectrum that neither the reference nor the drive has. Hum of the mains is told apart (`lines`);
 - burst: power of the samples far outside what the residual usually is.
 """
 
@@ -21,7 +21,7 @@ from workbench.inverse.dynamics import InverseDynamics
 from workbench.motion import MOTION_BAND, LowPass
 from workbench.tracing.criteria import Criteria
 from workbench.tracing.evidence import Explainable
-from workbench.tracing.lines import Part, strongest_line
+from workbench.tracing.lines import Part, strongest_lines
 from workbench.tracing.state import State
 
 BLOCK = 0.7  # s, left out together: longer than the memory of filters and of trees over neighbouring samples
@@ -42,13 +42,15 @@ def explainable(state: State, criteria: Criteria) -> Explainable:
     whole = sum(float(p.residual @ p.residual) for p in parts)
     unit = 1.0 / sqrt(state.power) if state.power > 0.0 else 0.0
     referenced = all("reference" in p.motion.record.channels for p in state.passes)
-    share, frequency = strongest_line(parts, criteria.line)
+    line, hum = strongest_lines(parts, criteria.line)
     return Explainable(
         exogenous=unit * sqrt(_exogenous(parts)),
         time=unit * sqrt(_over_time(parts)),
-        line=unit * sqrt(share * whole),
+        line=unit * sqrt(line.share * whole),
         burst=unit * sqrt(burst if (burst := _bursts(parts, criteria.burst)) > criteria.share * whole else 0.0),
-        frequency=frequency,
+        frequency=line.frequency,
+        hum=unit * sqrt(hum.share * whole),
+        mains=hum.frequency,
         instrument="reference" if referenced else "low-passed position",
     )
 

@@ -8,7 +8,7 @@ from workbench.plant import Plant
 from workbench.record import IDENTIFICATION
 from workbench.residual.window import DIRECTIONS, Window, local
 from workbench.tracing.decide import CAUSE, UNKNOWN
-from workbench.tracing.evidence import ADDITION, CORRECTION, Evidence
+from workbench.tracing.evidence import ADDITION, CORRECTION, Evidence, Explainable
 from workbench.tracing.mending import Mended
 from workbench.tracing.result import Cause
 from workbench.tracing.unexplained import Unexplained
@@ -78,6 +78,11 @@ def _at_least(floor: float) -> str:
     return f" (noise alone would leave {100 * floor:.2g} % or more)" if floor > UNSEEN else ""
 
 
+def _humming(size: Explainable) -> str:
+    """Return what of the drive is hum of the mains, "" where none is."""
+    return f"{100 * size.hum:.2g} % is hum of the mains, and " if size.hum > 0.0 else ""
+
+
 def _caused(causes: Sequence[Cause], before: Fit, after: Fit, evidence: Evidence, refined: Fit | None) -> str:
     """Return what is missing, and what becomes of the errors with it; what refinements take away besides is not its own."""
     what = _what_of(causes, after.plant)
@@ -143,5 +148,5 @@ def verdict_sentence(
     return (
         f"Nothing is missing: the declared model leaves {100 * before.identification:.2f} % of the drive on identification, and "
         f"{'nothing' if size.size == 0.0 else f'no more than {100 * size.size:.2f} %'} of it could be predicted from "
-        "outside the loop; the rest is noise and disturbance."
+        f"outside the loop; {_humming(size)}the rest is noise and disturbance."
     )
