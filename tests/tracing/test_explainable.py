@@ -1,7 +1,12 @@
-"""What counts as explainable: a line that a force makes, and not the hum of the mains, which is told apart."""
+"""What counts as explainable: a line that a force makes, and not the hum of the mains, which is told apart; a joint whose stiffness
+changes along the stroke."""
+
+from dataclasses import replace
 
 import numpy as np
 import pytest
+from made_joints import BAND as JOINT_BAND
+from made_joints import BL, BM, JL, JM, RATE, SOURCE, K, jointed, waved
 
 from workbench.definition import find
 from workbench.inverse.dynamics import inverse_dynamics
@@ -48,3 +53,32 @@ def test_a_line_beside_the_mains_is():
 
 def test_a_pump_that_slips_two_per_cent_behind_the_mains_is():
     assert left(0.0, 0.005, 49.0).line > 0.02
+
+
+def belt(changes: float, declared: float | None = None) -> Explainable:
+    """Return what is explainable where a belt's stiffness changes by this share from the middle of the stroke to its ends.
+
+    declared: stiffness that is held, free where None.
+    """
+    t = np.arange(6000) / RATE
+    place, speed, through = waved(t, 5, 0), waved(t, 5, 1), JL * waved(t, 5, 2) + BL * waved(t, 5, 1)
+    motor = place + through / (K * (1.0 + changes * place / np.abs(place).max()))
+    acceleration = np.gradient(np.gradient(motor, t), t)
+    drive = through + JM * acceleration + BM * speed + np.random.default_rng(2).normal(0.0, 5.0, t.size)
+    record = Record("r", IDENTIFICATION, t, {"torque": drive, "position": motor, "load_position": place}, {}, SOURCE)
+    plant = jointed(inertia=True)
+    if declared is not None:
+        spring = plant["linear_stiffness@joint"]
+        held = replace(spring.parameters["stiffness"], value=declared, fixed=True)
+        plant = plant.swap(replace(spring, parameters={"stiffness": held}))
+    return explainable(State(plant, inverse_dynamics([record], JOINT_BAND)), Criteria())
+
+
+def test_a_joint_whose_stiffness_changes_along_the_stroke_is_told_as_such():
+    found = belt(0.2)
+    assert found.kind == "joint" and found.joint > 0.02
+
+
+@pytest.mark.parametrize("declared", [None, 0.9 * K])
+def test_a_joint_that_is_alike_everywhere_is_not_and_neither_is_one_declared_too_soft(declared):
+    assert belt(0.0, declared).joint == 0.0

@@ -21,6 +21,7 @@ FROM = {
     "time": "bench time: a level, a friction, a damping or a mass that changes",
     "line": "a line of the spectrum",
     "burst": "moments far outside what is usual",
+    "joint": "the joint's deflection: its stiffness is another one elsewhere on the stroke",
 }
 
 
@@ -139,6 +140,8 @@ def verdict_sentence(
             said = f"{said} of {size.frequency:.3g} Hz"
             if not local(place):
                 return f"{said}."
+        if size.kind == "joint":
+            return f"{said}."
         if place is None:
             return f"{said}; it lives nowhere in particular: not in a place, not at a speed, not at moments."
         return (
