@@ -31,9 +31,9 @@ from workbench.tracing.state import State
 BLOCK = 0.7  # s, left out together: longer than the memory of filters and of trees over neighbouring samples
 STRETCH = 0.25  # s
 SPANS = (0.5, 2.0, 8.0)  # s, widths of the neighbourhood in bench time
-# Of the stroke, widths of the neighbourhood in place. From 0.02 to 0.1 of a belt's stroke each takes 4.3 to 3.2 % of the drive
-# where its stiffness changes along it; of thirteen complete two-mass axes none takes anything, with any of them
-NEARBY = (0.02, 0.08, 0.3)
+# Of the stroke, widths of the neighbourhood in place. Where a belt's stiffness changes along it, each from 0.01 to 0.1 takes 4.4 to 3.2 %
+# of the drive, and 0.2 takes 2.1; of thirteen complete two-mass axes none takes anything, with any of them
+NEARBY = (0.02, 0.05, 0.1)
 FOLDS = 5
 CERTAIN = 3.0  # standard errors over blocks by which a share must differ from zero
 TREES, LEAVES, LEAST_LEAF = 80, 16, 40
