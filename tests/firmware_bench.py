@@ -9,6 +9,7 @@ import pytest
 
 from workbench.control import FeedForward, drive_cascade, fixed_pd, grid, pi_cascade, profile_pi, scheduled_pd
 from workbench.control.laws import RULES
+from workbench.control.notched import notched
 from workbench.firmware import host
 from workbench.frequency.notch import Notch
 from workbench.plant import ONE_MASS, TWO_MASS, Limits, Plant
@@ -54,6 +55,8 @@ def every() -> dict:
     for rule in RULES:
         one[rule] = scheduled_pd(Gains, rule)
         one[f"{rule}, profiled"] = scheduled_pd(Gains, rule, deceleration=300.0, speed_limit=12.0)
+    wide = Notch(300.0, 420.0, 0.8)  # as a gain table is tuned with one
+    one |= {f"{rule}, notch": notched(scheduled_pd(Gains, rule), wide, 2.5e-4) for rule in ("error", "closing")}
     two = {
         "joint": scheduled_pd(Gains, follows="joint", motor_speed=True),
         "motor speed": scheduled_pd(Gains, "frozen", motor_speed=True),

@@ -20,6 +20,8 @@ from workbench.report.ladder import as_table as ladder_table
 from workbench.report.ladder import figures_of as ladder_figures
 from workbench.report.ladder import ladder_chapter
 from workbench.report.loop import loop_chapter
+from workbench.report.notch import as_table as notch_table
+from workbench.report.notch import notch_sentence
 from workbench.report.polish import as_table as gains_table
 from workbench.report.polish import polish_chapter
 from workbench.report.recommend import RECOMMENDED, recommended_chapter
@@ -89,6 +91,9 @@ def contested(study: Study, control: Control, model: Plant, known: Plant, traced
     fewer = {r.family.name: regret_of(on, r, best, held.task) for r in table.rivals.found}
     tuned_too = {n: regret_of(on, held[n].tuned.median, best, held.task) for n in (FIXED, CASCADE, PROFILE_PI)}
     tuned = {n: t for n, t in designed.tuned.items() if n not in (NOMINAL, TRADE)} | {TABLE: table.climbed.best}
+    say("tuning with a notch")
+    behind, bare = controllers.notched(study, made, held), {n: held[n].tuned.median for n in controllers.BEHIND}
+    tuned |= {f"{n}, notch": t for n, t in behind.items()}
     choice = recommend(held.task, tuned, model.displacement)
     say("error against margin")
     asked = study.table.table("contest", ("seeds", "tuning_time"), ("margins", "soft_cascade", "fits"))
@@ -116,7 +121,11 @@ def contested(study: Study, control: Control, model: Plant, known: Plant, traced
         held, (PAPER, ERROR, PROFILE_PI), BASELINES, tuple(n for n in held.standings if n not in (SOFT, NOMINAL, TRADE))
     )
     limit = control.goal.sensitivity
-    paid = (asked_table(missed, margins.limits, limit), margin_figure(margins, "rad", limit))
+    paid = (
+        Paragraph(notch_sentence(behind, bare, model.displacement)),
+        asked_table(missed, margins.limits, limit),
+        margin_figure(margins, "rad", limit),
+    )
     against = replace(against, blocks=(*against.blocks, *paid))
     part = Part(
         figures={
@@ -152,6 +161,7 @@ def contested(study: Study, control: Control, model: Plant, known: Plant, traced
             "ladder": ladder_table(table.climbed, regret, fewer | tuned_too),
             "reproduction": as_table(printed),
             "fits": fits,
+            "notch": notch_table(behind, bare),
             "error_against_margin": {"limits": margins.limits, **margins.values},
             "asked": [{**vars(m), "had_at": m.had_at(margins.limits)} for m in missed],
         },

@@ -6,16 +6,17 @@ import numpy as np
 import pytest
 from paper_axis import LOOP, plant
 
+from workbench.control.notched import coefficients, numbers_of
 from workbench.description import Equivalent
 from workbench.design.against import Against
 from workbench.design.climb import Climbing, climb
 from workbench.design.families.family import pd_family
-from workbench.design.families.gain_table import fixed_family, gain_table, switched_family, table_family
+from workbench.design.families.gain_table import fixed_family, gain_table, switched_family, table_family, without_notch
 from workbench.design.families.linear import Linear
 from workbench.design.families.shaped import shaped
 from workbench.design.figures import step_figures
 from workbench.design.ladder import PHASES, all_rungs, climbed, corners, ladder
-from workbench.design.regret import BEATEN, Regret, cost, first_grid, prices, references, regret
+from workbench.design.regret import BEATEN, Regret, cost, first_grid, prices, raised, references, regret
 from workbench.design.worth import regret_of, rivals, worth_sentence
 from workbench.task.task import Task, Weights
 from workbench.tuning import sampled
@@ -25,7 +26,8 @@ COUNT = LOOP.count
 AMPLITUDES = np.geomspace(1e-5, 2.5, 20)
 SPRING = Equivalent(AMPLITUDES, 95.0 / (1.0 + 600.0 * AMPLITUDES), 0 * AMPLITUDES)
 LINEAR = Linear(LOOP, 0.0074, 0.0, np.array([0.0, 95.0]), SPRING)
-FIXED = shaped(lambda judge: pd_family(judge, (400.0, 8.0)), LINEAR, 1e-4)
+FIXED = shaped(lambda judge: pd_family(judge, (400.0, 8.0)), LINEAR, 1e-4, (260.0, 0.8))
+OWN = 1e-4, 300.0, 0.8  # filter and notch of a table
 GAINS = type("Gains", (), {"amplitude": AMPLITUDES, "kp": 2000 / (1 + 4 * AMPLITUDES), "kd": 7.0 + 0 * AMPLITUDES})
 
 
@@ -97,18 +99,72 @@ def test_gains_of_a_table_never_rise_and_are_as_stiff_as_the_sensitivity_allows(
     points = np.clip(points, family.lower, family.upper)
     kp, kd = table.gains(points)
     assert (np.diff(kp, axis=1) <= 0.0).all() and (family.sensitivity(points) <= 2.003).all()
-    filtered = replace(LOOP, velocity_filter=float(points[0, -1]))
-    axis = Axis.of(Equivalent(np.array([1.0]), np.zeros(1), np.zeros(1)), 0.0074, 0.0, filtered).take(
-        np.zeros(kp[0].size, int)
-    )
+    schedule = table.held(points[0])
+    filtered, notch = replace(LOOP, velocity_filter=schedule["velocity_filter"]), schedule["notch"]
+    axis = Axis.of(Equivalent(np.array([1.0]), np.zeros(1), np.zeros(1)), 0.0074, 0.0, filtered)
+    axis = axis.take(np.zeros(kp[0].size, int)).behind(coefficients(notch, LOOP.sample_time))
     k, d = kp[0] / axis.unit_kp, kd[0] / axis.unit_kd
     peak, _ = sampled.sensitivity_peak(k, d, axis.steps(k), axis.clock)
     assert (peak <= 2.0).all() and peak.max() > 1.98
 
 
+def test_with_a_wide_notch_a_table_is_half_as_stiff_again_within_the_same_sensitivity():
+    stiff = gain_table(LINEAR, AMPLITUDES, 2.5 * COUNT, 2.0).stiff
+    ratio = np.array([[20.0, 50.0, 100.0, 200.0]])
+    behind, bare = (stiff.along(ratio, np.array([[5e-5, 270.0, depth]])) for depth in (0.55, 1.0))
+    assert (behind / bare > 1.45).all()
+    family = shaped(lambda judge: pd_family(judge, (400.0, 8.0)), LINEAR, 5e-5, (270.0, 0.55))
+    points = np.stack([behind[0], behind[0] / ratio[0], *np.full((4, 3), (5e-5, 270.0, 0.55)).T], axis=1)
+    assert family.sensitivity(points) == pytest.approx(2.0, rel=3e-3)
+
+
+def test_a_ratio_beyond_the_largest_that_acts_is_brought_back_to_it_and_the_gains_stay():
+    table = gain_table(LINEAR, AMPLITUDES, 2.5 * COUNT, 2.0)
+    family = table_family(table, GAINS, LINEAR, "error", 4.0)
+    beyond = family.start[None].copy()
+    beyond[:, :-3] = family.upper[:-3]
+    settled = family.settled(beyond)
+    most = table.stiff.largest(beyond[:, -3:])[0]
+    assert (settled[0, :-3] == most).all() and most < family.upper[0]
+    for one, other in zip(table.gains(beyond), table.gains(settled), strict=True):
+        assert one == pytest.approx(other, rel=1e-9)
+
+
+def test_every_search_for_a_table_begins_within_its_bounds():
+    table = gain_table(LINEAR, AMPLITUDES, 2.5 * COUNT, 2.0)
+    fewer = fixed_family(table, GAINS, LINEAR, "error", 0.02), switched_family(table, GAINS, LINEAR, "error")
+    for family in (table_family(table, GAINS, LINEAR, "error", 4.0), *fewer):
+        assert (family.lower <= family.start).all() and (family.start <= family.upper).all()
+
+
+def test_a_table_without_a_notch_has_two_numbers_less_and_the_gains_of_a_depth_of_one():
+    table = gain_table(LINEAR, AMPLITUDES, 2.5 * COUNT, 2.0)
+    whole = table_family(table, GAINS, LINEAR, "error", 4.0)
+    bare = without_notch(table, whole)
+    assert bare.numbers == whole.numbers[:-2] and bare.start.size == bare.lower.size == whole.start.size - 2
+    points = bare.settled(bare.start * np.array([[1.0], [0.7]]))
+    same = np.column_stack([points, np.full(2, 300.0), np.ones(2)])
+    made = bare.controller(points, 1)
+    assert numbers_of(made) is None and bare.sensitivity(points) == pytest.approx(whole.sensitivity(same), rel=1e-12)
+    assert made.tables[1].columns["kp"] == pytest.approx(table.gains(same)[0][1], rel=1e-12)
+    assert table.held(same[0])["notch"] is None and first_grid(table, notch=False).shape[1] == 3
+
+
+def test_references_are_raised_by_whichever_point_beats_them_most(short):
+    table = gain_table(LINEAR, AMPLITUDES, 2.5 * COUNT, 2.0)
+    family = table_family(table, GAINS, LINEAR, "error", 4.0)
+    known = references(short, FIXED, first_grid(table)[::60])
+    points = family.settled(family.start * np.array([[1.0], [1.3]]))
+    figures = climbed(short, family, points, all_rungs(short, points))
+    own = prices(short, figures, known.scale).min(axis=0)
+    found = raised(short, known, family, points, figures)
+    assert (found.cost <= np.where(own < known.cost - BEATEN, own, known.cost)).all()
+    assert (found.law == family.name).any() == (own < known.cost - BEATEN).any()
+
+
 def test_of_references_searched_for_each_move_none_is_beaten_by_the_grid_that_it_came_from(short):
     family = FIXED
-    points = first_grid(gain_table(LINEAR, AMPLITUDES, 2.5 * COUNT, 2.0))[::9]
+    points = first_grid(gain_table(LINEAR, AMPLITUDES, 2.5 * COUNT, 2.0))[::20]
     found = references(short, family, points)
     points = points[family.sensitivity(points) <= 2.002]
     assert (
@@ -120,7 +176,7 @@ def test_of_references_searched_for_each_move_none_is_beaten_by_the_grid_that_it
 def test_a_search_over_the_ladder_is_the_same_again_and_beats_no_reference(short):
     table = gain_table(LINEAR, AMPLITUDES, 2.5 * COUNT, 2.0)
     starts = [table_family(table, GAINS, LINEAR, "error", ahead) for ahead in (4.0, 2.0)]
-    fixed = FIXED, first_grid(table)[::9]
+    fixed = FIXED, first_grid(table)[::20]
     found, again = (climb(short, starts, fixed, seeds=(1, 2), budget=Climbing(generations=2)) for _ in range(2))
     assert (found.best.point == again.best.point).all() and found.spread >= 1.0
     own = prices(short, found.best.figures, found.references.scale)
@@ -153,21 +209,26 @@ def test_fixed_gains_and_a_switch_are_tables_of_one_and_of_two_ratios():
     table = gain_table(LINEAR, AMPLITUDES, 2.5 * COUNT, 2.0)
     one = fixed_family(table, GAINS, LINEAR, "error", 0.02)
     columns = one.controller(one.start[None, :], 1).tables[0].columns
-    assert one.start.size == 2 and np.ptp(columns["kp"]) == 0.0 and np.ptp(columns["kd"]) == 0.0
+    assert one.start.size == 4 and np.ptp(columns["kp"]) == 0.0 and np.ptp(columns["kd"]) == 0.0
     two = switched_family(table, GAINS, LINEAR, "error")
-    kp, kd = table.switched(np.array([[200.0, 50.0, 1e-3, 1e-4]]))
+    kp, kd = table.switched(np.array([[200.0, 50.0, 1e-3, *OWN]]))
     assert np.unique(np.round(kp / kd, 6)).size == 2 and (np.diff(kp) <= 0.0).all()
-    assert two.settled(np.array([[50.0, 200.0, 1e-3, 1e-4]]))[0].tolist() == [50.0, 50.0, 1e-3, 1e-4]
+    assert two.settled(np.array([[50.0, 200.0, 1e-3, *OWN]]))[0].tolist() == [50.0, 50.0, 1e-3, *OWN]
     assert two.lower[2] == table.knots[0] and two.upper[2] == table.knots[-1]
 
 
 def test_what_has_fewer_levels_is_tuned_alike_and_the_sentence_says_who_is_behind(short):
     table = gain_table(LINEAR, AMPLITUDES, 2.5 * COUNT, 2.0)
     start = table_family(table, GAINS, LINEAR, "error", 4.0)
-    found = climb(short, [start], (FIXED, first_grid(table)[::9]), seeds=(1,), budget=Climbing(generations=1))
+    found = climb(short, [start], (FIXED, first_grid(table)[::20]), seeds=(1,), budget=Climbing(generations=1))
     fixed = rivals(found, (fixed_family(table, GAINS, LINEAR, "error", 0.02),), Climbing(generations=1)).found[0]
     own = regret_of(short, fixed, found.references)
-    assert own.time.shape == found.regret.time.shape and list(fixed.numbers) == ["ratio", "velocity_filter"]
+    assert own.time.shape == found.regret.time.shape and list(fixed.numbers) == [
+        "ratio",
+        "velocity_filter",
+        "notch",
+        "notch depth",
+    ]
     ours, behind = (Regret(np.full((1, 2), v), np.ones((1, 2)), np.zeros((1, 2))) for v in (1.2, 1.5))
     assert "is worth its schedule" in worth_sentence(ours, {"fixed gains": behind})
     assert "against fixed gains the description's curve buys nothing" in worth_sentence(ours, {"fixed gains": ours})

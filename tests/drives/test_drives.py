@@ -10,6 +10,7 @@ import yaml
 from firmware_bench import AXIS, Gains, need
 
 from workbench.control import fixed_pd, pi_cascade, profile_pi, scheduled_pd
+from workbench.control.notched import notched
 from workbench.definition import find
 from workbench.drives import (
     Cascade,
@@ -28,6 +29,7 @@ from workbench.drives import (
 )
 from workbench.drives.objects import Object, value_of
 from workbench.errors import WorkbenchError
+from workbench.frequency import Notch
 from workbench.plant import ONE_MASS, Plant
 
 TURN = 2.0 * pi
@@ -69,6 +71,7 @@ def test_around_a_resting_target_the_pid_is_the_cascade():
         (lambda: cascade_of(profile_pi(60.0, 5.0, 300.0, 400.0, 0.01, 12.0), AXIS), "no cascade"),
         (lambda: cascade_of(scheduled_pd(Gains, deceleration=1.0, speed_limit=1.0), AXIS), "no cascade"),
         (lambda: cascade_of(fixed_pd(900.0, 0.0), AXIS), "kd is zero"),
+        (lambda: cascade_of(notched(fixed_pd(900.0, 5.0), Notch(260.0, 364.0, 0.6), 2.5e-4), AXIS), "a notch behind its law"),
         (lambda: cascade_of(fixed_pd(np.ones(2), 1.0), AXIS), "several sets"),
         (lambda: cascade_of(fixed_pd(1.0, 1.0), Plant(ONE_MASS)), "no limit"),
         (lambda: replace(GAINS, kv=-1.0), "kv is -1"),

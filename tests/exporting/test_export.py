@@ -7,6 +7,7 @@ import struct
 import zlib
 from dataclasses import dataclass, replace
 from pathlib import Path
+from types import SimpleNamespace
 
 import jsonschema
 import numpy as np
@@ -128,6 +129,18 @@ def test_every_file_says_everything(tmp_path, scale, rule):
         assert contents["drive"]["kp"] == {"unit": "A/count", "per_si": 3.7e-5, "gains": list(s.kp * 3.7e-5)}
         assert np.array_equal(binary["tables"].rows["kd_drive"], (s.kd * 0.011).astype(np.float32))
         assert "drive.kp.per_si 3.7e-05\n" in binary["text"] and 'KP_DRIVE_UNIT "A/count"' in text
+
+
+def test_filter_and_notch_that_gains_were_tuned_with_stand_in_every_file(tmp_path):
+    own = SimpleNamespace(**vars(schedule()), velocity_filter=1e-4, numbers=(0.75, -0.5, 0.25, 0.125))
+    export(own, plant(), tmp_path)
+    document, text = load(tmp_path / "gains.json"), (tmp_path / "gains.h").read_text()
+    assert document["velocity_filter"] == 1e-4
+    assert document["notch"] == {"b0": 0.75, "b1": -0.5, "b2": 0.25, "a2": 0.125}
+    assert "keep no margin" in text and "#define WB_GAINS_NOTCH_B1 -0x1.0p-1f" in text
+    assert "#define WB_GAINS_VELOCITY_FILTER 0x" in text
+    said = load_binary(tmp_path / "gains.bin")["text"]
+    assert "velocity_filter 0.0001\n" in said and "notch.a2 0.125\n" in said
 
 
 def test_a_linear_axis_is_in_metres(tmp_path):

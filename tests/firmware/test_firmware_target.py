@@ -24,6 +24,8 @@ NAMES = (
     "frozen",
     "error",
     "closing",
+    "error, notch",
+    "closing, notch",
     "cascade",
     "drive",
     "drive, notch",

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from workbench.control import fixed_pd, grid, pi_cascade, profile_pi, scheduled_pd
+from workbench.control.notched import notched, response
 from workbench.definition import find
 from workbench.errors import WorkbenchError
 from workbench.limit_cycle import axis_of, balance, command, dials, region, turned
@@ -120,6 +121,14 @@ def test_the_integral_of_a_cascade_is_that_of_its_pulse_transfer_function():
     found = gain(pi_cascade(50.0, 1.3, 400.0, 12.0), FAST, 1e-6, theta, rate, limit=3.3)
     expected = (1.3 + 400.0 * FAST.sample_time / (np.exp(1j * theta) - 1)) * (50.0 + rate)
     assert found == pytest.approx(expected, rel=2e-3)
+
+
+@pytest.mark.parametrize("law", [fixed_pd(300.0, 3.0), scheduled_pd(schedule(), "following")])
+def test_a_notch_multiplies_the_first_harmonic_by_its_response_where_the_drive_is_not_at_its_limit(law):
+    notch, theta = SimpleNamespace(centre=260.0, damping=0.7, depth=0.6), 0.3
+    rate = 1j * theta / FAST.sample_time
+    plain, behind = (gain(one, FAST, 1e-3, theta, rate) for one in (law, notched(law, notch, FAST.sample_time)))
+    assert behind == pytest.approx(plain * response([notch], np.array([theta]), FAST.sample_time)[0], rel=1e-3)
 
 
 def test_a_law_that_is_not_known_and_two_masses_are_refused():

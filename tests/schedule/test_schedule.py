@@ -9,9 +9,11 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from workbench.control import grid
+from workbench.control import grid, scheduled_pd
+from workbench.control.notched import coefficients, numbers_of
 from workbench.description import Equivalent
 from workbench.errors import WorkbenchError
+from workbench.frequency import Notch
 from workbench.schedule import Schedule, between_knots, fewest_knots, fit_schedule, passivity, shape
 from workbench.schedule.check import pumping
 from workbench.tuning import TuningGoal, tune
@@ -221,6 +223,27 @@ def test_between_knots_the_loop_keeps_its_sensitivity(schedule):
     between = between_knots(schedule, presliding, 0.0074, LOOP, points=16)
     assert not between.findings and between.amplitude.size == 16 * (schedule.knots.size - 1) + 1
     assert 1.9 < between.worst_sensitivity[0] <= 2.0 * 1.005 and between.worst_radius[0] < 1.0
+
+
+def test_the_notch_of_a_schedule_is_in_its_loop_and_behind_its_law(schedule):
+    wide = Notch(260.0, 1.4 * 260.0, 0.6)
+    free = replace(schedule, kp=0.0 * schedule.kp + 900.0, kd=0.0 * schedule.kd + 9.0)  # Kp/Kd = 100/s
+    bare, behind = (between_knots(replace(free, notch=n), presliding, 0.0074, LOOP) for n in (None, wide))
+    assert behind.worst_sensitivity[0] < bare.worst_sensitivity[0] and behind.worst_radius[0] < 1.0
+    made = scheduled_pd(replace(schedule, notch=wide, velocity_filter=1e-4))
+    assert numbers_of(made) == coefficients(wide, LOOP.sample_time) and made.velocity_filter == 1e-4
+    assert numbers_of(scheduled_pd(schedule)) is None and scheduled_pd(schedule).velocity_filter is None
+
+
+def test_below_its_centre_a_notch_takes_from_the_damping(schedule):
+    """Im N (Kp + i w Kd) for w Kd: a notch lags below its centre."""
+    held = replace(schedule, rule="frozen")
+    bare, behind = (
+        passivity(replace(held, notch=n), presliding, 0.0074).damping for n in (None, Notch(260.0, 1.4 * 260.0, 0.6))
+    )
+    assert (behind < bare).all() and (behind > 0.0).all()
+    none = passivity(replace(held, notch=Notch(260.0, 1.4 * 260.0, 1.0)), presliding, 0.0074).damping
+    assert none == pytest.approx(bare, rel=1e-12)
 
 
 def test_gains_too_large_between_knots_are_found(schedule):

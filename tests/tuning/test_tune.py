@@ -7,6 +7,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from workbench.control.notched import behind
 from workbench.description import Equivalent
 from workbench.errors import WorkbenchError
 from workbench.threads import one_thread
@@ -150,6 +151,20 @@ def test_frequency_response_and_matrix_are_those_of_a_simulated_loop(delay):
             np.exp(1j * angle) * np.eye(len(matrix)) - sampled.closed(0 * kp, 0 * kd, motion, clock)[0]
         )
         assert value == pytest.approx(whole / free, rel=1e-9)
+
+
+@pytest.mark.parametrize("delay", [0.4, 1.0])
+def test_with_a_notch_the_closed_loop_has_its_matrix_where_its_response_has_it(delay):
+    """det(z - closed) over that of the open loop, the notch's own poles among them, is 1 + N L."""
+    clock = replace(sampled.Clock.of(loop(1.0, delay, 0.7)), notch=(0.7, -0.9, 0.5, 0.3))
+    stiffness, damping, kp, kd = (np.array([v]) for v in (0.02, 0.05, 0.03, 0.2))
+    motion = sampled.steps(stiffness, damping, clock)
+    matrix, free = (sampled.closed(f * kp, f * kd, motion, clock)[0] for f in (1.0, 0.0))
+    theta = np.array([0.3, 1.0, 3.0])
+    passed = behind(clock.notch, theta) * (kp + kd * sampled.difference(theta, clock))
+    z = np.exp(1j * theta)[:, None, None] * np.eye(len(matrix))
+    found = np.linalg.det(z - matrix) / np.linalg.det(z - free)
+    assert found == pytest.approx(1.0 + passed * sampled.response(theta, motion, clock)[0], rel=1e-9)
 
 
 def test_every_amplitude_keeps_its_limits_on_the_exact_loop(tuned):

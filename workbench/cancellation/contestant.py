@@ -16,6 +16,7 @@ from math import inf
 import numpy as np
 
 from workbench.compensation import OBSERVED, REFERENCE, Compensator, compensated
+from workbench.control.notched import OWN, behind
 from workbench.description.bank import bank_equivalent
 from workbench.description.friction import equivalent_of, friction_of
 from workbench.design.climb import Climb
@@ -74,13 +75,19 @@ class Returned(Judge):
         return returned(c, self.linear.position[k], self.fed[k], self.linear.own[k] + integrators)
 
     def scheduled_peak(
-        self, knots: np.ndarray, kp: np.ndarray, kd: np.ndarray, velocity_filter: np.ndarray | None = None
+        self,
+        knots: np.ndarray,
+        kp: np.ndarray,
+        kd: np.ndarray,
+        velocity_filter: np.ndarray | None = None,
+        behind: np.ndarray | None = None,
     ) -> np.ndarray:
         """Return Ms (points,) of schedules: the gains at some knots beside the friction of that amplitude, and of gross sliding."""
         near = [int(np.argmin(np.abs(np.log(self.amplitude / knots[i])))) for i in checked(knots)]
         rate = self.rate if velocity_filter is None else self.rate_of(velocity_filter)
-        laws = [kp[:, i, None] + kd[:, i, None] * rate for i in checked(knots)]
-        return np.max([self._at(k, c) for n, c in zip(near, laws, strict=True) for k in (n, -1)], axis=0)
+        n = 1.0 if behind is None else behind
+        laws = [n * (kp[:, i, None] + kd[:, i, None] * rate) for i in checked(knots)]
+        return np.max([self._at(k, c) for at, c in zip(near, laws, strict=True) for k in (at, -1)], axis=0)
 
 
 def returned(c: np.ndarray, plant: np.ndarray, fed: np.ndarray, integrators: int) -> np.ndarray:
@@ -180,7 +187,9 @@ def _tabled(family: Family, judged: Judge) -> Callable[[np.ndarray], np.ndarray]
         made = family.controller(points, 1)
         kp, kd = (np.stack([t.columns[n] for t in made.tables]) for n in ("kp", "kd"))
         own = None if made.velocity_filter is None else np.reshape(made.velocity_filter, (-1, 1))
-        return judged.scheduled_peak(made.tables[0].knots, kp, kd, own)
+        notch = tuple(np.reshape(made.parameters[n], (-1, 1)) for n in OWN if n in made.parameters)
+        passed = behind(notch, judged.theta) if notch else None
+        return judged.scheduled_peak(made.tables[0].knots, kp, kd, own, passed)
 
     return sensitivity
 

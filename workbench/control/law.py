@@ -29,7 +29,8 @@ FOLLOWED = (FEEDBACK, JOINT)
 
 @dataclass(frozen=True)
 class Law:
-    """See the module. parameters, columns (of the table), states: names. start(target, reading) -> {state: value}."""
+    """See the module. parameters, columns (of the table), states: names. start(target, reading) -> {state: value}. before: the law
+    that a notch is behind of, where there is one."""
 
     name: str
     parameters: tuple[str, ...]
@@ -40,6 +41,7 @@ class Law:
     start: Callable | None = None
     reads: tuple[str, ...] = ()
     follows: str = FEEDBACK
+    before: "Law | None" = None
 
     def __post_init__(self):
         for name in self.reads:

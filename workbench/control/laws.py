@@ -10,6 +10,7 @@ from functools import cache
 import numpy as np
 
 from workbench.control.law import FEEDBACK, JOINT, Controller, Law
+from workbench.control.notched import notched
 from workbench.control.table import Table
 from workbench.effects.elementary import absolute, clip, maximum, minimum, sign0, sqrt, where
 from workbench.errors import WorkbenchError, nearest
@@ -124,7 +125,7 @@ def scheduled_pd(
 ) -> Controller:
     """u = Kp(A) (r - y) - Kd(A) vh, A the amplitude of the equivalent motion.
 
-    schedule: anything with knots, kp, kd (n,) and, where it has them, rule and reversal; or a sequence of such, of one
+    schedule: anything with knots, kp, kd (n,) and, where it has them, rule, reversal, velocity_filter, notch with sample_time; or a sequence of such, of one
     grid of knots, of which table (lanes,) says which one a lane uses. With s the distance since the last reversal:
 
     - "following": A = s from rest, s/2 after a reversal: gains move with the motion.
@@ -159,7 +160,16 @@ def scheduled_pd(
         raise WorkbenchError(f"scheduled_pd: table numbers must lie in 0 to {len(tables) - 1}.")
     profile = {} if deceleration is None else {"deceleration": deceleration, "speed_limit": speed_limit}
     law = _scheduled(rule, follows, bool(profile), motor_speed)
-    return Controller("scheduled_pd", law, {"scale": scale, **profile}, tables, table, reversal)
+    made = Controller(
+        "scheduled_pd", law, {"scale": scale, **profile}, tables, table, reversal, _own(schedules[0], "velocity_filter")
+    )
+    notch = _own(schedules[0], "notch")
+    return made if notch is None else notched(made, notch, schedules[0].sample_time)
+
+
+def _own(schedule, name: str):
+    """Return what a schedule was tuned with besides its gains, or None."""
+    return getattr(schedule, name, None)
 
 
 def cascaded(s, z, p, wanted, more=0.0, growing=1.0):

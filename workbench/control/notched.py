@@ -40,11 +40,23 @@ def response(notches: Sequence, theta: np.ndarray, sample_time: float) -> np.nda
 
     Notches of arrays (n, 1) give (n, f).
     """
-    back, out = np.exp(-1j * theta), np.ones(theta.size, dtype=complex)
+    out = np.ones(theta.size, dtype=complex)
     for notch in notches:
-        b0, b1, b2, a2 = coefficients(notch, sample_time)
-        out = out * (b0 + b1 * back + b2 * back**2) / (1.0 + b1 * back + a2 * back**2)
+        out = out * behind(coefficients(notch, sample_time), theta)
     return out
+
+
+def behind(numbers: tuple, theta: np.ndarray) -> np.ndarray:
+    """Return N (f,) of numbers (b0, b1, b2, a2) at theta (f,), rad a sample."""
+    (b0, b1, b2, a2), back = numbers, np.exp(-1j * theta)
+    return (b0 + b1 * back + b2 * back**2) / (1.0 + b1 * back + a2 * back**2)
+
+
+def numbers_of(controller: Controller) -> tuple[float, float, float, float] | None:
+    """Return (b0, b1, b2, a2) of the notch behind a controller of one lane, or None."""
+    if not set(OWN) <= set(controller.law.parameters):
+        return None
+    return tuple(float(np.ravel(controller.parameters[n])[0]) for n in OWN)
 
 
 def passed(u, numbers, first, second):
@@ -75,4 +87,5 @@ def law_of(base: Law) -> Law:
         parameters=(*base.parameters, *OWN),
         states=(*base.states, "notch_first", "notch_second"),
         step=step,
+        before=base,
     )

@@ -82,10 +82,11 @@ def design(
     say: Callable[[str], None] = lambda _: None,
     baselines: bool = True,
     response: Response | None = None,
+    notch: bool = True,
 ) -> Designed:
     """Tune gains on the equivalents and on simulated steps, the table of a rule over the ladder, and the baselines, on this plant.
 
-    load: torque or force of the ladder. seeds: of the table's search; its first half tunes the baselines. response: a measured
+    load: torque or force of the ladder. notch: whether the table has one among its numbers. seeds: of the table's search; its first half tunes the baselines. response: a measured
     one, with modes that the plant does not have; it limits the gains at each amplitude, and the finding says by how much. The
     searches on the simulated loop know the plant alone.
     """
@@ -96,7 +97,7 @@ def design(
     linear = linear_of(axis.rigid, axis.equivalent, loop)
     made = tabled(
         polished, linear, goal, own, rule, per_octave=per_octave, tolerance=tolerance, load=load, seeds=seeds, say=say,
-        against=baselines,
+        against=baselines, notch=notch,
     )  # fmt: skip
     tuned: dict[str, Tuned | Climb] = {f"scheduled PD ({rule})": made.climbed.best}
     unnotched: dict[str, Tuned] = {}

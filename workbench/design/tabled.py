@@ -9,13 +9,21 @@ import numpy as np
 from workbench.control.laws import CLOSING
 from workbench.design.climb import CLIMBING, Climbed, Climbing, climb
 from workbench.design.families.family import pd_family
-from workbench.design.families.gain_table import BEGUN, fixed_family, gain_table, switched_family, table_family
+from workbench.design.families.gain_table import (
+    GainTable,
+    fixed_family,
+    gain_table,
+    switched_family,
+    table_family,
+    without_notch,
+)
 from workbench.design.families.linear import Linear
 from workbench.design.families.shaped import shaped
 from workbench.design.ladder import LANDING, PHASES, SIZES, ladder
 from workbench.design.polish import Polished
 from workbench.design.regret import Regret, first_grid, from_references
 from workbench.design.worth import Rivals, regret_of, rivals
+from workbench.finding import Finding
 from workbench.keeping import kept
 from workbench.schedule import Schedule, fit_schedule
 from workbench.schedule.fit import REVERSAL
@@ -65,11 +73,13 @@ def tabled(
     budget: Climbing = CLIMBING,
     sizes: int | None = None,
     against: bool = True,
+    notch: bool = True,
     say: Callable[[str], None] = lambda _: None,
 ) -> Tabled:
     """Return the table of one rule for the plant of a task, tuned for every move of its ladder.
 
-    load: N*m or N, of the ladder. seeds, budget: of the search. sizes: of the ladder's steps. against: whether rivals are tuned.
+    load: N*m or N, of the ladder. seeds, budget: of the search. sizes: of the ladder's steps. against: whether rivals are tuned. notch: whether the
+    table, its rivals and its references have one among their numbers.
     """
     robust = polished.gains(polished.robust, goal)
     amplitude, plant = robust.amplitude, task.plant
@@ -85,15 +95,30 @@ def tabled(
     on = ladder(task, load, sizes=sizes or SIZES, phases=LANDING if rule == CLOSING else PHASES)
     # a ratio for each size of step: under "closing" it then serves that size and the last part of longer ones
     table = gain_table(linear, amplitude, REVERSAL * task.loop.count, goal.sensitivity, per_octave, on.sizes)
-    starts = [table_family(table, robust, linear, rule, ahead) for ahead in AHEAD[rule]]
+    free = (lambda family: family) if notch else partial(without_notch, table)
+    starts = [free(table_family(table, robust, linear, rule, ahead)) for ahead in AHEAD[rule]]
     middle = int(np.argmin(np.abs(np.log(amplitude / (1e-2 * task.step)))))
     pair = float(robust.kp[middle]), float(robust.kd[middle])
-    fixed = shaped(lambda judge: pd_family(judge, pair), linear, BEGUN * task.loop.sample_time)
+    first, *behind = table.begun
+    fixed = shaped(lambda judge: pd_family(judge, pair), linear, first, tuple(behind) if notch else None)
     informed = partial(from_references, starts[0], table, on, SEEN[rule])
-    found = climb(on, starts, (fixed, first_grid(table)), informed, seeds=seeds, budget=budget, say=say)
-    kp, kd = table.gains(found.best.point[None, :])
-    schedule = replace(interpolated, knots=table.knots, kp=kp[0], kd=kd[0], rule=rule, findings=())
+    found = climb(on, starts, (fixed, first_grid(table, notch)), informed, seeds=seeds, budget=budget, say=say)
+    point = found.best.point if notch else np.append(found.best.point, table.bare)
+    said = (_stiffer(table, point),) if notch else ()
+    schedule = replace(interpolated, rule=rule, findings=said, **table.held(point))
     fewer = (fixed_family(table, robust, linear, rule, 1e-2 * task.step), switched_family(table, robust, linear, rule))
     if against:
         say("tuning fixed gains and a two-level switch over all moves")
-    return Tabled(schedule, interpolated, found, rivals(found, fewer if against else (), budget))
+    return Tabled(schedule, interpolated, found, rivals(found, tuple(map(free, fewer)) if against else (), budget))
+
+
+def _stiffer(table: GainTable, point: np.ndarray) -> Finding:
+    """Say how much stiffer a table is, at its ratios, than it might be without its notch."""
+    centre, depth = point[-table.bare.size :]
+    kp, bare = (table.gains(one[None])[0][0] for one in (point, np.append(point[: -table.bare.size], table.bare)))
+    low, high = float((kp / bare).min()), float((kp / bare).max())
+    sentence = (
+        f"The table has a notch at {centre:.0f} Hz to {depth:.2g} behind its law: with its ratios Kp is {low:.2f} to "
+        f"{high:.2f} times what |S| would allow without one. Gains without their notch keep no margin."
+    )
+    return Finding("notch", "schedule", sentence, {"least": low, "most": high})

@@ -94,6 +94,11 @@ def cascade_of(controller: Controller, plant: Plant, *, mass: float = 0.0, visco
         )
     if any(np.ndim(v) for v in p.values()) or len(controller.tables) > 1:
         raise WorkbenchError(f"controller '{controller.name}' has several sets of gains; a drive takes one.")
+    if law.before is not None:
+        raise WorkbenchError(
+            f"controller '{controller.name}' was tuned with a notch behind its law, which no cascade holds: its gains keep no margin "
+            "without it. Tune it without a notch, or write it as firmware."
+        )
     known = {"limit": plant.limits.drive, "mass": mass, "viscous": viscous, "forward": forward, "rotary": plant.rotary}
     if controller.name == "pi_cascade":
         return (Cascade(p["kv"], p["kvp"], p["ki"], p["speed_limit"], **known),)

@@ -69,6 +69,8 @@ def _facts(contents: dict) -> str:
     lines += [
         f"{key} {contents[key]!r}" for key in ("reversal", "sample_time", "interpolation_error") if key in contents
     ]
+    lines += [f"velocity_filter {contents['velocity_filter']!r}"] if "velocity_filter" in contents else []
+    lines += [f"notch.{key} {value!r}" for key, value in contents.get("notch", {}).items()]
     lines += [f"unit.{key} {unit}" for key, unit in contents["units"].items()]
     for key, entry in contents.get("drive", {}).items():
         lines += [f"drive.{key}.unit {entry['unit']}", f"drive.{key}.per_si {entry['per_si']!r}"]

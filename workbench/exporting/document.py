@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from workbench import __version__
+from workbench.control.notched import COEFFICIENTS
 from workbench.errors import WorkbenchError
 from workbench.exporting.changes import digest
 from workbench.readers.files import regular
@@ -34,6 +35,7 @@ def document(schedule, plant, held: Tables, scale, name: str) -> dict:
         "kp": floats(schedule.kp),
         "kd": floats(schedule.kd),
     }
+    out |= _behind(schedule)
     error = getattr(schedule, "interpolation_error", None)
     if error is not None and np.ndim(error) == 0 and np.isfinite(error):
         out["interpolation_error"] = float(error)
@@ -45,6 +47,13 @@ def document(schedule, plant, held: Tables, scale, name: str) -> dict:
     out["payload"] = {"rows": list(held.rows), "crc32": f"0x{held.crc:08X}"}
     out["plant"] = {"digest": plant.digest, "lines": list(plant.digest_lines())}
     return out
+
+
+def _behind(schedule) -> dict[str, object]:
+    """Return the velocity filter and the notch that the gains were tuned with, where there are such."""
+    filtered, notch = (getattr(schedule, n, None) for n in ("velocity_filter", "numbers"))
+    out = {} if filtered is None else {"velocity_filter": float(filtered)}
+    return out if notch is None else out | {"notch": dict(zip(COEFFICIENTS, map(float, notch), strict=True))}
 
 
 def _units(plant) -> dict[str, str]:

@@ -57,6 +57,7 @@ def header(contents: dict, held: Tables) -> bytes:
         "kp_unit": unit["kp"],
         "kd_unit": unit["kd"],
         "tables": "\n\n".join(table(f"{p}_{key}", units[key], row, p.upper()) for key, row in rows.items()),
+        **_behind(contents, p.upper()),
         "helpers": HEAD + "\n" + helpers(),
         **scheduling(contents["rule"], p, unit["knots"]),
         **{f"{k}_there": interpolated(f"{p}_{k}[i]", f"{p}_{k}_slope[i]") for k in rows if f"{k}_slope" in rows},
@@ -64,6 +65,18 @@ def header(contents: dict, held: Tables) -> bytes:
     }
     fields["drive"] = _drive_part(contents, fields) if "drive" in contents else ""
     return Template(TEMPLATE.read_text(encoding="utf-8")).substitute(fields).encode()
+
+
+def _behind(contents: dict, name: str) -> dict[str, str]:
+    """Return what a header says of the velocity filter and the notch that the gains were tuned with, and their constants."""
+    said, defined, notch = "", "", contents.get("notch")
+    if "velocity_filter" in contents:
+        said += f"\n *   velocity: the difference of two positions, low-passed with {contents['velocity_filter']:.9g} s"
+        defined += f"#define {name}_VELOCITY_FILTER {_literal(contents['velocity_filter'])} /**< [s] */\n"
+    if notch:
+        said += "\n *   behind it, without which the gains keep no margin: (B0 + B1/z + B2/z^2)/(1 + B1/z + A2/z^2), NOTCH_B0 ... NOTCH_A2"
+        defined += "".join(f"#define {name}_NOTCH_{k.upper()} {_literal(v)}\n" for k, v in notch.items())
+    return {"behind": said, "behind_defined": defined}
 
 
 def _drive_part(contents: dict, fields: dict) -> str:

@@ -11,17 +11,18 @@ and end where the next one is, half a cycle later: within, its command is smooth
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
-from functools import lru_cache
+from functools import lru_cache, partial
 from types import MappingProxyType
 
 import casadi as ca
 import numpy as np
 
 from workbench.control import Controller, Law, gains_at
+from workbench.control.notched import behind, numbers_of
 from workbench.definition import namespace
 from workbench.errors import WorkbenchError
 from workbench.kernel.arrays import evaluate
-from workbench.limit_cycle.waves import along, clipped, found_after, harmonics_of, shifted, turning
+from workbench.limit_cycle.waves import along, clipped, found_after, harmonics_of, passed, shifted, turning
 from workbench.simulation import Loop
 from workbench.simulation.binding import BACK
 from workbench.simulation.stage import Stage, stage
@@ -97,7 +98,7 @@ def remembers(law: Law) -> bool:
 def command(controller: Controller, limit: float, loop: Loop) -> Command:
     """Return the command's harmonics over a cycle, of a controller of one lane on a drive with this limit."""
     dials(controller)
-    law = controller.law
+    law, notch = controller.law.before or controller.law, numbers_of(controller)
     known = {"r": 0.0, "limit": limit, "count": loop.count, "share": 0.5, "reversal": 0.0, "stroke": 0.0}
     known["back"] = BACK * loop.count if controller.reversal is None else controller.reversal
     known |= {f"p.{n}": float(np.ravel(v)[0]) for n, v in controller.parameters.items()}
@@ -116,6 +117,7 @@ def command(controller: Controller, limit: float, loop: Loop) -> Command:
         if law.amplitude is not None:
             now |= looked_up(now, y.shape)
         u = stepped(now, np.broadcast_shapes(y.shape, rate.shape), (theta - width)[..., None])
+        u = u if notch is None else passed(u[..., :n], theta, partial(behind, notch), halved)
         u = u if halved else np.concatenate([u, u[..., :1]], axis=-1)
         return harmonics_of(clipped(u, limit), first + width / 2.0, orders, width)
 

@@ -1,5 +1,7 @@
 """Periodic waveforms and their harmonics: y(f) = sum Re q_k exp(i k f) over odd k, arrays (..., n) over the orders (n,)."""
 
+from collections.abc import Callable
+
 import numpy as np
 
 TURNING = 64  # phases of a cycle among which a turning point is sought
@@ -51,6 +53,15 @@ def shifted(x: np.ndarray, by: np.ndarray) -> np.ndarray:
     """Return a periodic x (..., phases) later by a phase (..., 1)."""
     spectrum = np.fft.rfft(x, axis=-1)
     return np.fft.irfft(spectrum * np.exp(-1j * by * np.arange(spectrum.shape[-1])), x.shape[-1], axis=-1)
+
+
+def passed(u: np.ndarray, theta: np.ndarray, response: Callable[[np.ndarray], np.ndarray], halved: bool) -> np.ndarray:
+    """Return what a filter of response(theta) lets through of a periodic u (..., n): over a cycle, or over half of one whose other
+    half is its negative, then (..., n + 1) with where the next half begins. theta (...): rad a sample, of the cycle."""
+    whole = np.concatenate([u, -u], axis=-1) if halved else u
+    spectrum = np.fft.rfft(whole, axis=-1)
+    out = np.fft.irfft(spectrum * response(theta[..., None] * np.arange(spectrum.shape[-1])), whole.shape[-1], axis=-1)
+    return out[..., : u.shape[-1] + 1] if halved else out
 
 
 def clipped(u: np.ndarray, limit: float) -> np.ndarray:

@@ -53,7 +53,16 @@ def schedule_chapter(designed: Designed, rule: str) -> Chapter:
         f"table has {final.knots.size} knots, even in the logarithm to base two; between them gains are linear in the amplitude. "
         "Its ratio Kp/Kd over amplitude begins at theirs and is tuned for every move of a ladder; Kp follows as stiff as |S| allows."
     )
-    said = [f.sentence for f in (*designed.gains.findings, *s.findings, *designed.between.findings, *designed.findings)]
+    said = [
+        f.sentence
+        for f in (
+            *designed.gains.findings,
+            *s.findings,
+            *final.findings,
+            *designed.between.findings,
+            *designed.findings,
+        )
+    ]
     blocks = [Paragraph(text), figure]
     return Chapter("Gains per amplitude, and the schedule", tuple(blocks + ([Items(tuple(said))] if said else [])))
 

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from workbench.control.notched import behind
 from workbench.finding import Finding
 from workbench.schedule.table import Schedule
 from workbench.threads import one_thread
@@ -50,7 +51,8 @@ def between_knots(
     sensitivity: float = 2.0,
     points: int = 8,
 ) -> BetweenKnots:
-    """Return sensitivity peak and stability of the linear axis under scheduled gains, at `points` amplitudes a segment.
+    """Return sensitivity peak and stability of the linear axis under scheduled gains, at `points` amplitudes a segment, the
+    schedule's notch in the loop.
 
     equivalent_at(amplitudes (n,)) -> amplitude, stiffness, loss (n,), SI, as workbench.description gives them. inertia:
     kg*m^2 or kg. viscous: N*m*s/rad or N*s/m. A peak above `sensitivity` by 0.5 %, or an eigenvalue outside the unit circle,
@@ -60,7 +62,7 @@ def between_knots(
     amplitude = np.append(
         (schedule.knots[:-1, None] + np.diff(schedule.knots)[:, None] * share).ravel(), schedule.knots[-1]
     )
-    axis = Axis.of(equivalent_at(amplitude), inertia, viscous, loop)
+    axis = Axis.of(equivalent_at(amplitude), inertia, viscous, loop).behind(schedule.numbers)
     kp, kd = schedule.gains(amplitude)
     kp, kd = kp / axis.unit_kp, kd / axis.unit_kd
     motion = axis.steps(kp)
@@ -110,6 +112,12 @@ def pumping(schedule: Schedule, amplitude: np.ndarray) -> np.ndarray:
     return out
 
 
+def _damped(schedule: Schedule, kp: np.ndarray, kd: np.ndarray, omega: np.ndarray) -> np.ndarray:
+    """Return the quadrature (n,) of a law at w: w Kd, and with a notch N behind it Im N (Kp + i w Kd), which lags below its centre."""
+    passed = 1.0 if schedule.numbers is None else behind(schedule.numbers, omega * schedule.sample_time)
+    return np.imag(passed * (kp + 1j * omega * kd))
+
+
 def passivity(
     schedule: Schedule, equivalent_at: Callable[[np.ndarray], object], inertia: float, *, viscous: float = 0.0
 ) -> Passivity:
@@ -127,7 +135,11 @@ def passivity(
     )
     weight = 2.0 / NODES * np.sin(angle) ** 2
     omega = np.sqrt(((kp * 2.0 / NODES * np.cos(angle) ** 2).sum(axis=1) + equivalent.stiffness) / inertia)
-    damping = equivalent.loss + omega * (viscous + kd @ weight)
+    damping = (
+        equivalent.loss
+        + omega * viscous
+        + _damped(schedule, (kp * 2.0 / NODES * np.cos(angle) ** 2).sum(axis=1), kd @ weight, omega)
+    )
     fed = pumping(schedule, amplitude) if moving else np.zeros(amplitude.size)
     share = fed / damping
     i = int(share.argmax())

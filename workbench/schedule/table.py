@@ -7,8 +7,10 @@ import numpy as np
 
 from workbench.control import Table, gains_at
 from workbench.control.laws import RULES
+from workbench.control.notched import coefficients
 from workbench.errors import WorkbenchError, nearest
 from workbench.finding import Finding
+from workbench.frequency import Notch
 from workbench.notebook import page
 from workbench.tuning.gains import check_gains
 
@@ -22,7 +24,7 @@ class Schedule:
     held to the next; "following", they move with the stroke; "error", with the stroke as far as it is no more than the error
     that is left; "closing", with the error, down to the lesser of the move and sixteen reversals. reversal: how far back a reversal counts, rad or m.
     sample_time: s, that they were tuned for. plant_digest, plant_lines: of the plant that was tuned (Plant.digest,
-    Plant.digest_lines). interpolation_error: largest relative difference of kp or kd from the tuned gains, between the knots
+    Plant.digest_lines). velocity_filter: s, and notch: behind the law, of the law's own, where it was tuned with them. interpolation_error: largest relative difference of kp or kd from the tuned gains, between the knots
     too.
     """
 
@@ -37,6 +39,8 @@ class Schedule:
     plant_lines: tuple[str, ...] = ()
     interpolation_error: float = 0.0
     findings: tuple[Finding, ...] = ()
+    velocity_filter: float | None = None
+    notch: Notch | None = None
 
     def __post_init__(self):
         for name in ("knots", "kp", "kd"):
@@ -55,6 +59,11 @@ class Schedule:
         """The knots are not consecutive on the grid that per_octave states (few knots can lie on several grids)."""
         octave = np.exp2(np.floor(np.log2(self.knots[:-1])))
         return bool((np.diff(self.knots) * self.per_octave != octave).any())
+
+    @property
+    def numbers(self) -> tuple[float, float, float, float] | None:
+        """(b0, b1, b2, a2) of the notch at the schedule's sample time, or None."""
+        return None if self.notch is None else coefficients(self.notch, self.sample_time)
 
     @cached_property
     def _table(self) -> Table:

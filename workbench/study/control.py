@@ -110,7 +110,7 @@ def designed(plant: Plant, control: Control, task: Task, say: Callable[[str], No
     make = design_from_lowest if control.raised else design
     return make(
         plant, control.amplitudes, control.goal, task, per_octave=control.per_octave, tolerance=control.tolerance,
-        rule=control.rule, load=control.load, say=say, **({"seeds": control.seeds} | options),
+        rule=control.rule, load=control.load, notch=control.notch, say=say, **({"seeds": control.seeds} | options),
     )  # fmt: skip
 
 

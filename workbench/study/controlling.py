@@ -26,7 +26,7 @@ class Control:
     """loop: of the controller. goal and amplitudes (n,): of tuning. per_octave, slope, tolerance, rule: of the schedule.
 
     raised: whether the lowest amplitude may be, to where any gains keep the goal. task: on a plant that is set later. load: torque
-    or force of the ladder, or None. seeds: of the searches.
+    or force of the ladder, or None. seeds: of the searches. notch: whether the gain table has one among its numbers.
     speed_limit: of the axis, rad/s or m/s. scale: of exported gains, or None.
     """
 
@@ -42,6 +42,7 @@ class Control:
     scale: dict | None
     load: float | None
     seeds: tuple[int, ...]
+    notch: bool = True
 
     def limited(self, plant: Plant) -> Plant:
         """Return the plant with the axis' speed limit where the campaign states none."""
@@ -68,7 +69,7 @@ def control_of(top: Table, plant: Plant, shown: Shown | None = None) -> Control:
         sensitivity=tuning.number("sensitivity", 2.0, above=1.0),
     )
     one = top.table("ladder", optional=("load",)) if "ladder" in top else ()
-    schedule = top.table("schedule", optional=("per_octave", "tolerance", "rule"))
+    schedule = top.table("schedule", optional=("per_octave", "tolerance", "rule", "notch"))
     return Control(
         loop=loop,
         goal=goal,
@@ -81,6 +82,7 @@ def control_of(top: Table, plant: Plant, shown: Shown | None = None) -> Control:
         speed_limit=speed,
         scale=dict(top.values["export"]).get("scale") if "export" in top else None,
         load=one.quantity("load", plant.effort, above=0.0) if "load" in one else None,
+        notch=schedule.flag("notch", True),
         seeds=tuple(int(s) for s in numbers(tuning, "seeds", RUNS)),
     )
 

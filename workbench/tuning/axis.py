@@ -62,6 +62,10 @@ class Axis:
     def unit_kd(self) -> float:
         return self.inertia / self.clock.sample_time
 
+    def behind(self, notch: tuple[float, float, float, float] | None) -> "Axis":
+        """Return the axis whose law has a notch of numbers (b0, b1, b2, a2) behind it, or none."""
+        return replace(self, clock=replace(self.clock, notch=notch))
+
     def take(self, rows) -> "Axis":
         """Return the axis at some of the amplitudes."""
         return replace(self, amplitude=self.amplitude[rows], stiffness=self.stiffness[rows], loss=self.loss[rows])

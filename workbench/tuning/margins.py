@@ -11,8 +11,7 @@ def margins(kp: np.ndarray, kd: np.ndarray, motion, clock: sampled.Clock) -> tup
     import control
 
     theta = np.geomspace(1e-3, np.pi, 400)
-    law = kp[:, None] + kd[:, None] * sampled.difference(theta, clock)
-    loops = law * sampled.response(theta, motion, clock)
+    loops = sampled.law(kp, kd, theta, clock) * sampled.response(theta, motion, clock)
     gain, phase = np.full(kp.size, np.inf), np.full(kp.size, np.inf)
     for i, loop in enumerate(loops):
         gains, phases, *_ = control.stability_margins(control.frd(loop, theta, smooth=True), returnall=True)

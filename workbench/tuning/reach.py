@@ -6,6 +6,7 @@ G crosses the negative real axis above the axis' own resonance, join to one; wha
 an undamped spring may have further intervals of its own near Kp = 0: who asks for gains there checks them.
 """
 
+import numba
 import numpy as np
 
 from workbench.tuning import sampled
@@ -15,7 +16,6 @@ from workbench.tuning.start import FLOOR, stable_box
 LINES = 600  # frequencies; the peak between two of them is larger by 1e-4 at most
 LOWEST = 1e-3  # rad a sample
 JOINED = 1e-9  # relative: intervals that touch are one
-ROUNDS = 60  # of joining; each takes the lowest end of all intervals that overlap
 
 
 def stiffest(axis: Axis, ratio: np.ndarray, sensitivity: float) -> np.ndarray:
@@ -28,27 +28,41 @@ def stiffest(axis: Axis, ratio: np.ndarray, sensitivity: float) -> np.ndarray:
     position, rate = sampled.response(theta, motion, axis.clock), sampled.difference(theta, axis.clock)
     own = np.sqrt(axis.stiffness)
     rows = zip(position, ratio, own, strict=True)
-    most = np.stack([_one(p, 1.0 + rate / r[:, None], theta > w, sensitivity) for p, r, w in rows])
+    most = np.stack([stiffest_along(p[None], rate, r, (theta > w)[None], sensitivity) for p, r, w in rows])
     border = stable_box(axis)[0][:, None]  # of a slow loop no line may meet |S| below the Nyquist frequency
     return np.clip(np.where(np.isfinite(most), most, border), FLOOR * border, border)
 
 
-def _one(position: np.ndarray, law: np.ndarray, above: np.ndarray, sensitivity: float) -> np.ndarray:
-    """Return the largest Kp (m,) of one axis: position (f,), law (m, f), above (f,): frequencies beyond its resonance."""
-    line = position * law
-    size = np.abs(line) ** 2
-    turn = line.real**2 - size * (1.0 - sensitivity**-2.0)
-    forbidden = (line.real < 0.0) & (turn > 0.0)
-    root = np.sqrt(np.where(forbidden, turn, 0.0))
-    low = np.where(forbidden, (-line.real - root) / size, np.inf)
-    high = np.where(forbidden, (-line.real + root) / size, -np.inf)
-    crossing = (line.imag[:, 1:] * line.imag[:, :-1] <= 0.0) & (line.real[:, 1:] < 0.0) & above[:-1]
-    most = np.where(crossing, -1.0 / line.real[:, 1:], np.inf).min(axis=1)
-    most = np.where(np.isfinite(most), most, low.min(axis=1))
-    for _ in range(ROUNDS):
-        over = (low < most[:, None]) & (high * (1.0 + JOINED) >= most[:, None])
-        lower = np.where(over, low, np.inf).min(axis=1)
-        if not (lower < most).any():
-            break
-        most = np.minimum(most, lower)
-    return most
+@numba.njit(cache=True, nogil=True, error_model="numpy")
+def stiffest_along(position, rate, ratio, above, sensitivity):
+    """Return the largest Kp (m,), the smallest over axes, that keeps |S| <= sensitivity with Kd = Kp/ratio.
+
+    position (axes, f), rate (f,): responses from torque to position, with all that is behind the law, and of the filtered difference.
+    ratio (m,). above (axes, f): frequencies beyond an axis' own resonance. Infinite where no frequency limits Kp.
+    """
+    out = np.full(ratio.size, np.inf)
+    low, high = np.empty(rate.size), np.empty(rate.size)
+    for i in range(len(position)):
+        for j in range(ratio.size):
+            least, most, before = np.inf, np.inf, 0.0
+            for k in range(rate.size):
+                line = position[i, k] * (1.0 + rate[k] / ratio[j])
+                size = line.real**2 + line.imag**2
+                turn = line.real**2 - size * (1.0 - sensitivity**-2.0)
+                forbidden = line.real < 0.0 and turn > 0.0
+                root = np.sqrt(turn) if forbidden else 0.0
+                low[k] = (-line.real - root) / size if forbidden else np.inf
+                high[k] = (-line.real + root) / size if forbidden else -np.inf
+                least = min(least, low[k])
+                if k and line.imag * before <= 0.0 and line.real < 0.0 and above[i, k - 1]:
+                    most = min(most, -1.0 / line.real)
+                before = line.imag
+            most = most if most < np.inf else least
+            joined = most < np.inf
+            while joined:  # the lower end of all intervals that overlap
+                joined = False
+                for k in range(rate.size - 1, -1, -1):
+                    if low[k] < most and high[k] * (1.0 + JOINED) >= most:
+                        most, joined = low[k], True
+            out[j] = min(out[j], most)
+    return out

@@ -1,24 +1,27 @@
 """The exact sampled loop, in units of the sample: time Ts, torque J/Ts^2 per displacement.
 
 Plant: y'' + damping y' + stiffness y = u behind a zero-order hold and a delay, which need not be whole samples.
-Controller: u = -kp y - kd vh, vh <- vh + alpha (y - y_before - vh). Arrays over amplitudes come first.
+Controller: u = -N (kp y + kd vh), vh <- vh + alpha (y - y_before - vh), N a notch or 1. Arrays over amplitudes come first.
 """
 
 from dataclasses import dataclass
 
 import numpy as np
 
+from workbench.control.notched import behind
 from workbench.threads import one_thread
 
 
 @dataclass(frozen=True)
 class Clock:
-    """What the loop does to a signal. whole, part: the delay, samples. alpha: weight of the velocity filter."""
+    """What the loop does to a signal. whole, part: the delay, samples. alpha: weight of the velocity filter. notch: (b0, b1,
+    b2, a2) of one behind the law (`control.notched`), or none."""
 
     sample_time: float
     whole: int
     part: float
     alpha: float
+    notch: tuple[float, float, float, float] | None = None
 
     @classmethod
     def of(cls, loop) -> "Clock":
@@ -83,15 +86,27 @@ def difference(theta: np.ndarray, clock: Clock) -> np.ndarray:
     return clock.alpha * (1.0 - back) / (1.0 - (1.0 - clock.alpha) * back)
 
 
+def law(kp: np.ndarray, kd: np.ndarray, theta: np.ndarray, clock: Clock) -> np.ndarray:
+    """Return the law's frequency response, y to -u, (n, f), with the notch behind it."""
+    plain = kp[:, None] + kd[:, None] * difference(np.atleast_2d(theta), clock)
+    return plain if clock.notch is None else plain * behind(clock.notch, np.atleast_2d(theta))
+
+
 def closed(kp: np.ndarray, kd: np.ndarray, motion, clock: Clock) -> np.ndarray:
-    """Return the closed loop's matrix, (n, s, s), over [y, y', y_before, vh, u one sample ago, two ago, ...]."""
+    """Return the closed loop's matrix, (n, s, s), over [y, y', y_before, vh, u one sample ago, two ago, ..., two states of a notch]."""
     phi, early, late = motion
-    past = clock.whole + (clock.part > 0.0)
-    out = np.zeros((kp.size, 4 + past, 4 + past))
-    filtered = np.zeros(4 + past)
+    past, own = clock.whole + (clock.part > 0.0), 0 if clock.notch is None else 2
+    size = 4 + past + own
+    out = np.zeros((kp.size, size, size))
+    filtered = np.zeros(size)
     filtered[[0, 2, 3]] = clock.alpha, -clock.alpha, 1.0 - clock.alpha
     command = -kd[:, None] * filtered
     command[:, 0] -= kp
+    if own:
+        (b0, b1, b2, a2), plain, state = clock.notch, command, np.eye(size)[-2:]
+        command = b0 * plain + state[0]
+        out[:, -2] = b1 * (plain - command) + state[1]
+        out[:, -1] = b2 * plain - a2 * command
     out[:, :2, :2] = phi
     out[:, 2, 0] = 1.0
     out[:, 3] = filtered
@@ -114,8 +129,7 @@ def spectral_radius(kp: np.ndarray, kd: np.ndarray, motion, clock: Clock) -> np.
 
 def sensitivity(kp: np.ndarray, kd: np.ndarray, theta: np.ndarray, motion, clock: Clock) -> np.ndarray:
     """Return |S| = 1/|1 + L|, (n, f)."""
-    law = kp[:, None] + kd[:, None] * difference(np.atleast_2d(theta), clock)
-    return 1.0 / np.abs(1.0 + law * response(theta, motion, clock))
+    return 1.0 / np.abs(1.0 + law(kp, kd, theta, clock) * response(theta, motion, clock))
 
 
 def sensitivity_peak(kp, kd, motion, clock: Clock, lowest: float = 1e-3) -> tuple[np.ndarray, np.ndarray]:

@@ -47,7 +47,7 @@ def checked(
 ) -> Checks:
     """Check a schedule on the axis whose gains were tuned at its amplitudes."""
     inertia, viscous, at = axis.rigid.inertia, axis.rigid.viscous, axis.described(loop.resolution)
-    at_knots = Axis.of(at(schedule.knots), inertia, viscous, loop)
+    at_knots = Axis.of(at(schedule.knots), inertia, viscous, loop).behind(schedule.numbers)
     kp, kd = schedule.kp / at_knots.unit_kp, schedule.kd / at_knots.unit_kd
     gain, phase = margins(kp, kd, at_knots.steps(kp), at_knots.clock)
     between = between_knots(schedule, at, inertia, loop, viscous=viscous, sensitivity=goal.sensitivity, points=3)

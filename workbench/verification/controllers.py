@@ -7,7 +7,7 @@ import numpy as np
 from workbench.control import FeedForward, grid
 from workbench.control.laws import ERROR, FOLLOWING, FROZEN
 from workbench.description.friction import friction_of
-from workbench.design.design import BRAKING, REACHED, linear_of
+from workbench.design.design import BRAKING, DEEP, LEADS, REACHED, linear_of
 from workbench.design.families.family import (
     Family,
     cascade_family,
@@ -31,7 +31,7 @@ SLOWEST = 1e-3  # of the speed limit: first knot of the friction that is fed for
 @dataclass(frozen=True, eq=False)
 class Controllers:
     """axis: described and tuned at its amplitudes. schedule: through these gains. linear: what sensitivities are asked of.
-    feed_forward: of the model. families: of every controller that is tuned."""
+    feed_forward: of the model. families: of every controller that is tuned. notched: the same with a notch among their numbers."""
 
     plant: Plant
     goal: TuningGoal
@@ -40,9 +40,10 @@ class Controllers:
     linear: Linear
     feed_forward: FeedForward
     families: tuple[Family, ...]
+    notched: tuple[Family, ...]
 
-    def family(self, name: str) -> Family:
-        return next(f for f in self.families if f.name == name)
+    def family(self, name: str, notch: bool = False) -> Family:
+        return next(f for f in (self.notched if notch else self.families) if f.name == name)
 
 
 def feed_forward_of(plant: Plant, counts: float) -> FeedForward:
@@ -89,7 +90,7 @@ def controllers_of(
         lambda j: profile_family(j, (kv, kd, ki, braking), speed, step),
         lambda j: profile_family(j, (kv, kd, ki, braking), speed, step, known),
     )
-    families = tuple(
-        shaped(make, linear, BEGUN * loop.sample_time) for make in makers
-    )  # the paper's laws have no notch
-    return Controllers(plant, goal, axis, schedule, linear, known, families)
+    dt = loop.sample_time
+    # the paper's laws have no notch
+    families, notched = (tuple(shaped(m, linear, BEGUN * dt, n) for m in makers) for n in (None, (LEADS / dt, DEEP)))
+    return Controllers(plant, goal, axis, schedule, linear, known, families, notched)

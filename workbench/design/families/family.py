@@ -33,7 +33,7 @@ class Family:
 
     controller(points, lanes): one controller whose numbers vary over points, each repeated for `lanes` scenarios.
     sensitivity(points): largest Ms over linearisations, (points,). settled(points): points whose numbers all act. soft: another
-    start, from which a large step arrives softly.
+    start, from which a large step arrives softly. about: how far from a start a search begins, over what it takes, each number.
     """
 
     name: str
@@ -45,6 +45,7 @@ class Family:
     sensitivity: Callable[[np.ndarray], np.ndarray]
     settled: Callable[[np.ndarray], np.ndarray] = lambda points: points
     soft: np.ndarray | None = None
+    about: np.ndarray | float = 1.0
 
 
 class OfFamily:

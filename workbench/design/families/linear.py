@@ -75,11 +75,18 @@ class Judge:
         return share * (1.0 - back) / (1.0 - (1.0 - share) * back) / self.loop.sample_time
 
     def scheduled_peak(
-        self, knots: np.ndarray, kp: np.ndarray, kd: np.ndarray, velocity_filter: np.ndarray | None = None
+        self,
+        knots: np.ndarray,
+        kp: np.ndarray,
+        kd: np.ndarray,
+        velocity_filter: np.ndarray | None = None,
+        behind: np.ndarray | None = None,
     ) -> np.ndarray:
-        """Return Ms (points,) of schedules kp, kd (points, n) over knots (n,), at CHECKED of them. velocity_filter: as of `peak`."""
-        own = {"velocity_filter": velocity_filter}
-        return np.max([self.peak(kp[:, i, None], kd[:, i, None], **own) for i in checked(knots)], axis=0)
+        """Return Ms (points,) of schedules kp, kd (points, n) over knots (n,), at CHECKED of them. velocity_filter: as of `peak`.
+        behind (points, f): response of what is behind the law, a notch's."""
+        n = 1.0 if behind is None else behind
+        pairs = ((n * kp[:, i, None], n * kd[:, i, None]) for i in checked(knots))
+        return np.max([self.peak(*pair, velocity_filter=velocity_filter) for pair in pairs], axis=0)
 
 
 def checked(knots: np.ndarray) -> np.ndarray:
@@ -141,13 +148,19 @@ class Linear(Judge):
         return self._at_knots[key]
 
     def scheduled_peak(
-        self, knots: np.ndarray, kp: np.ndarray, kd: np.ndarray, velocity_filter: np.ndarray | None = None
+        self,
+        knots: np.ndarray,
+        kp: np.ndarray,
+        kd: np.ndarray,
+        velocity_filter: np.ndarray | None = None,
+        behind: np.ndarray | None = None,
     ) -> np.ndarray:
         """Return Ms (points,) of schedules: at CHECKED knots the gains there with the spring of that amplitude, and with none,
         as when the axis still slides."""
         pick = checked(knots)
         rate = self.rate if velocity_filter is None else self.rate_of(velocity_filter)[:, None]
         c = kp[:, pick, None] + kd[:, pick, None] * rate
+        c = c if behind is None else c * behind[:, None]
         sliding, sticking = self._sliding_and_sticking(knots[pick])
         free = 1 if self.viscous > 0.0 else 2
         return np.maximum(peak_of(c * sliding, free).max(axis=1), peak_of(c * sticking, 0).max(axis=1))

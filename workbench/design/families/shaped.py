@@ -59,10 +59,9 @@ class Shaped(Judge):
     def peak(self, position, speed, integrators=0, velocity_filter=None):
         return self.base.peak(position * self.passed, speed * self.passed, integrators, self.velocity_filter)
 
-    def scheduled_peak(self, knots, kp, kd, velocity_filter=None):
-        if self.notch is not None:
-            return super().scheduled_peak(knots, kp, kd)
-        return self.base.scheduled_peak(knots, kp, kd, self.velocity_filter)
+    def scheduled_peak(self, knots, kp, kd, velocity_filter=None, behind=None):
+        own = self.passed if self.notch is not None else None
+        return self.base.scheduled_peak(knots, kp, kd, self.velocity_filter, own)
 
 
 def shaped(
@@ -81,16 +80,16 @@ def shaped(
 
     def parts(points):
         own = points[:, count:]
-        return points[:, :count], own[:, 0], _notch_of(own[:, 1:]) if notch is not None else None
+        return points[:, :count], own[:, 0], own[:, 1:] if notch is not None else None
 
     def controller(points, lanes):
         gains, filtered, behind = parts(points)
         made = replace(base.controller(gains, lanes), velocity_filter=np.repeat(filtered, lanes))
-        return made if behind is None else notched(made, _of_lanes(behind, lanes), dt)
+        return made if behind is None else notched(made, notches(behind, lanes=lanes), dt)
 
     def sensitivity(points):
         gains, filtered, behind = parts(points)
-        each = None if behind is None else _of_lanes(behind, 1, (-1, 1))
+        each = None if behind is None else notches(behind, (-1, 1))
         return make(Shaped(judge, filtered[:, None], each)).sensitivity(gains)
 
     return replace(
@@ -132,19 +131,20 @@ def stiffest(
     return dict(zip(("kp", *FILTER, *NOTCH), map(float, np.exp(found.x)), strict=True))
 
 
+def judged_by(judge: Judge, own: np.ndarray) -> Judge:
+    """Return the linearisations as laws meet them with filters and notches own (points, 3): s, Hz, depth."""
+    return Shaped(judge, own[:, :1], notches(own[:, 1:], (-1, 1)))
+
+
 def judged(judge: Judge, numbers: Mapping[str, float]) -> Judge:
     """Return the linearisations as a tuned law meets them. numbers: of a shaped family's point, by name."""
     behind = None
     if NOTCH[0] in numbers:
-        behind = _of_lanes(_notch_of(np.array([[numbers[n] for n in NOTCH]])), 1, (-1, 1))
+        behind = notches(np.array([[numbers[n] for n in NOTCH]]), (-1, 1))
     return Shaped(judge, np.array([[numbers[FILTER[0]]]]), behind)
 
 
-def _notch_of(numbers: np.ndarray) -> SimpleNamespace:
-    """Return notches of numbers (points, 2)."""
-    return SimpleNamespace(centre=numbers[:, 0], damping=np.full(len(numbers), DAMPEST), depth=numbers[:, 1])
-
-
-def _of_lanes(notch: SimpleNamespace, lanes: int, shape=-1) -> SimpleNamespace:
-    """Return notches with each repeated for so many lanes, in a shape."""
-    return SimpleNamespace(**{n: np.repeat(v, lanes).reshape(shape) for n, v in vars(notch).items()})
+def notches(numbers: np.ndarray, shape=-1, lanes: int = 1) -> SimpleNamespace:
+    """Return notches of numbers (points, 2), centre and depth, each repeated for so many lanes, in a shape."""
+    values = {"centre": numbers[:, 0], "damping": np.full(len(numbers), DAMPEST), "depth": numbers[:, 1]}
+    return SimpleNamespace(**{n: np.repeat(v, lanes).reshape(shape) for n, v in values.items()})
