@@ -47,7 +47,7 @@ def do(given: argparse.Namespace) -> int:
         )
     if any(c.scattered for c in found):
         print(
-            "Scattered: float64 itself lands more than two counts elsewhere where friction is changed by 3e-8 or 1e-7."
+            "Scattered: float64 itself lands more than two counts elsewhere where friction is changed by 1e-7 at most."
         )
     print(
         f"Largest differences from float64 over the axes, final errors from the span of where it lands; sources, tables and figures: {place / FOLDER / FILE}"
