@@ -497,7 +497,8 @@ def test_names_are_drawn_at_random_from_the_catalogue_and_composed():
     passes = InverseDynamics(motion(record(1), 100.0))
     for seed in range(5):
         chosen = random.Random(seed).sample(forces, 3)
-        effects = [find(n)(**{p: 0.01 for p in find(n).linear if find(n).parameters[p].lower <= 0.01}) for n in chosen]
+        small = [{p: 0.01 for p in find(n).linear if find(n).parameters[p].lower <= 0.01} for n in chosen]
+        effects = [find(n)(at="axis", **values) for n, values in zip(chosen, small, strict=True)]
         totals = []
         for order in (effects, effects[::-1]):
             plant = Plant(ONE_MASS) + find("presliding_hysteresis")(h0=0.1)

@@ -34,6 +34,14 @@ CASES = {
     "little is left where validation excites it little": (
         evidence(weighed(val=(0.05, 0.042)), before=0.02, after=0.002), CAUSE, (CAUSE,),
     ),
+    "less than what a stiffness takes that changes along the stroke only dresses it": (
+        replace(evidence(weighed("creep", (0.054, 0.0427), (0.16, 0.147))), before=Explainable(exogenous=0.025, joint=0.043)), UNKNOWN,
+        (DRESSING,),
+    ),
+    "more than that is a cause": (
+        replace(evidence(weighed("backlash", (0.054, 0.02), (0.16, 0.05))), before=Explainable(exogenous=0.025, joint=0.043)), CAUSE,
+        (CAUSE,),
+    ),
     "what an injected torque alone shows is no less a cause": (
         evidence(weighed("transport_delay", (0.0375, 0.0089), (0.0134, 0.0125)), before=0.0025), CAUSE, (CAUSE,),
     ),

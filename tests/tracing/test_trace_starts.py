@@ -12,7 +12,7 @@ from workbench.definition import find
 from workbench.inverse.bodies import POSITION
 from workbench.inverse.dynamics import InverseDynamics, inverse_dynamics
 from workbench.plant import ONE_MASS, TWO_MASS, Plant
-from workbench.record import IDENTIFICATION, Record, Source
+from workbench.record import IDENTIFICATION, VALIDATION, Record, Source
 from workbench.tracing import search
 from workbench.tracing.budget import BUDGET, Budget
 from workbench.tracing.candidates import candidates_of
@@ -186,10 +186,33 @@ def test_the_second_eccentricity_of_a_disc_is_its_second_harmonic():
     assert turns.value == 2.0 and turns.fixed
 
 
-def test_a_cubic_spring_to_ground_is_offered_beside_a_declared_one_alone():
+@pytest.mark.parametrize("second", ["cubic_stiffness@axis", "piecewise_stiffness@axis"])
+def test_a_second_spring_to_ground_is_offered_beside_a_declared_one_alone(second):
     bare = Plant(ONE_MASS, rotary=False) + find("inertia")
-    assert "cubic_stiffness@axis" not in offered(bare)
-    assert "cubic_stiffness@axis" in offered(bare + find("linear_stiffness")(at="axis"))
+    assert second not in offered(bare)
+    assert second in offered(bare + find("linear_stiffness")(at="axis"))
+
+
+def test_a_flexure_that_meets_a_progressive_bumper_has_a_second_spring_and_no_cogging():
+    """The bumper, beyond 3 mm of 4.5: 8000 N/m^1.2 to the power 1.2, which is no formula of the catalogue."""
+    rng = np.random.default_rng(3)
+
+    def record(name: str, role: str, w: float) -> Record:
+        t = T[:2000]
+        q = 4.5e-3 * np.sin(w * t) * np.sin(0.37 * w * t + 0.4)
+        a = np.gradient(np.gradient(q, DT, edge_order=2), DT, edge_order=2)
+        bumper = 8000.0 * np.sign(q) * np.maximum(np.abs(q) - 3e-3, 0.0) ** 1.2
+        drive = 1.2 * a + 850.0 * q + bumper + 0.02 * rng.standard_normal(t.size)
+        return Record(name, role, t, {"position": q, "force": drive}, {}, SOURCE, {"position": 1e-7})
+
+    plant = Plant(ONE_MASS, rotary=False) + find("inertia")(inertia=1.2) + find("linear_stiffness")(at="axis")
+    records = [
+        record("slow", IDENTIFICATION, 3.0),
+        record("fast", IDENTIFICATION, 9.0),
+        record("moves", VALIDATION, 5.0),
+    ]
+    found = trace(plant, inverse_dynamics(records, BAND), only={"cogging", "piecewise_stiffness"})
+    assert found.verdict == "cause" and [c.effect for c in found.causes] == ["piecewise_stiffness"]
 
 
 def test_a_composite_is_not_offered_beside_a_part_of_it():

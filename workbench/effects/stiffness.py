@@ -61,14 +61,17 @@ def cubic_stiffness() -> Effect:
 
 @effect
 def piecewise_stiffness() -> Effect:
-    """T = k1 x inside |x| <= x_thr, and k1 x + k2 (x - x_thr sgn x) outside: there the slope is k1 + k2, not k2."""
+    """T = k1 x inside |x| <= x_thr, and k1 x + k2 (x - x_thr sgn x) outside: there the slope is k1 + k2, not k2.
+
+    Of a joint in its deflection, of one mass beside a declared spring to ground: a flexure or a slide that meets a bumper or a stop.
+    """
 
     def step(s, z, p):
         return {}, p.k1 * s.q + p.k2 * (s.q - clip(s.q, -p.threshold, p.threshold))
 
     return Effect(
         name="piecewise_stiffness",
-        cause="teeth and bearing take the load one after another: the joint is soft about zero and stiffer beyond",
+        cause="teeth and bearing take the load one after another: the joint is soft about zero and stiffer beyond; on one mass a bumper that is met",
         formula="T = k1 x + k2 (|x| - x_thr)+ sgn(x)",
         source="Kircanski and Goldenberg 1997; manufacturers' three-segment stiffness",
         port=FORCE,
@@ -83,6 +86,7 @@ def piecewise_stiffness() -> Effect:
         reads=("q",),
         step=step,
         holds=("conservative", "odd"),
-        places=("joint",),
+        places=("axis", "joint"),
+        beside={"axis": "linear_stiffness"},
         at="joint",
     )

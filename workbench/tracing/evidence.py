@@ -8,6 +8,7 @@ from dataclasses import asdict, dataclass, field
 from math import copysign, sqrt
 
 ADDITION, CORRECTION = "addition", "correction"
+KINDS = ("exogenous", "time", "line", "burst", "joint")  # of what is explainable
 
 
 @dataclass(frozen=True)
@@ -15,8 +16,10 @@ class Explainable:
     """How much of a residual anything could predict out of sample, each kind as a share of the drive's rms.
 
     exogenous: from what is outside the loop (the reference, its past, place, direction). time: from its neighbours in bench
-    time, as a level or as friction. line: one spectral line. burst: moments. frequency: of the line, Hz. instrument: "reference",
-    or "low-passed position" where no reference was logged.
+    time, as a level or as friction. line: one spectral line. burst: moments. joint: of two masses, a stiffness of the joint that changes
+    along the stroke. frequency: of the line, Hz. instrument: "reference",
+    or "low-passed position" where no reference was logged. hum: a line of the mains, at `mains` Hz; it is none of the five kinds, for the
+    mains are no law of an axis.
     """
 
     exogenous: float = 0.0
@@ -25,21 +28,24 @@ class Explainable:
     burst: float = 0.0
     frequency: float = 0.0
     instrument: str = "reference"
+    hum: float = 0.0
+    mains: float = 0.0
+    joint: float = 0.0
 
     @property
-    def sizes(self) -> tuple[float, float, float, float]:
-        """The four kinds."""
-        return self.exogenous, self.time, self.line, self.burst
+    def sizes(self) -> tuple[float, ...]:
+        """The five kinds, as KINDS names them."""
+        return tuple(getattr(self, n) for n in KINDS)
 
     @property
     def size(self) -> float:
-        """The largest of the four."""
+        """The largest of them."""
         return max(self.sizes)
 
     @property
     def kind(self) -> str:
-        """Which of the four is the largest."""
-        return max(("exogenous", "time", "line", "burst"), key=lambda n: getattr(self, n))
+        """Which of them is the largest."""
+        return max(KINDS, key=lambda n: getattr(self, n))
 
 
 @dataclass(frozen=True)

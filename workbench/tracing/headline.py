@@ -8,7 +8,7 @@ from workbench.plant import Plant
 from workbench.record import IDENTIFICATION
 from workbench.residual.window import DIRECTIONS, Window, local
 from workbench.tracing.decide import CAUSE, UNKNOWN
-from workbench.tracing.evidence import ADDITION, CORRECTION, Evidence
+from workbench.tracing.evidence import ADDITION, CORRECTION, Evidence, Explainable
 from workbench.tracing.mending import Mended
 from workbench.tracing.result import Cause
 from workbench.tracing.unexplained import Unexplained
@@ -21,6 +21,7 @@ FROM = {
     "time": "bench time: a level, a friction, a damping or a mass that changes",
     "line": "a line of the spectrum",
     "burst": "moments far outside what is usual",
+    "joint": "the joint's deflection: its stiffness is another one elsewhere on the stroke",
 }
 
 
@@ -76,6 +77,11 @@ def _name_of(c: Cause, plant: Plant) -> str:
 def _at_least(floor: float) -> str:
     """Return what noise leaves, in brackets; "" where the records show none."""
     return f" (noise alone would leave {100 * floor:.2g} % or more)" if floor > UNSEEN else ""
+
+
+def _humming(size: Explainable) -> str:
+    """Return what of the drive is hum of the mains, "" where none is."""
+    return f"{100 * size.hum:.2g} % is hum of the mains, and " if size.hum > 0.0 else ""
 
 
 def _caused(causes: Sequence[Cause], before: Fit, after: Fit, evidence: Evidence, refined: Fit | None) -> str:
@@ -134,6 +140,8 @@ def verdict_sentence(
             said = f"{said} of {size.frequency:.3g} Hz"
             if not local(place):
                 return f"{said}."
+        if size.kind == "joint":
+            return f"{said}."
         if place is None:
             return f"{said}; it lives nowhere in particular: not in a place, not at a speed, not at moments."
         return (
@@ -143,5 +151,5 @@ def verdict_sentence(
     return (
         f"Nothing is missing: the declared model leaves {100 * before.identification:.2f} % of the drive on identification, and "
         f"{'nothing' if size.size == 0.0 else f'no more than {100 * size.size:.2f} %'} of it could be predicted from "
-        "outside the loop; the rest is noise and disturbance."
+        f"outside the loop; {_humming(size)}the rest is noise and disturbance."
     )

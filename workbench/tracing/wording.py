@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 
 from workbench.definition import find
-from workbench.finding import BELOW_FLOOR, SOMETHING_ELSE, Finding, capital, title
+from workbench.finding import BELOW_FLOOR, HUM, SOMETHING_ELSE, Finding, capital, title
 from workbench.identification.result import Fit
 from workbench.plant import Plant
 from workbench.record import IDENTIFICATION, VALIDATION
@@ -77,6 +77,14 @@ def findings_of(verdict: Verdict, evidence: Evidence, causes: Sequence[Cause], p
             "The error with what was added is less than noise and counts alone would leave: what was added explains noise, "
             "or the noise is not what it was read to be; do not rely on it before a second validation record.",
             {r: evidence.floor[r] for r in evidence.floor},
+        )  # fmt: skip
+    if evidence.before.hum >= criteria.explainable:
+        yield Finding(
+            HUM, "",
+            f"Of the drive's rms {100 * evidence.before.hum:.1f} % is hum of the mains, at {evidence.before.mains:.3g} Hz, that no motion "
+            "asks for: the supply's and no law of the axis, in the reported drive alone or as a force.",
+            {"size": evidence.before.hum, "frequency": evidence.before.mains},
+            "look at the earth and the shield of the current sensor and of the drive's set point",
         )  # fmt: skip
     yield from not_carried(causes, criteria)
     refused = [(a, NOT_BORNE_OUT) for a in evidence.refused]
