@@ -67,7 +67,7 @@ def test_of_two_effects_that_show_in_different_blocks_both_are_found(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("gain", "scatter", "state", "credit"),
+    ("gain", "scatter", "state", "provisional"),
     [
         (0.5, 0.2, True, True),
         (0.5, 0.3, True, False),  # not even two standard errors
@@ -75,20 +75,20 @@ def test_of_two_effects_that_show_in_different_blocks_both_are_found(tmp_path):
         (0.5, 0.2, None, False),  # not one that leads
     ],
 )
-def test_credit_is_for_a_plain_gain_that_is_not_certain(gain, scatter, state, credit):
+def test_provisional_is_a_plain_gain_that_is_not_certain(gain, scatter, state, provisional):
     j = judgement(gain, scatter, state=state)
-    assert promised([j, judgement(0.9, 0.1)], STANDARD) is (j if credit else None)
+    assert promised([j, judgement(0.9, 0.1)], STANDARD) is (j if provisional else None)
     assert promised([], STANDARD) is None
 
 
 def test_what_was_added_on_credit_goes_where_nothing_earns_its_place_after_it():
-    first, credit, later = judgement(0.5, 0.1, earns=True), judgement(0.4, 0.2), judgement(0.9, 0.1, earns=True)
-    steps = [Step([first], first), Step([credit], credit, credit=True), Step([], None)]
-    assert earned(steps) == [steps[0], Step([credit], None)]
-    assert earned(steps[:2]) == [steps[0], Step([credit], None)]
-    kept = [Step([credit], credit, credit=True), Step([later], later), Step([], None)]
+    first, provisional, later = judgement(0.5, 0.1, earns=True), judgement(0.4, 0.2), judgement(0.9, 0.1, earns=True)
+    steps = [Step([first], first), Step([provisional], provisional, provisional=True), Step([], None)]
+    assert earned(steps) == [steps[0], Step([provisional], None)]
+    assert earned(steps[:2]) == [steps[0], Step([provisional], None)]
+    kept = [Step([provisional], provisional, provisional=True), Step([later], later), Step([], None)]
     assert earned(kept) == kept
-    assert earned([Step([credit], None)]) == [Step([credit], None)]
+    assert earned([Step([provisional], None)]) == [Step([provisional], None)]
 
 
 def test_an_effect_that_a_later_one_takes_the_place_of_is_no_cause():
@@ -147,7 +147,7 @@ def test_what_counts_alone_explain_is_no_cause(tmp_path, first, others, seed, me
 
 
 def test_a_short_wave_at_speed_is_judged_on_whole_records(tmp_path):
-    """Order 200 passes at up to 200 Hz here: thinned records leave twice the floor of it, whole ones the floor."""
+    """Order 200 passes at up to 200 Hz here: decimated records leave twice the floor of it, whole ones the floor."""
     campaign = made(
         tmp_path, 303049, "kinematic_error", over=2.4181143438098935, base="coulomb", noise=0.0033646931922237146,
         memory=0.009826372773993484, rate=2000, ratio=100.0,

@@ -51,7 +51,7 @@ def test_a_thinned_record_is_the_motion_read_at_another_time(rate):
 
 
 def test_a_model_that_is_right_on_the_record_is_right_on_the_thinned_one():
-    """Where the axis ends elsewhere than it began, the filters of a thinned record once rang through all of it."""
+    """Where the axis ends elsewhere than it began, the filters of a decimated record once rang through all of it."""
     t = np.arange(6000) / 1000.0
     w, move = 2 * np.pi * 20.0, 1.0 / (1.0 + np.exp(-20.0 * (t - 3.0)))
     speed = 20.0 * move * (1.0 - move)

@@ -120,7 +120,7 @@ def sensing_of(
     rms, of the load's balance (load_rest); as large as that where it is 0.
 
     F passes a share of white noise, the mean of |F|^2 up to half the sampling rate; a sample has the whole. logged: the same
-    records at the rate at which they are logged, where `passes` are thinned ones: as many samples fewer, as much less counts
+    records at the rate at which they are logged, where `passes` are decimated ones: as many samples fewer, as much less counts
     say, so that their noise in the band is that of the log.
     """
     m = passes[0].motion

@@ -24,7 +24,7 @@ from workbench.tracing.state import State
 
 
 def _sound(passes: Sequence[InverseDynamics], plant: Plant) -> list[InverseDynamics]:
-    """Return thinned passes of the records that this plant would leave, without noise of the drive; none where counts are
+    """Return decimated passes of the records that this plant would leave, without noise of the drive; none where counts are
     unknown."""
     found = []
     for p in passes:

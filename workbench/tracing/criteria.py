@@ -35,7 +35,7 @@ class Criteria:
     certain: standard errors over blocks by which that gain must differ from zero.
     alike: standard errors within which two effects explain the same, so that the simpler stays.
     plain: share of the residual's power that an effect must take away near the noise floor.
-    hint: standard errors of a gain that is taken on credit while another effect is still missing.
+    hint: standard errors of a gain that is taken provisionally while another effect is still missing.
     carried: share of its identification gain that an effect must take away on validation to be borne out there. Halved, what
         fits noise is kept; doubled, causes that the validation record excites little are withheld.
     doubted: the same share, below which a finding says that validation does not carry a cause, and another law of its class is asked

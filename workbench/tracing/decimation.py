@@ -3,7 +3,7 @@
 Errors count below the evaluation bandwidth only. A record is low-passed without phase below its new Nyquist rate, so that
 quantisation and noise do not fold into the band, and read at the new rate: a ratio p/q of the old one, so that a log of
 1 kHz with a band of 150 Hz is kept at 600 Hz. Both sides of the balance pass the same filter, so a model that is right on the
-record is right on the thinned one.
+record is right on the decimated one.
 """
 
 from collections.abc import Mapping, Sequence
@@ -54,7 +54,7 @@ def decimated(record: Record, bandwidth: float, least: float = LEAST) -> Record:
 def decimate(
     passes: Sequence[InverseDynamics], plant: Plant | None = None, least: float = LEAST
 ) -> list[InverseDynamics]:
-    """Return passes over the thinned records; the same objects where nothing changes. least: kept rate over the band.
+    """Return passes over the decimated records; the same objects where nothing changes. least: kept rate over the band.
 
     plant: as declared; where it holds dry friction without memory at a body, that body's balance does not count at rest.
     """
@@ -62,7 +62,7 @@ def decimate(
 
 
 def thin_one(p: InverseDynamics, plant: Plant | None = None, least: float = LEAST) -> InverseDynamics:
-    """Return passes over one thinned record, whose operators run at FINE times the band."""
+    """Return passes over one decimated record, whose operators run at FINE times the band."""
     band = p.motion.filter.bandwidth
     record = decimated(p.motion.record, band, least)
     at_rest = {place: still(p, place, WINDOW) for place in dry(plant)} if plant is not None else {}

@@ -19,12 +19,12 @@ from workbench.tracing.unexplained import PLAIN, noise_alone
 class Step:
     """One round of the search: every judgement, best first, and the one whose effect was added; None where it ended.
 
-    credit: whether it was added on credit.
+    provisional: whether it was added before its gain was certain.
     """
 
     judgements: Sequence[ScoredCandidate]
     added: ScoredCandidate | None
-    credit: bool = False
+    provisional: bool = False
 
 
 def extended(
@@ -38,12 +38,12 @@ def extended(
     """Add effects one after another while one earns its place. Only the last step may have added nothing.
 
     whole: passes of the identification records as they are. Near the floor an effect must take away a plain share, and of more than what counts alone would leave. One effect may be added
-    on credit (see `promised`): it stays where a later one earns its place, and `pruned` asks whether it earns its own.
+    provisionally (see `promised`): it stays where a later one earns its place, and `pruned` asks whether it earns its own.
     freshly: a state with its free virgin curves found anew.
     """
     found: list[Step] = []
     quiet = noise_rms(whole, state.plant)
-    credit: ScoredCandidate | None = None
+    provisional: ScoredCandidate | None = None
     for _ in range(criteria.steps):
         level = with_stationary(quiet, whole, state.steady)
         judgements = step(state, progress, offer, criteria)
@@ -59,9 +59,9 @@ def extended(
             is not None
         ):
             judgements, best = [free, *judgements], free
-        if best is None and credit is None and not noise_alone(state, level, PLAIN):
-            best = credit = promised(judgements, criteria)
-        found.append(Step(lighter(judgements, best), best, best is not None and best is credit))
+        if best is None and provisional is None and not noise_alone(state, level, PLAIN):
+            best = provisional = promised(judgements, criteria)
+        found.append(Step(lighter(judgements, best), best, best is not None and best is provisional))
         if best is None:
             break
         state = freshly(best.state)
@@ -70,9 +70,9 @@ def extended(
 
 
 def earned(steps: list[Step]) -> list[Step]:
-    """Return the steps without what was added on credit, and what came of it, where no effect was added after it."""
+    """Return the steps without what was added provisionally, and what came of it, where no effect was added after it."""
     added = [s for s in steps if s.added is not None]
-    if not added or not added[-1].credit:
+    if not added or not added[-1].provisional:
         return steps
     until = steps.index(added[-1])
     return [*steps[:until], Step(steps[until].judgements, None)]

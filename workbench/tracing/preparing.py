@@ -45,7 +45,7 @@ class Declared:
         return fitted_on(self.passes)
 
     @cached_property
-    def thinned(self) -> Sequence[InverseDynamics]:
+    def decimated(self) -> Sequence[InverseDynamics]:
         """The same at the lowest rate."""
         return decimate(self.whole)
 
@@ -72,7 +72,7 @@ def _hold_late_clock(d: Declared, only: Only, criteria: Criteria) -> Declared:
     """The angle between two encoders is asked before anything in torque."""
     if d.plant.kind != TWO_MASS or (only is not None and "clock_skew" not in only):
         return d
-    skew = skew_of(d.thinned, d.plant)
+    skew = skew_of(d.decimated, d.plant)
     return replace(d, plant=skew.candidate.plant, skew=skew, before=identify(d.plant, d.passes)) if skew else d
 
 

@@ -108,7 +108,7 @@ def _said_of_each(o: Outcome, after: Fit, progress: Progress) -> tuple[list[Caus
     """Return the causes, the one that takes most first, and the refinements among what stands."""
     made = {
         j.candidate.key: cause(
-            j, w, o.fits[i], o.fits[i + 1], after, o.late.plant, credited=j.candidate.key in o.selected.credited
+            j, w, o.fits[i], o.fits[i + 1], after, o.late.plant, provisional=j.candidate.key in o.selected.provisional
         )
         for i, (j, w) in enumerate(o.standing)
     }
@@ -120,7 +120,7 @@ def _residual_place(o: Outcome) -> Unexplained | None:
     """Return where the residual lives that no effect explains. At rest, too: a slip or a knock need not wait for motion."""
     if o.place:
         return o.place
-    declared = State(o.late.plant, o.late.thinned)
+    declared = State(o.late.plant, o.late.decimated)
     return unexplained(declared, {p.motion.record.name: max(declared.steady, 1e-300) for p in o.passes})
 
 

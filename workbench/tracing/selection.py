@@ -41,8 +41,8 @@ class Answer:
 class Selection:
     """declared: the model as declared, solved; base: with free virgin curves where these take what is of practical size.
 
-    steps: of the search; looked: every step's judgements, those of the revision too; credited: keys of what was taken on
-    credit. laws: declared frictions that a curve stood for; refined: those whose curve stays, as a refinement.
+    steps: of the search; looked: every step's judgements, those of the revision too; provisional: keys of what was added
+    before it was certain. laws: declared frictions that a curve stood for; refined: those whose curve stays, as a refinement.
     """
 
     declared: State
@@ -59,8 +59,8 @@ class Selection:
         return as_declared(self.answer.last.plant, self.laws)
 
     @property
-    def credited(self) -> set[str]:
-        return {s.added.candidate.key for s in self.steps if s.credit}
+    def provisional(self) -> set[str]:
+        return {s.added.candidate.key for s in self.steps if s.provisional}
 
 
 def select(

@@ -20,7 +20,7 @@ SETTLED = 1e-6  # relative decrease of the cost at which a fit is as good as oth
 
 
 class State:
-    """A plant with its solution on the thinned identification records, and its held-out errors.
+    """A plant with its solution on the decimated identification records, and its held-out errors.
 
     theta: where the search starts. solved: it has ended there before, and only its columns are wanted again. base: squared
     error of the model that this one is compared with. most: steps of the search. tolerance: relative decrease of the cost at

@@ -63,11 +63,11 @@ def sticking(plant: Plant, passes: Sequence[InverseDynamics]) -> Sticking | None
     if not any(r[0].any() for r in rest):
         return None
     known = dict(zip((p.motion.record.name for p in passes), rest, strict=True))
-    thinned = decimate(fitted_on(passes))
-    problem = Problem(plant, thinned)
+    decimated = decimate(fitted_on(passes))
+    problem = Problem(plant, decimated)
     held = total = 0.0
     samples = count = 0
-    for p, r in zip(thinned, problem.drive_part(solve(problem).residual), strict=True):
+    for p, r in zip(decimated, problem.drive_part(solve(problem).residual), strict=True):
         at = _nearest(known[p.motion.record.name][0], p)[p.motion.keep]
         held, total = held + float(r[at] @ r[at]), total + float(r @ r)
         samples, count = samples + int(np.count_nonzero(at)), count + at.size
@@ -85,7 +85,7 @@ def _at_rest(p: InverseDynamics, place: str, places: Sequence[str]) -> np.ndarra
     return still(p, place, STUCK, STUCK / 2.0 + SPREAD / m.filter.bandwidth)
 
 
-def _nearest(x: np.ndarray, thinned: InverseDynamics) -> np.ndarray:
-    """Return x (n,) of a record at the samples of its thinned one, (m,)."""
-    at = np.rint(np.linspace(0.0, x.size - 1, thinned.motion.u.size)).astype(int)
+def _nearest(x: np.ndarray, decimated: InverseDynamics) -> np.ndarray:
+    """Return x (n,) of a record at the samples of its decimated one, (m,)."""
+    at = np.rint(np.linspace(0.0, x.size - 1, decimated.motion.u.size)).astype(int)
     return x[at]

@@ -1,4 +1,4 @@
-"""Whole records have the last word on what a search among thinned ones has found."""
+"""Whole records have the last word on what a search among decimated ones has found."""
 
 from collections.abc import Sequence
 
@@ -27,7 +27,7 @@ def in_turn(
     """Return what whole records bear out of what was added, and the fits: of the declared plant, and with one more of these each.
 
     found: the plant that the search ended with.
-    The search looks at thinned records and compares commands; a fit of the drive itself has the last word. It starts from the
+    The search looks at decimated records and compares commands; a fit of the drive itself has the last word. It starts from the
     values that the search ended with, because a declared model that lacks much is fitted to values far from the machine's;
     and from the fit before it where that comes to nothing.
     """

@@ -23,11 +23,11 @@ def cause(
     last: Fit,
     declared: Plant,
     *,
-    credited: bool = False,
+    provisional: bool = False,
 ) -> Cause:
     """Return the cause that a candidate became: its share from `before` to `here`, its parameters from the last fit.
 
-    weight: what whole records say of it. declared: the plant as declared, whose fixed values a correction moved. credited: it
+    weight: what whole records say of it. declared: the plant as declared, whose fixed values a correction moved. provisional: it
     was not certain alone, and the candidate is what it came to with the others in place.
     """
     score, candidate, name = judgement.score, judgement.candidate, judgement.candidate.name
@@ -50,7 +50,7 @@ def cause(
         sentence += f" It is {candidate.family}, of no catalogued law: its curve is in the parameters, and the name is that of the nearest law."
     if weight.implausible:
         sentence += f" Doubt it: {weight.implausible}."
-    if credited:
+    if provisional:
         sentence += (
             " Alone its gain was not certain, because another effect was missing too; with the others in place it takes away "
             f"{100 * score.gain:.1f} % of the held-out residual power (standard error {100 * score.scatter:.1f} %)."
