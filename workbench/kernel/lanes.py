@@ -10,20 +10,22 @@ import numpy as np
 
 from workbench.kernel.cache import load
 from workbench.kernel.program import Program
-from workbench.kernel.scan import PREAMBLE
+from workbench.kernel.scan import PREAMBLE, function, held
 
 
 @lru_cache(maxsize=512)
 def source(program: Program) -> str:
     """Return the text of a module with `lanes(inputs, constants, out)`: see `map_lanes`."""
     n_inputs, n_constants = (*program.inputs, 0)[:2]
-    text = [PREAMBLE.format(name=program.name)]
+    lines = [f"i1_{k} = p[{k}]" for k in range(n_constants)]
+    lines += [f"i0_{k} = inputs[{k}, lane]" for k in range(n_inputs)]
+    lines += [f"{line.out} = {line.text}" for line in program.lines]
+    lines += [f"out[{k}, lane] = {name}" for k, name in enumerate(program.outputs[0])]
+    fixed, fix = held("p", "constants", n_constants)
+    given = ["inputs", "lane", *(["p"] if n_constants else []), "out"]
+    text = [PREAMBLE.format(name=program.name), *fixed, *function("one", given, lines)]
     text += ['@numba.njit(cache=True, nogil=True, error_model="numpy")', "def lanes(inputs, constants, out):"]
-    text += [f"    i1_{k} = constants[{k}]" for k in range(n_constants)]
-    text.append("    for lane in range(inputs.shape[1]):")
-    text += [f"        i0_{k} = inputs[{k}, lane]" for k in range(n_inputs)]
-    text += [f"        {line.out} = {line.text}" for line in program.lines]
-    text += [f"        out[{k}, lane] = {name}" for k, name in enumerate(program.outputs[0])]
+    text += [*fix, "    for lane in range(inputs.shape[1]):", f"        one({', '.join(given)})"]
     return "\n".join(text) + "\n"
 
 

@@ -3,6 +3,7 @@
 A step program has inputs (signals, states, constants) and outputs (next states, outputs).
 """
 
+from collections.abc import Sequence
 from functools import lru_cache
 
 import numpy as np
@@ -13,40 +14,47 @@ from workbench.kernel.program import Program
 PREAMBLE = '''"""Generated: {name}. Arithmetic in the order of the symbolic step; strict (no fastmath), so the bits are the same."""
 
 import numba
-import numpy as np
-from numpy import floor, sqrt
 
-INF, NAN = np.inf, np.nan
-
-
-@numba.njit
-def select(condition, a, b):
-    return a if condition else b
-
-
-@numba.njit
-def fabs(a):
-    return abs(a)
-
+from workbench.kernel.straight import straight
 '''
+
+
+def function(name: str, arguments: Sequence[str], lines: list[str]) -> list[str]:
+    """Return the lines of a straight function (see `workbench.kernel.straight`), with empty ones about it."""
+    return ["", "@straight", f"def {name}({', '.join(arguments)}):", *(f"    {line}" for line in lines), "", ""]
+
+
+def held(name: str, array: str, n: int) -> tuple[list[str], list[str]]:
+    """Return the lines of a straight function, and of its call, by which a tuple has the first n elements of an array, which are then not read
+    again; none where there are none."""
+    if not n:
+        return [], []
+    return function(f"{name}_of", (array,), [f"return {''.join(f'{array}[{k}], ' for k in range(n))}"]), [
+        f"    {name} = {name}_of({array})"
+    ]
 
 
 @lru_cache(maxsize=512)
 def source(program: Program) -> str:
     """Return the text of a module with `scan(signals, states, constants, out)`: see `scan`."""
     n_signals, n_states, n_constants = program.inputs
-    text = [PREAMBLE.format(name=program.name)]
-    text += ['@numba.njit(cache=True, nogil=True, error_model="numpy")', "def scan(signals, states, constants, out):"]
-    text += [f"    i1_{k} = states[{k}]" for k in range(n_states)]
-    text += [f"    i2_{k} = constants[{k}]" for k in range(n_constants)]
-    text.append("    for n in range(signals.shape[1]):")
-    text += [f"        i0_{k} = signals[{k}, n]" for k in range(n_signals)]
-    text += [f"        {line.out} = {line.text}" for line in program.lines]
+    lines = [f"i1_{k} = z[{k}]" for k in range(n_states)]
+    lines += [f"i2_{k} = p[{k}]" for k in range(n_constants)]
+    lines += [f"i0_{k} = signals[{k}, n]" for k in range(n_signals)]
+    lines += [f"{line.out} = {line.text}" for line in program.lines]
     following, outputs = program.outputs
-    text += [f"        n_{k} = {name}" for k, name in enumerate(following)]
-    text += [f"        out[{k}, n] = {name}" for k, name in enumerate(outputs)]
-    text += [f"        i1_{k} = n_{k}" for k in range(n_states)]
-    text += [f"    states[{k}] = i1_{k}" for k in range(n_states)]
+    lines += [f"out[{k}, n] = {name}" for k, name in enumerate(outputs)]
+    lines += [f"return {''.join(f'{name}, ' for name in following)}"] if n_states else []
+    begun, begin = held("z", "states", n_states)
+    fixed, fix = held("p", "constants", n_constants)
+    given = ["signals", "n", *(["z"] if n_states else []), *(["p"] if n_constants else []), "out"]
+    text = [PREAMBLE.format(name=program.name), *begun, *fixed, *function("step", given, lines)]
+    if n_states:
+        text += function("keep", ("states", "z"), [f"states[{k}] = z[{k}]" for k in range(n_states)])
+    text += ['@numba.njit(cache=True, nogil=True, error_model="numpy")', "def scan(signals, states, constants, out):"]
+    text += [*begin, *fix, "    for n in range(signals.shape[1]):"]
+    text += [f"        {'z = ' if n_states else ''}step({', '.join(given)})"]
+    text += ["    keep(states, z)"] if n_states else []
     return "\n".join(text) + "\n"
 
 

@@ -15,24 +15,24 @@ from workbench.simulation.design import Design, Piece
 from workbench.simulation.sampled import AMPLITUDE
 
 ARGUMENTS = (
-    "x, c, table, base, seeds, strength, delays, ring, shared, own, out, "
+    "x, constants, table, base, seeds, strength, delays, ring, shared, own, out, "
     "samples, window_from, every, shift, offset, delay, sample_time, h"
 )
 HEAD = '''"""Generated: one sampled loop. Strict arithmetic in the order of the symbolic steps, so the bits are the same."""
 
 import numba
 import numpy as np
-from numpy import floor, sqrt
 
-from workbench.kernel.intrinsics import bits, branch, select
+from workbench.kernel.intrinsics import bits
+from workbench.kernel.straight import straight
 
-INF, NAN = np.inf, np.nan
-fabs = np.abs
-
+'''
+RUN = """
 
 @numba.njit(cache=True, nogil=True, error_model="numpy")
 def run({arguments}):
-'''
+"""
+STAGES = "sense", "control", "step"
 
 
 @dataclass(frozen=True)
@@ -95,16 +95,36 @@ def _cell(row: int, lanes: int) -> str:
     return f"r_{row}" if lanes == 1 else f"x[{row * lanes} + lane]"
 
 
-def _lanes_loop(piece: Piece, at: dict[str, int], constants, rows: int, lanes: int) -> list[str]:
-    """Lines of one loop over lanes."""
-    text = [f"for lane in range({lanes}):"]
-    for j, name in enumerate(piece.rows):
-        text.append(f"    i0_{j} = " + (_cell(at[name], lanes) if name in at else f"clock_{name}"))
+def _stage(
+    name: str, piece: Piece, at: dict[str, int], constants, rows: int, lanes: int
+) -> tuple[list[str], list[str]]:
+    """Return the lines of a function that does a piece's arithmetic in one lane, and those that call it in each.
+
+    Many lanes load and store their rows; one has them in variables, which it gives and gets back."""
+    inside, given = [], {"c": None} if any(kind == "scalar" for kind, _ in constants) else {}
+    given |= {} if lanes == 1 else {"x": None, "lane": None}
+
+    def cell(row: int) -> str:
+        text = _cell(row, lanes)
+        return text if lanes > 1 else given.setdefault(text, None) or text
+
+    for j, row in enumerate(piece.rows):
+        if row not in at:
+            given[f"clock_{row}"] = None
+        inside.append(f"i0_{j} = " + (cell(at[row]) if row in at else f"clock_{row}"))
     for m, (kind, number) in enumerate(constants):
-        text.append(f"    i1_{m} = " + (_cell(rows + number, lanes) if kind == "row" else f"c_{number}"))
-    text += [f"    {line.out} = {_expression(line, lanes)}" for line in piece.after.lines]
-    outputs = zip(piece.outputs, piece.after.outputs[0], strict=True)
-    return text + [f"    {_cell(at[name], lanes)} = {value}" for name, value in outputs]
+        inside.append(f"i1_{m} = " + (cell(rows + number) if kind == "row" else f"c[{number}]"))
+    inside += [f"{line.out} = {_expression(line, lanes)}" for line in piece.after.lines]
+    cells = [_cell(at[n], lanes) for n in piece.outputs]
+    values = piece.after.outputs[0]
+    call = f"{name}({', '.join(given)})"
+    if lanes > 1:
+        inside += [f"{to} = {value}" for to, value in zip(cells, values, strict=True)]
+    elif cells:
+        inside.append(f"return {', '.join(values)},")
+        call = f"{', '.join(cells)}, = {call}"
+    text = ["", "", "@straight", f"def {name}({', '.join(given)}):", *(f"    {line}" for line in inside)]
+    return text, [f"for lane in range({lanes}):", f"    {call}"] if lanes > 1 else [call]
 
 
 def _look_up(design: Design, at: dict[str, int], lanes: int) -> list[str]:
@@ -175,7 +195,8 @@ def source(design: Design, layout: Layout) -> str:
     """Return the text of a module with `run(...)`, which moves one chunk of lanes through all samples."""
     at, lanes = places(design, layout), layout.lanes
     rows = len(set(at.values()))
-    sense, control, step = (_lanes_loop(p, at, layout.constants(i), rows, lanes) for i, p in enumerate(design.pieces))
+    made = [_stage(STAGES[i], p, at, layout.constants(i), rows, lanes) for i, p in enumerate(design.pieces)]
+    sense, control, step = (call for _, call in made)
     scalars = sum(len(v) for v in layout.varying) - layout.extra_rows
     put, take = _delayed(at, layout)
     noisy = noise.source(_cell(at["noise"], lanes), "strength[lane]", lanes) if design.noisy else []
@@ -195,7 +216,16 @@ def source(design: Design, layout: Layout) -> str:
         *put,
     ]
     inner = [*take, "clock_t = clock_k * sample_time + j * h", *step]
-    text = [f"    c_{i} = c[{i}]" for i in range(scalars)]
+    before = [line for text, _ in made for line in text]
+    if scalars:
+        before += [
+            "",
+            "",
+            "@straight",
+            "def scalars(c):",
+            f"    return {', '.join(f'c[{i}]' for i in range(scalars))},",
+        ]
+    text = ["    c = scalars(constants)"] if scalars else []
     own = range(rows + layout.extra_rows) if lanes == 1 else ()
     text += [f"    r_{i} = x[{i}]" for i in own]
     text += ["    for k in range(samples):"]
@@ -203,4 +233,4 @@ def source(design: Design, layout: Layout) -> str:
     text += [f"        for j in range({layout.substeps}):"]
     text += [f"            {line}" for line in inner]
     text += [f"    x[{i}] = r_{i}" for i in own]
-    return HEAD.format(arguments=ARGUMENTS) + "\n".join(text) + "\n"
+    return HEAD.rstrip("\n") + "\n".join(["", *before, ""]) + RUN.format(arguments=ARGUMENTS) + "\n".join(text) + "\n"
