@@ -4,6 +4,7 @@ import math
 import operator
 from itertools import accumulate
 
+import numba
 import numpy as np
 
 LAGRANGE = 8  # points of the interpolation in time; error below 1e-3 up to 0.35 of the sampling rate
@@ -11,6 +12,8 @@ LAGRANGE = 8  # points of the interpolation in time; error below 1e-3 up to 0.35
 # one, a lag below the sample time damps 90 Hz at 1 kHz six times too much. Odd, so that the inverse of such a step,
 # which rings at half its rate, rings at half the sampling rate, where the evaluation filter leaves nothing.
 FINER = 7
+POINTS = range(1 - LAGRANGE // 2, LAGRANGE // 2 + 1)
+SCALE = np.array([1.0 / math.prod(i - j for j in POINTS if j != i) for i in POINTS])
 
 
 def weights(u) -> list:
@@ -18,12 +21,10 @@ def weights(u) -> list:
 
     Of the products over all points but one, those over the points before it and those behind it.
     """
-    points = range(1 - LAGRANGE // 2, LAGRANGE // 2 + 1)
-    away = [u - j for j in points]
+    away = [u - j for j in POINTS]
     before = list(accumulate(away[:-1], operator.mul, initial=1.0))
     behind = list(accumulate(away[:0:-1], operator.mul, initial=1.0))[::-1]
-    scale = [1.0 / math.prod(i - j for j in points if j != i) for i in points]
-    return [k * a * b for k, a, b in zip(scale, before, behind, strict=True)]
+    return [k * a * b for k, a, b in zip(SCALE, before, behind, strict=True)]
 
 
 def between(x: np.ndarray, steps: np.ndarray) -> np.ndarray:
@@ -31,14 +32,28 @@ def between(x: np.ndarray, steps: np.ndarray) -> np.ndarray:
 
     Beyond the ends the first or last value is held.
     """
-    whole = np.floor(steps)
-    first = whole.astype(int) + (1 - LAGRANGE // 2)
-    least, most = int(first.min()), int(first.max()) + LAGRANGE
-    before, after = max(-least, 0), max(most - x.size, 0)
-    held = np.concatenate([np.full(before, x[0]), x, np.full(after, x[-1])])
-    result = np.zeros(steps.size)
-    for i, weight in enumerate(weights(steps - whole)):
-        result += weight * held[first + (before + i)]
+    return _between(np.ascontiguousarray(x), np.ascontiguousarray(steps, dtype=float), SCALE)
+
+
+@numba.njit(cache=True, nogil=True, error_model="numpy")
+def _between(x, steps, scale):
+    """Return what `between` does, with the operations of `weights` in their order, so that the bits are those of `shifted`."""
+    n, half = len(scale), len(scale) // 2
+    away, behind, result = np.empty(n), np.empty(n), np.empty(steps.size)
+    for m in range(steps.size):
+        whole = np.floor(steps[m])
+        u = steps[m] - whole
+        for i in range(n):
+            away[i] = u - (1 - half + i)
+        behind[n - 1] = 1.0
+        for i in range(n - 1, 0, -1):
+            behind[i - 1] = behind[i] * away[i]
+        before, value = 1.0, 0.0
+        for i in range(n):
+            at = min(max(int(whole) + (1 - half) + i, 0), x.size - 1)
+            value += scale[i] * before * behind[i] * x[at]
+            before *= away[i]
+        result[m] = value
     return result
 
 
