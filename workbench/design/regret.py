@@ -172,8 +172,10 @@ def raised(
 def regret(on: Ladder, figures: np.ndarray, against: References) -> Regret:
     """Return the regret of figures (..., rungs, 2, 3)."""
     least, sample = COUNTS * on.task.loop.count, on.task.loop.sample_time
-    time = np.where(timed(on), np.maximum(figures[..., 0], sample) / np.maximum(against.time, sample), 1.0)
-    error = np.maximum(figures[..., 1], least) / np.maximum(against.error, least)
+    # neither the controller nor the reference comes to rest: no regret, see `restless`
+    with np.errstate(invalid="ignore"):
+        time = np.where(timed(on), np.maximum(figures[..., 0], sample) / np.maximum(against.time, sample), 1.0)
+        error = np.maximum(figures[..., 1], least) / np.maximum(against.error, least)
     return Regret(time, error, figures[..., 2])
 
 
