@@ -45,18 +45,14 @@ def traced(campaign: Campaign, folder: Path) -> tuple[Trace, bytes]:
     return found, b"".join(f.read_bytes() for f in files)
 
 
-def test_neither_the_order_of_effects_and_records_nor_the_number_of_threads_shows_in_any_bit(
-    campaign, written, tmp_path
+def test_neither_the_order_of_effects_and_records_nor_the_number_of_threads_and_processes_shows_in_any_bit(
+    campaign, written, tmp_path, monkeypatch
 ):
+    monkeypatch.setenv("WORKBENCH_PROCESSES", "3")
     plant = replace(campaign.plant, effects=campaign.plant.effects[::-1])
     with threadpool_limits(limits=4, user_api="blas"):
         assert np.dot(np.ones(9), np.ones(9)) == 9.0  # the pool of threads is there
         assert traced(replace(campaign, plant=plant, records=campaign.records[::-1]), tmp_path)[1] == written
-
-
-def test_the_number_of_processes_shows_in_no_bit(campaign, written, tmp_path, monkeypatch):
-    monkeypatch.setenv("WORKBENCH_PROCESSES", "3")
-    assert traced(campaign, tmp_path)[1] == written
 
 
 def test_what_is_tried_and_in_which_order_does_not_depend_on_the_validation_records(campaign, first, tmp_path):
