@@ -12,6 +12,7 @@ from scipy import signal
 from workbench.campaign import Campaign
 from workbench.checking.modes import undeclared
 from workbench.checking.seen import Seen
+from workbench.checking.wording import said
 from workbench.cli import main
 from workbench.definition import Effect, find
 from workbench.errors import WorkbenchError
@@ -264,7 +265,7 @@ def test_what_is_no_loop_is_refused(law, bound, said):
 
 def seen_as_one_mass(record: Record, *further: Effect) -> list[Finding]:
     plant = Plant(ONE_MASS, (find("inertia")(inertia=MOTOR + LOAD), *further))
-    return list(undeclared(Seen(Campaign(Path("c"), "c", plant, (record,), 150.0))))
+    return [said(mode) for mode in undeclared(Seen(Campaign(Path("c"), "c", plant, (record,), 150.0)))]
 
 
 def test_a_mode_of_an_axis_that_is_declared_as_one_mass_is_said():

@@ -5,14 +5,17 @@ from collections.abc import Sequence
 import numpy as np
 
 from workbench.errors import WorkbenchError
-from workbench.identification import findings, intervals
+from workbench.identification import intervals, wording
 from workbench.identification.by_record import own_estimates, spread
+from workbench.identification.disagreement import disagreements
+from workbench.identification.excitation import unexcited
 from workbench.identification.problem import Problem
 from workbench.identification.result import Fit, Series, Squares
 from workbench.identification.solve import ITERATIONS, NoValue, Solution, solve
-from workbench.inverse import prehistory, zeros
+from workbench.inverse import prehistory
 from workbench.inverse.balances import predicted
 from workbench.inverse.dynamics import InverseDynamics
+from workbench.inverse.wording import state_at_start, zeros_apart
 from workbench.plant import Plant
 from workbench.record import IDENTIFICATION, ROLES, VALIDATION
 from workbench.threads import one_thread
@@ -94,10 +97,11 @@ def seen(problem: Problem, solution: Solution, passes: Sequence[InverseDynamics]
     of_role = {r: sum((squares[n] for n in squares if series[n].role == r), Squares()) for r in ROLES}
     # a cause before what it causes: what is not excited is not determined
     half = dict(zip(names, t * np.sqrt(np.maximum(np.diag(cov), 0.0)), strict=True))
-    said = findings.excitation(problem, solution, half, noise)
-    said += findings.disagreements(problem, plant, linear, owns) + intervals.findings(problem, estimates, names, cov)
-    for of in (zeros, prehistory):
-        said += of.findings([p.motion.record for p in passes], plant.displacement)
+    said = [wording.unexcited(one) for one in unexcited(problem, solution, half, noise)]
+    said += [wording.disagreement(one) for one in disagreements(problem, plant, linear, owns)]
+    said += wording.undetermined(problem, estimates, names, cov)
+    for told in (zeros_apart, state_at_start):
+        said += told([p.motion.record for p in passes], plant.displacement)
     return Fit(
         plant=plant,
         estimates=estimates,

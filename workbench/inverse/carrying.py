@@ -9,7 +9,6 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from workbench.finding import CARRIES_NOTHING, Finding
 from workbench.inverse.dynamics import InverseDynamics
 from workbench.plant import TWO_MASS, Plant
 from workbench.record import IDENTIFICATION
@@ -40,23 +39,13 @@ def load_errors(passes: Sequence[InverseDynamics], plant: Plant) -> dict[str, fl
     return {role: float(np.sqrt(x / whole)) for role, (x, whole) in power.items() if whole > 0.0}
 
 
-def idle(passes: Sequence[InverseDynamics], plant: Plant) -> Finding | None:
-    """Return the finding that a fitted plant's joint carries nothing on the identification records, None where it carries.
+def idle_error(passes: Sequence[InverseDynamics], plant: Plant) -> float | None:
+    """Return the error of the load's balance on the identification records where a fitted plant's joint carries nothing there.
 
-    Then no cause is to be named from its balances.
+    None where it carries. Infinite where its law has no torque. Then no cause is to be named from its balances.
     """
     free = [p for p in passes if p.motion.record.role == IDENTIFICATION and not p.motion.record.locked]
     if plant.kind != TWO_MASS or not free or not any(e.at == "joint" for e in plant.effects):
         return None
     error = load_errors(free, plant).get(IDENTIFICATION, np.inf)
-    if error < IDLE:
-        return None
-    left = f"leaves {100 * error:.0f} % of the load's balance" if np.isfinite(error) else "has no torque"
-    return Finding(
-        CARRIES_NOTHING, "joint",
-        f"The fit lets the joint carry nothing: its law at the measured angle {left}. What the load does then says nothing of "
-        f"the joint, and no cause can be told from these balances.",
-        {"error": error},
-        "Check the clocks of the two encoders and the zero of one against the other in each record (the check says both); "
-        "else declare the load's inertia as fixed, or record a motion with more torque through the joint.",
-    )  # fmt: skip
+    return None if error < IDLE else error
