@@ -13,10 +13,10 @@ from math import asin, degrees, inf
 import numpy as np
 
 from workbench.definition import Effect
-from workbench.finding import capital, located
 from workbench.identification.problem import Problem
 from workbench.identification.solve import NoValue, bounded, scales, slopes, solve
 from workbench.inverse.dynamics import InverseDynamics
+from workbench.planning import wording
 from workbench.planning.envelope import Envelope, Sensing
 from workbench.planning.following import followed, with_effect
 from workbench.planning.motions import Reference
@@ -83,12 +83,12 @@ def separate(
             break
         silent.append(truth)  # nothing parts from an effect that shows nowhere: the other one is the truth then
     if len(silent) == 2:
-        return _silent(a, b)
+        return Separation(a.key, b.key, None, 0.0, 0.0, "", wording.shown_nowhere(a, b))
     best = sorted(found, key=lambda x: x[0].better(), reverse=True)[:REFITTED]
     motions = [r for *_, r in best]
     refitted = zip(shared(lambda r: _refitted(r, plant, pair, sensing), motions), motions, strict=True)
     parting, reference = max(refitted, key=lambda x: x[0].better(), default=(Parting(0.0, 0.0), None))
-    return _said(a, b, parting, reference, silent)
+    return _found(a, b, parting, reference, silent)
 
 
 def _tried(
@@ -104,30 +104,14 @@ def _tried(
     return parting, shown
 
 
-def _silent(a: Effect, b: Effect) -> Separation:
-    sentence = (
-        f"Neither {located(a.named, a.at)} nor {located(b.named, b.at)} shows along any motion within the limits, with the "
-        "values that explain the records beside the declared model."
-    )
-    return Separation(a.key, b.key, None, 0.0, 0.0, "", sentence)
-
-
-def _said(a: Effect, b: Effect, parting: Parting, reference: Reference | None, silent: Sequence[Effect]) -> Separation:
-    names = located(a.named, a.at), located(b.named, b.at)
-    said = f"{degrees(parting.angle):.2g} degrees and {parting.deviations:.{0 if parting.deviations > 10.0 else 1}f} standard deviations"
+def _found(a: Effect, b: Effect, parting: Parting, reference: Reference | None, silent: Sequence[Effect]) -> Separation:
+    """Return what the best motion brings. silent: those of the two that show nowhere themselves."""
+    best = (parting.angle, parting.deviations)
     if reference is None or parting.deviations < APART:
-        sentence = (
-            f"No motion of {'this length ' if reference is not None else ''}within the limits tells {names[0]} from "
-            f"{names[1]}: the best leaves them {said} apart."
-        )
-        return Separation(a.key, b.key, reference, parting.angle, parting.deviations, "", sentence)
+        sentence = wording.not_apart(a, b, *best, some=reference is not None)
+        return Separation(a.key, b.key, reference, *best, "", sentence)
     motion = f"record {reference.phrase}"
-    sentence = f"To tell {names[0]} from {names[1]}, {motion}: along it they lie {said} apart."
-    for e in silent:
-        sentence += (
-            f" {capital(located(e.named, e.at))} itself shows nowhere, with the values that explain the records."
-        )
-    return Separation(a.key, b.key, reference, parting.angle, parting.deviations, motion, sentence)
+    return Separation(a.key, b.key, reference, *best, motion, wording.apart(a, b, *best, motion, silent))
 
 
 def _parting(left: np.ndarray, without: np.ndarray, sensing: Sensing, plant: Plant) -> Parting:
