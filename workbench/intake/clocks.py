@@ -1,5 +1,6 @@
 """Which column is the time, and in which unit: sure where a name or the data say so, else assumed."""
 
+import shlex
 from collections.abc import Mapping, Sequence
 
 import numpy as np
@@ -7,6 +8,7 @@ import numpy as np
 from workbench.errors import WorkbenchError
 from workbench.intake import signals
 from workbench.intake.columns import Columns, Guess, Scale
+from workbench.intake.names import alike
 
 COUNTERS = set("sample samples index idx count counter cycle cycles nr no n k scan tick ticks".split())
 # Seconds since 1970 between 2001 and 2049, in each unit: no time since a start is as large, whatever its unit.
@@ -104,10 +106,6 @@ def _none(columns: Columns, named: Sequence[str]) -> str:
 
 def unknown_unit(columns: Columns, name: str) -> WorkbenchError:
     """Return the sentence on a unit that is stated and not known, with the nearest that are."""
-    import shlex
-
-    from workbench.intake.names import alike
-
     m = columns.meanings[name]
     near = alike(m.unknown, m.kind)
     say = shlex.quote(f"{name}={near[0]}")
