@@ -40,29 +40,9 @@ def covariance(problem: Problem, solution: Solution) -> tuple[list[Name], np.nda
 
     t: Student's 97.5 % quantile. condition: of the columns scaled to unit length.
     """
-    names = [*problem.free_linear, *problem.free_shape]
-    values = np.concatenate(
-        [
-            solution.c,
-            [problem.with_shape(solution.theta)[n.key].parameters[n.parameter].value for n in problem.free_shape],
-        ]
-    )
-    a = solution.columns
-    inside = [
-        k
-        for k, n in enumerate(names)
-        if not on_bound(values[k], problem.parameter(n).lower, problem.parameter(n).upper) and np.any(a[:, k])
-    ]
-    # a shape parameter searched on a logarithmic scale: d/dp = (d/dtheta)/p
-    natural = np.array(
-        [
-            1.0 / values[k]
-            if k >= len(problem.free_linear) and problem.parameter(names[k]).scale in LOGARITHMIC
-            else 1.0
-            for k in inside
-        ]
-    )
-    a = a[:, inside] * natural
+    from scipy.special import stdtrit
+
+    inside, a = _inside(problem, solution)
     if not inside:
         return [], np.zeros((0, 0)), 2.0, 1.0
     norms = scales(a)
@@ -74,9 +54,20 @@ def covariance(problem: Problem, solution: Solution) -> tuple[list[Name], np.nda
     count, p = len(scores), len(inside)
     freedom = max(count - p, 1)
     cov = bread @ (scores.T @ scores) @ bread * (count / freedom)
-    from scipy.special import stdtrit
+    return inside, cov / np.outer(norms, norms), float(stdtrit(freedom, 0.975)), condition
 
-    return [names[k] for k in inside], cov / np.outer(norms, norms), float(stdtrit(freedom, 0.975)), condition
+
+def _inside(problem: Problem, solution: Solution) -> tuple[list[Name], np.ndarray]:
+    """Return the free parameters that lie inside their bounds and have a part in the drive, and their columns (m, p) in natural units."""
+    names, a = [*problem.free_linear, *problem.free_shape], solution.columns
+    shaped = problem.with_shape(solution.theta)
+    values = np.concatenate([solution.c, [shaped[n.key].parameters[n.parameter].value for n in problem.free_shape]])
+    declared = [problem.parameter(n) for n in names]
+    inside = [k for k, p in enumerate(declared) if not on_bound(values[k], p.lower, p.upper) and np.any(a[:, k])]
+    # a shape parameter searched on a logarithmic scale: d/dp = (d/dtheta)/p
+    logarithmic = [k >= len(problem.free_linear) and declared[k].scale in LOGARITHMIC for k in inside]
+    natural = np.array([1.0 / values[k] if log else 1.0 for k, log in zip(inside, logarithmic, strict=True)])
+    return [names[k] for k in inside], a[:, inside] * natural
 
 
 def estimates(plant, names: list[Name], cov: np.ndarray, t: float) -> tuple[Estimate, ...]:
