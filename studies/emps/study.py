@@ -9,6 +9,7 @@ from workbench import readers
 from workbench.control import Controller, Law
 from workbench.definition import Effect, find
 from workbench.finding import capital, title
+from workbench.identification.by_role import refitted
 from workbench.identification.fit import identify
 from workbench.identification.result import Fit
 from workbench.inverse.dynamics import InverseDynamics, inverse_dynamics
@@ -19,12 +20,16 @@ from workbench.output_error.rerun import rerun
 from workbench.plant import ONE_MASS, Plant
 from workbench.record import IDENTIFICATION, ROLES, VALIDATION, Record
 from workbench.report.contents import BAD, GOOD, Callout, Chapter, Equation, Items, Paragraph, Table
+from workbench.report.steps import hundredths, steps_table, tried_table
+from workbench.residual.attainable import attainable
 from workbench.simulation import Loop
-from workbench.study import evidence, standard
+from workbench.study import standard
 from workbench.study.configuration import Study
 from workbench.study.outcome import Outcome
+from workbench.tracing import hypotheses
 from workbench.tracing.power_up import calibrate
 from workbench.tracing.result import Trace
+from workbench.tracing.steps import steps
 from workbench.tracing.tracing import trace
 
 FURTHER = ("rig", "published")
@@ -288,9 +293,9 @@ def run(study: Study, say) -> Outcome:
     found = trace(declared, passes, say, own=tuple(map(find, OFFERED)))
     turn = rig(study).quantity("revolution", "m", above=0.0)
     say("trying the explanations that were published")
-    tried = evidence.tried(found.after.plant, passes, explanations(turn), say)
-    floors = evidence.attainable(found.after, passes)
-    days = evidence.refitted(found.after.plant, passes)
+    tried = hypotheses.tried(found.after.plant, passes, explanations(turn), say)
+    floors = attainable(found.after, passes)
+    days = refitted(found.after.plant, passes)
     say("fitting asymmetric friction")
     # Without the offset: in motion it cannot be told from a difference of Coulomb friction between the directions.
     asymmetric = identify(moving + find("coulomb_asymmetry"), passes)
@@ -368,7 +373,7 @@ def run(study: Study, say) -> Outcome:
             "published": [dict(zip(("model", "figure", "unit", "printed", "obtained"), r, strict=True)) for r in rows],
             "closed_loop": [{"model": name, **errors} for name, errors in closed.items()],
             "free_run": [{"model": r.model, "fitted": r.fitted, **r.errors} for r in free],
-            "evidence": [vars(s) for s in evidence.steps(found)],
+            "evidence": [vars(s) for s in steps(found)],
             "explanations": [vars(t) for t in tried],
             "ripple": [dict(zip(("record", "amplitude", "phase", "half_interval"), r, strict=True)) for r in ripples],
         },
@@ -434,10 +439,10 @@ def protocols_chapter(study: Study, figures: dict[str, float], closed, free: lis
     first, second, third = "force that the motion needs", "force, loop simulated", "position, free run"
     who = "symmetric (Janot, Gautier, Brunot 2019)"
     rows = [
-        (first, who, *(evidence.percent(stated["symmetric"].quantity(n, "1")) for n in ERROR)),
-        (first, "as traced", *(evidence.percent(figures[f"{r}_error_by_protocol"]) for r in ROLES)),
-        (second, who, *(evidence.percent(stated["closed_loop"].quantity(n, "1")) for n in ERROR)),
-        *((second, name, *(evidence.percent(e[r]) for r in ROLES)) for name, e in ours.items()),
+        (first, who, *(hundredths(stated["symmetric"].quantity(n, "1")) for n in ERROR)),
+        (first, "as traced", *(hundredths(figures[f"{r}_error_by_protocol"]) for r in ROLES)),
+        (second, who, *(hundredths(stated["closed_loop"].quantity(n, "1")) for n in ERROR)),
+        *((second, name, *(hundredths(e[r]) for r in ROLES)) for name, e in ours.items()),
     ]
     published = top.table("free_run", tuple(FREE))
     rows += [(third, said, "", millimetres(published.quantity(n, "m"))) for n, said in FREE.items()]
@@ -521,7 +526,7 @@ def evidence_chapter(found: Trace, protocol: dict[str, float]) -> Chapter:
     )
     return Chapter(
         "What symmetric friction lacks, step by step",
-        (*((Callout(told, GOOD),) if falling else ()), Paragraph(text), evidence.steps_table(found), Items(said)),
+        (*((Callout(told, GOOD),) if falling else ()), Paragraph(text), steps_table(found), Items(said)),
     )
 
 
@@ -533,7 +538,7 @@ def explanations_chapter(tried, traced) -> Chapter:
         "cannot be told from the constant offset except within the reversals themselves. A ripple is in the record, and "
         "belongs to it alone (below)."
     )
-    return Chapter("Explanations that the data do not bear out", (Paragraph(text), evidence.tried_table(tried, traced)))
+    return Chapter("Explanations that the data do not bear out", (Paragraph(text), tried_table(tried, traced)))
 
 
 def sliding(plant: Plant, speed: float) -> float:

@@ -17,10 +17,9 @@ from workbench.report import numbers
 from workbench.report.contents import Chapter, Figure, Paragraph
 from workbench.report.drawing import AFTER, BEFORE, MEASURED, MUTED, svg
 from workbench.simulation import ScenarioArrays, simulate
+from workbench.simulation.recorded import record_of
 from workbench.study.configuration import Study
-from workbench.study.controlling import Control
-from workbench.study.controlling import numbers as numbers_of
-from workbench.study.simulated import record_of
+from workbench.study.control import Control
 
 FIRST, SECOND = "fha_8c_50", "fha_8c_30"
 EVERY = 4  # control samples a logged one
@@ -55,7 +54,7 @@ def logged(study: Study, control: Control, known: Plant) -> Logged:
     """Log slow sines on the assumed plant, through a stiff loop with the study's encoder."""
     asked = study.table.table("records", ("frequency", "amplitudes", "validation", "periods", "noise", "bandwidth"))
     frequency = asked.quantity("frequency", "Hz", above=0.0)
-    sizes = np.array([*numbers_of(asked, "amplitudes", (), "rad"), asked.quantity("validation", "rad", above=0.0)])
+    sizes = np.array([*asked.numbers("amplitudes", (), "rad"), asked.quantity("validation", "rad", above=0.0)])
     loop = replace(control.loop, velocity_filter=8.0 * control.loop.sample_time)
     duration = asked.number("periods", above=0) / frequency
     t = loop.sample_time * np.arange(int(round(duration / loop.sample_time)))

@@ -13,6 +13,7 @@ import numpy as np
 from workbench.compensation import REFERENCE, Compensator
 from workbench.design.design import two_modes
 from workbench.errors import WorkbenchError
+from workbench.exporting.leaving import leave
 from workbench.finding import Finding
 from workbench.identification.fit import identify
 from workbench.identification.result import Fit
@@ -23,18 +24,18 @@ from workbench.report.contest import contest_chapter
 from workbench.report.recommend import RECOMMENDED, recommended_chapter
 from workbench.report.reproduction import as_table, counted
 from workbench.study import standard
-from workbench.study.compensating import compensation
+from workbench.study.compensation import compensation
 from workbench.study.configuration import Study
-from workbench.study.control import write_table
-from workbench.study.controlling import control_of
+from workbench.study.control import control_of
 from workbench.study.firmware import as_firmware, firmware_part
-from workbench.study.leaving import leave
+from workbench.study.gains import write_table
 from workbench.study.outcome import Outcome, Part, with_part
 from workbench.study.robustness import robustness
 from workbench.tracing.tracing import trace
-from workbench.verification.contest import Contest, verdict
+from workbench.verification.contest import Contest
 from workbench.verification.contest import as_table as contest_table
 from workbench.verification.recommend import recommend
+from workbench.verification.wording import verdict
 
 from . import controllers, description, hunting, paper
 from .controllers import BEST, BOTH, FIXED, JOINT, ON_LOAD, ON_MOTOR, OUTPUT, WIDE, Over

@@ -4,6 +4,7 @@ The pivot and its loop are simulated beside the workbench (machine.py); fits, de
 workbench's own.
 """
 
+from workbench.description import described
 from workbench.finding import Finding
 from workbench.report.recommend import RECOMMENDED
 from workbench.study import standard
@@ -137,7 +138,7 @@ def traced(study: Study, fits: identified.Identified, noise: Noise, say) -> Outc
         bandwidth=bias.BANDWIDTH,
         trace=found,
         records=tuple(p.motion.record for p in seen),
-        equivalents=standard.described(found.after.plant, standard.amplitudes(study)),
+        equivalents=described(found.after.plant, standard.amplitudes(study)),
         figures=standard.trace_figures(found),
         findings=(*found.findings, *found.after.findings),
     )

@@ -17,7 +17,7 @@ from workbench.definition import find
 from workbench.identification.fit import identify
 from workbench.inverse.dynamics import inverse_dynamics
 from workbench.record import IDENTIFICATION
-from workbench.study.simulated import record_of
+from workbench.simulation.recorded import record_of
 
 SPEED, WAY, SMOOTH = 0.15, 2.0, 0.3  # rad/s, s each way, s of a turn
 ENDS = 0.2  # s at both ends that do not count

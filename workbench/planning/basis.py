@@ -1,7 +1,7 @@
 """What a plan starts from: a campaign with every value free and fitted, its limits, and how well its log sees."""
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -33,15 +33,23 @@ class Basis:
     excess: float
 
 
-def basis(campaign: Campaign, say: Callable[[str], None] = lambda _: None) -> Basis:
-    """Return what a plan for a campaign starts from, within the limits that its records have shown."""
+def basis(
+    campaign: Campaign, say: Callable[[str], None] = lambda _: None, *, limits: Mapping[str, float] | None = None,
+    sample_time: float = 0.0, accuracy: float = ACCURACY,
+) -> Basis:  # fmt: skip
+    """Return what a plan for a campaign starts from, within the limits that its records have shown.
+
+    limits: field of an Envelope -> what stands in its place, SI. sample_time: at which the drive reads a reference, s; that of the
+    records where 0. accuracy: half width of the intervals asked for, a share of each value.
+    """
     passes = inverse_dynamics(campaign.records, campaign.bandwidth)
     say("fitting the declared model, every value free")
     fit = identify(freed(campaign.plant), passes)
     load = load_rest(fit.plant, fitted_on(passes))
     sensing = sensing_of(passes, fit.rms[IDENTIFICATION], load)
-    envelope = envelope_of(fit.plant, passes)
-    return Basis(campaign, passes, fit, envelope, sensing, sensing.dt, ACCURACY, load, _excess_of(fit, passes))
+    envelope = replace(envelope_of(fit.plant, passes), **(limits or {}))
+    every = sample_time or sensing.dt
+    return Basis(campaign, passes, fit, envelope, sensing, every, accuracy, load, _excess_of(fit, passes))
 
 
 def _excess_of(fit: Fit, passes: tuple[InverseDynamics, ...]) -> float:

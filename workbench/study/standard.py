@@ -5,8 +5,7 @@ from collections.abc import Callable
 import numpy as np
 
 from workbench.campaign import Campaign, load
-from workbench.definition import Effect
-from workbench.description import Equivalent, equivalent
+from workbench.description import described
 from workbench.errors import WorkbenchError
 from workbench.inverse.dynamics import inverse_dynamics
 from workbench.plant import Plant
@@ -23,11 +22,6 @@ Say = Callable[[str], None]
 def trace_campaign(campaign: Campaign, say: Say = lambda _: None) -> Trace:
     """Trace what the declared plant of a campaign lacks."""
     return trace(campaign.plant, inverse_dynamics(campaign.records, campaign.bandwidth), say)
-
-
-def described(plant: Plant, amplitudes: np.ndarray) -> tuple[tuple[Effect, Equivalent], ...]:
-    """Return (effect, equivalent) of every effect that holds Masing's rule."""
-    return tuple((e, equivalent(e, amplitudes)) for e in plant.effects if "masing" in e.holds and e.virgin is not None)
 
 
 def trace_figures(found: Trace) -> dict[str, float | str]:
@@ -73,8 +67,8 @@ def run(study: Study, say: Say) -> Outcome:
     shown = None
     if "task" in study.table:
         from workbench.design.possible import check_plant
-        from workbench.study.control import with_control
-        from workbench.study.controlling import control_of
+        from workbench.study.control import control_of
+        from workbench.study.gains import with_control
         from workbench.verification.assumed import shown_by
 
         shown = shown_by(campaign.plant, passes)
