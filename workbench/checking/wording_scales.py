@@ -12,7 +12,7 @@ REMEDY = {
 }
 
 
-def encoder_sign(fault: Slope) -> Finding:
+def _encoder_sign(fault: Slope) -> Finding:
     return Finding(
         "encoder sign", f"{fault.record}.{fault.channel}",
         f"In record '{fault.record}' {fault.channel} moves against {fault.other}: slope {fault.slope:.3g}, correlation "
@@ -22,7 +22,7 @@ def encoder_sign(fault: Slope) -> Finding:
     )  # fmt: skip
 
 
-def drive_sign(fault: Against) -> Finding:
+def _drive_sign(fault: Against) -> Finding:
     return Finding(
         "drive sign", f"{fault.record}.{fault.channel}",
         f"In record '{fault.record}' inertia and friction explain {100 * max(fault.as_it_stands, 0):.0f} % of the drive as it "
@@ -38,12 +38,12 @@ def _minus(channel: str) -> str:
     return f'put a minus before the value of {where}, or, where there is none, write {where} = {{ value = -1, unit = "1" }}'
 
 
-def farther(fault: Farther) -> Finding:
+def _farther(fault: Farther) -> Finding:
     sentence = f"In record '{fault.record}' {fault.channel} moves {fault.factor:.4g} times as far as {fault.other}."
     return Finding(ENCODER, f"{fault.record}.{fault.channel}", sentence, {"factor": fault.factor}, REMEDY[ENCODER])
 
 
-def other_step(fault: OtherStep) -> Finding:
+def _other_step(fault: OtherStep) -> Finding:
     return Finding(
         ENCODER, f"{fault.record}.{fault.channel}",
         f"In record '{fault.record}' {fault.channel} moves in steps of {fault.step:.3g} {fault.unit}, {fault.step / fault.declared:.3g} "
@@ -53,7 +53,7 @@ def other_step(fault: OtherStep) -> Finding:
     )  # fmt: skip
 
 
-def own_scale(fault: OwnScale) -> Finding:
+def _own_scale(fault: OwnScale) -> Finding:
     return Finding(
         DRIVE, f"{fault.record}.{fault.channel}",
         f"In record '{fault.record}' the drive is {fault.factor:.3g} times what the other records ask for the same motion.",
@@ -62,7 +62,7 @@ def own_scale(fault: OwnScale) -> Finding:
     )  # fmt: skip
 
 
-def misread(fault: Misread) -> Finding:
+def _misread(fault: Misread) -> Finding:
     fitted, declared, factor, unit = fault.fitted, fault.declared, fault.factor, fault.unit
     return Finding(
         fault.kind, fault.channel,
@@ -74,10 +74,10 @@ def misread(fault: Misread) -> Finding:
 
 
 SAID = {
-    Slope: encoder_sign,
-    Against: drive_sign,
-    Farther: farther,
-    OtherStep: other_step,
-    OwnScale: own_scale,
-    Misread: misread,
+    Slope: _encoder_sign,
+    Against: _drive_sign,
+    Farther: _farther,
+    OtherStep: _other_step,
+    OwnScale: _own_scale,
+    Misread: _misread,
 }

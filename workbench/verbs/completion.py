@@ -33,11 +33,11 @@ def declare(verbs) -> None:
 
 
 def do(given: argparse.Namespace) -> int:
-    print(script(given.shell, given.verbs), end="")
+    print(_script(given.shell, given.verbs), end="")
     return 0
 
 
-def script(shell: str, verbs) -> str:
+def _script(shell: str, verbs) -> str:
     """Return the script, made of the words that the command line itself declares. verbs: argparse's action that holds them."""
     words = _options(verbs)
     cases = "\n".join(f'        {verb}) options="{" ".join(known)}" ;;' for verb, known in words.items())

@@ -17,12 +17,12 @@ def ms(seconds: float) -> str:
     return f"{1e3 * seconds:.1f} ms" if np.isfinite(seconds) else "never"
 
 
-def micro(value: float) -> str:
+def _micro(value: float) -> str:
     value = 1e6 * value
     return f"{value:.3g}" if value < 1000 else f"{value:.0f}"
 
 
-def words(time: int, error: int) -> str:
+def _words(time: int, error: int) -> str:
     """How two comparisons are said: "faster but less accurate"."""
     fast = {1: "faster", 0: "as fast", -1: "slower"}[time]
     exact = {1: "more accurate", 0: "as accurate", -1: "less accurate"}[error]
@@ -44,9 +44,9 @@ def _against(mine: Row, other: Row, unit: str) -> Finding:
     where = "with the load" if mine.load_inertia else "without load"
     return Finding(
         COMPARISON, f"{mine.controller} against {other.controller}",
-        f"Against {other.controller} {where}, {mine.controller} is {words(*compare.sides(mine, other))}: 1 % time "
-        f"{ms(mine.time_1pct)} against {ms(other.time_1pct)}, final error {micro(mine.final_error)} against "
-        f"{micro(other.final_error)} µ{unit} ({mine.error_counts:.1f} against {other.error_counts:.1f} counts).",
+        f"Against {other.controller} {where}, {mine.controller} is {_words(*compare.sides(mine, other))}: 1 % time "
+        f"{ms(mine.time_1pct)} against {ms(other.time_1pct)}, final error {_micro(mine.final_error)} against "
+        f"{_micro(other.final_error)} µ{unit} ({mine.error_counts:.1f} against {other.error_counts:.1f} counts).",
         {
             "time": mine.time_1pct,
             "time_other": other.time_1pct,
@@ -66,8 +66,8 @@ def verdict(found: Contest, ours: str, baseline: str, unit: str) -> Finding:
     for where, said in (("", "on the nominal plant"), ("_grid", "over the grid")):
         numbers = [s.median(f"{n}{where}") for n in ("time", "error") for s in (mine, other)]
         parts.append(
-            f"{said} {words(*contest.sides(mine, other, where))} (1 % time {ms(numbers[0])} against {ms(numbers[1])}, final error "
-            f"{micro(numbers[2])} against {micro(numbers[3])} µ{unit})"
+            f"{said} {_words(*contest.sides(mine, other, where))} (1 % time {ms(numbers[0])} against {ms(numbers[1])}, final error "
+            f"{_micro(numbers[2])} against {_micro(numbers[3])} µ{unit})"
         )
         evidence |= dict(
             zip((f"time{where}", f"time{where}_other", f"error{where}", f"error{where}_other"), numbers, strict=True)
