@@ -258,7 +258,7 @@ def level_alone(plant: Plant) -> Plant:
     return plant
 
 
-def free_runs(models: dict[str, Plant], printed: dict[str, Plant], passes: dict[str, InverseDynamics]) -> list[Run]:
+def free_runs(models: dict[str, Plant], printed: dict[str, Plant], inverses: dict[str, InverseDynamics]) -> list[Run]:
     """Return free runs: printed parameters, identified models, these fitted to DATA_EMPS's free run; last the chosen three.
 
     The chosen model is that of the lowest error on DATA_EMPS. It comes as fitted there; with the level of its friction from
@@ -266,9 +266,9 @@ def free_runs(models: dict[str, Plant], printed: dict[str, Plant], passes: dict[
     """
 
     def ran(name: str, fitted: str, plant: Plant) -> Run:
-        return Run(name, fitted, {r: free_run(plant, p.motion).error for r, p in passes.items()})
+        return Run(name, fitted, {r: free_run(plant, p.motion).error for r, p in inverses.items()})
 
-    one, other = (passes[role] for role in ROLES)
+    one, other = (inverses[role] for role in ROLES)
     refined = {name: refine_free_run(plant, [one]) for name, plant in models.items()}
     runs = [ran(name, "", plant) for name, plant in (printed | models).items()]
     fits = {name: ran(name, "DATA_EMPS", plant) for name, plant in refined.items()}
@@ -287,21 +287,21 @@ def run(study: Study, say) -> Outcome:
     say("reproducing the printed figures")
     obtained = {model: published(records, model == "asymmetric") for model in ("symmetric", "asymmetric")}
     rows = compared(study, obtained)
-    passes = inverse_dynamics(list(records.values()), bandwidth)
+    inverses = inverse_dynamics(list(records.values()), bandwidth)
     moving = Plant(ONE_MASS, tuple(map(find, ("inertia", "viscous_friction", "coulomb_friction"))), rotary=False)
     declared = moving + find("constant_offset")
-    found = trace(declared, passes, say, own=tuple(map(find, OFFERED)))
+    found = trace(declared, inverses, say, own=tuple(map(find, OFFERED)))
     turn = rig(study).quantity("revolution", "m", above=0.0)
     say("trying the explanations that were published")
-    tried = hypotheses.tried(found.after.plant, passes, explanations(turn), say)
-    floors = attainable(found.after, passes)
-    days = refitted(found.after.plant, passes)
+    tried = hypotheses.tried(found.after.plant, inverses, explanations(turn), say)
+    floors = attainable(found.after, inverses)
+    days = refitted(found.after.plant, inverses)
     say("fitting asymmetric friction")
     # Without the offset: in motion it cannot be told from a difference of Coulomb friction between the directions.
-    asymmetric = identify(moving + find("coulomb_asymmetry"), passes)
-    lagging = identify(asymmetric.plant + find("actuator_lag"), passes)
-    rippled = identify(lagging.plant + ripple(turn), passes)
-    alone = calibrate(rippled.plant, "cogging@axis", passes, rippled.validation)
+    asymmetric = identify(moving + find("coulomb_asymmetry"), inverses)
+    lagging = identify(asymmetric.plant + find("actuator_lag"), inverses)
+    rippled = identify(lagging.plant + ripple(turn), inverses)
+    alone = calibrate(rippled.plant, "cogging@axis", inverses, rippled.validation)
     ripples = [(p.record, p.amplitude.value, p.phase.value, p.half) for p in alone.phases]
     own = {
         "workbench, symmetric as declared": found.before,
@@ -311,24 +311,24 @@ def run(study: Study, say) -> Outcome:
         "as traced": found.after,
     }
     say("simulating the loops of the records")
-    motions = {p.motion.record.role: p.motion for p in passes}
+    motions = {p.motion.record.role: p.motion for p in inverses}
     law = Controller(LAW.name, LAW, gains(study, IDENTIFICATION))
     one = records[IDENTIFICATION]
     loop = Loop(one.dt, SUBSTEPS, resolution=one.resolution["position"])
     models = {
         "the same parameters, simulated here": printed_plant(obtained["symmetric"], declared),
         "symmetric, by the workbench": found.before.plant,
-        "the same, by output error": refine(found.before.plant, passes, loop, law).plant,
+        "the same, by output error": refine(found.before.plant, inverses, loop, law).plant,
         "as traced": without_hold(found.after.plant, one.dt),
     }
     closed = simulated(models, motions, loop, law)
     say("letting the records run free")
-    identified = {n: without_hold(identify(p, passes).plant, one.dt) for n, p in on_the_way(declared, found).items()}
+    identified = {n: without_hold(identify(p, inverses).plant, one.dt) for n, p in on_the_way(declared, found).items()}
     printed = {
         "symmetric, published parameters": printed_plant(obtained["symmetric"], declared),
         "asymmetric, published parameters": printed_asymmetric(obtained["asymmetric"], declared),
     }
-    free = free_runs(identified, printed, {p.motion.record.role: p for p in passes})
+    free = free_runs(identified, printed, {p.motion.record.role: p for p in inverses})
     figures = {f"{m}_{n}_deviation": abs(o - p) for m, n, _, p, o in rows}
     first, *_, last = closed.values()
     figures |= {f"closed_loop_error_{role}": e for role, e in first.items()}

@@ -122,27 +122,27 @@ def run(study: Study, say) -> Outcome:
     pair, resampled = records(study)
     given = rig(study)
     bandwidth, logged = (given.quantity(n, "Hz", above=0.0) for n in ("bandwidth", "logged"))
-    passes, slow = inverse_dynamics(pair, bandwidth), inverse_dynamics(pair, logged)
+    inverses, slow = inverse_dynamics(pair, bandwidth), inverse_dynamics(pair, logged)
     offset = Plant(ONE_MASS, (find("constant_offset"),), rotary=False)
     declared = offset + find("coulomb_friction")
     found = trace(declared, slow, say, only=CONTACT, own=(find("presliding_length"),))
     say("fitting Maxwell slip")
     models = {
-        "Coulomb friction, held in the dwells": identify(declared, passes),
+        "Coulomb friction, held in the dwells": identify(declared, inverses),
         "Presliding hysteresis, exponential virgin curve": identify(
-            offset + find("presliding_hysteresis")(x0=1e-5), passes
+            offset + find("presliding_hysteresis")(x0=1e-5), inverses
         ),
-        "One Maxwell-slip element": identify(offset + maxwell_slip((1e-5,), searched=True), passes),
-        f"A bank of {len(SLIPS)} Maxwell-slip elements": identify(offset + maxwell_slip(SLIPS), passes),
+        "One Maxwell-slip element": identify(offset + maxwell_slip((1e-5,), searched=True), inverses),
+        f"A bank of {len(SLIPS)} Maxwell-slip elements": identify(offset + maxwell_slip(SLIPS), inverses),
         "One element, stiffer in one direction": identify(
-            declared + find("presliding_length")(length=5e-5) + find("coulomb_asymmetry"), passes
+            declared + find("presliding_length")(length=5e-5) + find("coulomb_asymmetry"), inverses
         ),
-        "As traced": identify(found.after.plant, passes),
+        "As traced": identify(found.after.plant, inverses),
     }
     coulomb, exponential, one, bank, uneven, traced = models.values()
     floors = attainable(found.after, slow)
     days = refitted(found.after.plant, slow)
-    ends = dwells(passes[1].motion, given.quantity("settled", "s"))
+    ends = dwells(inverses[1].motion, given.quantity("settled", "s"))
     figures = standard.trace_figures(found) | {
         "validation_error_coulomb": coulomb.validation,
         "validation_error_exponential": exponential.validation,

@@ -81,9 +81,9 @@ def logged(study: Study, control: Control, known: Plant) -> Logged:
     return Logged(records, known, known.swap(guess), asked.quantity("bandwidth", "Hz", above=0.0))
 
 
-def correlation(plant: Plant, passes) -> float:
+def correlation(plant: Plant, inverses) -> float:
     """Return the correlation of the estimates of h0 and a on some records."""
-    problem = Problem(plant, fitted_on(passes))
+    problem = Problem(plant, fitted_on(inverses))
     names, cov, _, _ = covariance(problem, solve(problem))
     i, j = (next(k for k, n in enumerate(names) if n.parameter == p) for p in ("h0", "x0"))
     return -float(cov[i, j] / np.sqrt(cov[i, i] * cov[j, j]))  # a = 1/x0 turns the sign
@@ -93,10 +93,10 @@ def estimates_of(fit) -> dict:
     return {e.parameter: e for e in fit.estimates if e.effect == "presliding_hysteresis"}
 
 
-def virgin_chapter(seen: Logged, fit, alone, passes) -> tuple[Chapter, dict[str, float]]:
+def virgin_chapter(seen: Logged, fit, alone, inverses) -> tuple[Chapter, dict[str, float]]:
     """The loops and the virgin curve, and what the printed test by itself does not tell apart."""
-    paper = correlation(seen.declared, passes[:1])
-    both = correlation(seen.declared, passes)
+    paper = correlation(seen.declared, inverses[:1])
+    both = correlation(seen.declared, inverses)
     found, by_itself = estimates_of(fit), estimates_of(alone)
     size = float(np.max(np.abs(seen.records[0].channels["position"])))
     reached = 1.0 - np.exp(-found["a"].value * size)

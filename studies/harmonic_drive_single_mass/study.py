@@ -60,10 +60,10 @@ def run(study: Study, say) -> Outcome:
     control = control_of(study.table, known)
     say("logging slow sines")
     seen = records.logged(study, control, known)
-    passes = inverse_dynamics(seen.records, seen.bandwidth)
-    found = trace(seen.declared, passes, say, most=1, only=CANDIDATES)
-    alone = identify(seen.declared, passes[:1])
-    curve, fitted = records.virgin_chapter(seen, found.before, alone, passes)
+    inverses = inverse_dynamics(seen.records, seen.bandwidth)
+    found = trace(seen.declared, inverses, say, most=1, only=CANDIDATES)
+    alone = identify(seen.declared, inverses[:1])
+    curve, fitted = records.virgin_chapter(seen, found.before, alone, inverses)
     model = found.after.plant
     described, deviation = description.equivalents_chapter(model, standard.amplitudes(study))
     outcome = Outcome(

@@ -60,10 +60,10 @@ def run(study: Study, say) -> Outcome:
     say("logging with the output locked")
     records, bandwidth = locked(study, loop, known.plant)
     lacking = declared(known.plant)
-    passes = inverse_dynamics(records, bandwidth)
-    found = trace(lacking, passes, say, most=1, only=CANDIDATES)
+    inverses = inverse_dynamics(records, bandwidth)
+    found = trace(lacking, inverses, say, most=1, only=CANDIDATES)
     fit = found.before  # the paper's one spring
-    apart = identify(with_ground(fit.plant), passes)
+    apart = identify(with_ground(fit.plant), inverses)
     say("identifying with the output free")
     full = identify(with_gear(fit.plant), inverse_dynamics((*records, free(study, loop, known.plant)), bandwidth))
     model = identified(full.plant, known)

@@ -70,5 +70,5 @@ def records(noise: Noise) -> tuple[Record, ...]:
     return tuple(found)
 
 
-def passes(noise: Noise):
+def inverses(noise: Noise):
     return inverse_dynamics(records(noise), BANDWIDTH)

@@ -130,7 +130,7 @@ def fit_figures(fits: identified.Identified) -> dict[str, float]:
 def traced(study: Study, fits: identified.Identified, noise: Noise, say) -> Outcome:
     """Trace the records of a loop whose flex cable pulls to one side, from the identified pivot."""
     lacking = bias.declared(fits.broad.few.bank)
-    seen = bias.passes(noise)
+    seen = bias.inverses(noise)
     found = trace(lacking, seen, say, most=2, only=bias.CANDIDATES)
     return Outcome(
         plant=lacking,

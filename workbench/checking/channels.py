@@ -145,7 +145,7 @@ def _abrupt(r: Record, name: str, step: float, within: np.ndarray) -> Iterator[F
 def drives(seen: Seen) -> Iterator[Frozen | ClippedDrive]:
     """Yield which drives are clipped or frozen."""
     limit = seen.campaign.plant.limits.drive
-    for r, p in zip(seen.campaign.records, seen.passes, strict=True):
+    for r, p in zip(seen.campaign.records, seen.inverses, strict=True):
         u = r.drive
         if np.ptp(u) == 0.0:
             yield Frozen(r.name, seen.drive, u.size * r.dt)

@@ -22,7 +22,7 @@ def skewed(seen: Seen) -> Iterator[Apart | Skewed]:
 
     Where it is the motor's it is so of every record: drive and motion are compared in none of them before that is mended.
     """
-    late = late_clock(seen.passes, seen.campaign.plant)
+    late = late_clock(seen.inverses, seen.campaign.plant)
     if late is None:
         return
     s, records = late.seconds, [r.name for r in seen.campaign.records]

@@ -22,7 +22,7 @@ class NoValue:
 
 def missing(seen: Seen) -> Iterator[Unexcited | NoValue]:
     """Yield which free parameters the identification records do not excite, the shape parameters as declared."""
-    problem = Problem(seen.campaign.plant, fitted_on(seen.passes))
+    problem = Problem(seen.campaign.plant, fitted_on(seen.inverses))
     theta = problem.start()
     at = solved_at(problem, theta)
     if not np.isfinite(at.cost):
@@ -39,7 +39,7 @@ def _noise(problem: Problem, solution: Solution) -> float:
 
     What a model lacks is smooth over so short a time (a weight, a spring, a wave of the travel), or is where the motion turns.
     """
-    rows = max(p.rows(problem.plant) for p in problem.passes)  # balances of one sample stand one after another
+    rows = max(p.rows(problem.plant) for p in problem.inverses)  # balances of one sample stand one after another
     parts = [[rough(solution.residual[b][k::rows]) for k in range(rows)] for b in problem.blocks(BLOCK)]
     return float(np.quantile(np.sqrt(np.mean(np.square(parts), axis=1)), QUIET))
 

@@ -48,7 +48,7 @@ def plain(d: Deflection, share: float = PLAIN, worth: float = WORTH) -> bool:
 
 
 def late_clock(
-    passes: Sequence[InverseDynamics], plant: Plant, share: float = PLAIN, worth: float = WORTH
+    inverses: Sequence[InverseDynamics], plant: Plant, share: float = PLAIN, worth: float = WORTH
 ) -> Late | None:
     """Return which encoder is late, None where neither plainly is, or a clock is declared.
 
@@ -56,7 +56,7 @@ def late_clock(
     """
     if any(e.name == "clock_skew" for e in plant.effects):
         return None
-    d = deflection_of(passes, plant)
+    d = deflection_of(inverses, plant)
     if d is None or not plain(d, share, worth):
         return None
     if d.by_motor < MOTORS:

@@ -10,13 +10,13 @@ from workbench.plant import Plant
 from workbench.record import IDENTIFICATION, ROLES
 
 
-def refitted(plant: Plant, passes: Sequence[InverseDynamics]) -> dict[str, Fit]:
+def refitted(plant: Plant, inverses: Sequence[InverseDynamics]) -> dict[str, Fit]:
     """Return role -> fit of the same plant to the records of that role alone."""
     fits = {}
     for role in ROLES:
         turned = [
             InverseDynamics(replace(p.motion, record=replace(p.motion.record, role=IDENTIFICATION)))
-            for p in passes
+            for p in inverses
             if p.motion.record.role == role
         ]
         fits[role] = identify(plant, fitted_on(turned))

@@ -73,7 +73,7 @@ def _remembers(effect: Effect) -> bool:
 def _motion_of(problem: Problem) -> tuple[int, int]:
     """Return (reversals within the records, ways moved: 0, 1 or 2), of the position behind its dead band of a count."""
     turns, ways = 0, set()
-    for p in problem.passes:
+    for p in problem.inverses:
         dq = p.motion.dq[p.motion.keep]
         way = np.sign(dq[dq != 0.0])
         turns += int(np.count_nonzero(np.diff(way)))

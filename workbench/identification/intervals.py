@@ -26,7 +26,7 @@ AT_BOUND = 1e-9  # relative distance at which a value counts as lying on its bou
 
 def block_seconds(problem: Problem) -> float:
     """Length of a block in s."""
-    total = sum((p.motion.keep.stop - p.motion.keep.start) * p.motion.dt for p in problem.passes)
+    total = sum((p.motion.keep.stop - p.motion.keep.start) * p.motion.dt for p in problem.inverses)
     return max(SHORTEST, total / BLOCKS)
 
 

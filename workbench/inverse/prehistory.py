@@ -28,10 +28,10 @@ SETTLED = 0.98  # of the cost before a round, above which the next would be the 
 COARSE, FINE = 13, 7  # values of h tried over the span, and then about the best
 
 
-def begun(plant: Plant, passes: Sequence[InverseDynamics]) -> tuple[InverseDynamics, ...] | None:
-    """Return the passes with the displacement before each record that a fitted plant asks for, or None where no start is open."""
-    found = [_begun(plant, p) for p in passes]
-    if all(new is old for new, old in zip(found, passes, strict=True)):
+def begun(plant: Plant, inverses: Sequence[InverseDynamics]) -> tuple[InverseDynamics, ...] | None:
+    """Return the inverse dynamics with the displacement before each record that a fitted plant asks for, or None where no start is open."""
+    found = [_begun(plant, p) for p in inverses]
+    if all(new is old for new, old in zip(found, inverses, strict=True)):
         return None
     return tuple(found)
 

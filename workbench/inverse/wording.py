@@ -11,9 +11,9 @@ from workbench.plant import Plant
 from workbench.record import Record
 
 
-def idle(passes: Sequence[InverseDynamics], plant: Plant) -> Finding | None:
+def idle(inverses: Sequence[InverseDynamics], plant: Plant) -> Finding | None:
     """Return the finding that a fitted plant's joint carries nothing on the identification records, None where it carries."""
-    error = idle_error(passes, plant)
+    error = idle_error(inverses, plant)
     if error is None:
         return None
     left = f"leaves {100 * error:.0f} % of the load's balance" if np.isfinite(error) else "has no torque"

@@ -23,7 +23,7 @@ class Basis:
     drive over what noise and encoder counts alone would. sample_time: s, at which the drive reads a reference. accuracy: a share."""
 
     campaign: Campaign
-    passes: tuple[InverseDynamics, ...]
+    inverses: tuple[InverseDynamics, ...]
     fit: Fit
     envelope: Envelope
     sensing: Sensing
@@ -42,18 +42,18 @@ def basis(
     limits: field of an Envelope -> what stands in its place, SI. sample_time: at which the drive reads a reference, s; that of the
     records where 0. accuracy: half width of the intervals asked for, a share of each value.
     """
-    passes = inverse_dynamics(campaign.records, campaign.bandwidth)
+    inverses = inverse_dynamics(campaign.records, campaign.bandwidth)
     say("fitting the declared model, every value free")
-    fit = identify(freed(campaign.plant), passes)
-    load = load_rest(fit.plant, fitted_on(passes))
-    sensing = sensing_of(passes, fit.rms[IDENTIFICATION], load)
-    envelope = replace(envelope_of(fit.plant, passes), **(limits or {}))
+    fit = identify(freed(campaign.plant), inverses)
+    load = load_rest(fit.plant, fitted_on(inverses))
+    sensing = sensing_of(inverses, fit.rms[IDENTIFICATION], load)
+    envelope = replace(envelope_of(fit.plant, inverses), **(limits or {}))
     every = sample_time or sensing.dt
-    return Basis(campaign, passes, fit, envelope, sensing, every, accuracy, load, _excess_of(fit, passes))
+    return Basis(campaign, inverses, fit, envelope, sensing, every, accuracy, load, _excess_of(fit, inverses))
 
 
-def _excess_of(fit: Fit, passes: tuple[InverseDynamics, ...]) -> float:
+def _excess_of(fit: Fit, inverses: tuple[InverseDynamics, ...]) -> float:
     """Return the rms that a fit leaves of the drive over what noise and encoder counts alone would leave."""
-    alone = noise_rms(fitted_on(passes), fit.plant)
+    alone = noise_rms(fitted_on(inverses), fit.plant)
     least = float(np.sqrt(np.mean(np.array(list(alone.values())) ** 2)))
     return fit.rms[IDENTIFICATION] / least if least > 0.0 else 1.0

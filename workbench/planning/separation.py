@@ -95,10 +95,10 @@ def _tried(
     reference: Reference, plant: Plant, models: tuple[Plant, Plant], envelope: Envelope, sensing: Sensing
 ) -> tuple[Parting, float] | None:
     """Return (parting, standard deviations by which the first shows at all) along a motion; None where it asks too much drive."""
-    passes = followed(reference, models[0], sensing)
-    if np.abs(passes.motion.u).max() > envelope.drive:
+    inverse = followed(reference, models[0], sensing)
+    if np.abs(inverse.motion.u).max() > envelope.drive:
         return None
-    without, left = _rest(passes, plant), _rest(passes, models[1])
+    without, left = _rest(inverse, plant), _rest(inverse, models[1])
     parting = _parting(left, without, sensing, plant) if left.size and without.size else Parting(0.0, 0.0)
     shown = _parting(without, without, sensing, plant).deviations if without.size else 0.0
     return parting, shown
@@ -123,9 +123,9 @@ def _parting(left: np.ndarray, without: np.ndarray, sensing: Sensing, plant: Pla
     return Parting(asin(min((power / whole) ** 0.5, 1.0)), power / scatter**0.5)
 
 
-def _rest(passes: InverseDynamics, plant: Plant) -> np.ndarray:
+def _rest(inverse: InverseDynamics, plant: Plant) -> np.ndarray:
     """Return what `plant` cannot absorb of the drive, to first order in its shape parameters, (n,)."""
-    problem = Problem(plant, (passes,))
+    problem = Problem(plant, (inverse,))
     theta = problem.start()
     y, phi = problem.assemble(theta)
     if not (np.isfinite(y).all() and np.isfinite(phi).all()):
@@ -144,9 +144,9 @@ def _refitted(reference: Reference, plant: Plant, models: Sequence[Plant], sensi
     """
     worst = Parting(inf, inf)
     for truth, other in (models, models[::-1]):
-        passes = followed(reference, truth, sensing)
+        inverse = followed(reference, truth, sensing)
         try:
-            without, left = (solve(Problem(p, (passes,)), tolerance=1e-4).residual for p in (plant, other))
+            without, left = (solve(Problem(p, (inverse,)), tolerance=1e-4).residual for p in (plant, other))
         except NoValue:
             return Parting(0.0, 0.0)
         here = _parting(left, without, sensing, plant)

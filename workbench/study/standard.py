@@ -63,7 +63,7 @@ def run(study: Study, say: Say) -> Outcome:
         )
     say("reading the campaign")
     campaign = load(study.campaign)
-    passes = inverse_dynamics(campaign.records, campaign.bandwidth)
+    inverses = inverse_dynamics(campaign.records, campaign.bandwidth)
     shown = None
     if "task" in study.table:
         from workbench.design.possible import check_plant
@@ -71,14 +71,14 @@ def run(study: Study, say: Say) -> Outcome:
         from workbench.study.gains import with_control
         from workbench.verification.assumed import shown_by
 
-        shown = shown_by(campaign.plant, passes)
+        shown = shown_by(campaign.plant, inverses)
         early(check_plant, campaign.plant, say)
         asked = control_of(study.table, campaign.plant, shown)  # what is misspelt is said before anything long starts
         if "drive" in study.table:
             from workbench.study.drive import stated
 
             stated(study.table, campaign.plant, asked.loop.count)
-    found = trace(campaign.plant, passes, say)
+    found = trace(campaign.plant, inverses, say)
     say("describing the plant over amplitude")
     equivalents = described(found.after.plant, amplitudes(study)) if study.describe else ()
     outcome = Outcome(
@@ -88,7 +88,7 @@ def run(study: Study, say: Say) -> Outcome:
         trace=found,
         records=campaign.records,
         equivalents=equivalents,
-        residual_maps=map_residual(passes, found.before, found.extended),
+        residual_maps=map_residual(inverses, found.before, found.extended),
         figures=trace_figures(found),
         findings=(*campaign.findings, *found.findings, *found.after.findings),
     )
