@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 
-from workbench.drive_tuning.search import DriveGains
+from workbench.drive_tuning.gains import DriveGains
 from workbench.drives.files import FormatOptions, files
 from workbench.drives.gains import Cascade
 from workbench.plant import Plant

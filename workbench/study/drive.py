@@ -30,7 +30,8 @@ from pathlib import Path
 from workbench.control.drive import MOST
 from workbench.design.design import Designed
 from workbench.drive_tuning.comparison import compared_drive
-from workbench.drive_tuning.search import NUMBERS, STRATEGY, ClosedDrive, Strategy
+from workbench.drive_tuning.gains import NUMBERS, ClosedDrive
+from workbench.drive_tuning.search import STRATEGY, Strategy
 from workbench.drives import Units
 from workbench.drives.elmo import SETS
 from workbench.drives.files import FormatOptions, writer
