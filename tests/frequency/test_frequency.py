@@ -18,9 +18,9 @@ from workbench.definition import Effect, find
 from workbench.errors import WorkbenchError
 from workbench.finding import Finding
 from workbench.frequency import fit_modes, gain_limit, notch_for, response_of
-from workbench.frequency.output import findings
 from workbench.frequency.response import period_of
 from workbench.frequency.spectra import densities
+from workbench.frequency.wording import findings
 from workbench.plant import ONE_MASS, Plant
 from workbench.record import IDENTIFICATION, Record, Source
 

@@ -15,7 +15,7 @@ from workbench.checking.shift import LATE
 from workbench.encoders.lost_counts import LostCounts
 from workbench.encoders.wording import late_sentence, lost_finding
 from workbench.finding import ENCODER_RESOLUTION, GLITCH, SAMPLING_RATE, Finding
-from workbench.frequency.output import decibels
+from workbench.frequency.wording import decibels
 from workbench.identification.excitation import Unexcited
 from workbench.identification.wording import unexcited
 
