@@ -8,10 +8,11 @@ from pathlib import Path
 from time import process_time
 
 from workbench.campaign import load
-from workbench.drive_tuning.search import ClosedDrive, Strategy, tune_drive
+from workbench.drive_tuning.gains import ClosedDrive
+from workbench.drive_tuning.search import Strategy, tune_drive
 from workbench.frequency.notch import Notch
 from workbench.study import configuration
-from workbench.study.controlling import control_of
+from workbench.study.control import control_of
 from workbench.tuning import tuned_axis
 
 STUDY = Path(__file__).resolve().parent.parent / "studies" / "harmonic_drive_axis"

@@ -12,8 +12,8 @@ from workbench.campaign import load
 from workbench.design.regret import regret
 from workbench.inverse.dynamics import inverse_dynamics
 from workbench.study import configuration
-from workbench.study.control import designed
-from workbench.study.controlling import control_of
+from workbench.study.control import control_of
+from workbench.study.gains import designed
 from workbench.tracing.tracing import trace
 
 STUDY = Path(__file__).resolve().parent.parent / "studies" / "harmonic_drive_axis"

@@ -146,6 +146,6 @@ def test_a_record_cut_short_is_refused_with_its_row_and_the_earlier_output_stays
 
 
 def test_help_imports_nothing_heavy():
-    code = "import sys; from workbench.cli import parser; parser(); print([m for m in ('numpy', 'casadi', 'numba') if m in sys.modules])"
+    code = "import sys; from workbench.cli import _parser; _parser(); print([m for m in ('numpy', 'casadi', 'numba') if m in sys.modules])"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, cwd=ROOT)
     assert done.stdout.strip() == "[]", done.stderr

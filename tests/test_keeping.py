@@ -125,9 +125,9 @@ from workbench.tracing.tracing import trace
 
 def run(study, say):
     campaign = load(study.campaign)
-    passes = inverse_dynamics(campaign.records, campaign.bandwidth)
+    inverses = inverse_dynamics(campaign.records, campaign.bandwidth)
     say("tracing")
-    found = trace(campaign.plant, passes, most=1, only=("transport_delay",))
+    found = trace(campaign.plant, inverses, most=1, only=("transport_delay",))
     say("drawing")
     step("draws", lambda: None)
     say("after")

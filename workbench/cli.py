@@ -29,7 +29,7 @@ VERBS = {
 }
 
 
-def parser() -> argparse.ArgumentParser:
+def _parser() -> argparse.ArgumentParser:
     top = argparse.ArgumentParser(
         prog="workbench",
         description="From measured records of a servo axis to what its model lacks, and to the gains its firmware runs.",
@@ -43,7 +43,7 @@ def parser() -> argparse.ArgumentParser:
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command and return its exit code."""
-    top = parser()
+    top = _parser()
     given = top.parse_args(arguments)
     if given.verb is None:
         top.print_help()

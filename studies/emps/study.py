@@ -9,6 +9,7 @@ from workbench import readers
 from workbench.control import Controller, Law
 from workbench.definition import Effect, find
 from workbench.finding import capital, title
+from workbench.identification.by_role import refitted
 from workbench.identification.fit import identify
 from workbench.identification.result import Fit
 from workbench.inverse.dynamics import InverseDynamics, inverse_dynamics
@@ -19,12 +20,16 @@ from workbench.output_error.rerun import rerun
 from workbench.plant import ONE_MASS, Plant
 from workbench.record import IDENTIFICATION, ROLES, VALIDATION, Record
 from workbench.report.contents import BAD, GOOD, Callout, Chapter, Equation, Items, Paragraph, Table
+from workbench.report.steps import hundredths, steps_table, tried_table
+from workbench.residual.attainable import attainable
 from workbench.simulation import Loop
-from workbench.study import evidence, standard
+from workbench.study import standard
 from workbench.study.configuration import Study
 from workbench.study.outcome import Outcome
+from workbench.tracing import hypotheses
 from workbench.tracing.power_up import calibrate
 from workbench.tracing.result import Trace
+from workbench.tracing.steps import steps
 from workbench.tracing.tracing import trace
 
 FURTHER = ("rig", "published")
@@ -253,7 +258,7 @@ def level_alone(plant: Plant) -> Plant:
     return plant
 
 
-def free_runs(models: dict[str, Plant], printed: dict[str, Plant], passes: dict[str, InverseDynamics]) -> list[Run]:
+def free_runs(models: dict[str, Plant], printed: dict[str, Plant], inverses: dict[str, InverseDynamics]) -> list[Run]:
     """Return free runs: printed parameters, identified models, these fitted to DATA_EMPS's free run; last the chosen three.
 
     The chosen model is that of the lowest error on DATA_EMPS. It comes as fitted there; with the level of its friction from
@@ -261,9 +266,9 @@ def free_runs(models: dict[str, Plant], printed: dict[str, Plant], passes: dict[
     """
 
     def ran(name: str, fitted: str, plant: Plant) -> Run:
-        return Run(name, fitted, {r: free_run(plant, p.motion).error for r, p in passes.items()})
+        return Run(name, fitted, {r: free_run(plant, p.motion).error for r, p in inverses.items()})
 
-    one, other = (passes[role] for role in ROLES)
+    one, other = (inverses[role] for role in ROLES)
     refined = {name: refine_free_run(plant, [one]) for name, plant in models.items()}
     runs = [ran(name, "", plant) for name, plant in (printed | models).items()]
     fits = {name: ran(name, "DATA_EMPS", plant) for name, plant in refined.items()}
@@ -282,21 +287,21 @@ def run(study: Study, say) -> Outcome:
     say("reproducing the printed figures")
     obtained = {model: published(records, model == "asymmetric") for model in ("symmetric", "asymmetric")}
     rows = compared(study, obtained)
-    passes = inverse_dynamics(list(records.values()), bandwidth)
+    inverses = inverse_dynamics(list(records.values()), bandwidth)
     moving = Plant(ONE_MASS, tuple(map(find, ("inertia", "viscous_friction", "coulomb_friction"))), rotary=False)
     declared = moving + find("constant_offset")
-    found = trace(declared, passes, say, own=tuple(map(find, OFFERED)))
+    found = trace(declared, inverses, say, own=tuple(map(find, OFFERED)))
     turn = rig(study).quantity("revolution", "m", above=0.0)
     say("trying the explanations that were published")
-    tried = evidence.tried(found.after.plant, passes, explanations(turn), say)
-    floors = evidence.attainable(found.after, passes)
-    days = evidence.refitted(found.after.plant, passes)
+    tried = hypotheses.tried(found.after.plant, inverses, explanations(turn), say)
+    floors = attainable(found.after, inverses)
+    days = refitted(found.after.plant, inverses)
     say("fitting asymmetric friction")
     # Without the offset: in motion it cannot be told from a difference of Coulomb friction between the directions.
-    asymmetric = identify(moving + find("coulomb_asymmetry"), passes)
-    lagging = identify(asymmetric.plant + find("actuator_lag"), passes)
-    rippled = identify(lagging.plant + ripple(turn), passes)
-    alone = calibrate(rippled.plant, "cogging@axis", passes, rippled.validation)
+    asymmetric = identify(moving + find("coulomb_asymmetry"), inverses)
+    lagging = identify(asymmetric.plant + find("actuator_lag"), inverses)
+    rippled = identify(lagging.plant + ripple(turn), inverses)
+    alone = calibrate(rippled.plant, "cogging@axis", inverses, rippled.validation)
     ripples = [(p.record, p.amplitude.value, p.phase.value, p.half) for p in alone.phases]
     own = {
         "workbench, symmetric as declared": found.before,
@@ -306,24 +311,24 @@ def run(study: Study, say) -> Outcome:
         "as traced": found.after,
     }
     say("simulating the loops of the records")
-    motions = {p.motion.record.role: p.motion for p in passes}
+    motions = {p.motion.record.role: p.motion for p in inverses}
     law = Controller(LAW.name, LAW, gains(study, IDENTIFICATION))
     one = records[IDENTIFICATION]
     loop = Loop(one.dt, SUBSTEPS, resolution=one.resolution["position"])
     models = {
         "the same parameters, simulated here": printed_plant(obtained["symmetric"], declared),
         "symmetric, by the workbench": found.before.plant,
-        "the same, by output error": refine(found.before.plant, passes, loop, law).plant,
+        "the same, by output error": refine(found.before.plant, inverses, loop, law).plant,
         "as traced": without_hold(found.after.plant, one.dt),
     }
     closed = simulated(models, motions, loop, law)
     say("letting the records run free")
-    identified = {n: without_hold(identify(p, passes).plant, one.dt) for n, p in on_the_way(declared, found).items()}
+    identified = {n: without_hold(identify(p, inverses).plant, one.dt) for n, p in on_the_way(declared, found).items()}
     printed = {
         "symmetric, published parameters": printed_plant(obtained["symmetric"], declared),
         "asymmetric, published parameters": printed_asymmetric(obtained["asymmetric"], declared),
     }
-    free = free_runs(identified, printed, {p.motion.record.role: p for p in passes})
+    free = free_runs(identified, printed, {p.motion.record.role: p for p in inverses})
     figures = {f"{m}_{n}_deviation": abs(o - p) for m, n, _, p, o in rows}
     first, *_, last = closed.values()
     figures |= {f"closed_loop_error_{role}": e for role, e in first.items()}
@@ -368,7 +373,7 @@ def run(study: Study, say) -> Outcome:
             "published": [dict(zip(("model", "figure", "unit", "printed", "obtained"), r, strict=True)) for r in rows],
             "closed_loop": [{"model": name, **errors} for name, errors in closed.items()],
             "free_run": [{"model": r.model, "fitted": r.fitted, **r.errors} for r in free],
-            "evidence": [vars(s) for s in evidence.steps(found)],
+            "evidence": [vars(s) for s in steps(found)],
             "explanations": [vars(t) for t in tried],
             "ripple": [dict(zip(("record", "amplitude", "phase", "half_interval"), r, strict=True)) for r in ripples],
         },
@@ -434,10 +439,10 @@ def protocols_chapter(study: Study, figures: dict[str, float], closed, free: lis
     first, second, third = "force that the motion needs", "force, loop simulated", "position, free run"
     who = "symmetric (Janot, Gautier, Brunot 2019)"
     rows = [
-        (first, who, *(evidence.percent(stated["symmetric"].quantity(n, "1")) for n in ERROR)),
-        (first, "as traced", *(evidence.percent(figures[f"{r}_error_by_protocol"]) for r in ROLES)),
-        (second, who, *(evidence.percent(stated["closed_loop"].quantity(n, "1")) for n in ERROR)),
-        *((second, name, *(evidence.percent(e[r]) for r in ROLES)) for name, e in ours.items()),
+        (first, who, *(hundredths(stated["symmetric"].quantity(n, "1")) for n in ERROR)),
+        (first, "as traced", *(hundredths(figures[f"{r}_error_by_protocol"]) for r in ROLES)),
+        (second, who, *(hundredths(stated["closed_loop"].quantity(n, "1")) for n in ERROR)),
+        *((second, name, *(hundredths(e[r]) for r in ROLES)) for name, e in ours.items()),
     ]
     published = top.table("free_run", tuple(FREE))
     rows += [(third, said, "", millimetres(published.quantity(n, "m"))) for n, said in FREE.items()]
@@ -521,7 +526,7 @@ def evidence_chapter(found: Trace, protocol: dict[str, float]) -> Chapter:
     )
     return Chapter(
         "What symmetric friction lacks, step by step",
-        (*((Callout(told, GOOD),) if falling else ()), Paragraph(text), evidence.steps_table(found), Items(said)),
+        (*((Callout(told, GOOD),) if falling else ()), Paragraph(text), steps_table(found), Items(said)),
     )
 
 
@@ -533,7 +538,7 @@ def explanations_chapter(tried, traced) -> Chapter:
         "cannot be told from the constant offset except within the reversals themselves. A ripple is in the record, and "
         "belongs to it alone (below)."
     )
-    return Chapter("Explanations that the data do not bear out", (Paragraph(text), evidence.tried_table(tried, traced)))
+    return Chapter("Explanations that the data do not bear out", (Paragraph(text), tried_table(tried, traced)))
 
 
 def sliding(plant: Plant, speed: float) -> float:

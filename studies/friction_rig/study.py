@@ -13,6 +13,7 @@ from workbench import readers
 from workbench.definition import find
 from workbench.effects.hysteresis import maxwell_slip
 from workbench.finding import Finding, title
+from workbench.identification.by_role import refitted
 from workbench.identification.fit import identify
 from workbench.identification.result import Fit
 from workbench.inverse.dynamics import inverse_dynamics
@@ -21,10 +22,13 @@ from workbench.plant import ONE_MASS, Plant
 from workbench.record import IDENTIFICATION, ROLES, VALIDATION, Record
 from workbench.report import drawing
 from workbench.report.contents import Chapter, Figure, Items, Paragraph, Table
-from workbench.study import evidence, standard
+from workbench.report.steps import hundredths, steps_table
+from workbench.residual.attainable import attainable
+from workbench.study import standard
 from workbench.study.configuration import Study
 from workbench.study.outcome import Outcome
 from workbench.tracing.result import Trace
+from workbench.tracing.steps import steps
 from workbench.tracing.tracing import trace
 from workbench.units import to_si
 
@@ -118,27 +122,27 @@ def run(study: Study, say) -> Outcome:
     pair, resampled = records(study)
     given = rig(study)
     bandwidth, logged = (given.quantity(n, "Hz", above=0.0) for n in ("bandwidth", "logged"))
-    passes, slow = inverse_dynamics(pair, bandwidth), inverse_dynamics(pair, logged)
+    inverses, slow = inverse_dynamics(pair, bandwidth), inverse_dynamics(pair, logged)
     offset = Plant(ONE_MASS, (find("constant_offset"),), rotary=False)
     declared = offset + find("coulomb_friction")
     found = trace(declared, slow, say, only=CONTACT, own=(find("presliding_length"),))
     say("fitting Maxwell slip")
     models = {
-        "Coulomb friction, held in the dwells": identify(declared, passes),
+        "Coulomb friction, held in the dwells": identify(declared, inverses),
         "Presliding hysteresis, exponential virgin curve": identify(
-            offset + find("presliding_hysteresis")(x0=1e-5), passes
+            offset + find("presliding_hysteresis")(x0=1e-5), inverses
         ),
-        "One Maxwell-slip element": identify(offset + maxwell_slip((1e-5,), searched=True), passes),
-        f"A bank of {len(SLIPS)} Maxwell-slip elements": identify(offset + maxwell_slip(SLIPS), passes),
+        "One Maxwell-slip element": identify(offset + maxwell_slip((1e-5,), searched=True), inverses),
+        f"A bank of {len(SLIPS)} Maxwell-slip elements": identify(offset + maxwell_slip(SLIPS), inverses),
         "One element, stiffer in one direction": identify(
-            declared + find("presliding_length")(length=5e-5) + find("coulomb_asymmetry"), passes
+            declared + find("presliding_length")(length=5e-5) + find("coulomb_asymmetry"), inverses
         ),
-        "As traced": identify(found.after.plant, passes),
+        "As traced": identify(found.after.plant, inverses),
     }
     coulomb, exponential, one, bank, uneven, traced = models.values()
-    floors = evidence.attainable(found.after, slow)
-    days = evidence.refitted(found.after.plant, slow)
-    ends = dwells(passes[1].motion, given.quantity("settled", "s"))
+    floors = attainable(found.after, slow)
+    days = refitted(found.after.plant, slow)
+    ends = dwells(inverses[1].motion, given.quantity("settled", "s"))
     figures = standard.trace_figures(found) | {
         "validation_error_coulomb": coulomb.validation,
         "validation_error_exponential": exponential.validation,
@@ -168,7 +172,7 @@ def run(study: Study, say) -> Outcome:
             "models": [
                 {"model": n, "identification": f.identification, "validation": f.validation} for n, f in models.items()
             ],
-            "evidence": [vars(s) for s in evidence.steps(found)],
+            "evidence": [vars(s) for s in steps(found)],
         },
     )
 
@@ -201,9 +205,7 @@ def evidence_chapter(found: Trace, share: float, logged: float, bandwidth: float
         f"what the dwells hold. Compared up to {bandwidth:g} Hz the traced model leaves {100 * traced.validation:.2f} %."
     )
     said = tuple(meanings[n] for n in found.added if n in meanings)
-    return Chapter(
-        "What Coulomb friction lacks, step by step", (Paragraph(text), evidence.steps_table(found), Items(said))
-    )
+    return Chapter("What Coulomb friction lacks, step by step", (Paragraph(text), steps_table(found), Items(said)))
 
 
 def hysteresis_chapter(models: dict[str, Fit]) -> Chapter:
@@ -222,7 +224,7 @@ def hysteresis_chapter(models: dict[str, Fit]) -> Chapter:
     )
     table = Table(
         ("Model", "Identification error", "Validation error"),
-        tuple((n, evidence.percent(f.identification), evidence.percent(f.validation)) for n, f in models.items()),
+        tuple((n, hundredths(f.identification), hundredths(f.validation)) for n, f in models.items()),
         "A constant offset is free in every model; error: rms residual over rms friction force, in the whole band.",
         "prr",
     )

@@ -15,7 +15,7 @@ from workbench.definition import Effect, find
 from workbench.plant import TWO_MASS, Geometry, Limits, Plant
 from workbench.record import IDENTIFICATION, VALIDATION, Record
 from workbench.simulation import Loop, ScenarioArrays, simulate
-from workbench.study.simulated import record_of
+from workbench.simulation.recorded import record_of
 from workbench.tracing.decimation import decimated
 
 from .laws import compliances_in_series, waves_under_load

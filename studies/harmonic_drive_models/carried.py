@@ -25,10 +25,10 @@ PRESENCE = (
 )
 
 
-def load_error(passes, plant, role: str) -> float:
+def load_error(inverses, plant, role: str) -> float:
     """Return what the load's balance leaves over the drive, both rms behind the filter, where the load is free."""
     left = power = 0.0
-    for p in (p for p in passes if p.motion.record.role == role and not p.motion.record.locked):
+    for p in (p for p in inverses if p.motion.record.role == role and not p.motion.record.locked):
         keep, f = p.motion.keep, p.motion.filter
         left += float(np.sum(f(balances(p, plant)[1])[keep] ** 2))
         power += float(np.sum(f(p.motion.u)[keep] ** 2))

@@ -19,12 +19,12 @@ GEAR, SERIES_KEY = "waves_under_load@joint", "compliances_in_series@joint"
 
 @dataclass(frozen=True)
 class Judged:
-    """fits: model -> fit. floor: what the simulated plant itself leaves on validation: noise and counts. passes: of the axis."""
+    """fits: model -> fit. floor: what the simulated plant itself leaves on validation: noise and counts. inverses: of the axis."""
 
     axis: Axis
     fits: dict[str, Fit]
     floor: float
-    passes: tuple[InverseDynamics, ...]
+    inverses: tuple[InverseDynamics, ...]
 
     def error(self, model: str) -> float:
         return self.fits[model].validation
@@ -32,20 +32,20 @@ class Judged:
 
 def judged(axis: str, made: Axis, say: Callable[[str], None]) -> Judged:
     """Fit every model that is asked about on an axis's records."""
-    passes = tuple(inverse_dynamics(made.records, BAND))
+    inverses = tuple(inverse_dynamics(made.records, BAND))
     fits = {}
     for model, plant in MODELS[axis](_declared(made.known)).items():
         say(f"fitting {axis}: {model}")
-        fits[model] = identify(plant, passes)
-    return Judged(made, fits, left(made.known, passes), passes)
+        fits[model] = identify(plant, inverses)
+    return Judged(made, fits, left(made.known, inverses), inverses)
 
 
-def left(plant: Plant, passes) -> float:
+def left(plant: Plant, inverses) -> float:
     """Return the error of a plant as it stands on the validation records."""
     held = plant
     for e in plant.effects:
         held = held.swap(e(fixed=True, **{n: p.value for n, p in e.parameters.items()}))
-    return identify(held, passes).validation
+    return identify(held, inverses).validation
 
 
 def _declared(known: Plant) -> Plant:

@@ -45,7 +45,7 @@ def elastic(effect, x) -> np.ndarray:
     return np.array([values[n] for n in effect.linear]) @ build(effect).run({"q": x}, values)[: len(effect.linear)]
 
 
-def figures(fits, base, passes, largest: float) -> tuple[Figure, ...]:
+def figures(fits, base, inverses, largest: float) -> tuple[Figure, ...]:
     """Draw the torsion loop, the stiffness over torque, and what is left over the motor's angle."""
     seen, x = base.series[LOCKED], np.linspace(0.0, 1.02 * largest, 200)
     curves = {}
@@ -71,7 +71,7 @@ def figures(fits, base, passes, largest: float) -> tuple[Figure, ...]:
 
     def left(axes):
         both = (("none", drawing.BEFORE), ("trigonometric, one wave", drawing.AFTER))
-        chosen = [p for p in passes if p.motion.record.role == VALIDATION]
+        chosen = [p for p in inverses if p.motion.record.role == VALIDATION]
         for model, colour in both:
             own = [fits["kinematic error", model].series[p.motion.record.name] for p in chosen]
             rest = [
@@ -101,18 +101,18 @@ def figures(fits, base, passes, largest: float) -> tuple[Figure, ...]:
 def run(study, say) -> Outcome:
     """Trace what the declared model lacks, fit every family beside the base, and ask the axes what these records do not hold."""
     campaign = load(study.campaign)
-    passes = inverse_dynamics(campaign.records, campaign.bandwidth)
-    found = trace(campaign.plant, passes, say, most=1, only=ONLY)
+    inverses = inverse_dynamics(campaign.records, campaign.bandwidth)
+    found = trace(campaign.plant, inverses, say, most=1, only=ONLY)
     say("fitting the base")
     wave = find("kinematic_error")(at="joint", sine=1e-5, cosine=1e-5)(
         order=2 * campaign.plant.geometry.gear_ratio, fixed=True
     )
     wave = wave.free("sine", "cosine")
-    base = identify(identify(found.before.plant + wave, passes).plant, passes)
-    base = identify(base.plant.swap(base.plant["kinematic_error"].free("order")), passes)
-    fits, loads, rows, numbers = _fitted(base, passes, say)
+    base = identify(identify(found.before.plant + wave, inverses).plant, inverses)
+    base = identify(base.plant.swap(base.plant["kinematic_error"].free("order")), inverses)
+    fits, loads, rows, numbers = _fitted(base, inverses, say)
     say("judging")
-    said = _carried_statements(base, passes, fits, loads, found.floor[VALIDATION])
+    said = _carried_statements(base, inverses, fits, loads, found.floor[VALIDATION])
     say("logging four axes")
     seen = {axis: judged(axis, made, say) for axis, made in axes().items()}
     said = decisive([*said, *decided.statements(seen)])
@@ -136,7 +136,7 @@ def run(study, say) -> Outcome:
             "held_deviation": max(decided.deviations(seen).values()),
         },
         chapters=(
-            Chapter("Models on the same records", (Paragraph(_method()), _families(rows), *figures(fits, base, passes, largest))),
+            Chapter("Models on the same records", (Paragraph(_method()), _families(rows), *figures(fits, base, inverses, largest))),
             Chapter("Models on axes that hold an effect", (Paragraph(_held(seen)), decided.table(seen))),
             Chapter("What is borne out", (Paragraph(_borne(count)), _review(said))),
         ),
@@ -150,16 +150,16 @@ def run(study, say) -> Outcome:
     )  # fmt: skip
 
 
-def _fitted(base, passes, say):
+def _fitted(base, inverses, say):
     """Return ((family, model) -> fit, -> error of the load's balance, rows of the table, the same as numbers)."""
     fits, loads, rows, numbers = {}, {}, [], []
     for family, models in carried.families(base.plant).items():
         for model, plant in models.items():
             say(f"fitting {family}: {model}")
-            fit = base if plant is base.plant else identify(plant, passes)
-            fits[family, model], problem = fit, Problem(plant, fitted_on(passes))
+            fit = base if plant is base.plant else identify(plant, inverses)
+            fits[family, model], problem = fit, Problem(plant, fitted_on(inverses))
             free = len(problem.free_linear) + len(problem.free_shape)
-            loads[family, model] = carried.load_error(passes, fit.plant, VALIDATION)
+            loads[family, model] = carried.load_error(inverses, fit.plant, VALIDATION)
             errors = (fit.identification, fit.validation, loads[family, model])
             rows.append((family, Marked(model, "strong") if fit is base else model, str(free), *map(percent, errors)))
             numbers.append({"family": family, "model": model, "free": free, "identification": errors[0],
@@ -167,10 +167,10 @@ def _fitted(base, passes, say):
     return fits, loads, rows, numbers
 
 
-def _carried_statements(base, passes, fits, loads, floor: float):
+def _carried_statements(base, inverses, fits, loads, floor: float):
     amplitudes = {
         p.motion.record.name: carried.amplitude_of(base.plant, p)
-        for p in fitted_on(passes)
+        for p in fitted_on(inverses)
         if not p.motion.record.locked
     }
     largest = float(np.abs(base.series[LOCKED].position).max())

@@ -15,8 +15,7 @@ from workbench.design.tabled import Tabled, tabled
 from workbench.plant import Plant
 from workbench.simulation import loop_under
 from workbench.study.configuration import Study
-from workbench.study.controlling import Control
-from workbench.study.controlling import numbers as numbers_of
+from workbench.study.control import Control
 from workbench.task.task import PHASES, Task
 from workbench.verification.checks import Checks, checked
 from workbench.verification.contest import Contest, contest, entered
@@ -91,7 +90,7 @@ def held(
         model, control.amplitudes, goal, task, per_octave=control.per_octave, tolerance=control.tolerance
     )
     families = tuple(f for f in made.families if names is None or f.name in names)
-    seeds = [int(s) for s in numbers_of(asked, "seeds", (1.0,))]
+    seeds = [int(s) for s in asked.numbers("seeds", (1.0,))]
     time = asked.quantity("tuning_time", "s", above=0.0)
     found = contest(
         task, families, {SOFT: soft(study, known, REACHED * known.limits.speed)},

@@ -17,10 +17,9 @@ from workbench.report import numbers
 from workbench.report.contents import Chapter, Figure, Paragraph
 from workbench.report.drawing import AFTER, BEFORE, MEASURED, MUTED, svg
 from workbench.simulation import ScenarioArrays, simulate
+from workbench.simulation.recorded import record_of
 from workbench.study.configuration import Study
-from workbench.study.controlling import Control
-from workbench.study.controlling import numbers as numbers_of
-from workbench.study.simulated import record_of
+from workbench.study.control import Control
 
 FIRST, SECOND = "fha_8c_50", "fha_8c_30"
 EVERY = 4  # control samples a logged one
@@ -55,7 +54,7 @@ def logged(study: Study, control: Control, known: Plant) -> Logged:
     """Log slow sines on the assumed plant, through a stiff loop with the study's encoder."""
     asked = study.table.table("records", ("frequency", "amplitudes", "validation", "periods", "noise", "bandwidth"))
     frequency = asked.quantity("frequency", "Hz", above=0.0)
-    sizes = np.array([*numbers_of(asked, "amplitudes", (), "rad"), asked.quantity("validation", "rad", above=0.0)])
+    sizes = np.array([*asked.numbers("amplitudes", (), "rad"), asked.quantity("validation", "rad", above=0.0)])
     loop = replace(control.loop, velocity_filter=8.0 * control.loop.sample_time)
     duration = asked.number("periods", above=0) / frequency
     t = loop.sample_time * np.arange(int(round(duration / loop.sample_time)))
@@ -82,9 +81,9 @@ def logged(study: Study, control: Control, known: Plant) -> Logged:
     return Logged(records, known, known.swap(guess), asked.quantity("bandwidth", "Hz", above=0.0))
 
 
-def correlation(plant: Plant, passes) -> float:
+def correlation(plant: Plant, inverses) -> float:
     """Return the correlation of the estimates of h0 and a on some records."""
-    problem = Problem(plant, fitted_on(passes))
+    problem = Problem(plant, fitted_on(inverses))
     names, cov, _, _ = covariance(problem, solve(problem))
     i, j = (next(k for k, n in enumerate(names) if n.parameter == p) for p in ("h0", "x0"))
     return -float(cov[i, j] / np.sqrt(cov[i, i] * cov[j, j]))  # a = 1/x0 turns the sign
@@ -94,10 +93,10 @@ def estimates_of(fit) -> dict:
     return {e.parameter: e for e in fit.estimates if e.effect == "presliding_hysteresis"}
 
 
-def virgin_chapter(seen: Logged, fit, alone, passes) -> tuple[Chapter, dict[str, float]]:
+def virgin_chapter(seen: Logged, fit, alone, inverses) -> tuple[Chapter, dict[str, float]]:
     """The loops and the virgin curve, and what the printed test by itself does not tell apart."""
-    paper = correlation(seen.declared, passes[:1])
-    both = correlation(seen.declared, passes)
+    paper = correlation(seen.declared, inverses[:1])
+    both = correlation(seen.declared, inverses)
     found, by_itself = estimates_of(fit), estimates_of(alone)
     size = float(np.max(np.abs(seen.records[0].channels["position"])))
     reached = 1.0 - np.exp(-found["a"].value * size)

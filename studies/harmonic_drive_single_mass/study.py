@@ -6,8 +6,10 @@ identifies the model, and tunes on the identified one. The controllers are judge
 
 from dataclasses import replace
 
+from workbench.description import integrals
 from workbench.design.worth import regret_of
 from workbench.exporting.feed_forward import export_feed_forward
+from workbench.exporting.leaving import leave
 from workbench.finding import Finding
 from workbench.identification.fit import identify
 from workbench.inverse.dynamics import inverse_dynamics
@@ -28,10 +30,9 @@ from workbench.report.recommend import RECOMMENDED, recommended_chapter
 from workbench.report.reproduction import as_table, counted
 from workbench.study import standard
 from workbench.study.configuration import Study
-from workbench.study.control import write_gains
-from workbench.study.controlling import Control, control_of, numbers
+from workbench.study.control import Control, control_of
 from workbench.study.firmware import as_firmware, firmware_part
-from workbench.study.leaving import leave
+from workbench.study.gains import write_gains
 from workbench.study.limit_cycle import limit_cycles
 from workbench.study.outcome import Outcome, Part, with_part
 from workbench.study.robustness import robustness
@@ -59,10 +60,10 @@ def run(study: Study, say) -> Outcome:
     control = control_of(study.table, known)
     say("logging slow sines")
     seen = records.logged(study, control, known)
-    passes = inverse_dynamics(seen.records, seen.bandwidth)
-    found = trace(seen.declared, passes, say, most=1, only=CANDIDATES)
-    alone = identify(seen.declared, passes[:1])
-    curve, fitted = records.virgin_chapter(seen, found.before, alone, passes)
+    inverses = inverse_dynamics(seen.records, seen.bandwidth)
+    found = trace(seen.declared, inverses, say, most=1, only=CANDIDATES)
+    alone = identify(seen.declared, inverses[:1])
+    curve, fitted = records.virgin_chapter(seen, found.before, alone, inverses)
     model = found.after.plant
     described, deviation = description.equivalents_chapter(model, standard.amplitudes(study))
     outcome = Outcome(
@@ -71,7 +72,7 @@ def run(study: Study, say) -> Outcome:
         bandwidth=seen.bandwidth,
         trace=found,
         records=seen.records,
-        equivalents=standard.described(model, standard.amplitudes(study)),
+        equivalents=integrals.described(model, standard.amplitudes(study)),
         figures={**standard.trace_figures(found), **fitted, **deviation},
         units={"h0": "N*m", "a": "1/rad"},
         chapters=(curve, described),
@@ -99,7 +100,7 @@ def contested(study: Study, control: Control, model: Plant, known: Plant, traced
     asked = study.table.table("contest", ("seeds", "tuning_time"), ("margins", "soft_cascade", "fits"))
     margins = against_margin(
         held.task,
-        numbers(asked, "margins", (2.0,)),
+        asked.numbers("margins", (2.0,)),
         lambda limit: controllers.for_margin(control, model, held.task, limit, (PAPER, ERROR, FIXED)),
         tuning_time=asked.quantity("tuning_time", "s", above=0.0),
         found=held,

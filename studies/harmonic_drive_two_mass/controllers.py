@@ -31,10 +31,9 @@ from workbench.design.joint import (
 from workbench.plant import Plant
 from workbench.schedule import Passivity, Schedule
 from workbench.simulation import Loop
-from workbench.study.compensating import asked
+from workbench.study.compensation import asked
 from workbench.study.configuration import Study
-from workbench.study.controlling import Control
-from workbench.study.controlling import numbers as numbers_of
+from workbench.study.control import Control
 from workbench.verification.contest import Contest, contest, entered
 from workbench.verification.controllers import controllers_of
 
@@ -86,7 +85,7 @@ def over_joint(study: Study, control: Control, spring: Plant, model: Assumed, lo
     model: the identified plant that controllers are tuned on; the schedule bears its digest.
     """
     contested = study.table.table("contest", KEYS)
-    low, high = numbers_of(contested, "amplitudes", (), "rad")
+    low, high = contested.numbers("amplitudes", (), "rad")
     equivalent = joint_equivalent(spring, np.geomspace(low, high, AMPLITUDES))
     motor = spring["inertia@motor"].parameters["inertia"].value
     loads = loads_of(control, model)
@@ -148,7 +147,7 @@ def held(study: Study, control: Control, known: Assumed, model: Assumed, loop: L
     task = replace(control.task.on(known.plant), loop=loop)
     every = {f.name: f for f in families(study, control, model, loop, over)}
     time = contested.quantity("tuning_time", "s", above=0.0)
-    seeds = [int(s) for s in numbers_of(contested, "seeds", (1.0,))]
+    seeds = [int(s) for s in contested.numbers("seeds", (1.0,))]
     rest = [f for n, f in every.items() if n not in (OUTPUT, JOINT)] + [cancelling(study, model, every)]
     found = contest(task, rest, tuning_time=time, seeds=seeds, loaded=True, known=model.plant, say=say)
     wide = replace(task, duration=time).on(model.plant)

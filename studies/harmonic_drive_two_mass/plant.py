@@ -10,8 +10,8 @@ from workbench.definition import find
 from workbench.plant import ONE_MASS, TWO_MASS, Geometry, Limits, Plant
 from workbench.record import IDENTIFICATION, VALIDATION, Record
 from workbench.simulation import Loop, Scenario, ScenarioArrays, open_loop, simulate
+from workbench.simulation.recorded import record_of
 from workbench.study.configuration import Study
-from workbench.study.simulated import record_of
 
 KEYS = (
     "motor", "load", "torque", "speed", "ratio", "k1", "k2", "t1", "damping", "hysteresis", "stroke", "h0", "a", "at_motor",

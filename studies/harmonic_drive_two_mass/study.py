@@ -13,6 +13,7 @@ import numpy as np
 from workbench.compensation import REFERENCE, Compensator
 from workbench.design.design import two_modes
 from workbench.errors import WorkbenchError
+from workbench.exporting.leaving import leave
 from workbench.finding import Finding
 from workbench.identification.fit import identify
 from workbench.identification.result import Fit
@@ -23,18 +24,18 @@ from workbench.report.contest import contest_chapter
 from workbench.report.recommend import RECOMMENDED, recommended_chapter
 from workbench.report.reproduction import as_table, counted
 from workbench.study import standard
-from workbench.study.compensating import compensation
+from workbench.study.compensation import compensation
 from workbench.study.configuration import Study
-from workbench.study.control import write_table
-from workbench.study.controlling import control_of
+from workbench.study.control import control_of
 from workbench.study.firmware import as_firmware, firmware_part
-from workbench.study.leaving import leave
+from workbench.study.gains import write_table
 from workbench.study.outcome import Outcome, Part, with_part
 from workbench.study.robustness import robustness
 from workbench.tracing.tracing import trace
-from workbench.verification.contest import Contest, verdict
+from workbench.verification.contest import Contest
 from workbench.verification.contest import as_table as contest_table
 from workbench.verification.recommend import recommend
+from workbench.verification.wording import verdict
 
 from . import controllers, description, hunting, paper
 from .controllers import BEST, BOTH, FIXED, JOINT, ON_LOAD, ON_MOTOR, OUTPUT, WIDE, Over
@@ -59,10 +60,10 @@ def run(study: Study, say) -> Outcome:
     say("logging with the output locked")
     records, bandwidth = locked(study, loop, known.plant)
     lacking = declared(known.plant)
-    passes = inverse_dynamics(records, bandwidth)
-    found = trace(lacking, passes, say, most=1, only=CANDIDATES)
+    inverses = inverse_dynamics(records, bandwidth)
+    found = trace(lacking, inverses, say, most=1, only=CANDIDATES)
     fit = found.before  # the paper's one spring
-    apart = identify(with_ground(fit.plant), passes)
+    apart = identify(with_ground(fit.plant), inverses)
     say("identifying with the output free")
     full = identify(with_gear(fit.plant), inverse_dynamics((*records, free(study, loop, known.plant)), bandwidth))
     model = identified(full.plant, known)

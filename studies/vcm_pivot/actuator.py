@@ -13,7 +13,7 @@ from workbench.frequency.modes import Modes, fit_modes
 from workbench.frequency.response import Response, response_of
 from workbench.plant import ONE_MASS, Plant
 from workbench.record import IDENTIFICATION
-from workbench.study.simulated import record_of
+from workbench.simulation.recorded import record_of
 
 from .loop import K0, MODES, ZEROS, Preset
 from .machine import Given, Machine

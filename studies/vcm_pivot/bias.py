@@ -11,7 +11,7 @@ from workbench.hysteresis import Bank
 from workbench.inverse.dynamics import inverse_dynamics
 from workbench.plant import ONE_MASS, Plant
 from workbench.record import IDENTIFICATION, VALIDATION, Record
-from workbench.study.simulated import record_of
+from workbench.simulation.recorded import record_of
 
 from .loop import CALIBRATED, K0, RATE, TS
 from .machine import Given, Machine
@@ -70,5 +70,5 @@ def records(noise: Noise) -> tuple[Record, ...]:
     return tuple(found)
 
 
-def passes(noise: Noise):
+def inverses(noise: Noise):
     return inverse_dynamics(records(noise), BANDWIDTH)

@@ -4,6 +4,7 @@ The pivot and its loop are simulated beside the workbench (machine.py); fits, de
 workbench's own.
 """
 
+from workbench.description import described
 from workbench.finding import Finding
 from workbench.report.recommend import RECOMMENDED
 from workbench.study import standard
@@ -129,7 +130,7 @@ def fit_figures(fits: identified.Identified) -> dict[str, float]:
 def traced(study: Study, fits: identified.Identified, noise: Noise, say) -> Outcome:
     """Trace the records of a loop whose flex cable pulls to one side, from the identified pivot."""
     lacking = bias.declared(fits.broad.few.bank)
-    seen = bias.passes(noise)
+    seen = bias.inverses(noise)
     found = trace(lacking, seen, say, most=2, only=bias.CANDIDATES)
     return Outcome(
         plant=lacking,
@@ -137,7 +138,7 @@ def traced(study: Study, fits: identified.Identified, noise: Noise, say) -> Outc
         bandwidth=bias.BANDWIDTH,
         trace=found,
         records=tuple(p.motion.record for p in seen),
-        equivalents=standard.described(found.after.plant, standard.amplitudes(study)),
+        equivalents=described(found.after.plant, standard.amplitudes(study)),
         figures=standard.trace_figures(found),
         findings=(*found.findings, *found.after.findings),
     )

@@ -16,7 +16,7 @@ from workbench.plant import ONE_MASS, Limits, Plant
 from workbench.robustness.document import of_controller
 from workbench.robustness.workload import single
 from workbench.simulation import Loop, ScenarioArrays, simulate
-from workbench.verification.recommend import known_to
+from workbench.verification.candidates import known_to
 
 LOOP = Loop(2.5e-4, 2, 2.5e-4, 2.5e-4, 1e-6)
 SPRING = find("linear_stiffness")(stiffness=200.0, at="axis")

@@ -18,8 +18,8 @@ from workbench.simulation.criteria import Criteria
 from workbench.simulation.given import REFERENCE as GIVEN
 from workbench.simulation.given import given_of
 from workbench.simulation.oracle import run_arrays
+from workbench.simulation.recorded import record_of
 from workbench.simulation.run import run_lanes
-from workbench.study.simulated import record_of
 
 LOOP = Loop(5e-4, 2, 0.0, 0.0, 1e-6)
 BASE = fixed_pd(60.0, 0.5)

@@ -17,7 +17,7 @@ from workbench.definition import find
 from workbench.identification.fit import identify
 from workbench.inverse.dynamics import inverse_dynamics
 from workbench.record import IDENTIFICATION
-from workbench.study.simulated import record_of
+from workbench.simulation.recorded import record_of
 
 SPEED, WAY, SMOOTH = 0.15, 2.0, 0.3  # rad/s, s each way, s of a turn
 ENDS = 0.2  # s at both ends that do not count
@@ -67,8 +67,8 @@ def test_the_cascade_is_left_with_no_more_than_the_fit_does_not_explain(name, tm
         e = find(name)
         outside = {n: v for n, v in start(truth["parameters"][name]).items() if n in e.parameters}
         plant = plant + e(at=at, **outside)
-    passes = inverse_dynamics(seen.records, seen.bandwidth)
-    fit = identify(plant, passes)
+    inverses = inverse_dynamics(seen.records, seen.bandwidth)
+    fit = identify(plant, inverses)
     count = seen.records[0].resolution["position"]
     reference = ramp()
     named = Compensator.of(fit.plant, (name,))
@@ -102,8 +102,8 @@ def test_the_cascade_is_left_with_no_more_than_the_fit_does_not_explain(name, tm
 def test_what_is_added_along_a_record_is_what_identification_says_of_the_effect(tmp_path):
     rig.campaign(tmp_path, 7, (), base="gravity", short=True)
     seen = load(tmp_path)
-    passes = inverse_dynamics(seen.records, seen.bandwidth)
-    plant = identify(seen.plant, passes).plant
-    slow = next(p for p in passes if "slow" in p.motion.record.name)
+    inverses = inverse_dynamics(seen.records, seen.bandwidth)
+    plant = identify(seen.plant, inverses).plant
+    slow = next(p for p in inverses if "slow" in p.motion.record.name)
     for name in ("gravity", "presliding_hysteresis"):
         assert agreement(Compensator.of(plant, (name,)), plant, slow) < 0.02

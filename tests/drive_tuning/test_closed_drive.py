@@ -15,7 +15,8 @@ from workbench.definition import find
 from workbench.description import Equivalent
 from workbench.drive_tuning.cases import Lagged, slowed
 from workbench.drive_tuning.comparison import ComparedDrive, compare_sizes, following_errors
-from workbench.drive_tuning.search import ClosedDrive, Strategy, behind, cases, sizes_of, tune_drive
+from workbench.drive_tuning.gains import ClosedDrive, behind, sizes_of
+from workbench.drive_tuning.search import Strategy, cases, tune_drive
 from workbench.drives import Units, elmo
 from workbench.drives.files import FormatOptions, files
 from workbench.drives.objects import Object, entries, value_of

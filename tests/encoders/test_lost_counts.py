@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from workbench.encoders.lost_counts import lost_counts, shifts_of
-from workbench.encoders.lost_finding import lost_finding
+from workbench.encoders.wording import lost_finding
 from workbench.record import IDENTIFICATION, Record
 
 COUNT, DT, N = 1e-5, 1e-3, 6000

@@ -17,7 +17,7 @@ from workbench.firmware.compensation_make import compensation_firmware
 from workbench.plant import ONE_MASS, TWO_MASS, Limits, Plant
 from workbench.record import IDENTIFICATION
 from workbench.simulation import Loop
-from workbench.study.simulated import record_of
+from workbench.simulation.recorded import record_of
 
 COUNT = 4.8e-6
 LOOP = Loop(2.5e-4, 4, 2.5e-4, 2.5e-4, COUNT)

@@ -12,14 +12,15 @@ from scipy import signal
 from workbench.campaign import Campaign
 from workbench.checking.modes import undeclared
 from workbench.checking.seen import Seen
+from workbench.checking.wording import said
 from workbench.cli import main
 from workbench.definition import Effect, find
 from workbench.errors import WorkbenchError
 from workbench.finding import Finding
 from workbench.frequency import fit_modes, gain_limit, notch_for, response_of
-from workbench.frequency.output import findings
 from workbench.frequency.response import period_of
 from workbench.frequency.spectra import densities
+from workbench.frequency.wording import findings
 from workbench.plant import ONE_MASS, Plant
 from workbench.record import IDENTIFICATION, Record, Source
 
@@ -264,7 +265,7 @@ def test_what_is_no_loop_is_refused(law, bound, said):
 
 def seen_as_one_mass(record: Record, *further: Effect) -> list[Finding]:
     plant = Plant(ONE_MASS, (find("inertia")(inertia=MOTOR + LOAD), *further))
-    return list(undeclared(Seen(Campaign(Path("c"), "c", plant, (record,), 150.0))))
+    return [said(mode) for mode in undeclared(Seen(Campaign(Path("c"), "c", plant, (record,), 150.0)))]
 
 
 def test_a_mode_of_an_axis_that_is_declared_as_one_mass_is_said():

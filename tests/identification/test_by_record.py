@@ -83,10 +83,10 @@ def test_a_record_that_knows_next_to_nothing_has_no_say():
     rng = np.random.default_rng(5)
     steady = recorded(t, 2.0 * t, 2.0 * B + 0.02 + coloured(rng, t.size, 0.02), "steady")
     moving = recorded(t, q, J * a + B * v + 0.02 + coloured(rng, t.size, 0.02), "moving")
-    passes = inverse_dynamics([steady, moving], BAND)
-    fit = identify(smooth(), passes)
+    inverses = inverse_dynamics([steady, moving], BAND)
+    fit = identify(smooth(), inverses)
     assert "inertia@axis.inertia" not in fit.spread
-    problem = Problem(smooth(), passes)
+    problem = Problem(smooth(), inverses)
     owns = {o.record: o for o in own_estimates(problem, solve(problem), problem.free_linear)}
     j = [n.parameter for n in problem.free_linear].index("inertia")
     assert np.isnan(owns["steady"].value[j]) and owns["moving"].value[j] == pytest.approx(J, rel=0.05)

@@ -36,7 +36,7 @@ def coloured(rng, n: int, size: float, memory: float) -> np.ndarray:
 
 
 def sets(seconds: tuple[float, ...], memory: float, size: float, count: int):
-    """Yield passes of `count` noisy sets on the same motions."""
+    """Yield the inverse dynamics of `count` noisy sets on the same motions."""
     made, rng = [], np.random.default_rng(30)
     for seed, length in enumerate(seconds):
         t, q, v, a = moved(seed, length)
@@ -57,8 +57,8 @@ def coverage(seconds: tuple[float, ...], memory: float, size: float = 0.02, coun
     plant = plant + find("presliding_hysteresis")(h0=H0, x0=X0)
     true = {"viscous": B, "h0": H0, "a": 1 / X0}
     hits = dict.fromkeys(true, 0)
-    for passes in sets(seconds, memory, size, count):
-        for e in identify(plant, passes).estimates:
+    for inverses in sets(seconds, memory, size, count):
+        for e in identify(plant, inverses).estimates:
             if e.parameter in true:
                 hits[e.parameter] += e.low <= true[e.parameter] <= e.high
     return {n: h / count for n, h in hits.items()}

@@ -42,25 +42,25 @@ def plant(rotary: bool = True) -> Plant:
 @pytest.mark.parametrize(("rotary", "channel"), [(True, "torque"), (False, "force")])
 def test_the_drift_of_a_reported_drive_is_found_in_its_unit(rotary, channel):
     at = f"sensor.{channel}"
-    passes = inverse_dynamics(records(RATE, channel), BAND)
-    fit = identify(plant(rotary) + find("sensor_trend")(at=at), passes)
+    inverses = inverse_dynamics(records(RATE, channel), BAND)
+    fit = identify(plant(rotary) + find("sensor_trend")(at=at), inverses)
     (rate,) = [e for e in fit.estimates if e.effect == "sensor_trend"]
     assert (rate.value, rate.unit) == (pytest.approx(RATE, rel=1e-3), "N*m/s" if rotary else "N/s")
     assert fit.identification < 1e-3
     # what is predicted is the reading, with its drift
-    m = passes[0].motion
-    assert np.sqrt(np.mean((m.u - predicted(passes[0], fit.plant))[m.keep] ** 2)) < 1e-2 * np.std(m.u)
+    m = inverses[0].motion
+    assert np.sqrt(np.mean((m.u - predicted(inverses[0], fit.plant))[m.keep] ** 2)) < 1e-2 * np.std(m.u)
 
 
 def test_behind_a_command_map_the_drift_is_of_the_reading_and_not_of_what_acts():
     """A lag changes what acts; a drift of the reading is taken off before it, and comes back after it is undone."""
     lagging = plant() + find("actuator_lag")(time_constant=2e-3) + find("sensor_trend")(at="sensor.torque", rate=RATE)
-    passes = inverse_dynamics(records(0.0), BAND)[0]
+    inverses = inverse_dynamics(records(0.0), BAND)[0]
     bare = lagging.without("sensor_trend")
-    t = passes.motion.t
-    np.testing.assert_allclose(predicted(passes, lagging) - predicted(passes, bare), RATE * t, atol=1e-9)
+    t = inverses.motion.t
+    np.testing.assert_allclose(predicted(inverses, lagging) - predicted(inverses, bare), RATE * t, atol=1e-9)
     drifting = inverse_dynamics(records(RATE), BAND)[0]
-    np.testing.assert_allclose(drifting.filtered_drive(lagging), passes.filtered_drive(bare), atol=1e-9)
+    np.testing.assert_allclose(drifting.filtered_drive(lagging), inverses.filtered_drive(bare), atol=1e-9)
 
 
 def test_a_trend_is_offered_at_the_drive_and_at_each_encoder():
@@ -88,9 +88,9 @@ def test_a_drift_may_be_declared_in_the_unit_of_its_channel(tmp_path):
 def test_the_drifting_force_of_a_table_is_named_first_with_its_rate():
     """Truth: 0.2 N/s beside an asymmetry of friction."""
     campaign = load(measured("campaigns_d/d10"))
-    passes = inverse_dynamics(campaign.records, campaign.bandwidth)
+    inverses = inverse_dynamics(campaign.records, campaign.bandwidth)
     only = ("sensor_trend", "stribeck_friction", "friction_drift", "cable_spring")
-    found = trace(campaign.plant, passes, most=1, only=only)
+    found = trace(campaign.plant, inverses, most=1, only=only)
     first = found.causes[0]
     assert (first.effect, first.at) == ("sensor_trend", "sensor.force")
     (rate,) = first.parameters

@@ -128,10 +128,10 @@ def test_shapes_are_found_from_afar(clean):
 def test_no_more_is_asked_of_a_drive_than_it_gives(clean):
     """u' = u/sqrt(1 + u^2) stays below one: exact where it has an inverse, and little more than the drive's limit beyond."""
     plant = replace(believed() + find("torque_constant_saturation")(fall=1.0), limits=Limits(drive=3.0))
-    passes = inverse_dynamics(clean, BAND)[0]
-    most = REACH * max(3.0, float(np.abs(passes.motion.u).max()))
-    asked = np.linspace(-5.0, 5.0, passes.motion.u.size)
-    found = passes.command.undone(plant, asked)
+    inverses = inverse_dynamics(clean, BAND)[0]
+    most = REACH * max(3.0, float(np.abs(inverses.motion.u).max()))
+    asked = np.linspace(-5.0, 5.0, inverses.motion.u.size)
+    found = inverses.command.undone(plant, asked)
     assert np.abs(found).max() == most
     within = np.abs(asked) < 0.5
     np.testing.assert_allclose(found[within], asked[within] / np.sqrt(1.0 - asked[within] ** 2), rtol=1e-3)
@@ -200,13 +200,13 @@ def test_intervals_cover_under_coloured_noise():
     true = {"inertia": J, "viscous": B, "offset": 0.02}
     hits = []
     for _ in range(40):
-        passes = []
+        inverses = []
         for m, (t, q, v, a) in zip(motions, made, strict=True):
             u = J * a + B * v + 0.02 + coloured(rng, t.size, 0.02)
-            passes.append(
+            inverses.append(
                 InverseDynamics(type(m)(recorded(t, q, u, m.record.name), u, m.q, m.dq, m.v, m.a, m.filter, m.counts))
             )
-        fit = identify(smooth(), passes)
+        fit = identify(smooth(), inverses)
         hits += [estimate(fit, n).low <= value <= estimate(fit, n).high for n, value in true.items()]
     assert 0.8 <= np.mean(hits) <= 1.0
 
@@ -268,8 +268,8 @@ def numbers(fit) -> list[float]:
 
 
 def test_the_order_of_records_does_not_matter(clean):
-    passes = inverse_dynamics(clean, BAND)
-    assert numbers(identify(believed(), passes)) == numbers(identify(believed(), passes[::-1]))
+    inverses = inverse_dynamics(clean, BAND)
+    assert numbers(identify(believed(), inverses)) == numbers(identify(believed(), inverses[::-1]))
 
 
 def test_the_order_of_effects_does_not_matter(clean):
@@ -321,8 +321,8 @@ def test_delay_and_lag_and_their_inverse_undo_each_other(delay, lag, frequency):
     t = np.arange(1500) / RATE
     u = np.sin(2 * np.pi * frequency * t) * np.exp(-(((t - 0.7) / 0.15) ** 2)) + 0.3  # at rest at both ends
     plant = Plant(ONE_MASS) + find("transport_delay")(delay=delay) + find("actuator_lag")(time_constant=lag)
-    passes = InverseDynamics(motion(recorded(t, np.zeros(t.size), u), BAND))
-    again = passes.command.undone(plant, passes.command.applied(plant))
+    inverse = InverseDynamics(motion(recorded(t, np.zeros(t.size), u), BAND))
+    again = inverse.command.undone(plant, inverse.command.applied(plant))
     assert np.abs(again - u).max() < 1e-6
 
 
@@ -365,9 +365,9 @@ def test_asking_for_the_direction_leaves_coulomb_friction_what_it_is():
     """Columns and steps are kept under the step of an effect: what only asks for the direction has a step of its own."""
     t, q, *_ = moved(3)
     plant = Plant(ONE_MASS) + find("inertia")(inertia=0.01) + find("coulomb_friction")(coulomb=0.1)
-    (passes,) = inverse_dynamics([recorded(t, q, np.zeros_like(q))], 50.0)
-    told = passes.direction(plant, "axis")
+    (inverses,) = inverse_dynamics([recorded(t, q, np.zeros_like(q))], 50.0)
+    told = inverses.direction(plant, "axis")
     assert np.abs(told).max() == pytest.approx(1.0)
     assert build(find("coulomb_friction")).reads == ("dir",)
-    columns = {e.key: column[0] for e, _, column in passes.columns(plant)}
+    columns = {e.key: column[0] for e, _, column in inverses.columns(plant)}
     np.testing.assert_array_equal(columns["coulomb_friction@axis"], told)

@@ -18,7 +18,7 @@ from workbench.tracing.candidates import candidates_of
 DT, BAND = 1e-3, 100.0
 
 
-def passes():
+def inverses():
     """Two encoders and a joint, 3 s at 1 kHz; what drives it is nothing special."""
     t = DT * np.arange(3000)
     q = 0.8 * np.sin(2.1 * t) + 0.1 * np.sin(17.0 * t + 0.3)
@@ -88,7 +88,7 @@ def test_a_column_of_zeros_says_nothing_and_changes_nothing():
     ids=lambda e: e.key,
 )
 def test_tangents_are_what_a_step_changes_of_everything_assembled(missing):
-    problem = Problem(plant() + missing, passes())
+    problem = Problem(plant() + missing, inverses())
     theta = problem.start()
     at = solved_at(problem, theta)
     c = at.c + 0.01 * np.abs(at.c)
@@ -104,7 +104,7 @@ def test_tangents_are_what_a_step_changes_of_everything_assembled(missing):
 
 def test_what_a_force_beside_a_solved_model_comes_to_is_that_of_the_whole_problem():
     """Read off products with the model's columns, for every force of the catalogue, at its default shape."""
-    base = Problem(plant(), passes())
+    base = Problem(plant(), inverses())
     solution = solve(base)
     tried = 0
     for candidate in candidates_of(plant()):

@@ -105,8 +105,8 @@ TRUTH = {"inertia@motor": JM, "inertia@load": JL, "viscous@motor": BM, "viscous@
 
 
 def test_both_bodies_and_the_joint_are_recovered():
-    passes = inverse_dynamics([driven(1), locked(2), driven(3, name="two", role="validation")], BAND)
-    fit = identify(believed(), passes)
+    inverses = inverse_dynamics([driven(1), locked(2), driven(3, name="two", role="validation")], BAND)
+    fit = identify(believed(), inverses)
     found = estimates(fit)
     assert found == pytest.approx(TRUTH, rel=2e-3)
     assert fit.validation < 1e-4
@@ -141,14 +141,14 @@ def test_a_kinematic_error_at_the_joint_is_recovered(start):
     """Its slope enters both balances, and a joint at rest where both encoders read zero is not wound up by it."""
     order = 2 * RATIO
     records = [driven(1, order=order), locked(2, order), driven(3, order=order, name="two", role="validation")]
-    passes = inverse_dynamics(records, BAND)
-    fit = identify(believed(wavy(start)), passes)
+    inverses = inverse_dynamics(records, BAND)
+    fit = identify(believed(wavy(start)), inverses)
     found = estimates(fit)
     assert {n: found[n] for n in TRUTH} == pytest.approx(TRUTH, rel=5e-3)
     assert found["amplitude@joint"] == pytest.approx(np.hypot(SINE, COSINE), rel=5e-3)
     assert found["phase@joint"] == pytest.approx(np.arctan2(COSINE, SINE), abs=5e-3)
     assert found["order@joint"] == pytest.approx(order, abs=1e-3)
-    assert fit.validation < 1e-3 < identify(believed(), passes).validation
+    assert fit.validation < 1e-3 < identify(believed(), inverses).validation
 
 
 def test_a_constant_between_the_encoders_does_not_wind_up_the_joint():
@@ -182,8 +182,8 @@ def test_a_map_of_the_only_encoder_is_undone(name, shape, wave_number):
 
 def test_a_fit_with_a_locked_record_is_the_same_again():
     """Where the load is locked, the columns of its parameters are zero and not whatever the memory held before."""
-    passes = inverse_dynamics([driven(1), locked(2)], BAND)
-    problem = Problem(believed(), passes)
+    inverses = inverse_dynamics([driven(1), locked(2)], BAND)
+    problem = Problem(believed(), inverses)
     for _ in range(3):
         filled = np.full(problem.lengths[0] * 6, 7.0)  # memory that the next array may get
         del filled

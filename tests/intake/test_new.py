@@ -192,7 +192,7 @@ def control(folder: Path, said: str = ""):
     """What a study's controller is tuned for, with these lines put into its study.toml."""
     from workbench.inverse.dynamics import inverse_dynamics
     from workbench.study import configuration
-    from workbench.study.controlling import control_of
+    from workbench.study.control import control_of
     from workbench.verification.assumed import shown_by
 
     file = folder / "study.toml"

@@ -45,8 +45,8 @@ def test_a_start_that_was_stated_is_believed():
 
 def test_memory_that_the_first_move_erases_is_not_searched():
     short = Plant(ONE_MASS) + find("presliding_hysteresis")(h0=5.0, x0=1e-3 * STROKE)
-    passes = inverse_dynamics([begun_by(0.0, None)], 20.0)
-    assert prehistory.begun(short, passes) is None
+    inverses = inverse_dynamics([begun_by(0.0, None)], 20.0)
+    assert prehistory.begun(short, inverses) is None
 
 
 def test_each_record_has_a_start_of_its_own():

@@ -165,10 +165,10 @@ def test_a_disc_off_its_axis_at_the_load_winds_up_no_joint():
 def test_two_encoders_that_begin_apart_are_brought_together_and_a_disc_at_the_load_is_a_disc():
     """Truth: a disc of 1.6e-4 rad whose reading begins off zero, and a joint that hardens with 2.2e7 N*m/rad^3."""
     campaign = load(measured("campaigns_d/d21"))
-    passes = inverse_dynamics(campaign.records, campaign.bandwidth)
-    assert [p.motion.record.zero for p in passes] == pytest.approx([-1.378e-4] * 5, abs=1e-6)
+    inverses = inverse_dynamics(campaign.records, campaign.bandwidth)
+    assert [p.motion.record.zero for p in inverses] == pytest.approx([-1.378e-4] * 5, abs=1e-6)
     plant = campaign.plant + find("encoder_eccentricity")(at="sensor.load_position") + find("cubic_stiffness")
-    fit = identify(plant, passes)
+    fit = identify(plant, inverses)
     found = {(e.effect, e.parameter): e.value for e in fit.estimates}
     assert found["encoder_eccentricity", "amplitude"] == pytest.approx(1.6e-4, rel=0.03)
     assert found["encoder_eccentricity", "phase"] == pytest.approx(2.1, abs=0.05)

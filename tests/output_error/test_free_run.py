@@ -83,8 +83,8 @@ def test_a_lacking_force_drifts_by_its_share_of_the_viscous_coefficient():
 
 def test_friction_is_found_from_the_free_run_of_a_record_of_any_role():
     made = moved(axis())
-    passes = inverse_dynamics([replace(made, role=VALIDATION)], BAND)
-    found = refine_free_run(axis(coulomb=22.0, viscous=190.0), passes)
+    inverses = inverse_dynamics([replace(made, role=VALIDATION)], BAND)
+    found = refine_free_run(axis(coulomb=22.0, viscous=190.0), inverses)
     assert found["coulomb_friction"].parameters["coulomb"].value == pytest.approx(COULOMB, rel=5e-3)
     assert found["viscous_friction"].parameters["viscous"].value == pytest.approx(VISCOUS, rel=5e-3)
 

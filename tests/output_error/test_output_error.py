@@ -75,9 +75,9 @@ def test_a_wrong_inertia_is_seen_in_the_drive(waves):
 
 
 def test_output_error_finds_the_parameters_of_the_rig(waves):
-    passes = inverse_dynamics([waves], BAND)
+    inverses = inverse_dynamics([waves], BAND)
     start = model(1.3 * AXIS.inertia, 0.6 * AXIS.viscous, 0.8 * AXIS.h0, 1.5 / AXIS.rate)
-    fit = refine(start, passes, RIG, CASCADE)
+    fit = refine(start, inverses, RIG, CASCADE)
     before, after = fit.details["output_error"]
     assert before > 0.1
     assert after < 0.003
@@ -86,7 +86,7 @@ def test_output_error_finds_the_parameters_of_the_rig(waves):
     for name, value in truth.items():
         assert found[name].value == pytest.approx(value, rel=0.005), name
         assert 0.0 < found[name].high - found[name].low < 0.02 * value, name
-    inverse = identify(start, passes)
+    inverse = identify(start, inverses)
     assert inverse.plant["inertia"].parameters["inertia"].value == pytest.approx(found["inertia"].value, rel=0.03)
 
 

@@ -43,7 +43,7 @@ PLANT = declared(AXIS)
 
 
 def carried_out(machine: rig.Machine, reference, drive: np.ndarray, seed: int = 1, noise: float = SENSING.drive):
-    """Let the rig follow a reference, the planned drive fed forward; return passes over what its log holds."""
+    """Let the rig follow a reference, the planned drive fed forward; return the inverse dynamics over what its log holds."""
     position = reference.position - reference.position[0]
     planned = rig.following("planned", IDENTIFICATION, position, 1 / SENSING.dt, drive)
     made = rig.run(machine, 0.0, planned.make(None, False))
@@ -100,11 +100,11 @@ def test_quantities_are_written_with_the_prefix_that_suits_them(value, text):
 def test_the_drive_of_a_followed_reference_is_that_of_the_closed_form():
     plant = Plant(ONE_MASS, (find("inertia")(inertia=0.0026), find("viscous_friction")(viscous=0.011)))
     wave = sine(ENVELOPE, 0.1, 4.0, 1e-3, "rad", 5.0)
-    passes = followed(wave, plant, SENSING)
+    inverse = followed(wave, plant, SENSING)
     t, w = wave.time[1000:3000], 10 * np.pi
     s = t - 0.15
     expected = 0.1 * (-0.0026 * w**2 * np.sin(w * s) + 0.011 * w * np.cos(w * s))
-    np.testing.assert_allclose(passes.motion.u[1000:3000], expected, atol=1e-4)
+    np.testing.assert_allclose(inverse.motion.u[1000:3000], expected, atol=1e-4)
 
 
 # --- rivals -------------------------------------------------------------------------------------------------------------
@@ -124,8 +124,8 @@ def test_rivals_part_along_the_motion_that_is_named_when_the_rig_follows_it(name
     found = separate(PLANT, STRIBECK, other, ENVELOPE, SENSING)
     assert found.apart and found.motion in found.sentence and np.degrees(found.angle) > degrees
     machine = rig.Machine(AXIS, {}).adding("stribeck", "axis", (0.02, 0.5))
-    passes = carried_out(machine, found.reference, followed(found.reference, PLANT + STRIBECK, SENSING).motion.u)
-    right, wrong = (solve(Problem(PLANT + e, passes)).cost / SENSING.drive**2 for e in (STRIBECK, other))
+    inverses = carried_out(machine, found.reference, followed(found.reference, PLANT + STRIBECK, SENSING).motion.u)
+    right, wrong = (solve(Problem(PLANT + e, inverses)).cost / SENSING.drive**2 for e in (STRIBECK, other))
     assert (wrong - right) ** 0.5 > 0.6 * found.deviations > 3.0
 
 
@@ -157,8 +157,8 @@ def test_the_motor_of_two_masses_is_planned_where_the_joint_needs_it():
     bodies = (find("inertia")(inertia=0.002, at="motor"), find("inertia")(inertia=load, at="load"))
     plant = Plant(TWO_MASS, (*bodies, find("linear_stiffness")(stiffness=k), find("linear_damping")(damping=c)))
     wave = sine(ENVELOPE, 0.1, 4.0, 1e-3, "rad", 5.0)
-    passes = followed(wave, plant, SENSING)
-    channels, inside = passes.motion.record.channels, slice(1000, 3000)
+    inverse = followed(wave, plant, SENSING)
+    channels, inside = inverse.motion.record.channels, slice(1000, 3000)
     w = 10 * np.pi
     phasor = -load * w**2 * 0.1 / (k + 1j * w * c)
     expected = np.imag(phasor * np.exp(1j * w * (wave.time[inside] - 0.15)))
@@ -199,8 +199,8 @@ def test_rivals_on_two_masses_part_when_the_rig_follows_the_motor():
     drive = followed(found.reference, plant + right, SENSING)
     planned = replace(found.reference, position=drive.motion.record.channels["position"])
     machine = rig.Machine(PAIR, {}).adding("stribeck", "motor", (0.02, 0.5))
-    passes = carried_out(machine, planned, drive.motion.u)
-    costs = [solve(Problem(plant + e, passes)).cost / SENSING.drive**2 for e in (right, wrong)]
+    inverses = carried_out(machine, planned, drive.motion.u)
+    costs = [solve(Problem(plant + e, inverses)).cost / SENSING.drive**2 for e in (right, wrong)]
     assert (costs[1] - costs[0]) ** 0.5 > 0.5 * found.deviations
 
 
@@ -244,9 +244,11 @@ def test_what_is_promised_of_two_masses_is_reached_on_the_rig():
         machine = rig.Machine(PAIR._replace(k2=rng.uniform(200.0, 300.0), rate=rng.uniform(400.0, 900.0)), {})
         plant = declared_pair(machine.axis, lambda x, rng=rng: float(x * rng.uniform(0.9, 1.1)))
         first = design(plant, ENVELOPE, replace(SENSING, drive=0.02, load=0.02), 0.1, most=1)
-        passes = carried_out(machine, replace(first.trajectory, position=first.position), first.drive, 50 + seed, 0.02)
-        fit = identify(plant, passes)
-        sensing = sensing_of(passes, fit.rms[IDENTIFICATION], load_rest(fit.plant, passes))
+        inverses = carried_out(
+            machine, replace(first.trajectory, position=first.position), first.drive, 50 + seed, 0.02
+        )
+        fit = identify(plant, inverses)
+        sensing = sensing_of(inverses, fit.rms[IDENTIFICATION], load_rest(fit.plant, inverses))
         plan = design(fit.plant, ENVELOPE, sensing, 0.05)
         trajectory = replace(plan.trajectory, position=plan.position)
         got = identify(plant, carried_out(machine, trajectory, plan.drive, seed, 0.02))

@@ -44,8 +44,8 @@ def test_rivals_of_a_trace_part_along_the_experiment_that_it_names(tmp_path, mon
     planned = CubicSpline(named.reference.time, named.reference.position)(t)
     reference = replace(named.reference, position=planned, dt=DT)
     drive = followed(reference, with_effect(plant, right), sensing).motion.u
-    passes = carried_out(machine, reference, drive, noise=NOISE)
-    costs = [solve(Problem(with_effect(plant, e), passes)).cost for e in (right, wrong)]
+    inverses = carried_out(machine, reference, drive, noise=NOISE)
+    costs = [solve(Problem(with_effect(plant, e), inverses)).cost for e in (right, wrong)]
     assert np.sqrt((costs[1] - costs[0]) / NOISE**2) > 0.5 * named.deviations > 3.0
     late = next(e for e in found.after.estimates if e.parameter == "delay")
     assert late.value == pytest.approx(delay, rel=0.2)

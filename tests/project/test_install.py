@@ -1,6 +1,8 @@
 """How the workbench is installed: what a lean set-up takes of the lock, and a wheel that works away from the repository."""
 
+import contextlib
 import importlib.util
+import io
 import os
 import subprocess
 import sys
@@ -14,7 +16,7 @@ import pytest
 from packaging.requirements import Requirement
 from packaging.utils import canonicalize_name
 
-from workbench.verbs.completion import script
+from workbench.cli import main
 
 ROOT = Path(__file__).resolve().parents[2]
 SPEC = importlib.util.spec_from_file_location("pins", ROOT / "tools" / "pins.py")
@@ -125,6 +127,13 @@ def test_a_wheel_makes_checks_and_traces_a_study_away_from_the_repository(instal
     assert "missing" in traced.stdout
     for name in ("trace.json", "trace.html", "trace.pdf"):
         assert (tmp_path / "found" / name).stat().st_size > 0
+
+
+def script(shell: str) -> str:
+    """Return what the command line prints for a shell."""
+    with contextlib.redirect_stdout(io.StringIO()) as printed:
+        assert main(["completion", shell]) == 0
+    return printed.getvalue()
 
 
 def completed(shell: str, *words: str) -> list[str]:

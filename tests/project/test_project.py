@@ -110,8 +110,7 @@ def test_packages_of_one_layer_import_each_other_in_no_circle():
             package = list(path.parent.relative_to(ROOT).parts)
             found = {name for _, name in imported(path.read_text(encoding="utf-8"), package)}
             asks.setdefault(room(path), set()).update(found & set(layers()) - {room(path)})
-    asks["definition"].discard("effects")  # a catalogue finds its effects by the names of their files,
-    asks["verbs"].discard("cli")  # and completion lists the command line that holds it
+    asks["definition"].discard("effects")  # a catalogue finds its effects by the names of their files
     while free := [name for name, others in asks.items() if not others & set(asks)]:
         for name in free:
             del asks[name]

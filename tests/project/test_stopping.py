@@ -23,7 +23,7 @@ class Busy:
             {work}
 class Parser:
     def parse_args(self, _): return argparse.Namespace(verb="busy")
-cli.VERBS["busy"], cli.parser = Busy, Parser
+cli.VERBS["busy"], cli._parser = Busy, Parser
 sys.exit(cli.main([]))
 """
 IN_PYTHON = "while True: time.sleep(0.01)"

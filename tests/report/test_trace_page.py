@@ -23,17 +23,17 @@ from workbench.tracing.result import NOTHING, UNKNOWN
 
 
 @pytest.fixture(scope="module")
-def passes():
+def inverses():
     return inverse_dynamics(records(), 60.0)
 
 
 @pytest.fixture(scope="module")
-def found(passes):
-    return mapped(passes, trace())
+def found(inverses):
+    return mapped(inverses, trace())
 
 
-def mapped(passes, found):
-    return map_residual(passes, found.before, found.extended)
+def mapped(inverses, found):
+    return map_residual(inverses, found.before, found.extended)
 
 
 def chapter(found):
@@ -67,8 +67,8 @@ def test_axes_have_names_and_units_and_models_a_legend(found):
             assert label in svg, (name, label)
 
 
-def test_of_a_model_with_nothing_missing_there_is_one_curve(passes):
-    found = mapped(passes, trace(NOTHING))
+def test_of_a_model_with_nothing_missing_there_is_one_curve(inverses):
+    found = mapped(inverses, trace(NOTHING))
     assert found[0].after is None
     assert "extended model" not in figures(found)["where_torque_time"].svg().decode()
     table = next(b for b in chapter(found).blocks if isinstance(b, Table))
@@ -76,11 +76,11 @@ def test_of_a_model_with_nothing_missing_there_is_one_curve(passes):
     assert len(table.columns) == 4
 
 
-def test_the_title_over_time_is_a_finding(found, passes):
+def test_the_title_over_time_is_a_finding(found, inverses):
     said = figures(found)["where_torque_time"].alt
     assert re.search(r"is [\d.]+ to [\d.]+ times smaller with the extended model|times larger between", said)
     assert re.search(
-        r"is [\d.]+ to [\d.]+ mN·m rms|times larger", figures(mapped(passes, trace(NOTHING)))["where_torque_time"].alt
+        r"is [\d.]+ to [\d.]+ mN·m rms|times larger", figures(mapped(inverses, trace(NOTHING)))["where_torque_time"].alt
     )
 
 
@@ -103,7 +103,7 @@ def test_the_page_of_a_trace_has_its_own_name_and_its_chapters_once(found, tmp_p
 # --- what no effect explains --------------------------------------------------------------------------------------------
 
 
-def unexplained(passes, found, **place):
+def unexplained(inverses, found, **place):
     """A page whose trace leaves something unknown at such a place."""
     result = study(UNKNOWN)
     known = {
@@ -113,7 +113,7 @@ def unexplained(passes, found, **place):
         "times_calm_outside": 1.1,
         "direction": "either direction",
     } | place
-    return replace(result, trace=replace(result.trace, unknown=known), residual_maps=mapped(passes, result.trace))
+    return replace(result, trace=replace(result.trace, unknown=known), residual_maps=mapped(inverses, result.trace))
 
 
 @pytest.mark.parametrize(
@@ -130,9 +130,9 @@ def unexplained(passes, found, **place):
     ],
 )
 def test_where_something_unknown_lives_is_said_shaded_and_the_title_of_its_figure(
-    passes, found, monkeypatch, place, figure, title, shaded
+    inverses, found, monkeypatch, place, figure, title, shaded
 ):
-    result = unexplained(passes, found, **place)
+    result = unexplained(inverses, found, **place)
     drawn = []
     shading = residual_figures.shaded
     monkeypatch.setattr(residual_figures, "shaded", lambda a, spans, *f: (drawn.extend(spans), shading(a, spans, *f)))
@@ -157,8 +157,8 @@ def test_speeds_are_shaded_on_both_sides_of_zero():
     assert replace(speeds, direction=FORWARD).over("velocity", BACKWARD) == () == speeds.over("position", FORWARD)
 
 
-def test_the_unit_of_an_unknown_place_is_told(passes, found):
-    result = unexplained(passes, found, coordinate="velocity", spans=[[1.0, 2.0]])
+def test_the_unit_of_an_unknown_place_is_told(inverses, found):
+    result = unexplained(inverses, found, coordinate="velocity", spans=[[1.0, 2.0]])
     assert as_dict(result.trace, {})["unknown"]["unit"] == "rad/s"
     assert "unit" not in as_dict(replace(result.trace, unknown={"coordinate": "none", "size": 0.025}), {})["unknown"]
 

@@ -33,7 +33,8 @@ from workbench.robustness import worst as kept
 from workbench.robustness.document import of_work, work_of
 from workbench.robustness.influence import first_order
 from workbench.robustness.local import on_cores
-from workbench.robustness.perspective import ranking, share_beyond_worst, statement
+from workbench.robustness.perspective import share_beyond_worst
+from workbench.robustness.wording import ranking, statement
 from workbench.robustness.workload import Block, digest, probe
 from workbench.simulation import Loop
 from workbench.study.robustness import declared, robustness

@@ -10,7 +10,7 @@ from workbench.campaign import load
 from workbench.definition import find
 from workbench.plant import ONE_MASS, Limits, Plant
 from workbench.simulation import Loop
-from workbench.study import compensating, configuration, drive, limit_cycle, robustness
+from workbench.study import compensation, configuration, drive, limit_cycle, robustness
 from workbench.task.task import Task
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -21,8 +21,8 @@ TASK = Task(PLANT, Loop(2.5e-4, 2, 1e-4, 2e-4, 5e-6), 0.5, 0.3)
 OTHER = '[[records]]\nfile = "run.csv"\nrole = "validation"\n'
 READ = {
     "robustness": lambda study: robustness.declared(study.table, TASK).limits,
-    "limit_cycle": lambda study: limit_cycle._asked_of(study.table, TASK).controllers,
-    "compensation": lambda study: compensating.asked(study, PLANT).on(PLANT),
+    "limit_cycle": lambda study: limit_cycle.asked_of(study.table, TASK).controllers,
+    "compensation": lambda study: compensation.asked(study, PLANT).on(PLANT),
     "drive": lambda study: drive.stated(study.table, PLANT, TASK.loop.count).formats,
 }
 

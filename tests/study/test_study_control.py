@@ -10,9 +10,9 @@ from workbench.errors import WorkbenchError
 from workbench.finding import NOT_TUNED
 from workbench.plant import Limits, Plant
 from workbench.report.gains import course, step_heading
-from workbench.study import control
+from workbench.study import gains
 from workbench.study.configuration import Requirement
-from workbench.study.controlling import Control
+from workbench.study.control import Control
 from workbench.study.outcome import Outcome
 from workbench.tuning import OutOfReach
 
@@ -28,9 +28,9 @@ def test_a_lowest_amplitude_that_is_stated_is_not_raised(monkeypatch):
     def design(plant, amplitudes, *_, **__):
         raise OutOfReach("no gains keep the goal", FEASIBLE)
 
-    monkeypatch.setattr(control, "design", design)
+    monkeypatch.setattr(gains, "design", design)
     with pytest.raises(OutOfReach):
-        control.designed(None, asked(raised=False), None, print)
+        gains.designed(None, asked(raised=False), None, print)
 
 
 def outcome(kind: str, drive: float) -> Outcome:
@@ -49,13 +49,13 @@ def test_a_study_without_gains_says_why_and_keeps_the_rest(monkeypatch, kind, dr
     def refused(*_):
         raise OutOfReach("no gains keep the goal; sample faster.", None)
 
-    monkeypatch.setattr(control, "run", refused)
+    monkeypatch.setattr(gains, "run", refused)
     study = SimpleNamespace(requirements=(Requirement("verdict", equals="cause"),))
-    (finding,) = control.with_control(outcome(kind, drive), study, None, print).findings
+    (finding,) = gains.with_control(outcome(kind, drive), study, None, print).findings
     assert finding.kind == NOT_TUNED and said in finding.sentence
     needs = SimpleNamespace(requirements=(Requirement("sensitivity_peak", at_most=2.0),))
     with pytest.raises(WorkbenchError, match=said):
-        control.with_control(outcome(kind, drive), needs, None, print)
+        gains.with_control(outcome(kind, drive), needs, None, print)
 
 
 @pytest.mark.parametrize(

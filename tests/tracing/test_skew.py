@@ -12,8 +12,8 @@ from workbench.definition import find
 from workbench.encoders.clocks import plain
 from workbench.finding import CARRIES_NOTHING
 from workbench.identification.fit import identify
-from workbench.inverse.carrying import idle
 from workbench.inverse.dynamics import inverse_dynamics
+from workbench.inverse.wording import idle
 from workbench.tracing.candidates import ADDITION, CORRECTION, candidates_of
 from workbench.tracing.decimation import decimate
 from workbench.tracing.skew import skew_of

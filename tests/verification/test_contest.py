@@ -21,9 +21,10 @@ from workbench.report.reproduction import Printed, counted, reproduction_table
 from workbench.simulation import Loop
 from workbench.task.bound import time_optimal
 from workbench.task.task import Task, Weights, cost
-from workbench.verification.contest import Contest, Result, contest, verdict
+from workbench.verification.contest import Contest, Result, contest
 from workbench.verification.controllers import feed_forward_of
 from workbench.verification.margin import Asked, against_margin
+from workbench.verification.wording import verdict
 
 LOOP = Loop(2.5e-4, 4, 2.5e-4, 2.5e-4, 4.848e-6)
 SMALL = Budget(population=3, generations=2, local=4)
@@ -177,7 +178,7 @@ def test_feed_forward_is_the_models_mass_and_friction_and_is_exported_as_it_is(t
 
 
 def test_a_record_that_a_study_makes_says_so():
-    from workbench.study.simulated import record_of
+    from workbench.simulation.recorded import record_of
 
     t = 1e-3 * np.arange(100)
     made = [

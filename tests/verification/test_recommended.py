@@ -14,11 +14,12 @@ from workbench.definition import find
 from workbench.design.families.family import cascade_family, pd_family
 from workbench.design.families.linear import Linear
 from workbench.errors import WorkbenchError
-from workbench.exporting.numbers import export_numbers, load_numbers, slug
+from workbench.exporting.leaving import leave
+from workbench.exporting.numbers import export_numbers, load_numbers
+from workbench.firmware.naming import slug
 from workbench.plant import ONE_MASS, Limits, Plant
 from workbench.report.recommend import recommended_chapter
 from workbench.simulation import Loop
-from workbench.study.leaving import leave
 from workbench.task.task import Task, Weights
 from workbench.verification.recommend import recommend
 

@@ -16,7 +16,8 @@ from workbench.plant import ONE_MASS, Limits, Plant
 from workbench.simulation import Loop
 from workbench.task.bound import time_optimal
 from workbench.task.task import Task, Weights, cost, least
-from workbench.verification.compare import Comparison, Row, compare, verdicts
+from workbench.verification.compare import Comparison, Row, compare
+from workbench.verification.wording import verdicts
 
 STEP = 0.4 * 2 * np.pi
 LOOP = Loop(2.5e-4, 2, 2.5e-4, 2.5e-4, 4.848e-6)

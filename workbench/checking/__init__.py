@@ -1,4 +1,4 @@
-"""What is wrong with records, said before anything long starts: each check a function of what is seen, giving findings."""
+"""What is wrong with records, said before anything long starts: each check a function of what is seen; the words are in `wording`."""
 
 from workbench.public import handed_on
 

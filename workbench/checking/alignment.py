@@ -1,47 +1,59 @@
 """Channels that are not on one time axis: the drive against the motion it causes, the motion against its reference."""
 
 from collections.abc import Iterator
+from dataclasses import dataclass
 
 import numpy as np
 
 from workbench.checking.seen import Seen
 from workbench.checking.shift import FARTHEST, LATE
-from workbench.finding import Finding
 from workbench.motion import LowPass
 
 FOLLOWS = 0.9  # share of one channel that another explains
 
 
-def misaligned(seen: Seen) -> Iterator[Finding]:
-    """Say where the drive in the log comes later or earlier than the motion that it causes."""
+@dataclass(frozen=True)
+class LateDrive:
+    """The drive in a record's log comes `late` s after the motion that it causes, before it where negative."""
+
+    record: str
+    channel: str
+    late: float
+
+
+@dataclass(frozen=True)
+class Apart:
+    """One channel of a record stands `late` s after another one, before it where negative, and no axis shifts them so."""
+
+    record: str
+    channel: str
+    other: str
+    late: float
+
+
+def misaligned(seen: Seen) -> Iterator[LateDrive]:
+    """Yield where the drive in the log comes later or earlier than the motion that it causes."""
     for b, late in zip(seen.balances, seen.delays, strict=True):
         if late:
-            word = "after" if late > 0 else "before"
-            yield Finding(
-                "misaligned", f"{b.record.name}.{seen.drive}",
-                f"In record '{b.record.name}' the drive stands {1e3 * abs(late):.1f} ms {word} the motion that it causes; a "
-                f"drive itself is late by less than {1e3 * LATE:g} ms.",
-                {"late": late},
-                "Log all channels in one task, or shift the drive's column by this time.",
-            )  # fmt: skip
+            yield LateDrive(b.record.name, seen.drive, late)
 
 
-def apart(seen: Seen) -> Iterator[Finding]:
-    """Say where two encoders are shifted in time as no axis shifts them; less of it is said by their angle (`check.clocks`)."""
+def apart(seen: Seen) -> Iterator[Apart]:
+    """Yield where two encoders are shifted in time as no axis shifts them; less of it is told by their angle (`checking.clocks`)."""
     for r in seen.campaign.records:
         if "load_position" in r.channels and not r.locked:
             late = _lag_of(r.channels["load_position"], r.channels["position"], r.dt, seen.campaign.bandwidth)
             if abs(late) > max(LATE, 1.5 * r.dt):
-                yield shifted_apart(r.name, "load_position", "position", late, "the joint carries motion at once")
+                yield Apart(r.name, "load_position", "position", late)
 
 
-def ahead(seen: Seen) -> Iterator[Finding]:
-    """Say where a position comes before its reference."""
+def ahead(seen: Seen) -> Iterator[Apart]:
+    """Yield where a position comes before its reference."""
     for r in seen.campaign.records:
         if "reference" in r.channels:
             late = _lag_of(r.channels["position"], r.channels["reference"], r.dt, seen.campaign.bandwidth)
             if late < -max(LATE, 1.5 * r.dt):
-                yield shifted_apart(r.name, "position", "reference", late, "no axis moves before it is told to")
+                yield Apart(r.name, "position", "reference", late)
 
 
 def _lag_of(x: np.ndarray, of: np.ndarray, dt: float, bandwidth: float) -> float:
@@ -62,14 +74,3 @@ def _lag_of(x: np.ndarray, of: np.ndarray, dt: float, bandwidth: float) -> float
         return 0.0
     before, at, after = values[k - 1 : k + 2]
     return float((shifts[k] + 0.5 * (before - after) / (before - 2 * at + after)) * dt)
-
-
-def shifted_apart(record: str, channel: str, other: str, late: float, why: str) -> Finding:
-    """Return the finding that one channel of a record stands `late` s after another one."""
-    word = "after" if late > 0 else "before"
-    return Finding(
-        "misaligned", f"{record}.{channel}",
-        f"In record '{record}' {channel} stands {1e3 * abs(late):.1f} ms {word} {other}, and {why}.",
-        {"late": late},
-        "Log all channels in one task, or shift this column by this time.",
-    )  # fmt: skip

@@ -61,7 +61,7 @@ def freed(plant: Plant) -> Plant:
 
 
 def balance(plant: Plant, p: InverseDynamics) -> Balance:
-    """Return the balance of the record of a pass."""
+    """Return the balance of a record."""
     problem = Problem(plant, [p])
     y, phi = problem.assemble(problem.start())
     rows, m = p.rows(plant), p.motion

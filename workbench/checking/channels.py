@@ -1,13 +1,12 @@
 """Channels that stand where the axis moves: clipped at their ends, or frozen; and samples that are missing in between."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
 from workbench.checking.scale import pooled
 from workbench.checking.seen import ENCODERS, Seen
-from workbench.finding import RESAMPLED, Finding
 from workbench.record import Record
 
 STANDS = 5  # samples of one value, from which an encoder may stand
@@ -29,6 +28,54 @@ class Run:
     @property
     def size(self) -> int:
         return self.last - self.first + 1
+
+
+@dataclass(frozen=True)
+class Frozen:
+    """A channel stands for these s: from `at` s on, while other channels tell of motion, or in the whole record (None)."""
+
+    record: str
+    channel: str
+    seconds: float
+    at: float | None = None
+
+
+@dataclass(frozen=True)
+class Clipped:
+    """An encoder stands at an end of its range for `samples`, and stops there more abruptly than the drive can stop it.
+
+    lowest, highest: its range in `unit`, SI.
+    """
+
+    record: str
+    channel: str
+    unit: str
+    samples: int
+    lowest: float
+    highest: float
+
+
+@dataclass(frozen=True)
+class ClippedDrive:
+    """A drive has exactly one value, SI, for `samples` in `runs`: the "largest" or the "smallest" that it has (`end`)."""
+
+    record: str
+    channel: str
+    unit: str
+    end: str
+    value: float
+    samples: int
+    runs: int
+
+
+@dataclass(frozen=True)
+class Leaping:
+    """A channel leaps this many times by more than its speed before and after, first at `at` s: samples are missing."""
+
+    record: str
+    channel: str
+    leaps: int
+    at: float
 
 
 def runs(x: np.ndarray, shortest: int) -> list[Run]:
@@ -55,29 +102,29 @@ def _reach(seen: Seen, r: Record) -> np.ndarray | None:
     return MARGIN * (near + np.quantile(u, 0.99)) / inertia * r.dt**2
 
 
-def unsound(seen: Seen) -> Iterator[Finding]:
-    """Say which channels miss samples, are clipped or frozen."""
+def unsound(seen: Seen) -> Iterator[Frozen | Clipped | ClippedDrive | Leaping]:
+    """Yield which channels miss samples, are clipped or frozen."""
     yield from _dropped(seen)
     yield from _standing(seen)
     yield from drives(seen)
 
 
-def _standing(seen: Seen) -> Iterator[Finding]:
-    """Say which encoders are clipped or frozen: they stand, and stop or start more abruptly than the drive can make them."""
+def _standing(seen: Seen) -> Iterator[Frozen | Clipped]:
+    """Yield which encoders are clipped or frozen: they stand, and stop or start more abruptly than the drive can make them."""
     for r in seen.campaign.records:
         for name in ENCODERS:
             if name not in r.channels or (r.locked and name == "load_position"):
                 continue
             x = r.channels[name]
             if np.ptp(x) == 0.0:
-                yield _frozen(r, name, x.size * r.dt)
+                yield Frozen(r.name, name, x.size * r.dt)
                 continue
             within = _reach(seen, r)
             if within is not None:
                 yield from _abrupt(r, name, seen.steps[name], within * (1 if name == "position" else 2))
 
 
-def _abrupt(r: Record, name: str, step: float, within: np.ndarray) -> Iterator[Finding]:
+def _abrupt(r: Record, name: str, step: float, within: np.ndarray) -> Iterator[Frozen | Clipped]:
     x = r.channels[name]
     moved = np.abs(np.diff(x))
     clipped, frozen = [], []
@@ -89,36 +136,19 @@ def _abrupt(r: Record, name: str, step: float, within: np.ndarray) -> Iterator[F
             (clipped if at_end else frozen).append(run)
     if frozen:
         longest = max(frozen, key=lambda run: run.size)
-        yield _frozen(r, name, longest.size * r.dt, float(r.time[longest.first]))
+        yield Frozen(r.name, name, longest.size * r.dt, float(r.time[longest.first]))
     if clipped:
-        count, (low, high) = sum(run.size for run in clipped), (x.min(), x.max())
-        yield Finding(
-            "clipped", f"{r.name}.{name}",
-            f"In record '{r.name}' {name} stands at an end of its range ({low:.4g} to {high:.4g} {r.units[name]}) for {count} "
-            "samples, and stops there more abruptly than the drive can stop it.",
-            {"samples": float(count), "lowest": float(low), "highest": float(high)},
-            "Widen the range of this channel in the logger, or move less far.",
-        )  # fmt: skip
+        count = sum(run.size for run in clipped)
+        yield Clipped(r.name, name, r.units[name], count, float(x.min()), float(x.max()))
 
 
-def _frozen(r: Record, name: str, seconds: float, at: float | None = None) -> Finding:
-    """Say that a channel stands: from `at` on, while other channels tell of motion, or in the whole record."""
-    when = "from its first to its last sample" if at is None else f"from {at:.3f} s on, while the axis moves"
-    return Finding(
-        "frozen", f"{r.name}.{name}",
-        f"In record '{r.name}' {name} does not change for {1e3 * seconds:.0f} ms {when}.",
-        {"seconds": seconds},
-        "Check the cable and the logger's buffer, and record again.",
-    )  # fmt: skip
-
-
-def drives(seen: Seen) -> Iterator[Finding]:
-    """Say which drives are clipped or frozen."""
+def drives(seen: Seen) -> Iterator[Frozen | ClippedDrive]:
+    """Yield which drives are clipped or frozen."""
     limit = seen.campaign.plant.limits.drive
-    for r, p in zip(seen.campaign.records, seen.passes, strict=True):
+    for r, p in zip(seen.campaign.records, seen.inverses, strict=True):
         u = r.drive
         if np.ptp(u) == 0.0:
-            yield _frozen(r, seen.drive, u.size * r.dt)
+            yield Frozen(r.name, seen.drive, u.size * r.dt)
             continue
         step = float(np.min(np.abs(np.diff(u))[np.diff(u) != 0.0]))
         ends, frozen = {"largest": [], "smallest": []}, []
@@ -132,10 +162,11 @@ def drives(seen: Seen) -> Iterator[Finding]:
             away = [abs(u[run.first - 1] - u[run.first]) for run in at if run.first > 0]
             count = sum(run.size for run in at)
             if count > CLIPPED + 1 and away and float(np.median(away)) >= 3 * step:
-                yield _clipped_drive(r, seen.drive, word, float(u[at[0].first]), count, len(at))
+                value = float(u[at[0].first])
+                yield ClippedDrive(r.name, seen.drive, r.units[seen.drive], word, value, count, len(at))
         if frozen:
             longest = max(frozen, key=lambda run: run.size)
-            yield _frozen(r, seen.drive, longest.size * r.dt, float(r.time[longest.first]))
+            yield Frozen(r.name, seen.drive, longest.size * r.dt, float(r.time[longest.first]))
 
 
 def _accelerates(motion, run: Run, value: float) -> bool:
@@ -146,37 +177,14 @@ def _accelerates(motion, run: Run, value: float) -> bool:
     return bool(np.std(motion.a[inside]) > 0.3 * np.std(motion.a))
 
 
-def _clipped_drive(r: Record, channel: str, word: str, value: float, count: int, times: int) -> Finding:
-    return Finding(
-        "clipped", f"{r.name}.{channel}",
-        f"In record '{r.name}' {channel} has exactly its {word} value, {value:.4g} {r.units[channel]}, for {count} samples in "
-        f"{times} runs: its range ends there.",
-        {"value": value, "samples": float(count), "runs": float(times)},
-        "Widen the range of this channel in the logger; where this is the drive's own limit, declare actuator_limit.",
-    )  # fmt: skip
-
-
-def resampled(seen: Seen) -> Iterator[Finding]:
-    """Say where samples are missing by the time channel; what lies between is interpolated, so that the record may serve."""
-    for f in seen.campaign.findings:
-        if f.kind == RESAMPLED:
-            yield replace(f, kind="dropped samples")
-
-
-def _dropped(seen: Seen) -> Iterator[Finding]:
-    """Say where samples are missing by the motion: the time channel was made afterwards."""
+def _dropped(seen: Seen) -> Iterator[Leaping]:
+    """Yield where samples are missing by the motion: the time channel was made afterwards."""
     for r in seen.campaign.records:
         for name in ENCODERS:
             if name in r.channels:
                 at = _leaps(r.channels[name], seen.steps[name])
                 if at.size:
-                    yield Finding(
-                        "dropped samples", f"{r.name}.{name}",
-                        f"In record '{r.name}' {name} leaps at {at.size} samples by more than its speed before and after, "
-                        f"first at {r.time[at[0]]:.3f} s: samples are missing, and the time channel does not show it.",
-                        {"leaps": float(at.size)},
-                        "Log the time with each sample, and record again with a larger buffer.",
-                    )  # fmt: skip
+                    yield Leaping(r.name, name, at.size, float(r.time[at[0]]))
                     break
 
 

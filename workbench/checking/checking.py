@@ -9,14 +9,24 @@ from workbench.checking import alignment, channels, clocks, excitation, modes, s
 from workbench.checking.glitches import impossible
 from workbench.checking.lost import losing
 from workbench.checking.seen import Seen
+from workbench.checking.wording import UNREADABLE, resampled, said
 from workbench.errors import UnsoundRecord
-from workbench.finding import ASSUMED_SCALE, ENCODER_RESOLUTION, GLITCH, OTHER_UNIT, SAMPLING_RATE, START_TIME, Finding
+from workbench.finding import (
+    ASSUMED_SCALE,
+    ENCODER_RESOLUTION,
+    GLITCH,
+    OTHER_UNIT,
+    RESAMPLED,
+    SAMPLING_RATE,
+    START_TIME,
+    Finding,
+)
 from workbench.threads import one_thread
 
 # What reading itself finds, and which findings leave the records fit for use.
 CARRIED = (START_TIME, OTHER_UNIT, ASSUMED_SCALE)
 HARMLESS = (GLITCH, OTHER_UNIT, ASSUMED_SCALE, SAMPLING_RATE, ENCODER_RESOLUTION)
-# (check, whether the records it speaks of are left out of the next): a late drive is put right instead
+# (check, whether the records of what it yields are left out of the next): a late drive is put right instead
 STAGES = (
     (scale.encoders, True),
     (channels.unsound, True),
@@ -38,17 +48,18 @@ def check(campaign: Campaign | Path) -> tuple[Finding, ...]:
     try:
         seen = Seen(campaign if isinstance(campaign, Campaign) else load(campaign, resample=True))
     except UnsoundRecord as e:
-        return (Finding(e.kind, e.record, str(e), {}, "Mend this first: nothing else could be checked."),)
+        return (Finding(e.kind, e.record, str(e), {}, UNREADABLE),)
     names = {r.name for r in seen.campaign.records}
     found = [f for f in seen.campaign.findings if f.kind in CARRIED]
-    if short := list(sampling.lengths(seen)):
+    if short := [said(f) for f in sampling.lengths(seen)]:
         return _gathered((*found, *short), names)  # nothing can be computed of such records
-    found += [*channels.resampled(seen), *sampling.rates(seen), *sampling.strokes(seen)]
+    found += [resampled(f) for f in seen.campaign.findings if f.kind == RESAMPLED]
+    found += [said(f) for f in (*sampling.rates(seen), *sampling.strokes(seen))]
     glitches, seen = impossible(seen)
     lost, seen = losing(seen)
-    found += [*glitches, *lost, *_faults(seen)]
+    found += [*map(said, glitches), *([said(lost)] if lost else []), *_faults(seen)]
     if all(f.kind in HARMLESS for f in found):
-        found += [*excitation.missing(seen), *modes.undeclared(seen)]
+        found += [said(f) for f in (*excitation.missing(seen), *modes.undeclared(seen))]
     return _gathered(found, names)
 
 
@@ -58,9 +69,9 @@ def _faults(seen: Seen) -> list[Finding]:
     for look, leaves_out in STAGES:
         if not seen.campaign.records:
             break
-        said = list(look(seen))
-        found += said
-        seen = _without(seen, said) if leaves_out else seen
+        here = [said(fault) for fault in look(seen)]
+        found += here
+        seen = _without(seen, here) if leaves_out else seen
     return found
 
 

@@ -1,13 +1,12 @@
 """Glitches: single samples that an encoder or a drive cannot have had. Everything else is judged without them."""
 
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from workbench.checking.scale import pooled
 from workbench.checking.seen import ENCODERS, Seen
-from workbench.finding import GLITCH, Finding
 from workbench.record import Record
 
 BESIDE = 8  # samples on either side that a sample is compared with
@@ -25,13 +24,18 @@ MOST = 5  # samples of one channel that are named; more are a fault of another k
 
 
 @dataclass(frozen=True)
-class Spike:
-    """A sample of a channel and by how much it stands out, SI."""
+class Glitch:
+    """Samples of one channel that cannot have been. time, value, beside: of the first of them, s and SI in `unit`; beside: what lies
+    between its neighbours. drive: whether it is the drive's channel."""
 
     record: str
     channel: str
-    sample: int
-    size: float
+    unit: str
+    samples: tuple[int, ...]
+    time: float
+    value: float
+    beside: float
+    drive: bool
 
 
 def _apart(x: np.ndarray) -> np.ndarray:
@@ -104,8 +108,8 @@ def _inertia_of(seen: Seen, suspected: Collection[str]) -> float:
     return abs(pooled(seen.balances).values.get(seen.inertia, 0.0)) if seen.inertia else 0.0
 
 
-def impossible(seen: Seen) -> tuple[tuple[Finding, ...], Seen]:
-    """Return what is said of samples that cannot have been, and the campaign without them.
+def impossible(seen: Seen) -> tuple[tuple[Glitch, ...], Seen]:
+    """Return samples that cannot have been, and the campaign without them.
 
     A position is none where the drive, at its largest, could not have moved the axis there and back; a drive, where it would
     have changed the speed, and did not.
@@ -127,7 +131,7 @@ def impossible(seen: Seen) -> tuple[tuple[Finding, ...], Seen]:
         ]  # fmt: skip
         if bad:
             proven[name, channel] = np.array(sorted(bad))
-    return tuple(_said(seen, proven)), _without(seen, proven)
+    return tuple(_glitch(seen, *where, k) for where, k in proven.items()), _without(seen, proven)
 
 
 def _no_place(r: Record, clean: Record, channel: str, k: int, inertia: float) -> bool:
@@ -172,19 +176,10 @@ def _sliding_speeds(r: Record, k: int) -> np.ndarray:
     return speeds[np.diff(at) == half] if np.count_nonzero(np.diff(at) == half) > 1 else speeds
 
 
-def _said(seen: Seen, found: Mapping[tuple[str, str], np.ndarray]) -> Iterator[Finding]:
-    """Say which samples are glitches."""
-    for (name, channel), samples in found.items():
-        r = next(r for r in seen.campaign.records if r.name == name)
-        x, unit = r.channels[channel], r.units[channel]
-        k = int(samples[0])
-        beside = _mended(x, samples)[k]
-        others = f" So are samples {', '.join(str(s + 1) for s in samples[1:])}." if samples.size > 1 else ""
-        why = "no drive moves an axis there and back" if channel != seen.drive else "the axis did not feel it"
-        yield Finding(
-            GLITCH, f"{name}.{channel}",
-            f"In record '{name}' sample {k + 1} of {channel} (at {r.time[k]:.4f} s) is {x[k]:.6g} {unit}, between neighbours at "
-            f"{beside:.6g} {unit}: a glitch of one sample, for {why}.{others}",
-            {"sample": float(k + 1), "time": float(r.time[k]), "value": float(x[k]), "beside": float(beside)},
-            "Take the sample out of the record (the time step is then uneven: allow resample), and look for what disturbed it.",
-        )  # fmt: skip
+def _glitch(seen: Seen, name: str, channel: str, samples: np.ndarray) -> Glitch:
+    """Return the samples of one channel with what is at the first of them."""
+    r = next(r for r in seen.campaign.records if r.name == name)
+    x, k = r.channels[channel], int(samples[0])
+    beside = float(_mended(x, samples)[k])
+    where = (float(r.time[k]), float(x[k]), beside)
+    return Glitch(name, channel, r.units[channel], tuple(samples.tolist()), *where, channel == seen.drive)

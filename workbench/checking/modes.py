@@ -1,17 +1,25 @@
 """Modes that a plant declared as one mass does not have, from the frequency response of the record that is shaken most."""
 
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 
 from workbench.checking.seen import Seen
 from workbench.errors import WorkbenchError
-from workbench.finding import Finding
 from workbench.frequency import Response, fit_modes, response_of, shaken
-from workbench.frequency.output import decibels
+from workbench.frequency.modes import Mode
 from workbench.plant import ONE_MASS, Plant
 from workbench.record import Record
 
 RISES = 2.0  # factor by which a resonance must rise: below, it is a slope of friction in presliding
 DAMPEST = 0.15  # damping ratio above which it may be the axis on its own presliding stiffness
+
+
+@dataclass(frozen=True)
+class Undeclared:
+    """A mode that a record shows below the evaluation bandwidth, and that the declared single mass does not have."""
+
+    record: str
+    mode: Mode
 
 
 def _resonances(records: Sequence[Record], plant: Plant, bandwidth: float) -> tuple[Response | None, list]:
@@ -37,14 +45,7 @@ def all_resonances(records: Sequence[Record], plant: Plant, bandwidth: float) ->
     return (response, modes) if modes else (None, [])
 
 
-def undeclared(seen: Seen) -> Iterator[Finding]:
-    """Say which resonances below the evaluation bandwidth one mass cannot have."""
+def undeclared(seen: Seen) -> Iterator[Undeclared]:
+    """Yield which resonances below the evaluation bandwidth one mass cannot have."""
     response, found = _resonances(seen.campaign.records, seen.campaign.plant, seen.campaign.bandwidth)
-    for m in found:
-        yield Finding(
-            "mode", f"{response.record}.position",
-            f"Record '{response.record}' shows a mode at {m.frequency:.3g} Hz (damping ratio {m.damping:.2g}, "
-            f"{decibels(m.rise):.0f} dB above the rest), which the declared single mass does not have.",
-            {"frequency": m.frequency, "damping": m.damping, "rise": m.rise},
-            f"Declare a flexible_mode or two masses, or set evaluation_bandwidth below {0.5 * m.frequency:.2g} Hz.",
-        )  # fmt: skip
+    yield from (Undeclared(response.record, m) for m in found)

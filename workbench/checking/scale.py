@@ -6,9 +6,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from workbench.checking.balance import Balance
+from workbench.checking.misreading import DRIVE, ENCODER, TIME, Misread, Ratio, cause
 from workbench.checking.seen import ENCODERS, Seen
 from workbench.checking.sign import slopes
-from workbench.finding import Finding
 from workbench.intake.signals import quantum
 from workbench.units import effect_unit
 
@@ -18,32 +18,37 @@ FACTOR = 1.5
 FRICTION = 3.0  # by which friction itself may differ between two records: cold grease, a drift over hours
 CLEAR = 3.0  # times the residual that the own part of inertia must be: what a model lacks is then less than FACTOR
 LIKE = 0.7  # correlation with what the other records predict, from which a record's own scale is read
-# Logarithmic spread of what is declared about what is true, by which the cause of a wrong scale is told.
-SPREAD = {"inertia": 0.1, "viscous": 0.7, "dry": 0.4}
 LOAD = {"viscous_friction": "viscous", "linear_damping": "", "coulomb_friction": "dry", "presliding_hysteresis": "dry"}
-EFFECT = {  # of a reading that is x times the truth on (inertia, viscous, dry) as fitted: exponents of x
-    "drive scale": (1.0, 1.0, 1.0),
-    "encoder scale": (-1.0, -1.0, 0.0),
-    "time scale": (2.0, 1.0, 0.0),
-}
-REMEDY = {
-    "drive scale": "Check the torque constant, the gear ratio and the unit of the drive's channel.",
-    "encoder scale": "Check the unit of the encoder's channel, its counts a revolution and the gear ratio.",
-    "time scale": "Check the unit of the time channel and the rate at which was logged.",
-}
 
 
 @dataclass(frozen=True)
-class Ratio:
-    """A parameter as these records have it over what is declared."""
+class Farther:
+    """An encoder moves `factor` times as far as another channel of its record."""
 
-    kind: str
-    fitted: float
+    record: str
+    channel: str
+    other: str
+    factor: float
+
+
+@dataclass(frozen=True)
+class OtherStep:
+    """An encoder moves in steps of `step`, and `declared` is its resolution; both in `unit`, rad or m."""
+
+    record: str
+    channel: str
+    unit: str
+    step: float
     declared: float
 
-    @property
-    def log(self) -> float:
-        return float(np.log(self.fitted / self.declared))
+
+@dataclass(frozen=True)
+class OwnScale:
+    """A record's drive is `factor` times what the other records ask for the same motion."""
+
+    record: str
+    channel: str
+    factor: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -134,58 +139,41 @@ def _own(b: Balance, fit: Pooled, inertia: str) -> float:
     return float(np.log((drive @ made) / (made @ made))) if made @ drive > LIKE * size > 0 else 0.0
 
 
-def encoders(seen: Seen) -> Iterator[Finding]:
-    """Say which encoder moves another distance than the reference, or than the other encoder."""
+def encoders(seen: Seen) -> Iterator[Farther]:
+    """Yield which encoder moves another distance than the reference, or than the other encoder."""
     steep = [s for s in slopes(seen.campaign.records) if abs(np.log(abs(s.slope))) > np.log(FACTOR)]
     for s in [s for s in steep if s.other == "reference"] or steep:
-        yield Finding(
-            "encoder scale", f"{s.record}.{s.channel}",
-            f"In record '{s.record}' {s.channel} moves {abs(s.slope):.4g} times as far as {s.other}.",
-            {"factor": abs(s.slope)},
-            REMEDY["encoder scale"],
-        )  # fmt: skip
+        yield Farther(s.record, s.channel, s.other, abs(s.slope))
 
 
-def _steps(seen: Seen) -> Iterator[Finding]:
-    """Say which encoder moves in other steps than its declared resolution: one of the two has another scale."""
+def _steps(seen: Seen) -> Iterator[OtherStep]:
+    """Yield which encoder moves in other steps than its declared resolution: one of the two has another scale."""
     for r in seen.measured:
         for name, declared in r.resolution.items():
             shown = quantum(r.channels[name]) if name in ENCODERS else 0.0
             if shown > 0 and _beyond([float(np.log(shown / declared))], FACTOR):
-                yield Finding(
-                    "encoder scale", f"{r.name}.{name}",
-                    f"In record '{r.name}' {name} moves in steps of {shown:.3g} {r.units[name]}, {shown / declared:.3g} times "
-                    f"the declared resolution of {declared:.3g} {r.units[name]}.",
-                    {"step": shown, "declared": declared},
-                    f"{REMEDY['encoder scale']} Or else mend its resolution.",
-                )  # fmt: skip
+                yield OtherStep(r.name, name, r.units[name], shown, declared)
 
 
-def drives(seen: Seen) -> Iterator[Finding]:
-    """Say which record's drive has a scale of its own, and whether all have another than the declared inertia asks for.
+def drives(seen: Seen) -> Iterator[OtherStep | OwnScale | Misread]:
+    """Yield which record's drive has a scale of its own, and whether all have another than the declared inertia asks for.
 
-    Where an encoder shows by its steps that the scale is its own, that is said in their place.
+    Where an encoder shows by its steps that the scale is its own, that is given in their place.
     """
-    if coarse := list(_steps(seen)):  # inertia would only say the same once more
+    if coarse := list(_steps(seen)):  # inertia would only tell the same once more
         yield from coarse
         return
     balances = [b for b in seen.aligned if b.names]
     free = [b for b in balances if not b.record.locked]  # of the joint alone the others say little
     odd = _own_scales(free, seen.inertia)
-    for record, factor in odd.items():
-        yield Finding(
-            "drive scale", f"{record}.{seen.drive}",
-            f"In record '{record}' the drive is {factor:.3g} times what the other records ask for the same motion.",
-            {"factor": factor},
-            REMEDY["drive scale"],
-        )  # fmt: skip
+    yield from (OwnScale(record, seen.drive, factor) for record, factor in odd.items())
     rest = [b for b in balances if b.record.name not in odd]
     if rest and seen.inertia:
         yield from _against_declared(seen, rest)
 
 
-def _against_declared(seen: Seen, balances: Sequence[Balance]) -> Iterator[Finding]:
-    """Compare the inertia that the records have with the declared one, and say what the other parameters say of it."""
+def _against_declared(seen: Seen, balances: Sequence[Balance]) -> Iterator[Misread]:
+    """Compare the inertia that the records have with the declared one, and yield what the other parameters tell of it."""
     fit = pooled(balances)
     declared = _declared(seen, seen.inertia)
     fitted = fit.values.get(seen.inertia, 0.0)
@@ -195,15 +183,10 @@ def _against_declared(seen: Seen, balances: Sequence[Balance]) -> Iterator[Findi
     if not _beyond([float(np.log(other / declared)) for other in others], FACTOR):
         return
     ratios = [Ratio("inertia", fitted, declared), *_friction(seen, fit.values)]
-    kind, factor = _cause(ratios, _encoder_step(seen))
+    kind, factor = cause(ratios, _encoder_step(seen))
     unit = effect_unit("F*s^2/x", seen.campaign.plant.rotary)
-    yield Finding(
-        kind, {"drive scale": seen.drive, "encoder scale": "position"}.get(kind, "time"),
-        f"The drive accelerates an inertia of {fitted:.3g} {unit}, and {declared:.3g} {unit} is declared; this is as if "
-        f"the {kind.split()[0]} were read {max(factor, 1 / factor):.3g} times too {'large' if factor > 1 else 'small'}.",
-        {"fitted": fitted, "declared": declared, "factor": factor},
-        f"{REMEDY[kind]} Or else the declared inertia is wrong.",
-    )  # fmt: skip
+    channel = {DRIVE: seen.drive, ENCODER: "position", TIME: "time"}[kind]
+    yield Misread(kind, channel, factor, fitted, declared, unit)
 
 
 def _declared(seen: Seen, name: str) -> float:
@@ -224,18 +207,3 @@ def _encoder_step(seen: Seen) -> float:
     declared = [r.resolution.get("position", 0.0) for r in seen.campaign.records]
     shown = [q for r in seen.measured if (q := quantum(r.channels["position"])) > 0]
     return float(np.median(shown)) / max(declared) if shown and max(declared) > 0 else 1.0
-
-
-def _cause(ratios: Sequence[Ratio], step: float) -> tuple[str, float]:
-    """Return (kind, factor) of the one reading that explains the ratios best: least squares on logarithms."""
-    found = {}
-    for kind, exponents in EFFECT.items():
-        power = dict(zip(SPREAD, exponents, strict=True))
-        spread = np.array([*(SPREAD[r.kind] for r in ratios), SPREAD["dry"]])
-        # an encoder's step is scaled with what it reads, and by nothing else
-        a = np.array([*(power[r.kind] for r in ratios), float(kind == "encoder scale")]) / spread
-        y = np.array([*(r.log for r in ratios), np.log(step)]) / spread
-        x = float(a @ y) / float(a @ a)
-        found[kind] = (float(np.sum((y - a * x) ** 2)), x)
-    kind = min(found, key=lambda k: found[k][0])
-    return kind, float(np.exp(found[kind][1]))

@@ -22,13 +22,13 @@ class Seen:
     campaign: Campaign
 
     @cached_property
-    def passes(self) -> tuple[InverseDynamics, ...]:
+    def inverses(self) -> tuple[InverseDynamics, ...]:
         return inverse_dynamics(self.campaign.records, self.campaign.bandwidth)
 
     @cached_property
     def balances(self) -> tuple[Balance, ...]:
         plant = freed(self.campaign.plant)
-        return tuple(balance(plant, p) for p in self.passes)
+        return tuple(balance(plant, p) for p in self.inverses)
 
     @cached_property
     def delays(self) -> tuple[float, ...]:
@@ -62,7 +62,7 @@ class Seen:
         if len(keep) == len(self.campaign.records):
             return self
         fewer = Seen(replace(self.campaign, records=tuple(self.campaign.records[k] for k in keep)))
-        for name in ("passes", "balances", "delays", "aligned"):
+        for name in ("inverses", "balances", "delays", "aligned"):
             if name in self.__dict__:
                 fewer.__dict__[name] = tuple(getattr(self, name)[k] for k in keep)
         return fewer

@@ -7,7 +7,6 @@ import numpy as np
 
 from workbench.checking.balance import Balance
 from workbench.checking.seen import Seen
-from workbench.finding import Finding
 from workbench.identification.solve import bounded
 from workbench.record import Record
 
@@ -24,6 +23,19 @@ class Slope:
     other: str
     slope: float
     correlation: float
+
+
+@dataclass(frozen=True)
+class Against:
+    """The drive of a record counts against its position.
+
+    as_it_stands, turned: share of its power that inertia and friction explain, and that they explain of it with its sign turned.
+    """
+
+    record: str
+    channel: str
+    as_it_stands: float
+    turned: float
 
 
 def slopes(records: Sequence[Record]) -> list[Slope]:
@@ -80,14 +92,8 @@ def _reversed_drives(seen: Seen) -> list[tuple[Balance, float, float]]:
     return found
 
 
-def _minus(channel: str) -> str:
-    """Say where a channel's sign is turned."""
-    where = f"channels.{channel}.scale"
-    return f'put a minus before the value of {where}, or, where there is none, write {where} = {{ value = -1, unit = "1" }}'
-
-
-def signs(seen: Seen) -> Iterator[Finding]:
-    """Say which channel counts the wrong way: an encoder where the reference tells, else the drive."""
+def signs(seen: Seen) -> Iterator[Slope | Against]:
+    """Yield which channel counts the wrong way: an encoder (against another channel) where the reference tells, else the drive."""
     negative = [s for s in slopes(seen.campaign.records) if s.slope < 0]
     blamed = {(s.record, s.channel) for s in negative if s.other == "reference"}
     reversed_ = _reversed_drives(seen)
@@ -99,20 +105,8 @@ def signs(seen: Seen) -> Iterator[Finding]:
         if (s.record, s.channel) in blamed or (s.record, s.other) in blamed:
             channel, other = (s.channel, s.other) if (s.record, s.channel) in blamed else (s.other, s.channel)
             blamed.discard((s.record, channel))
-            yield Finding(
-                "encoder sign", f"{s.record}.{channel}",
-                f"In record '{s.record}' {channel} moves against {other}: slope {s.slope:.3g}, correlation "
-                f"{s.correlation:.4f}.",
-                {"slope": s.slope, "correlation": s.correlation},
-                f"Turn the sign of {channel}: {_minus(channel)}.",
-            )  # fmt: skip
+            yield replace(s, channel=channel, other=other)
     wrong = {s.record for s in negative if s.channel == "position" or s.other == "position"}
     for b, as_it_is, when_turned in reversed_:
         if b.record.name not in wrong:
-            yield Finding(
-                "drive sign", f"{b.record.name}.{seen.drive}",
-                f"In record '{b.record.name}' inertia and friction explain {100 * max(as_it_is, 0):.0f} % of the drive as it "
-                f"stands and {100 * when_turned:.0f} % when its sign is turned: it counts against the position.",
-                {"as_it_stands": as_it_is, "turned": when_turned},
-                f"Turn the sign of the drive, or of the encoder: {_minus(seen.drive)}.",
-            )  # fmt: skip
+            yield Against(b.record.name, seen.drive, as_it_is, when_turned)

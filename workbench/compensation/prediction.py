@@ -66,7 +66,7 @@ def _speed(position: np.ndarray, dt: float, velocity_filter: float) -> np.ndarra
     return lfilter([smoothing], [1.0, smoothing - 1.0], np.diff(position, prepend=position[0]) / dt)
 
 
-def agreement(compensator: Compensator, plant: Plant, passes: InverseDynamics, velocity_filter: float = 0.0) -> float:
+def agreement(compensator: Compensator, plant: Plant, inverse: InverseDynamics, velocity_filter: float = 0.0) -> float:
     """Return how far what the compensation adds is from what identification says that its forces take of the drive.
 
     Both below the evaluation bandwidth; rms of the difference over the rms of the force. plant: holds the forces, and
@@ -77,8 +77,8 @@ def agreement(compensator: Compensator, plant: Plant, passes: InverseDynamics, v
     without = plant
     for e in compensator.forces:
         without = without.without(e.key)
-    m = passes.motion
-    said = series_of(plant, passes)[0].predicted - series_of(without, passes)[0].predicted
+    m = inverse.motion
+    said = series_of(plant, inverse)[0].predicted - series_of(without, inverse)[0].predicted
     does = m.filter(predicted(compensator, m.record, velocity_filter))
     off, whole = (does - said)[m.keep], said[m.keep]
     return float(np.sqrt(np.mean(off**2) / max(np.mean(whole**2), 1e-300)))

@@ -39,8 +39,8 @@ def _asked(effect: Effect, plant: Plant, drive: np.ndarray) -> np.ndarray:
     channels |= {n: there[n].copy() for n in ("temperature", "normal")}
     if plant.kind == TWO_MASS:
         channels |= {"position": there["motor_q"].copy(), "load_position": there["load_q"].copy()}
-    passes = InverseDynamics(motion(replace(made, channels=channels), BAND / scene(effect).dt))
-    return np.vstack([predicted(passes, plant), balances(passes, plant)])
+    inverse = InverseDynamics(motion(replace(made, channels=channels), BAND / scene(effect).dt))
+    return np.vstack([predicted(inverse, plant), balances(inverse, plant)])
 
 
 def sees_no_drive(effect: Effect) -> tuple[bool, str]:

@@ -14,7 +14,7 @@ motor_y - load_y.
 """
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, fields, replace
+from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 
 import numpy as np
@@ -52,24 +52,10 @@ class Law:
         if self.follows not in FOLLOWED:
             raise WorkbenchError(f"law '{self.name}' follows '{self.follows}'; {nearest(self.follows, FOLLOWED)}")
 
-    def __reduce__(self):
-        """A law that is known by its name goes by it, so that it is the same one wherever it is unpickled."""
-        from workbench.control.named import every
-
-        if every().get(self.name) is self:
-            return _named, (self.name,)
-        return Law, tuple(getattr(self, f.name) for f in fields(self))
-
     @property
     def both(self) -> bool:
         """Whether the law asks for the readings of two encoders."""
         return bool(self.reads) or self.follows == JOINT
-
-
-def _named(name: str) -> Law:
-    from workbench.control.named import law_named
-
-    return law_named(name)
 
 
 @dataclass(frozen=True, eq=False)

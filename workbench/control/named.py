@@ -1,5 +1,7 @@
 """Laws by name: files and other machines hold a controller as its law's name and its numbers."""
 
+import copyreg
+from dataclasses import fields
 from functools import cache
 
 from workbench.control import drive, laws, notched, profile
@@ -31,3 +33,13 @@ def law_named(name: str) -> Law:
     if name not in every():
         raise WorkbenchError(f"there is no law '{name}' of a controller; {nearest(name, every())}")
     return every()[name]
+
+
+def _pickled(law: Law) -> tuple:
+    """Return how a law is pickled: one that is known by its name goes by it, so that it is the same one wherever it is unpickled."""
+    if every().get(law.name) is law:
+        return law_named, (law.name,)
+    return Law, tuple(getattr(law, f.name) for f in fields(law))
+
+
+copyreg.pickle(Law, _pickled)

@@ -7,12 +7,13 @@ rule (`integrals`); the closed form of a bank of stop operators (`bank`); the se
 from workbench.description.bank import bank_equivalent
 from workbench.description.friction import equivalent_of, friction_of
 from workbench.description.harmonic import first_harmonic
-from workbench.description.integrals import equivalent, expressions
+from workbench.description.integrals import described, equivalent, expressions
 from workbench.description.result import Equivalent
 
 __all__ = [
     "Equivalent",
     "bank_equivalent",
+    "described",
     "equivalent",
     "equivalent_of",
     "expressions",

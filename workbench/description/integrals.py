@@ -32,6 +32,7 @@ from workbench.description.result import Equivalent, positive
 from workbench.errors import WorkbenchError
 from workbench.kernel.lanes import map_lanes
 from workbench.kernel.program import Program, read
+from workbench.plant import Plant
 
 NODES = 64
 
@@ -110,3 +111,8 @@ def equivalent(effect: Effect, amplitudes) -> Equivalent:
     values = [p.value for p in effect.parameters.values()]
     curve = map_lanes(_program(_curve_of(effect)), at.reshape(1, -1), values).reshape(at.shape)
     return Equivalent(amplitudes, *_integrate(curve, amplitudes))
+
+
+def described(plant: Plant, amplitudes: np.ndarray) -> tuple[tuple[Effect, Equivalent], ...]:
+    """Return (effect, equivalent) of every effect of a plant that holds Masing's rule."""
+    return tuple((e, equivalent(e, amplitudes)) for e in plant.effects if "masing" in e.holds and e.virgin is not None)

@@ -93,9 +93,9 @@ class Side:
     freedom: float
 
 
-def _side(plant: Plant, passes: Sequence[InverseDynamics], theta: np.ndarray | None = None) -> tuple[Side, Solution]:
+def _side(plant: Plant, inverses: Sequence[InverseDynamics], theta: np.ndarray | None = None) -> tuple[Side, Solution]:
     """Return one side. theta: where the search of the shape parameters starts."""
-    problem = Problem(plant, fitted_on(passes))
+    problem = Problem(plant, fitted_on(inverses))
     solution = solve(problem, theta)
     found = problem.with_linear(problem.with_shape(solution.theta), solution.c)
     names, covariance, _, _ = intervals.covariance(problem, solution)

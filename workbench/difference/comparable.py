@@ -53,15 +53,15 @@ def doubts(
                 )
             )
     for what, signal in SIGNALS:
-        reach = [_reach(fitted_on(passes), signal) for passes in (first, second)]
+        reach = [_reach(fitted_on(inverses), signal) for inverses in (first, second)]
         if max(reach) > APART * min(reach):
             said.append(_finding(what, f"{what} reach over {reach[0]:.3g} before and {reach[1]:.3g} after", *reach))
     return tuple(said)
 
 
-def _reach(passes: Sequence[InverseDynamics], signal: str) -> float:
+def _reach(inverses: Sequence[InverseDynamics], signal: str) -> float:
     """Return what records cover of a signal: the span of positions, else the largest."""
-    kept = [getattr(p.motion, signal)[p.motion.keep] for p in passes]
+    kept = [getattr(p.motion, signal)[p.motion.keep] for p in inverses]
     if signal == "q":
         return max(max(float(x.max()) for x in kept) - min(float(x.min()) for x in kept), 1e-300)
     return max(*(float(np.abs(x).max()) for x in kept), 1e-300)

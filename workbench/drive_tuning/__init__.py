@@ -4,8 +4,8 @@ from workbench.public import handed_on
 
 HELD = {
     "ComparedDrive": "comparison",
-    "ClosedDrive": "search",
-    "DriveGains": "search",
+    "ClosedDrive": "gains",
+    "DriveGains": "gains",
     "compared_drive": "comparison",
     "tune_drive": "search",
 }

@@ -8,16 +8,8 @@ import numpy as np
 from workbench.checking.modes import all_resonances
 from workbench.control import Controller
 from workbench.description import Equivalent
-from workbench.drive_tuning.search import (
-    NUMBERS,
-    STRATEGY,
-    ClosedDrive,
-    DriveGains,
-    Strategy,
-    eased,
-    steps_of,
-    tune_drive,
-)
+from workbench.drive_tuning.gains import NUMBERS, ClosedDrive, DriveGains
+from workbench.drive_tuning.search import STRATEGY, Strategy, eased, steps_of, tune_drive
 from workbench.frequency import Response
 from workbench.frequency.notch import Notch, notch_for
 from workbench.plant import Plant

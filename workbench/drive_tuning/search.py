@@ -8,11 +8,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from workbench.control import Controller, drive_cascade
 from workbench.description import Equivalent
 from workbench.description.friction import friction_of
 from workbench.drive_tuning.cases import Lagged, slowed
-from workbench.effects.command import actuator_lag
+from workbench.drive_tuning.gains import NUMBERS, ClosedDrive, DriveGains, behind, sizes_of
 from workbench.errors import WorkbenchError
 from workbench.frequency import Response
 from workbench.frequency.notch import Notch
@@ -21,9 +20,7 @@ from workbench.simulation import Metrics, ScenarioArrays
 from workbench.task.task import Task, cost
 from workbench.threads import one_thread
 
-NUMBERS = ("kv", "kvp", "ki")
 COUNTS = 2.0  # of the encoder: what neither a band nor an overshoot is asked to be below, as on the ladder
-LEAST = 200.0  # counts of the smallest move that has a set: 1 % of a smaller one is less than COUNTS
 WIDTH, GROW, SHRINK = (
     0.25,
     1.15,
@@ -46,67 +43,6 @@ class Strategy:
 
 
 STRATEGY = Strategy()
-
-
-@dataclass(frozen=True, eq=False)
-class ClosedDrive:
-    """What a study states of a drive. lag: of its current loop, s. notches: how many it has; sets: of gains.
-
-    speed, acceleration: whether it feeds the reference's speed and acceleration forward. low, high (3,): of kv, kvp, ki, SI.
-    """
-
-    lag: float
-    notches: int = 0
-    sets: int = 1
-    speed: bool = False
-    acceleration: bool = False
-    low: tuple[float, float, float] = (0.0, 0.0, 0.0)
-    high: tuple[float, float, float] = (np.inf, np.inf, np.inf)
-
-
-@dataclass(frozen=True, eq=False)
-class DriveGains:
-    """sizes (n,): the move of each set, rad or m, the last the task's. points (n, 3): kv, kvp, ki. notches: of every set.
-
-    sensitivity (n,): Ms over the cases, and cost (n,). tried: simulated steps. speed_limit: rad/s or m/s. forward, mass: feed-forward.
-    """
-
-    closed: ClosedDrive
-    task: Task
-    sizes: np.ndarray
-    points: np.ndarray
-    notches: tuple[Notch, ...]
-    sensitivity: np.ndarray
-    cost: np.ndarray
-    tried: int
-    speed_limit: float
-    forward: float
-    mass: float
-
-    def controller(self, points: np.ndarray, lanes: int = 1, fed: bool = True) -> Controller:
-        """Return the controller of points (p, 3), each in `lanes` scenarios."""
-        kv, kvp, ki = np.repeat(points, lanes, axis=0).T
-        return drive_cascade(
-            kv, kvp, ki, self.speed_limit, sample_time=self.task.loop.sample_time, notches=self.notches,
-            forward=self.forward * fed, mass=self.mass * fed,
-        )  # fmt: skip
-
-
-def behind(task: Task, lag: float) -> Task:
-    """Return the task with the drive's current loop before the plant; WorkbenchError where the plant has one already."""
-    if "actuator_lag" in task.plant:
-        if lag:
-            raise WorkbenchError(
-                "the plant has an actuator_lag already, as it was identified; leave the drive's current_lag out."
-            )
-        return task
-    return task.on(task.plant + actuator_lag()(time_constant=lag)) if lag else task
-
-
-def sizes_of(task: Task, sets: int) -> np.ndarray:
-    """Return the sizes of moves that sets of gains are for, even in the logarithm, the task's own last."""
-    least = min(LEAST * task.loop.count or 1e-3 * task.step, 0.5 * task.step)
-    return np.array([task.step]) if sets == 1 else np.geomspace(least, task.step, sets)
 
 
 def cases(
@@ -201,6 +137,18 @@ def _shared(search: Search, points: np.ndarray, low: np.ndarray, high: np.ndarra
     return tried[search.values(tried).argmin(axis=0), np.arange(n)]
 
 
+def _starts(
+    closed: ClosedDrive, judges: Sequence[Lagged], kp: np.ndarray, kd: np.ndarray, limit: float
+) -> tuple[list[np.ndarray], np.ndarray, np.ndarray]:
+    """Return (starts (n, 3), lowest and highest points (n, 3)) of a search beside PD gains (n,), SI. limit: on |S|."""
+    starts = [_kept(judges, np.stack([kp / kd, kd, share * kp], axis=1), 0.98 * limit) for share in INTEGRALS]
+    low, high = np.maximum(closed.low, np.min(starts, axis=0) / REACH), np.minimum(closed.high, np.max(starts, axis=0) * REACH)  # fmt: skip
+    if (low > high).any():
+        name = NUMBERS[int(np.argmax((low > high).any(axis=0)))]
+        raise WorkbenchError(f"the drive's range of {name} holds none of the gains that keep |S| below {limit:g}.")
+    return starts, low, high
+
+
 @one_thread
 def tune_drive(
     closed: ClosedDrive,
@@ -223,16 +171,10 @@ def tune_drive(
     sizes, (amplitude, kp, kd) = sizes_of(task, closed.sets), begin
     judges = cases(task, lag, equivalent, sizes, notches, measured)
     p, d = (np.exp(np.interp(np.log(sizes), np.log(amplitude), np.log(g))) for g in (kp, kd))
-    limit = task.weights.sensitivity
-    starts = [_kept(judges, np.stack([p / d, d, share * p], axis=1), 0.98 * limit) for share in INTEGRALS]
-    start = starts[0]
-    low, high = np.maximum(closed.low, np.min(starts, axis=0) / REACH), np.minimum(closed.high, np.max(starts, axis=0) * REACH)  # fmt: skip
-    if (low > high).any():
-        name = NUMBERS[int(np.argmax((low > high).any(axis=0)))]
-        raise WorkbenchError(f"the drive's range of {name} holds none of the gains that keep |S| below {limit:g}.")
+    starts, low, high = _starts(closed, judges, p, d, task.weights.sensitivity)
     _, inertia, _ = friction_of(task.plant)
     first = DriveGains(
-        closed, own, sizes, start, tuple(notches), np.zeros(sizes.size), np.zeros(sizes.size), 0,
+        closed, own, sizes, starts[0], tuple(notches), np.zeros(sizes.size), np.zeros(sizes.size), 0,
         task.plant.limits.speed, float(closed.speed), inertia * closed.acceleration,
     )  # fmt: skip
     search = Search(first, judges)

@@ -1,6 +1,9 @@
 """Gains that were tuned for a closed drive, as its files are told them."""
 
-from workbench.drive_tuning.search import DriveGains
+from collections.abc import Mapping, Sequence
+
+from workbench.drive_tuning.gains import DriveGains
+from workbench.drives.files import FormatOptions, files
 from workbench.drives.gains import Cascade
 from workbench.plant import Plant
 
@@ -14,3 +17,10 @@ def cascades(gains: DriveGains, plant: Plant) -> tuple[Cascade, ...]:
         )
         for point in gains.points
     )
+
+
+def files_of(
+    gains: DriveGains, plant: Plant, formats: Sequence[str], options: FormatOptions
+) -> tuple[Mapping[str, str], Mapping[str, str]]:
+    """Return tuned gains in every format that was asked for, as `files`."""
+    return files(formats, cascades(gains, plant), plant, options)

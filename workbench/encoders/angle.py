@@ -109,11 +109,11 @@ def _angle_of(p: InverseDynamics, plant: Plant) -> Angle:
     )  # fmt: skip
 
 
-def angles(passes: Sequence[InverseDynamics], plant: Plant) -> list[Angle]:
+def angles(inverses: Sequence[InverseDynamics], plant: Plant) -> list[Angle]:
     """Return the angle of every record of two encoders whose load is free to move, by name; none of one mass."""
     if plant.kind != TWO_MASS:
         return []
-    both = [p for p in passes if "load_position" in p.motion.record.channels and not p.motion.record.locked]
+    both = [p for p in inverses if "load_position" in p.motion.record.channels and not p.motion.record.locked]
     return [_angle_of(p, plant) for p in sorted(both, key=lambda p: p.motion.record.name)]
 
 

@@ -37,18 +37,6 @@ class Late:
         sign = 1.0 if self.channel == "load_position" else -1.0
         return {"offset": sign * self.measured.start, "skew": sign * self.measured.gains}
 
-    @property
-    def sentence(self) -> str:
-        s, d = self.seconds, self.measured
-        other = "position" if self.channel == "load_position" else "load_position"
-        word, low, high = ("late", s.low, s.high) if s.value > 0 else ("early", -s.high, -s.low)
-        drift = f", and that changes by {1e3 * self.values['skew']:.2g} ms a second" if d.gains else ""
-        return (
-            f"{self.channel} is read {1e3 * abs(s.value):.3g} ms {word} against {other} (95 % interval {1e3 * low:.3g} to "
-            f"{1e3 * high:.3g} ms){drift}: this takes {100 * d.share:.0f} % of the angle's power between the two encoders that "
-            f"compliance, friction and hysteresis leave."
-        )
-
 
 def plain(d: Deflection, share: float = PLAIN, worth: float = WORTH) -> bool:
     """Whether lateness is plain: beyond what friction could pass for, most of what is left of the angle, worth a torque, and
@@ -60,7 +48,7 @@ def plain(d: Deflection, share: float = PLAIN, worth: float = WORTH) -> bool:
 
 
 def late_clock(
-    passes: Sequence[InverseDynamics], plant: Plant, share: float = PLAIN, worth: float = WORTH
+    inverses: Sequence[InverseDynamics], plant: Plant, share: float = PLAIN, worth: float = WORTH
 ) -> Late | None:
     """Return which encoder is late, None where neither plainly is, or a clock is declared.
 
@@ -68,7 +56,7 @@ def late_clock(
     """
     if any(e.name == "clock_skew" for e in plant.effects):
         return None
-    d = deflection_of(passes, plant)
+    d = deflection_of(inverses, plant)
     if d is None or not plain(d, share, worth):
         return None
     if d.by_motor < MOTORS:

@@ -217,20 +217,20 @@ def _held_out(full: Blocks, held: Mapping[int, float], friction: tuple[float, fl
     return total
 
 
-def deflection_of(passes: Sequence[InverseDynamics], plant: Plant) -> Deflection | None:
+def deflection_of(inverses: Sequence[InverseDynamics], plant: Plant) -> Deflection | None:
     """Return what the records of two encoders tell of a plant's joint; None where there is no such record.
 
     A first answer is right to first order in lateness over a period of the motion; where zero lies outside of its interval it
     is undone, and what is left of it is measured again.
     """
-    found = _deflection(angles(passes, plant), ends(plant))
+    found = _deflection(angles(inverses, plant), ends(plant))
     if found is None or not found.late.sure or abs(found.late.value) > FARTHEST:
         return found
     late = plant + catalogue()["clock_skew"](at="sensor.load_position", label="told", offset=found.late.value)
-    return _deflection(angles(passes, late), ends(plant), found.late.value) or found
+    return _deflection(angles(inverses, late), ends(plant), found.late.value) or found
 
 
-def zeros(passes: Sequence[InverseDynamics], plant: Plant) -> dict[str, float]:
+def zeros(inverses: Sequence[InverseDynamics], plant: Plant) -> dict[str, float]:
     """Return record -> q_motor - q_load in rad where the joint is relaxed; empty where there are no two encoders."""
-    found = deflection_of(passes, plant)
+    found = deflection_of(inverses, plant)
     return {} if found is None else {name: z.value for name, z in found.zeros.items()}

@@ -46,12 +46,7 @@ def export(
         )
     insist_same(schedule, plant, tuned_lines)
     factors = scales(scale)
-    if schedule.rule not in RULES:
-        raise WorkbenchError(f"the schedule's rule is '{schedule.rule}'; {nearest(str(schedule.rule), RULES)}")
-    for key in ("reversal", "sample_time"):
-        value = float(getattr(schedule, key))
-        if not (isfinite(value) and 2.0**-60 <= value <= 2.0**60):
-            raise WorkbenchError(f"the schedule's {key} is {value!r}; a finite number above zero is needed.")
+    _insist_on_numbers(schedule)
     drive = factors and {key: np.asarray(getattr(schedule, key), dtype=float) * factors[key].per_si for key in GAINS}
     held = tables(schedule.per_octave, schedule.knots, schedule.kp, schedule.kd, drive)
     contents = document(schedule, plant, held, factors, name)
@@ -62,3 +57,13 @@ def export(
         f"{name}.bin": pack(contents, held),
     }
     return write_together(Path(folder), files)
+
+
+def _insist_on_numbers(schedule) -> None:
+    """Raise WorkbenchError for a rule that firmware does not know, or a reversal or sample time that is none."""
+    if schedule.rule not in RULES:
+        raise WorkbenchError(f"the schedule's rule is '{schedule.rule}'; {nearest(str(schedule.rule), RULES)}")
+    for key in ("reversal", "sample_time"):
+        value = float(getattr(schedule, key))
+        if not (isfinite(value) and 2.0**-60 <= value <= 2.0**60):
+            raise WorkbenchError(f"the schedule's {key} is {value!r}; a finite number above zero is needed.")

@@ -22,14 +22,7 @@ DRIVE_TEMPLATE = Path(__file__).with_name("gains_drive.h.in")
 
 def header(contents: dict, held: Tables) -> bytes:
     """Return the C header of a document and its tables; the template says what is in it."""
-    rows = held.rows
-    unit = contents["units"]
-    units = {"knots": unit["knots"]}
-    for key in ("kp", "kd"):
-        units |= {key: unit[key], f"{key}_slope": f"({unit[key]})/{unit['knots']}"}
-        if "drive" in contents:
-            drive = contents["drive"][key]["unit"]
-            units |= {f"{key}_drive": drive, f"{key}_drive_slope": f"({drive})/{unit['knots']}"}
+    rows, unit, units = held.rows, contents["units"], _units_of(contents)
     p = f"wb_{contents['name']}"
     fields = {
         "p": p,
@@ -65,6 +58,18 @@ def header(contents: dict, held: Tables) -> bytes:
     }
     fields["drive"] = _drive_part(contents, fields) if "drive" in contents else ""
     return Template(TEMPLATE.read_text(encoding="utf-8")).substitute(fields).encode()
+
+
+def _units_of(contents: dict) -> dict[str, str]:
+    """Return the unit of each row of the tables."""
+    unit = contents["units"]
+    units = {"knots": unit["knots"]}
+    for key in ("kp", "kd"):
+        units |= {key: unit[key], f"{key}_slope": f"({unit[key]})/{unit['knots']}"}
+        if "drive" in contents:
+            drive = contents["drive"][key]["unit"]
+            units |= {f"{key}_drive": drive, f"{key}_drive_slope": f"({drive})/{unit['knots']}"}
+    return units
 
 
 def _behind(contents: dict, name: str) -> dict[str, str]:

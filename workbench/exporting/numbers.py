@@ -5,7 +5,6 @@ uint8[32] the sha256 of the plant, uint32 CRC-32 of everything before it.
 """
 
 import json
-import re
 import struct
 import zlib
 from collections.abc import Mapping
@@ -15,6 +14,7 @@ import numpy as np
 
 from workbench.errors import WorkbenchError
 from workbench.exporting.header import harmless
+from workbench.firmware.naming import slug
 from workbench.plant import Plant
 from workbench.together import write_together
 
@@ -33,11 +33,6 @@ HEAD = """/* {title}: the numbers of a controller, SI. Sample time {sample_time:
 
 #endif
 """
-
-
-def slug(name: str) -> str:
-    """Return a controller's name as files and C know it."""
-    return re.sub(r"[^a-z0-9]+", "_", name.lower()).strip("_")
 
 
 def export_numbers(
@@ -64,11 +59,24 @@ def export_numbers(
         "crc32": f"{crc:08x}",
         "plant": {"digest": plant.digest, "lines": list(plant.digest_lines())},
     }
+    body = MAGIC + struct.pack("<2I", VERSION, values.size) + held + bytes.fromhex(plant.digest)
+    files = {
+        f"{name}.h": _header(name, title, law, numbers, sample_time, plant, crc).encode(),
+        f"{name}.json": (json.dumps(document, indent=1) + "\n").encode(),
+        f"{name}.bin": body + struct.pack("<I", zlib.crc32(body)),
+    }
+    return write_together(Path(folder), files)
+
+
+def _header(
+    name: str, title: str, law: str, numbers: Mapping[str, tuple[float, str]], sample_time: float, plant: Plant, crc: int
+) -> str:  # fmt: skip
+    """Return the C header of numbers. name: that of its constants."""
     rows = (
         f"#define WB_{name.upper()}_{slug(n).upper()} {float(np.float32(v))!r}f /* {v:.9g} {u} */"
         for n, (v, u) in numbers.items()
     )
-    header = HEAD.format(
+    return HEAD.format(
         title=harmless(title),
         law=f" * {harmless(law)}",
         digest=plant.digest,
@@ -79,13 +87,6 @@ def export_numbers(
         sample_time=sample_time,
         crc=crc,
     )
-    body = MAGIC + struct.pack("<2I", VERSION, values.size) + held + bytes.fromhex(plant.digest)
-    files = {
-        f"{name}.h": header.encode(),
-        f"{name}.json": (json.dumps(document, indent=1) + "\n").encode(),
-        f"{name}.bin": body + struct.pack("<I", zlib.crc32(body)),
-    }
-    return write_together(Path(folder), files)
 
 
 def load_numbers(path: Path) -> np.ndarray:

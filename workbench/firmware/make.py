@@ -66,22 +66,31 @@ def firmware(
         beside = _beside(controller, loop, plant, arithmetic, places)
         controller = controller.base
     made = numbers(controller, loop, plant, bits=bits, travel=travel)
-    if made.knots.size:
-        where = f"controller '{controller.name}'"
-        grid(made.knots, made.per_octave, where)
-        if made.per_octave > FINEST:
-            raise WorkbenchError(
-                f"{where}: {made.per_octave} knots an octave are more than the {FINEST} of a firmware."
-            )
+    _insist_on_grid(made, f"controller '{controller.name}'")
     if arithmetic == "fixed":
         reference = FixedReference(made)
         source = FixedSource(made, reference.scales, name, plant.effort)
     else:
         reference, source = Reference(made), Source(made.stages, name, made.knots.size, plant.effort)
+    image = _image_of(made, reference, source.code(), ARITHMETICS[arithmetic], plant, verdict)
+    return Firmware(made, reference, source, image, beside)
+
+
+def _insist_on_grid(made: Numbers, where: str) -> None:
+    """Raise WorkbenchError where a table's knots are not those that a firmware looks up. where: for the sentence."""
+    if not made.knots.size:
+        return
+    grid(made.knots, made.per_octave, where)
+    if made.per_octave > FINEST:
+        raise WorkbenchError(f"{where}: {made.per_octave} knots an octave are more than the {FINEST} of a firmware.")
+
+
+def _image_of(made: Numbers, reference, law: int, arithmetic: int, plant: Plant, verdict: int) -> Image:
+    """Return the image of a controller's numbers as `reference` holds them. law: code of the compiled one."""
     rows = np.array(reference.rows) if reference.rows else np.zeros((0, made.knots.size), reference.constants.dtype)
-    image = Image(
-        arithmetic=ARITHMETICS[arithmetic],
-        law=source.code(),
+    return Image(
+        arithmetic=arithmetic,
+        law=law,
         per_octave=made.per_octave,
         sample_time=made.sample_time,
         count=made.count,
@@ -95,7 +104,6 @@ def firmware(
         knots=made.knots.astype(np.float32),
         rows=rows,
     )
-    return Firmware(made, reference, source, image, beside)
 
 
 def _beside(

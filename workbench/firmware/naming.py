@@ -1,4 +1,6 @@
-"""What values are called in the generated C, and the formulas of numbers that are evaluated once."""
+"""What controllers and values are called in files and the generated C, and the formulas of numbers that are evaluated once."""
+
+import re
 
 import casadi as ca
 
@@ -7,6 +9,11 @@ from workbench.kernel.program import Program
 WORDS = {ca.OP_ADD: "plus", ca.OP_SUB: "minus", ca.OP_MUL: "times", ca.OP_DIV: "over"}
 SIGNS = {ca.OP_ADD: "+", ca.OP_SUB: "-", ca.OP_MUL: "*", ca.OP_DIV: "/"}
 LONGEST = 40  # characters of a name that is put together from others
+
+
+def slug(name: str) -> str:
+    """Return a controller's name as files, figures and C know it."""
+    return re.sub(r"[^a-z0-9]+", "_", name.lower()).strip("_")
 
 
 def identifier(name: str) -> str:

@@ -61,16 +61,7 @@ def numbers(
     absent. Raises WorkbenchError for an encoder without counts, a drive without a limit, or gains that vary over lanes.
     """
     count, limit = loop.count, plant.limits.drive
-    if count <= 0.0:
-        raise WorkbenchError(
-            "firmware counts positions in encoder counts, and this loop reads without any: state resolution in [loop]."
-        )
-    if not isfinite(limit):
-        raise WorkbenchError("firmware limits its command, and the drive states no limit: state actuator_limit.")
-    if not 2 <= bits <= 32:
-        raise WorkbenchError(f"an encoder of {bits} bits cannot be read; 2 to 32 are possible.")
-    if len(controller.tables) > 1 or any(np.size(v) > 1 for v in controller.parameters.values()):
-        raise WorkbenchError(f"controller '{controller.name}' has several sets of gains; firmware takes one.")
+    _insist(controller, count, limit, bits)
     counted = any(t.knots[0] < count for t in controller.tables)
     made = stages(controller.law, loop.feedback, counted)
     given = _given_of(controller, loop, plant, made)
@@ -99,6 +90,20 @@ def numbers(
         travel=FAR if travel is None else min(abs(travel) / count, FAR),
         speed=MARGIN * speed,
     )
+
+
+def _insist(controller: Controller, count: float, limit: float, bits: int) -> None:
+    """Raise WorkbenchError for what no firmware can be made of: see `numbers`."""
+    if count <= 0.0:
+        raise WorkbenchError(
+            "firmware counts positions in encoder counts, and this loop reads without any: state resolution in [loop]."
+        )
+    if not isfinite(limit):
+        raise WorkbenchError("firmware limits its command, and the drive states no limit: state actuator_limit.")
+    if not 2 <= bits <= 32:
+        raise WorkbenchError(f"an encoder of {bits} bits cannot be read; 2 to 32 are possible.")
+    if len(controller.tables) > 1 or any(np.size(v) > 1 for v in controller.parameters.values()):
+        raise WorkbenchError(f"controller '{controller.name}' has several sets of gains; firmware takes one.")
 
 
 def _in_counts(name: str, value, count: float):

@@ -11,6 +11,7 @@ from workbench.firmware.numbers import FAR, Numbers
 from workbench.firmware.parts import Part
 from workbench.firmware.stages import ADDED, COMMAND, INCREMENT, POSITIONS
 from workbench.kernel import single
+from workbench.schedule.tables import slopes
 from workbench.simulation.given import REFERENCE
 from workbench.simulation.sampled import AMPLITUDE
 
@@ -153,8 +154,6 @@ def _downwards(x: float) -> np.float32:
 
 def _rows(numbers: Numbers) -> list[np.ndarray]:
     """Return gain and slope of each column, float32 (m,): slopes of the rounded gains, the last zero."""
-    from workbench.schedule.tables import slopes
-
     knots, out = numbers.knots.astype(F), []
     for column in numbers.columns.values():
         gain = column.astype(F)

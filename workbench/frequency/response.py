@@ -12,6 +12,7 @@ from functools import cached_property
 import numpy as np
 
 from workbench.errors import WorkbenchError
+from workbench.frequency.modes import Modes, fit_modes
 from workbench.frequency.spectra import densities
 from workbench.notebook import page
 from workbench.record import Record
@@ -70,10 +71,8 @@ class Response:
         return control.FrequencyResponseData(self.receptance, self.omega)
 
     @cached_property
-    def modes(self):
+    def modes(self) -> Modes:
         """The modes of this response, fitted (frequency.fit_modes)."""
-        from workbench.frequency.modes import fit_modes
-
         return fit_modes(self)
 
     def _repr_html_(self) -> str:

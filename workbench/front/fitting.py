@@ -70,9 +70,9 @@ def trace(
     with numbers, `plant` is the extended one. Validation records choose no effect; they bear it out. Errors as of `identify`.
     """
     campaign = campaign_of(model, records, bandwidth)
-    passes = inverse_dynamics(campaign.records, campaign.bandwidth)
+    inverses = inverse_dynamics(campaign.records, campaign.bandwidth)
     say = progress or (lambda _: None)
-    found = tracing.trace(campaign.plant, passes, say, most, only, own, criteria or Criteria(), budget or BUDGET)
+    found = tracing.trace(campaign.plant, inverses, say, most, only, own, criteria or Criteria(), budget or BUDGET)
     measured = {"records": campaign.records, "bandwidth": campaign.bandwidth}
     return replace(found, before=replace(found.before, **measured), after=replace(found.after, **measured))
 
@@ -87,6 +87,6 @@ def diff(before: Measured, after: Measured) -> difference.Difference:
     first, second = campaign_of(before), campaign_of(after)
     difference.check_models(first, second)
     bandwidth = min(first.bandwidth, second.bandwidth)
-    passes = [inverse_dynamics(c.records, bandwidth) for c in (first, second)]
-    found = difference.compare(freed(plant_of(first)), *passes)
-    return replace(found, findings=difference.doubts(first, second, *passes))
+    inverses = [inverse_dynamics(c.records, bandwidth) for c in (first, second)]
+    found = difference.compare(freed(plant_of(first)), *inverses)
+    return replace(found, findings=difference.doubts(first, second, *inverses))

@@ -43,10 +43,8 @@ def describe(
         raise WorkbenchError("what is described here may depend on rate; state omega=, the angular frequency in rad/s.")
     if isinstance(model, Effect):
         return description.first_harmonic(model, amplitudes, omega)
-    from workbench.description.friction import equivalent_of, friction_of
-
-    friction, _, _ = friction_of(_of_one_mass(model, "described"))
-    return equivalent_of(friction, amplitudes, np.full(amplitudes.size, float(omega)), resolution)
+    friction, _, _ = description.friction_of(_of_one_mass(model, "described"))
+    return description.equivalent_of(friction, amplitudes, np.full(amplitudes.size, float(omega)), resolution)
 
 
 def tune(
@@ -65,10 +63,8 @@ def tune(
     speed, and Ms of 2, where absent. response: a measured one, whose modes limit the gains too. Gains are SI, (n,) each.
     Raises WorkbenchError for what is no axis of one mass; tuning.OutOfReach where no gains keep the goal.
     """
-    from workbench.description.friction import friction_of
-
     plant = _of_one_mass(model, "tuned")
-    if not friction_of(plant)[1] > 0.0:
+    if not description.friction_of(plant)[1] > 0.0:
         raise WorkbenchError("the plant has no inertia above 0; add find('inertia') with its value.")
     goal = goal or TuningGoal(drive=plant.limits.drive, speed=plant.limits.speed)
     return tuning.tuned_axis(plant, np.asarray(amplitudes, dtype=float), goal, loop, response=response).gains
@@ -143,14 +139,12 @@ def compensate(
     position p: "measured", "reference" or "observer". gain: g of the forces. delay: of D, samples. low_pass: of L, Hz, 0 for
     none. bandwidth: of the observer, Hz. Raises WorkbenchError for an effect that no drive cancels, with the reason.
     """
-    from workbench.description.friction import friction_of
-
     plant = plant_of(model)
     names = effects or tuple(e.key for e in compensation.compensable(plant, source))
     if not names:
         raise WorkbenchError(f"no effect of this plant can be cancelled from '{source}'.")
     compensator = compensation.Compensator.of(
-        plant, names, source=source, gain=gain, delay=delay, low_pass=low_pass, mass=friction_of(plant)[1], bandwidth=bandwidth,
+        plant, names, source=source, gain=gain, delay=delay, low_pass=low_pass, mass=description.friction_of(plant)[1], bandwidth=bandwidth,
     )  # fmt: skip
     return compensation.compensated(_controller(controller), compensator)
 

@@ -1,7 +1,6 @@
 """What to record next, and what a shaken record says: plan, separate, response."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import replace
 
 from workbench import frequency, planning
 from workbench.campaign import Campaign
@@ -9,7 +8,7 @@ from workbench.errors import WorkbenchError, nearest
 from workbench.frequency import Response
 from workbench.front.given import Measured, campaign_of
 from workbench.planning import Plan, Separation
-from workbench.planning.basis import ACCURACY, Basis, basis
+from workbench.planning.basis import ACCURACY, basis
 from workbench.record import Record
 from workbench.tracing.separation import separation_of
 
@@ -37,7 +36,7 @@ def plan(
     Raises WorkbenchError where no motion is within the limits.
     """
     limits = {"low": low, "high": high, "speed": speed, "acceleration": acceleration, "drive": drive}
-    start = _within(basis(campaign_of(model, records, bandwidth)), limits)
+    start = basis(campaign_of(model, records, bandwidth), limits=_stated(limits))
     say = progress or (lambda _: None)
     return planning.design(start.fit.plant, start.envelope, start.sensing, accuracy, progress=say)
 
@@ -64,12 +63,11 @@ def separate(
     `sentence`, `reference` (the motion). Raises WorkbenchError for an effect that is no candidate, with the nearest names.
     """
     limits = {"low": low, "high": high, "speed": speed, "acceleration": acceleration, "drive": drive}
-    return separation_of(_within(basis(campaign_of(model, records, bandwidth)), limits), first, second)[0]
+    return separation_of(basis(campaign_of(model, records, bandwidth), limits=_stated(limits)), first, second)[0]
 
 
-def _within(start: Basis, limits: dict[str, float | None]) -> Basis:
-    stated = {name: value for name, value in limits.items() if value is not None}
-    return replace(start, envelope=replace(start.envelope, **stated))
+def _stated(limits: dict[str, float | None]) -> dict[str, float]:
+    return {name: value for name, value in limits.items() if value is not None}
 
 
 def response(

@@ -8,6 +8,7 @@ import numpy as np
 
 from workbench.definition import Effect, find
 from workbench.description.bank import bank_equivalent
+from workbench.effects.creep import creep
 from workbench.effects.hysteresis import maxwell_slip
 from workbench.errors import WorkbenchError
 
@@ -105,8 +106,6 @@ class Bank:
             springs = {f"k{i}": v for i, v in enumerate(self.springs[order].tolist(), 1)}
             found.append(maxwell_slip(tuple(self.radii[order].tolist()))(at=at, **springs))
         for j, (rate, weight) in enumerate(zip(self.rates.tolist(), self.creeps.tolist(), strict=True), 1):
-            from workbench.effects.creep import creep
-
             found.append(creep(1)(at=at, label=f"rate{j}", rate=rate, k1=weight))
         return tuple(found)
 

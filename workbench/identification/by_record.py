@@ -40,7 +40,7 @@ def own_estimates(problem: Problem, solution: Solution, names: Sequence[Name]) -
     phi, residual, common = solution.phi[:, index] / norms, solution.residual, solution.c[index]
     information = _known(phi.T @ phi)[1]
     found, row = [], 0
-    for p, length in zip(problem.passes, problem.lengths, strict=True):
+    for p, length in zip(problem.inverses, problem.lengths, strict=True):
         rows = p.rows(problem.plant)
         seconds = length // rows * p.motion.dt
         # every record has its own count of blocks, so that a short one is not left with one or two

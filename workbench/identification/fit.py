@@ -5,51 +5,54 @@ from collections.abc import Sequence
 import numpy as np
 
 from workbench.errors import WorkbenchError
-from workbench.identification import findings, intervals
+from workbench.identification import intervals, wording
 from workbench.identification.by_record import own_estimates, spread
+from workbench.identification.disagreement import disagreements
+from workbench.identification.excitation import unexcited
 from workbench.identification.problem import Problem
 from workbench.identification.result import Fit, Series, Squares
 from workbench.identification.solve import ITERATIONS, NoValue, Solution, solve
-from workbench.inverse import prehistory, zeros
+from workbench.inverse import prehistory
 from workbench.inverse.balances import predicted
 from workbench.inverse.dynamics import InverseDynamics
+from workbench.inverse.wording import state_at_start, zeros_apart
 from workbench.plant import Plant
 from workbench.record import IDENTIFICATION, ROLES, VALIDATION
 from workbench.threads import one_thread
 
 
-def fitted_on(passes: Sequence[InverseDynamics]) -> list[InverseDynamics]:
-    """Return the identification records among `passes`, by name: in whatever order given, sums have the same last bits."""
-    chosen = [p for p in passes if p.motion.record.role == IDENTIFICATION]
+def fitted_on(inverses: Sequence[InverseDynamics]) -> list[InverseDynamics]:
+    """Return the identification records among `inverses`, by name: in whatever order given, sums have the same last bits."""
+    chosen = [p for p in inverses if p.motion.record.role == IDENTIFICATION]
     return sorted(chosen, key=lambda p: p.motion.record.name)
 
 
 @one_thread
 def identify(
-    plant: Plant, passes: Sequence[InverseDynamics], theta: np.ndarray | None = None, *, solved: bool = False
+    plant: Plant, inverses: Sequence[InverseDynamics], theta: np.ndarray | None = None, *, solved: bool = False
 ) -> Fit:
-    """Fit `plant` on the identification records among `passes` and evaluate it on all of them.
+    """Fit `plant` on the identification records among `inverses` and evaluate it on all of them.
 
     theta: start of the free shape parameters on their search scale; the plant's values where absent. solved: that is where
     their search has ended before.
     """
     most = 0 if solved else ITERATIONS
     try:
-        problem, solution, passes = _begun(plant, passes, theta, most)
+        problem, solution, inverses = _begun(plant, inverses, theta, most)
     except NoValue:
         names = ", ".join(e.name for e in plant.effects if e.shape)
         raise WorkbenchError(
             f"one of the effects {names} has no value on these records with its declared parameters; check them and their units."
         ) from None
-    return seen(problem, solution, passes)
+    return seen(problem, solution, inverses)
 
 
-def _begun(plant: Plant, passes: Sequence[InverseDynamics], theta: np.ndarray | None, most: int):
-    """Return (problem, solution, passes) with the starts of the records found beside the parameters, where they are open."""
-    problem, begun = Problem(plant, fitted_on(passes)), passes
+def _begun(plant: Plant, inverses: Sequence[InverseDynamics], theta: np.ndarray | None, most: int):
+    """Return (problem, solution, inverses) with the starts of the records found beside the parameters, where they are open."""
+    problem, begun = Problem(plant, fitted_on(inverses)), inverses
     solution = solve(problem, theta, most=most)
     for _ in range(prehistory.ROUNDS):
-        found = prehistory.begun(problem.with_linear(problem.with_shape(solution.theta), solution.c), passes)
+        found = prehistory.begun(problem.with_linear(problem.with_shape(solution.theta), solution.c), inverses)
         if found is None:
             break
         before, begun, problem = solution.cost, found, Problem(plant, fitted_on(found))
@@ -59,10 +62,10 @@ def _begun(plant: Plant, passes: Sequence[InverseDynamics], theta: np.ndarray | 
     return problem, solution, begun
 
 
-def series_of(plant: Plant, passes: InverseDynamics) -> tuple[Series, np.ndarray]:
+def series_of(plant: Plant, inverse: InverseDynamics) -> tuple[Series, np.ndarray]:
     """Return one record seen through the evaluation filter, and the unfiltered prediction (n,)."""
-    m = passes.motion
-    prediction = predicted(passes, plant)
+    m = inverse.motion
+    prediction = predicted(inverse, plant)
     both = m.filter(np.stack([m.u, prediction]))
     series = Series(
         m.record.name,
@@ -73,12 +76,12 @@ def series_of(plant: Plant, passes: InverseDynamics) -> tuple[Series, np.ndarray
         both[0],
         both[1],
         m.keep,
-        None if passes.counts is None else passes.counts[0],
+        None if inverse.counts is None else inverse.counts[0],
     )
     return series, prediction
 
 
-def seen(problem: Problem, solution: Solution, passes: Sequence[InverseDynamics]) -> Fit:
+def seen(problem: Problem, solution: Solution, inverses: Sequence[InverseDynamics]) -> Fit:
     """Return the Fit of a solved problem."""
     plant = problem.with_linear(problem.with_shape(solution.theta), solution.c)
     names, cov, t, condition = intervals.covariance(problem, solution)
@@ -88,16 +91,17 @@ def seen(problem: Problem, solution: Solution, passes: Sequence[InverseDynamics]
     apart = spread(plant, linear, owns)
     noise = float(np.sqrt(np.mean(solution.residual**2)))
     series, predictions = {}, {}
-    for p in passes:
+    for p in inverses:
         series[p.motion.record.name], predictions[p.motion.record.name] = series_of(plant, p)
     squares = {name: s.squares for name, s in sorted(series.items())}
     of_role = {r: sum((squares[n] for n in squares if series[n].role == r), Squares()) for r in ROLES}
     # a cause before what it causes: what is not excited is not determined
     half = dict(zip(names, t * np.sqrt(np.maximum(np.diag(cov), 0.0)), strict=True))
-    said = findings.excitation(problem, solution, half, noise)
-    said += findings.disagreements(problem, plant, linear, owns) + intervals.findings(problem, estimates, names, cov)
-    for of in (zeros, prehistory):
-        said += of.findings([p.motion.record for p in passes], plant.displacement)
+    said = [wording.unexcited(one) for one in unexcited(problem, solution, half, noise)]
+    said += [wording.disagreement(one) for one in disagreements(problem, plant, linear, owns)]
+    said += wording.undetermined(problem, estimates, names, cov)
+    for told in (zeros_apart, state_at_start):
+        said += told([p.motion.record for p in inverses], plant.displacement)
     return Fit(
         plant=plant,
         estimates=estimates,

@@ -8,12 +8,11 @@ little too wide where the memory is longer than the motion's period, since score
 other.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
 from workbench.definition import Effect
-from workbench.finding import Finding
 from workbench.identification.problem import LOGARITHMIC, Name, Problem
 from workbench.identification.result import Estimate
 from workbench.identification.solve import Solution, scales
@@ -27,7 +26,7 @@ AT_BOUND = 1e-9  # relative distance at which a value counts as lying on its bou
 
 def block_seconds(problem: Problem) -> float:
     """Length of a block in s."""
-    total = sum((p.motion.keep.stop - p.motion.keep.start) * p.motion.dt for p in problem.passes)
+    total = sum((p.motion.keep.stop - p.motion.keep.start) * p.motion.dt for p in problem.inverses)
     return max(SHORTEST, total / BLOCKS)
 
 
@@ -41,29 +40,9 @@ def covariance(problem: Problem, solution: Solution) -> tuple[list[Name], np.nda
 
     t: Student's 97.5 % quantile. condition: of the columns scaled to unit length.
     """
-    names = [*problem.free_linear, *problem.free_shape]
-    values = np.concatenate(
-        [
-            solution.c,
-            [problem.with_shape(solution.theta)[n.key].parameters[n.parameter].value for n in problem.free_shape],
-        ]
-    )
-    a = solution.columns
-    inside = [
-        k
-        for k, n in enumerate(names)
-        if not on_bound(values[k], problem.parameter(n).lower, problem.parameter(n).upper) and np.any(a[:, k])
-    ]
-    # a shape parameter searched on a logarithmic scale: d/dp = (d/dtheta)/p
-    natural = np.array(
-        [
-            1.0 / values[k]
-            if k >= len(problem.free_linear) and problem.parameter(names[k]).scale in LOGARITHMIC
-            else 1.0
-            for k in inside
-        ]
-    )
-    a = a[:, inside] * natural
+    from scipy.special import stdtrit
+
+    inside, a = _inside(problem, solution)
     if not inside:
         return [], np.zeros((0, 0)), 2.0, 1.0
     norms = scales(a)
@@ -75,9 +54,20 @@ def covariance(problem: Problem, solution: Solution) -> tuple[list[Name], np.nda
     count, p = len(scores), len(inside)
     freedom = max(count - p, 1)
     cov = bread @ (scores.T @ scores) @ bread * (count / freedom)
-    from scipy.special import stdtrit
+    return inside, cov / np.outer(norms, norms), float(stdtrit(freedom, 0.975)), condition
 
-    return [names[k] for k in inside], cov / np.outer(norms, norms), float(stdtrit(freedom, 0.975)), condition
+
+def _inside(problem: Problem, solution: Solution) -> tuple[list[Name], np.ndarray]:
+    """Return the free parameters that lie inside their bounds and have a part in the drive, and their columns (m, p) in natural units."""
+    names, a = [*problem.free_linear, *problem.free_shape], solution.columns
+    shaped = problem.with_shape(solution.theta)
+    values = np.concatenate([solution.c, [shaped[n.key].parameters[n.parameter].value for n in problem.free_shape]])
+    declared = [problem.parameter(n) for n in names]
+    inside = [k for k, p in enumerate(declared) if not on_bound(values[k], p.lower, p.upper) and np.any(a[:, k])]
+    # a shape parameter searched on a logarithmic scale: d/dp = (d/dtheta)/p
+    logarithmic = [k >= len(problem.free_linear) and declared[k].scale in LOGARITHMIC for k in inside]
+    natural = np.array([1.0 / values[k] if log else 1.0 for k, log in zip(inside, logarithmic, strict=True)])
+    return [names[k] for k in inside], a[:, inside] * natural
 
 
 def estimates(plant, names: list[Name], cov: np.ndarray, t: float) -> tuple[Estimate, ...]:
@@ -114,47 +104,15 @@ def outward_slope(effect: Effect, name: str, inside: Mapping[str, float]) -> np.
     return np.array(slope)
 
 
-def findings(problem: Problem, found: tuple[Estimate, ...], names: list[Name], cov: np.ndarray) -> list[Finding]:
-    """Say what the data do not determine: parameters on a bound, wider than their value, or known only together."""
-    said = []
-    plant = problem.plant
-    free = {*problem.free_linear, *problem.free_shape}
+def at_bounds(problem: Problem, names: Sequence[Name]) -> list[Name]:
+    """Return the free parameters that came out on a bound or without any effect. names: those that lie inside."""
     inside = set(names)
-    for n in free - inside:
-        p = problem.parameter(n)
-        said.append(
-            Finding(
-                "at bound", f"{n.key}.{n.parameter}",
-                f"{plant[n.key].named}: {p.meaning} came out on its bound or without any effect on these records; "
-                "it is not determined.",
-                {"lower": p.lower, "upper": p.upper},
-                "record a motion that excites it, or declare it fixed",
-            )
-        )  # fmt: skip
-    for e in found:
-        half = e.high - e.value
-        if not e.fixed and half > abs(e.value) and half > 0:
-            said.append(
-                Finding(
-                    "not determined", f"{e.effect}@{e.at}.{e.parameter}",
-                    f"{e.effect}: {e.meaning} is {e.value:.3g} with a 95 % interval of +-{half:.2g} {e.unit}, "
-                    "wider than its value; these records do not determine it.",
-                    {"value": e.value, "half_width": half},
-                    "record a motion in which this effect is a larger part of the drive",
-                )
-            )  # fmt: skip
-    for group, r in known_together(cov):
-        together = [f"{names[k].key}.{names[k].parameter}" for k in group]
-        said.append(
-            Finding(
-                "known only together", ", ".join(together),
-                f"{', '.join(together[:-1])} and {together[-1]} are known only together (correlation up to {r:.3f}): these "
-                "records hardly tell them apart.",
-                {"correlation": r},
-                "record motions of other amplitudes and speeds",
-            )
-        )  # fmt: skip
-    return sorted(said, key=lambda f: (f.kind, f.subject))
+    return [n for n in (*problem.free_linear, *problem.free_shape) if n not in inside]
+
+
+def wider_than_value(found: Sequence[Estimate]) -> list[Estimate]:
+    """Return the free estimates whose 95 % interval is wider than their value."""
+    return [e for e in found if not e.fixed and e.high - e.value > abs(e.value) and e.high - e.value > 0]
 
 
 def known_together(cov: np.ndarray) -> list[tuple[list[int], float]]:

@@ -24,7 +24,7 @@ class Linearised(Problem):
     """
 
     def __init__(self, plant: Plant, base: Problem, solution: Solution):
-        super().__init__(_held(plant, base, solution.theta), base.passes)
+        super().__init__(_held(plant, base, solution.theta), base.inverses)
         self.base, self.solution = base, solution
         self.room = shape_room(base, solution.theta)
         self.base_scale = base.command_scale(base.with_shape(solution.theta))
@@ -71,7 +71,7 @@ class Linearised(Problem):
         fixed = np.zeros(self.solution.y.size)
         own = np.zeros((fixed.size, len(at)), order="F")  # a locked load has no balance: its columns stay zero there
         row = 0
-        for p, length in zip(self.passes, self.lengths, strict=True):
+        for p, length in zip(self.inverses, self.lengths, strict=True):
             rows, keep = slice(row, row + length), p.motion.keep
             for e, name, column in p.filtered(part):
                 if e.key != self.beside:
@@ -118,7 +118,7 @@ class Linearised(Problem):
     @property
     def free(self) -> Problem:
         """The problem with everything free."""
-        return Problem(_freed(self.plant, self.base), self.passes)
+        return Problem(_freed(self.plant, self.base), self.inverses)
 
     def free_start(self, found: Solution) -> np.ndarray:
         """Return where `found` says that the search with everything free should start."""

@@ -18,8 +18,10 @@ from workbench.parameter import Parameter
 from workbench.plant import Plant, reads_load
 
 LOGARITHMIC = ("speed", "stroke", "rate", "resonance", "settling")
-STEP = 1e-4  # relative step of the directional derivative of a pass
-ROUNDED = 1e-13  # of the drive: a pass that changes by less with a step is one that rounding changes, and no direction to search
+STEP = 1e-4  # relative step of the directional derivative of a required drive
+ROUNDED = (
+    1e-13  # of the drive: one that changes by less with a step is one that rounding changes, and no direction to search
+)
 
 
 @dataclass(frozen=True)
@@ -76,10 +78,10 @@ def needed_by(plant: Plant, key: str) -> Plant:
 class Problem:
     """`free_linear`, `free_shape`: what is searched, as Name; `fixed` linear parameters move to the measured side."""
 
-    def __init__(self, plant: Plant, passes: Sequence[InverseDynamics]):
+    def __init__(self, plant: Plant, inverses: Sequence[InverseDynamics]):
         self.plant = plant
         self.present = plant  # whose linear values make the load that forces follow
-        self.passes = tuple(passes)
+        self.inverses = tuple(inverses)
         self.free_linear: list[Name] = []
         self.fixed_linear: list[Name] = []
         self.free_shape: list[Name] = []
@@ -102,7 +104,7 @@ class Problem:
     @property
     def lengths(self) -> list[int]:
         """Equations per record: samples that count, times balances. Both balances of a sample stand side by side."""
-        return [(p.motion.keep.stop - p.motion.keep.start) * p.rows(self.plant) for p in self.passes]
+        return [(p.motion.keep.stop - p.motion.keep.start) * p.rows(self.plant) for p in self.inverses]
 
     def start(self) -> np.ndarray:
         return np.array([to_search(self.parameter(n)) for n in self.free_shape])
@@ -138,7 +140,7 @@ class Problem:
         y = np.empty(sum(self.lengths))
         phi = np.zeros((y.size, len(at)), order="F")  # a locked load has no balance: its columns stay zero there
         row = 0
-        for p, length in zip(self.passes, self.lengths, strict=True):
+        for p, length in zip(self.inverses, self.lengths, strict=True):
             keep, part = p.motion.keep, slice(row, row + length)
             y[part] = stacked(p.filtered_drive(plant), keep, p.counts)
             for e, name, column in p.filtered(plant):
@@ -165,7 +167,7 @@ class Problem:
             return 1.0
         bare = replace(plant, effects=tuple(e for e in plant.effects if e.at != "command"))
         power = [0.0, 0.0]
-        for p in self.passes:
+        for p in self.inverses:
             for k, q in enumerate((bare, plant)):
                 drive = p.filtered_drive(q)[0][p.motion.keep]
                 power[k] += float(drive.size * np.var(drive))
@@ -184,7 +186,7 @@ class Problem:
                 step = -step
             part = needed_by(plant, name.key)
             other = part.with_values({name.key: {name.parameter: from_search(p, theta[k] + step)}})
-            more = np.concatenate([stacked(q.moved(part, other), q.motion.keep, q.counts) for q in self.passes])
+            more = np.concatenate([stacked(q.moved(part, other), q.motion.keep, q.counts) for q in self.inverses])
             scale = self.command_scale(other)
             change = (scale / factor - 1.0) * base - scale * more
             result[:, k] = change / step if np.linalg.norm(change) > ROUNDED * np.linalg.norm(y) else 0.0
@@ -193,9 +195,9 @@ class Problem:
     def step_of(self, p: Parameter, value: float) -> float:
         """Step of the directional derivative for a parameter on a linear scale."""
         if p.scale == "time":
-            return 0.02 * self.passes[0].motion.dt
+            return 0.02 * self.inverses[0].motion.dt
         if p.scale == "order":  # a phase of 0.01 rad at the end of the travel
-            travel = max(float(np.ptp(q.motion.q)) for q in self.passes)
+            travel = max(float(np.ptp(q.motion.q)) for q in self.inverses)
             return 0.01 / max(travel, 1e-12)
         return STEP * max(abs(value), 1e-3)
 
@@ -203,13 +205,13 @@ class Problem:
         """Return the drive's balance (samples kept,) of each record out of a stacked vector."""
         edges = np.cumsum([0, *self.lengths])
         return [
-            residual[a : b : p.rows(self.plant)] for a, b, p in zip(edges[:-1], edges[1:], self.passes, strict=True)
+            residual[a : b : p.rows(self.plant)] for a, b, p in zip(edges[:-1], edges[1:], self.inverses, strict=True)
         ]
 
     def blocks(self, seconds: float) -> list[slice]:
         """Return contiguous blocks of about this length, none across records."""
         found, row = [], 0
-        for p, length in zip(self.passes, self.lengths, strict=True):
+        for p, length in zip(self.inverses, self.lengths, strict=True):
             rows = p.rows(self.plant)
             count = max(1, round(length // rows * p.motion.dt / seconds))
             edges = row + rows * np.linspace(0, length // rows, count + 1).astype(int)

@@ -90,7 +90,7 @@ class Fit:
     rms: role -> rms residual, SI. series: record name -> Series. predictions: record name -> unfiltered drive (n,), SI.
     condition: condition number of the scaled columns. spread: "effect@at.parameter", as declared, of what is linear -> (lowest,
     highest) of what each identification record says by itself at the common shape, where two or more determine it.
-    records, bandwidth: what was fitted, as measured, and Hz; none where a fit was made of passes alone.
+    records, bandwidth: what was fitted, as measured, and Hz; none where a fit was made of inverse dynamics alone.
     """
 
     plant: Plant

@@ -7,6 +7,7 @@ import numpy as np
 from workbench.errors import WorkbenchError
 from workbench.intake import signals
 from workbench.intake.columns import Columns, Guess, Scale
+from workbench.intake.wording import no_time, unknown_unit
 
 COUNTERS = set("sample samples index idx count counter cycle cycles nr no n k scan tick ticks".split())
 # Seconds since 1970 between 2001 and 2049, in each unit: no time since a start is as large, whatever its unit.
@@ -33,7 +34,7 @@ def time_of(columns: Columns, told: Mapping[str, str], rate: float | None) -> Gu
     clocks.sort(key=lambda n: _counts(columns, n))  # a counter of samples is the last resort
     found = told.get("time") or next(iter(rising), None) or next(iter(clocks), None)
     if found is None:
-        raise WorkbenchError(_none(columns, named))
+        raise WorkbenchError(no_time(columns, named))
     why = "you say so" if "time" in told else "its name says so" if found in named else "it increases evenly"
     if found not in named and _counts(columns, found):
         scale = Scale(COUNTED, "count/s", True, "samples a second, which the log does not say")
@@ -90,29 +91,3 @@ def _by_rate(name: str, why: str, values: np.ndarray) -> Guess:
     others = " or ".join(f"{rates[u]:.6g} Hz in {u}" for u in possible if u != unit) or "nothing a drive logs at"
     scale = Scale(1.0, "1", True, f"no unit is stated: {rates[unit]:.6g} Hz in {unit}, {others}")
     return Guess("time", name, unit, f"{why}; no unit is stated, and '{unit}' is a guess", "time", scale)
-
-
-def _none(columns: Columns, named: Sequence[str]) -> str:
-    reasons = [f"'{n}' does not increase from sample to sample" for n in named]
-    reasons += [f"left out: {why}" for s in columns.surveys for why in s.refused.values()][:3]
-    because = f" ({'; '.join(r.rstrip('.') for r in reasons)})" if reasons else ""
-    return (
-        f"{columns.surveys[0].path}: no column increases evenly as time does ({', '.join(columns.names)}){because}; say which column it is, "
-        "--channel time=COLUMN, or at which rate in Hz the samples were taken, --rate HZ."
-    )
-
-
-def unknown_unit(columns: Columns, name: str) -> WorkbenchError:
-    """Return the sentence on a unit that is stated and not known, with the nearest that are."""
-    import shlex
-
-    from workbench.intake.names import alike
-
-    m = columns.meanings[name]
-    near = alike(m.unknown, m.kind)
-    say = shlex.quote(f"{name}={near[0]}")
-    what = f"a {m.kind}" if m.kind else "a column"
-    return WorkbenchError(
-        f"{columns.surveys[0].path}: column '{name}' states the unit '{m.unknown}', which is not known for {what}; nearest: "
-        f"{', '.join(near)}. Say which it is: --unit {say}"
-    )

@@ -8,10 +8,11 @@ import numpy as np
 from workbench.errors import WorkbenchError, nearest
 from workbench.intake import signals
 from workbench.intake.axes import DRIVES, of_axis
-from workbench.intake.clocks import seconds, time_of, unknown_unit
+from workbench.intake.clocks import seconds, time_of
 from workbench.intake.columns import Columns, Guess
 from workbench.intake.names import is_length, kind_of
 from workbench.intake.others import alike, others_of
+from workbench.intake.wording import unknown_unit, untold
 
 EXPLAINED = 0.3  # share of a drive's power that motion must explain for nameless columns to be taken for a pair
 APART = 0.1  # of a drive's power: a pair of columns that explains as much but for this is a rival of the best
@@ -57,7 +58,7 @@ def _pair(columns: Columns, rest: Sequence[str], told: Mapping[str, str], time: 
     scores = {pair: _explained(columns, *pair, time) if len(pairs) > 1 else 1.0 for pair in pairs}
     best = max(scores, key=scores.get, default=None)
     if best is None or (scores[best] < EXPLAINED and not (named["drive"] and named["position"])):
-        raise WorkbenchError(_untold(columns, rest))
+        raise WorkbenchError(untold(columns, rest))
     rivals = [p for p in pairs if scores[p] > scores[best] - APART and _another(columns, p, best)]
     if rivals:
         shown = " and ".join(f"'{d}' over '{p}' ({100 * scores[d, p]:.0f} %)" for d, p in (best, *rivals[:2]))
@@ -88,18 +89,6 @@ def _distinct(columns: Columns, names: Sequence[str]) -> Iterator[str]:
 def _another(columns: Columns, pair: tuple[str, str], best: tuple[str, str]) -> bool:
     """Whether a pair is another axis's, or another drive signal: not a second reading of the same two."""
     return any(a != b and not alike(columns, a, b) for a, b in zip(pair, best, strict=True))
-
-
-def _untold(columns: Columns, rest: Sequence[str]) -> str:
-    refused = [why for s in columns.surveys for why in s.refused.values()]
-    still = [n for n in columns.names if not columns.moves(n)]
-    left = f" Left out: {' '.join(refused[:3])}" if refused else ""
-    left += f" Left out, since they do not move: {', '.join(still)}." if still else ""
-    return (
-        f"{columns.path}: which column is the drive's torque, force or current and which the position cannot "
-        f"be told from the names or the data ({', '.join(rest) or 'none is left'}); say --channel drive=COLUMN "
-        f"--channel position=COLUMN.{left}"
-    )
 
 
 def _likeliest(columns: Columns, names: Sequence[str], kinds: Sequence[str]) -> list[str]:

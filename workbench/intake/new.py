@@ -11,12 +11,11 @@ from workbench import campaign
 from workbench.errors import WorkbenchError
 from workbench.finding import capital
 from workbench.intake.columns import common
-from workbench.intake.entries import Entry
 from workbench.intake.guess import channels
 from workbench.intake.names import alike, known_unit
 from workbench.intake.others import unused
-from workbench.intake.proposal import Proposal, proposal
-from workbench.intake.text import campaign_text, study_text
+from workbench.intake.proposal import proposal
+from workbench.intake.text import campaign_text, lines_of, study_text
 from workbench.outputs import whole
 from workbench.readers import stem, survey
 
@@ -80,7 +79,7 @@ def new(
     aside += [f"Left out: {why}" for s in surveys for why in s.refused.values()]
     aside += [f"{s.path.name}: {note}" for s in surveys for note in s.notes]
     edit = tuple(f"channels.{c.guess.channel}.scale" for c in made.channels if c.scale and c.scale.assumed)
-    return New(place, (*_lines(made, copies), *aside), edit)
+    return New(place, (*lines_of(made, copies), *aside), edit)
 
 
 def _named(place: Path) -> None:
@@ -139,33 +138,3 @@ def _names(files: Sequence[Path]) -> list[str]:
         stems.add(unique)
         names.append(f"{unique}{suffix}")
     return names
-
-
-def _lines(p: Proposal, files: Sequence[str]) -> list[str]:
-    said = []
-    for c in p.channels:
-        g = c.guess
-        if g.rate:
-            said.append(f"{g.channel}: {g.rate:g} Hz - {g.why}.")
-            continue
-        said.append(f"{g.channel}: column '{g.column}' in '{g.unit}' - {g.why}.")
-        if c.scale:
-            what = "assumed until you edit it" if c.scale.assumed else "found"
-            said.append(f"    scale {c.scale.value:g} {c.scale.unit}, {what}: {c.scale.why}.")
-        if c.resolution:
-            said.append(f"    encoder step {c.resolution:.6g} {g.unit}: {c.resolution_why}.")
-    for e in p.entries:
-        said.append(f"{files[e.survey]}{_window(e)}: {e.role} - {e.why}.")
-    said.append(f"evaluation bandwidth {p.bandwidth:g} Hz: up to here the position's spectrum stands above its noise.")
-    if p.short:
-        said.append(f"{p.short} samples are left out: they lie between gaps too near each other for a record.")
-    if p.uneven:
-        said.append(f"{p.uneven} time steps are more than 1 % off; the records are resampled, and the report says so.")
-    return said
-
-
-def _window(e: Entry) -> str:
-    """Say which part of a file is a record, or counts as one."""
-    first = e.since if e.counts_from is None else e.counts_from
-    since, until = f" from {first:.6g} s" if first is not None else "", f" up to {e.until:.6g} s" if e.until else ""
-    return since + (until or (" on" if since else ""))

@@ -6,8 +6,8 @@ import numpy as np
 
 from workbench.errors import WorkbenchError
 from workbench.intake.axes import elsewhere
-from workbench.intake.clocks import unknown_unit
 from workbench.intake.columns import Columns, Guess
+from workbench.intake.wording import unknown_unit
 from workbench.units import to_si
 
 SMOOTH = 0.999  # correlation above which a column is another reading of the position

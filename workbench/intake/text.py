@@ -1,8 +1,9 @@
-"""campaign.toml and study.toml of a proposal, with a comment on every guess."""
+"""A proposal in words: campaign.toml and study.toml with a comment on every guess, and the lines that its user reads."""
 
 import json
 from collections.abc import Sequence
 
+from workbench.intake.entries import Entry
 from workbench.intake.proposal import Channel, Proposal
 from workbench.units import effect_unit
 
@@ -116,3 +117,34 @@ campaign = "campaign"
 # highest = {{ value = {step:g}, unit = "{x}" }}
 # count = 24
 """
+
+
+def lines_of(p: Proposal, files: Sequence[str]) -> list[str]:
+    """Return what was guessed and why, a line each. files: name of each surveyed file within the folder."""
+    said = []
+    for c in p.channels:
+        g = c.guess
+        if g.rate:
+            said.append(f"{g.channel}: {g.rate:g} Hz - {g.why}.")
+            continue
+        said.append(f"{g.channel}: column '{g.column}' in '{g.unit}' - {g.why}.")
+        if c.scale:
+            what = "assumed until you edit it" if c.scale.assumed else "found"
+            said.append(f"    scale {c.scale.value:g} {c.scale.unit}, {what}: {c.scale.why}.")
+        if c.resolution:
+            said.append(f"    encoder step {c.resolution:.6g} {g.unit}: {c.resolution_why}.")
+    for e in p.entries:
+        said.append(f"{files[e.survey]}{_window(e)}: {e.role} - {e.why}.")
+    said.append(f"evaluation bandwidth {p.bandwidth:g} Hz: up to here the position's spectrum stands above its noise.")
+    if p.short:
+        said.append(f"{p.short} samples are left out: they lie between gaps too near each other for a record.")
+    if p.uneven:
+        said.append(f"{p.uneven} time steps are more than 1 % off; the records are resampled, and the report says so.")
+    return said
+
+
+def _window(e: Entry) -> str:
+    """Say which part of a file is a record, or counts as one."""
+    first = e.since if e.counts_from is None else e.counts_from
+    since, until = f" from {first:.6g} s" if first is not None else "", f" up to {e.until:.6g} s" if e.until else ""
+    return since + (until or (" on" if since else ""))

@@ -89,7 +89,7 @@ def partials(definition: Definition) -> Program:
 
 
 class Bodies:
-    """Bodies of one motion. keep(key, make): the store that passes share."""
+    """Bodies of one motion. keep(key, make): the store that all of a motion share."""
 
     def __init__(self, motion: Motion, keep: Callable):
         self.motion = motion

@@ -9,7 +9,6 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from workbench.finding import CARRIES_NOTHING, Finding
 from workbench.inverse.dynamics import InverseDynamics
 from workbench.plant import TWO_MASS, Plant
 from workbench.record import IDENTIFICATION
@@ -20,14 +19,14 @@ from workbench.record import IDENTIFICATION
 IDLE = 0.9
 
 
-def load_errors(passes: Sequence[InverseDynamics], plant: Plant) -> dict[str, float]:
+def load_errors(inverses: Sequence[InverseDynamics], plant: Plant) -> dict[str, float]:
     """Return role -> relative error of the load's balance, of two masses: a second error beside that of the drive.
 
     rms(F(what is left)) / rms(F(torque of the joint)), F the evaluation filter; the joint's torque is that of its law at the
     measured deflection. Records in which the load is locked have no such balance. Infinite where the joint has no torque.
     """
     power: dict[str, np.ndarray] = {}
-    for p in sorted(passes, key=lambda p: p.motion.record.name):
+    for p in sorted(inverses, key=lambda p: p.motion.record.name):
         if p.rows(plant) != 2:
             continue
         left, joint = np.zeros((2, p.motion.u.size))
@@ -40,23 +39,13 @@ def load_errors(passes: Sequence[InverseDynamics], plant: Plant) -> dict[str, fl
     return {role: float(np.sqrt(x / whole)) for role, (x, whole) in power.items() if whole > 0.0}
 
 
-def idle(passes: Sequence[InverseDynamics], plant: Plant) -> Finding | None:
-    """Return the finding that a fitted plant's joint carries nothing on the identification records, None where it carries.
+def idle_error(inverses: Sequence[InverseDynamics], plant: Plant) -> float | None:
+    """Return the error of the load's balance on the identification records where a fitted plant's joint carries nothing there.
 
-    Then no cause is to be named from its balances.
+    None where it carries. Infinite where its law has no torque. Then no cause is to be named from its balances.
     """
-    free = [p for p in passes if p.motion.record.role == IDENTIFICATION and not p.motion.record.locked]
+    free = [p for p in inverses if p.motion.record.role == IDENTIFICATION and not p.motion.record.locked]
     if plant.kind != TWO_MASS or not free or not any(e.at == "joint" for e in plant.effects):
         return None
     error = load_errors(free, plant).get(IDENTIFICATION, np.inf)
-    if error < IDLE:
-        return None
-    left = f"leaves {100 * error:.0f} % of the load's balance" if np.isfinite(error) else "has no torque"
-    return Finding(
-        CARRIES_NOTHING, "joint",
-        f"The fit lets the joint carry nothing: its law at the measured angle {left}. What the load does then says nothing of "
-        f"the joint, and no cause can be told from these balances.",
-        {"error": error},
-        "Check the clocks of the two encoders and the zero of one against the other in each record (the check says both); "
-        "else declare the load's inertia as fixed, or record a motion with more torque through the joint.",
-    )  # fmt: skip
+    return None if error < IDLE else error

@@ -45,7 +45,7 @@ def inverse_program(definition: Definition) -> Program:
 
 
 class Command:
-    """The command of one motion. keep(key, make): the store that passes share."""
+    """The command of one motion. keep(key, make): the store that all of a motion share."""
 
     def __init__(self, motion: Motion, keep: Callable):
         self.motion = motion

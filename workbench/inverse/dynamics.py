@@ -1,4 +1,4 @@
-"""One pass of a plant over a record's motion: columns of the required drive, beside the drive that was applied.
+"""What a plant asks of the drive along a record's motion: columns of the required drive, beside the drive that was applied.
 
 Order of evaluation: time and command maps on the measured drive (`command`); forces with memory (they provide `dir`); other
 forces; those that follow the load, which the others make (`plant.carried`). No force sees the measured drive. Results are kept per effect and shape, so that candidates share the columns of the declared model.
@@ -30,7 +30,7 @@ LEVERS = {"axis": np.ones((1, 1)), "motor": np.array([[1.0], [0.0]]), "load": np
 class InverseDynamics:
     """InverseDynamics over one motion. Methods return arrays that must not be changed.
 
-    fine: passes over the same motion at a higher rate, by which operators of its increments are run: where friction turns,
+    fine: the same over the same motion at a higher rate, by which operators of its increments are run: where friction turns,
     the moment counts, and a coarse sample has it wrong by half a step. coarse: takes their outputs (k, fine n) to (k, n).
     counts: (2, n) of bool, where the drive's and the load's balance count in a fit; everywhere where None.
     """
@@ -157,7 +157,7 @@ class InverseDynamics:
         return signals, path
 
     def _run(self, e: Effect, signals: dict, plant: Plant, place: str) -> np.ndarray:
-        """Return the outputs (columns, n) of a force; of an operator of the motion's increments from the finer passes."""
+        """Return the outputs (columns, n) of a force; of an operator of the motion's increments at the finer rate."""
         if self.fine is not None and e.states and "dq" in e.reads and not {"dir", "tau", "u"} & set(e.reads):
             return self.coarse(outputs_of(e, self.fine._signals(plant, place)[0]))
         return outputs_of(e, signals)
@@ -216,6 +216,6 @@ def _entering(outputs: np.ndarray, lever: np.ndarray) -> np.ndarray:
 
 
 def inverse_dynamics(records: Sequence[Record], bandwidth: float) -> tuple[InverseDynamics, ...]:
-    """Return passes over the motions of the records; they may be shared by fits of many plants."""
+    """Return the inverse dynamics over the motions of the records; they may be shared by fits of many plants."""
     zeroed = relaxed(records, bandwidth)
     return tuple(InverseDynamics(motion(r, bandwidth)) for r in zeroed)

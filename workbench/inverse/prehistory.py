@@ -14,12 +14,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from workbench.finding import Finding
 from workbench.inverse.balances import predicted
 from workbench.inverse.dynamics import InverseDynamics
 from workbench.motion import Motion
 from workbench.plant import Plant
-from workbench.record import Record
 
 # Memory over a record's travel from which its start is searched. Presliding of bearings is below 1e-3: the first move erases
 # it. Halved or doubled, no campaign here changes; a gap of a tenth of the travel leaves a third of a record in doubt.
@@ -30,10 +28,10 @@ SETTLED = 0.98  # of the cost before a round, above which the next would be the 
 COARSE, FINE = 13, 7  # values of h tried over the span, and then about the best
 
 
-def begun(plant: Plant, passes: Sequence[InverseDynamics]) -> tuple[InverseDynamics, ...] | None:
-    """Return the passes with the displacement before each record that a fitted plant asks for, or None where no start is open."""
-    found = [_begun(plant, p) for p in passes]
-    if all(new is old for new, old in zip(found, passes, strict=True)):
+def begun(plant: Plant, inverses: Sequence[InverseDynamics]) -> tuple[InverseDynamics, ...] | None:
+    """Return the inverse dynamics with the displacement before each record that a fitted plant asks for, or None where no start is open."""
+    found = [_begun(plant, p) for p in inverses]
+    if all(new is old for new, old in zip(found, inverses, strict=True)):
         return None
     return tuple(found)
 
@@ -75,24 +73,3 @@ def displaced(motion: Motion, h: float) -> Motion:
     dq = np.array(motion.dq)
     dq[0] += h
     return replace(motion, dq=dq, record=replace(motion.record, history=h))
-
-
-def findings(records: Sequence[Record], displacement: str) -> list[Finding]:
-    """Say from what displacement each record was found to start."""
-    found = {r.name: r.history for r in sorted(records, key=lambda r: r.name) if r.history}
-    if not found:
-        return []
-    told = ", ".join(f"{x:.3g} {displacement} in '{name}'" for name, x in found.items())
-    sentence = (
-        "The campaign does not say in which state its records start; friction with memory was found to start as after a "
-        f"displacement of {told}."
-    )
-    return [
-        Finding(
-            "state at the start",
-            "position",
-            sentence,
-            found,
-            "state initial_condition, or start records after a full stroke",
-        )
-    ]

@@ -15,7 +15,6 @@ from dataclasses import replace
 
 import numpy as np
 
-from workbench.finding import Finding
 from workbench.motion import MOTION_BAND, TRIM, LowPass
 from workbench.record import Record
 
@@ -91,17 +90,3 @@ def closed(change: np.ndarray, of: np.ndarray, keep: slice) -> np.ndarray:
     """
     mean = of[..., 1, keep].mean(axis=-1)[..., None]
     return np.stack([change[..., 0, :] + mean, change[..., 1, :] - mean], axis=-2)
-
-
-def findings(records: Sequence[Record], displacement: str) -> list[Finding]:
-    """Say by how much the zeros of two encoders lie apart."""
-    free = {r.name: r.zero for r in sorted(records, key=lambda r: r.name) if r.zero is not None}
-    if not free:
-        return []
-    told = ", ".join(f"{x:.3g} {displacement} in '{name}'" for name, x in free.items())
-    sentence = (
-        f"Between the two encoders lie {told}: zeros of their own, or a load that hangs. It was taken "
-        "off, and what the joint carries in the mean is what the load's balance asks for."
-    )
-    remedy = "set both encoders to zero with the joint relaxed, and record again"
-    return [Finding("zeros apart", "load_position", sentence, free, remedy)]

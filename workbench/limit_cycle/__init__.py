@@ -10,6 +10,7 @@ from workbench.limit_cycle.describing import command, dials, turned
 from workbench.limit_cycle.further import Cycle
 from workbench.limit_cycle.gain_region import Region, region
 from workbench.limit_cycle.harmonic_balance import Balance, balance
+from workbench.limit_cycle.options import Options, regions
 from workbench.limit_cycle.simulation import Motion, simulated
 
 __all__ = [
@@ -17,12 +18,14 @@ __all__ = [
     "Balance",
     "Cycle",
     "Motion",
+    "Options",
     "Region",
     "axis_of",
     "balance",
     "command",
     "dials",
     "region",
+    "regions",
     "simulated",
     "turned",
 ]

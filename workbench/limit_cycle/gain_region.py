@@ -98,6 +98,39 @@ class Region:
                 out[at] = near.omega / self.omega[at] - 1.0
         return out
 
+    @property
+    def figures(self) -> dict[str, float]:
+        """How often prediction and simulation agree, and how well the frequency is met; cases with a third harmonic of at
+        most 5 % and above ten encoder counts, frequencies of those that the axis' speed does not limit."""
+        error = np.abs(self.frequency_error)
+        return {
+            "limit_cycle_wrong": float(np.sum(self.judged & ~self.right)),
+            "limit_cycle_cases": float(np.sum(self.judged)),
+            "limit_cycle_frequency_error": float(np.nanmax(error)) if np.isfinite(error).any() else 0.0,
+        }
+
+    @property
+    def as_tuned(self) -> tuple[int, int]:
+        """Where in the region the gains are nearest to those that the controller has."""
+        return tuple(int(np.argmin(np.abs(np.log(x)))) for x in (self.first, self.second))
+
+    @property
+    def as_dict(self) -> dict[str, object]:
+        """The region as results.json holds it."""
+        rows, columns = range(self.first.size), range(self.second.size)
+        return {
+            "gains": [self.dials.first, self.dials.second],
+            "first": self.first,
+            "second": self.second,
+            "inertia": self.inertia,
+            "friction": self.friction,
+            "predicted": [[[vars(c) for c in self.cycles[i, j]] for j in columns] for i in rows],
+            "exists": self.exists,
+            "amplitude": self.amplitude,
+            "omega": self.omega,
+            "third": self.third,
+        }
+
 
 @one_thread
 @kept

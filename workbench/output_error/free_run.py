@@ -72,7 +72,7 @@ class FreeRuns(Loops):
     """The positions of the records' free runs as functions of the free parameters, as `Loops` has the drives of their loops."""
 
     def __init__(self, problem: Problem):
-        self.motions = [p.motion for p in problem.passes]
+        self.motions = [p.motion for p in problem.inverses]
         super().__init__(problem, None, None)
         self.measured = np.concatenate([m.record.channels["position"][START:] for m in self.motions])
 
@@ -82,15 +82,15 @@ class FreeRuns(Loops):
         return np.where(np.isfinite(found).all(axis=0), found, np.inf)
 
 
-def refine_free_run(plant: Plant, passes: Sequence[InverseDynamics]) -> Plant:
+def refine_free_run(plant: Plant, inverses: Sequence[InverseDynamics]) -> Plant:
     """Return `plant` with its free parameters moved until the free runs of all the records are nearest to their positions.
 
-    passes: of the records to fit, whatever their role. Start from `identify(...).plant`. Where a simulated axis stands or
+    inverses: of the records to fit, whatever their role. Start from `identify(...).plant`. Where a simulated axis stands or
     reverses changes by leaps, so that derivatives end beside the least error (on EMPS 0.1 to 0.2 mm of 2 above it): a differential
     evolution about where they end has the last word. No intervals: the error of a free run wanders through all of the record, which
     is then one sample of it. Raises WorkbenchError as `free_run` does.
     """
-    runs = FreeRuns(Problem(plant, passes))
+    runs = FreeRuns(Problem(plant, inverses))
     x, _, steps = nearest_to_measured(runs)
     return runs.plant(_evolved(runs, x, steps))
 

@@ -36,14 +36,14 @@ class Loops:
         self.problem, self.loop, self.controller = problem, loop, controller
         self.parameters = [problem.parameter(n) for n in (*problem.free_linear, *problem.free_shape)]
         self.linear = len(problem.free_linear)
-        measured = [self.stack(p, p.motion.u) for p in problem.passes]
+        measured = [self.stack(p, p.motion.u) for p in problem.inverses]
         self.measured = np.concatenate(measured)
 
-    def stack(self, passes: InverseDynamics, drive: np.ndarray) -> np.ndarray:
+    def stack(self, inverse: InverseDynamics, drive: np.ndarray) -> np.ndarray:
         """Return a record's drive (n,) or drives (n, m), filtered, at its equations: a load's balance holds none."""
-        smooth = passes.motion.filter(np.atleast_2d(drive.T))
-        rows = passes.rows(self.problem.plant)
-        each = [stacked(np.stack([x, np.zeros_like(x)][:rows]), passes.motion.keep) for x in smooth]
+        smooth = inverse.motion.filter(np.atleast_2d(drive.T))
+        rows = inverse.rows(self.problem.plant)
+        each = [stacked(np.stack([x, np.zeros_like(x)][:rows]), inverse.motion.keep) for x in smooth]
         return each[0] if drive.ndim == 1 else np.stack(each, axis=1)
 
     def start(self) -> np.ndarray:
@@ -71,7 +71,7 @@ class Loops:
         """Return the filtered drives (N, points), infinite where a loop is unstable."""
         plants = [self.plant(x) for x in points]
         found = []
-        for p in self.problem.passes:
+        for p in self.problem.inverses:
             rows, finite = outputs(plants, p.motion, self.loop, self.controller)
             found.append(np.where(finite, self.stack(p, np.where(finite, rows[DRIVE], 0.0)), np.inf))
         return np.concatenate(found)
@@ -99,7 +99,7 @@ class Loops:
         return (drives[:, 0::2] - drives[:, 1::2]) / (ahead - behind)
 
 
-def refine(plant: Plant, passes: Sequence[InverseDynamics], loop: Loop, controller: Controller) -> Fit:
+def refine(plant: Plant, inverses: Sequence[InverseDynamics], loop: Loop, controller: Controller) -> Fit:
     """Return the Fit of `plant` to the identification records by output error, from the plant's own values.
 
     Start from `identify(...).plant`: the search is local. Of the Fit, values, intervals and findings are those of the
@@ -107,11 +107,11 @@ def refine(plant: Plant, passes: Sequence[InverseDynamics], loop: Loop, controll
     "output_error", the relative error of the simulated drive before and after. Records, loop and controller as for
     `rerun`. Raises WorkbenchError as it does.
     """
-    problem = Problem(plant, fitted_on(passes))
+    problem = Problem(plant, fitted_on(inverses))
     loops = Loops(problem, loop, controller)
     x, first, steps = nearest_to_measured(loops)
     drive, slopes = loops.drives([x])[:, 0], loops.slopes(x, steps)
-    fit = seen(problem, _solution(loops, x, drive, slopes), passes)
+    fit = seen(problem, _solution(loops, x, drive, slopes), inverses)
     whole = np.linalg.norm(loops.measured)
     errors = [float(np.linalg.norm(loops.measured - u) / whole) for u in (first, drive)]
     return replace(fit, details={**fit.details, "output_error": tuple(errors)})

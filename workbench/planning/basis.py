@@ -1,7 +1,7 @@
 """What a plan starts from: a campaign with every value free and fitted, its limits, and how well its log sees."""
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -23,7 +23,7 @@ class Basis:
     drive over what noise and encoder counts alone would. sample_time: s, at which the drive reads a reference. accuracy: a share."""
 
     campaign: Campaign
-    passes: tuple[InverseDynamics, ...]
+    inverses: tuple[InverseDynamics, ...]
     fit: Fit
     envelope: Envelope
     sensing: Sensing
@@ -33,19 +33,27 @@ class Basis:
     excess: float
 
 
-def basis(campaign: Campaign, say: Callable[[str], None] = lambda _: None) -> Basis:
-    """Return what a plan for a campaign starts from, within the limits that its records have shown."""
-    passes = inverse_dynamics(campaign.records, campaign.bandwidth)
+def basis(
+    campaign: Campaign, say: Callable[[str], None] = lambda _: None, *, limits: Mapping[str, float] | None = None,
+    sample_time: float = 0.0, accuracy: float = ACCURACY,
+) -> Basis:  # fmt: skip
+    """Return what a plan for a campaign starts from, within the limits that its records have shown.
+
+    limits: field of an Envelope -> what stands in its place, SI. sample_time: at which the drive reads a reference, s; that of the
+    records where 0. accuracy: half width of the intervals asked for, a share of each value.
+    """
+    inverses = inverse_dynamics(campaign.records, campaign.bandwidth)
     say("fitting the declared model, every value free")
-    fit = identify(freed(campaign.plant), passes)
-    load = load_rest(fit.plant, fitted_on(passes))
-    sensing = sensing_of(passes, fit.rms[IDENTIFICATION], load)
-    envelope = envelope_of(fit.plant, passes)
-    return Basis(campaign, passes, fit, envelope, sensing, sensing.dt, ACCURACY, load, _excess_of(fit, passes))
+    fit = identify(freed(campaign.plant), inverses)
+    load = load_rest(fit.plant, fitted_on(inverses))
+    sensing = sensing_of(inverses, fit.rms[IDENTIFICATION], load)
+    envelope = replace(envelope_of(fit.plant, inverses), **(limits or {}))
+    every = sample_time or sensing.dt
+    return Basis(campaign, inverses, fit, envelope, sensing, every, accuracy, load, _excess_of(fit, inverses))
 
 
-def _excess_of(fit: Fit, passes: tuple[InverseDynamics, ...]) -> float:
+def _excess_of(fit: Fit, inverses: tuple[InverseDynamics, ...]) -> float:
     """Return the rms that a fit leaves of the drive over what noise and encoder counts alone would leave."""
-    alone = noise_rms(fitted_on(passes), fit.plant)
+    alone = noise_rms(fitted_on(inverses), fit.plant)
     least = float(np.sqrt(np.mean(np.array(list(alone.values())) ** 2)))
     return fit.rms[IDENTIFICATION] / least if least > 0.0 else 1.0

@@ -76,29 +76,29 @@ def _mass_of(plant: Plant) -> float:
     return sum(e.parameters["inertia"].value for e in plant.effects if e.name == "inertia")
 
 
-def envelope_of(plant: Plant, passes: Sequence[InverseDynamics]) -> Envelope:
+def envelope_of(plant: Plant, inverses: Sequence[InverseDynamics]) -> Envelope:
     """Return the limits that the plant states and, where it states none, what the records have shown the axis to do.
 
     Travel is that of the records; acceleration is what the drive leaves beyond the largest other force that they show.
     """
-    motions = [p.motion for p in passes]
+    motions = [p.motion for p in inverses]
     drive = plant.limits.drive
     drive = USED * drive if isfinite(drive) else max(float(np.abs(m.u).max()) for m in motions)
     speed = min(plant.limits.speed, max(float(np.abs(m.v).max()) for m in motions))
     fastest = max(float(np.abs(m.a).max()) for m in motions)
     mass = _mass_of(plant)
     if mass > 0.0:
-        fastest = max((drive - _resistance(plant, passes)) / mass, 0.1 * drive / mass)
+        fastest = max((drive - _resistance(plant, inverses)) / mass, 0.1 * drive / mass)
     return Envelope(
         min(float(m.q.min()) for m in motions), max(float(m.q.max()) for m in motions), speed, fastest, drive
     )
 
 
-def _resistance(plant: Plant, passes: Sequence[InverseDynamics]) -> float:
+def _resistance(plant: Plant, inverses: Sequence[InverseDynamics]) -> float:
     """Return the largest part of the drive that does not accelerate a body, on records whose load is free."""
     bodies = replace(plant, effects=tuple(e for e in plant.effects if e.name == "inertia"))
     largest = 0.0
-    for p in passes:
+    for p in inverses:
         if not p.motion.record.locked:
             m = p.motion
             rest = m.filter(m.u - balances(p, bodies).sum(axis=0))
@@ -106,27 +106,27 @@ def _resistance(plant: Plant, passes: Sequence[InverseDynamics]) -> float:
     return largest
 
 
-def load_rest(plant: Plant, passes: Sequence[InverseDynamics]) -> float:
+def load_rest(plant: Plant, inverses: Sequence[InverseDynamics]) -> float:
     """Return the rms of what a plant leaves of the load's balance behind the evaluation filter; 0 of one mass."""
-    free = [p for p in passes if p.rows(plant) == 2]
+    free = [p for p in inverses if p.rows(plant) == 2]
     left = [p.motion.filter(balances(p, plant)[1])[p.motion.keep] for p in free]
     return float(np.sqrt(np.mean(np.concatenate(left) ** 2))) if left else 0.0
 
 
 def sensing_of(
-    passes: Sequence[InverseDynamics], rms: float, load: float = 0.0, logged: Sequence[InverseDynamics] = ()
+    inverses: Sequence[InverseDynamics], rms: float, load: float = 0.0, logged: Sequence[InverseDynamics] = ()
 ) -> Sensing:
     """Return how well these records are seen. rms: of the drive's noise behind the evaluation filter, N*m or N. load: as
     rms, of the load's balance (load_rest); as large as that where it is 0.
 
     F passes a share of white noise, the mean of |F|^2 up to half the sampling rate; a sample has the whole. logged: the same
-    records at the rate at which they are logged, where `passes` are decimated ones: as many samples fewer, as much less counts
+    records at the rate at which they are logged, where `inverses` are decimated ones: as many samples fewer, as much less counts
     say, so that their noise in the band is that of the log.
     """
-    m = passes[0].motion
+    m = inverses[0].motion
     f = np.fft.rfftfreq(4096, m.dt)
     share = float(np.mean(1 / (1 + (f / m.filter.bandwidth) ** 8) ** 2))
-    counts = max(p.motion.counts for p in passes)
+    counts = max(p.motion.counts for p in inverses)
     if logged:
         counts *= (logged[0].motion.dt / m.dt) ** 0.5
     if not (rms > 0.0 and rms < inf):

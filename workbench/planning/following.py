@@ -19,28 +19,28 @@ SOURCE = Source(Path("planned"), "", "planned", {})
 
 
 def followed(reference: Reference, plant: Plant, sensing: Sensing) -> InverseDynamics:
-    """Return passes over the record of a plant whose encoder reads the reference: the drive that this takes.
+    """Return the inverse dynamics over the record of a plant whose encoder reads the reference: the drive that this takes.
 
     Of two masses the load follows the reference, and the motor is where the joint needs it. Raises WorkbenchError where an
     effect reads a channel that a plan does not have.
     """
     given = np.array(reference.position)
     if plant.kind == ONE_MASS:
-        passes = _recorded(reference, plant, sensing, {"position": given})
+        inverse = _recorded(reference, plant, sensing, {"position": given})
     else:
 
         def make(deflection: np.ndarray) -> InverseDynamics:
             positions = {"position": given + deflection, "load_position": given.copy()}
             return _recorded(reference, plant, sensing, positions)
 
-        passes = make(deflection(plant, make, sensing.counts, given.size))
-    return _driven(passes, predicted(passes, plant))
+        inverse = make(deflection(plant, make, sensing.counts, given.size))
+    return _driven(inverse, predicted(inverse, plant))
 
 
 def _recorded(
     reference: Reference, plant: Plant, sensing: Sensing, positions: dict[str, np.ndarray]
 ) -> InverseDynamics:
-    """Return passes over a record of these positions, its drive zero."""
+    """Return the inverse dynamics over a record of these positions, its drive zero."""
     channel = "torque" if plant.rotary else "force"
     channels = {channel: np.zeros(reference.position.size), **positions}
     counts = dict.fromkeys(positions, sensing.counts)
@@ -48,9 +48,9 @@ def _recorded(
     return InverseDynamics(motion(record, sensing.bandwidth))
 
 
-def _driven(passes: InverseDynamics, drive: np.ndarray) -> InverseDynamics:
-    """Return passes over the same motion under another drive (n,)."""
-    m = passes.motion
+def _driven(inverse: InverseDynamics, drive: np.ndarray) -> InverseDynamics:
+    """Return the inverse dynamics over the same motion under another drive (n,)."""
+    m = inverse.motion
     channel = "torque" if "torque" in m.record.channels else "force"
     record = replace(m.record, channels={**m.record.channels, channel: drive})
     return InverseDynamics(replace(m, record=record, u=drive))

@@ -44,9 +44,9 @@ def names_of(plant: Plant) -> list[Name]:
     return [*problem.free_linear, *problem.free_shape]
 
 
-def information(passes: InverseDynamics, plant: Plant, sensing: Sensing) -> Information | None:
+def information(inverse: InverseDynamics, plant: Plant, sensing: Sensing) -> Information | None:
     """Return what a record of this motion tells of the free parameters at their values; None where an effect has no value."""
-    problem = Problem(plant, (passes,))
+    problem = Problem(plant, (inverse,))
     theta = problem.start()
     y, phi = problem.assemble(theta)
     c = np.array([problem.parameter(n).value for n in problem.free_linear])

@@ -25,7 +25,7 @@ def _without_motor(plant: Plant) -> Plant:
 
 
 def deflection(plant: Plant, make: Callable[[np.ndarray], InverseDynamics], count: float, samples: int) -> np.ndarray:
-    """Return the deflection (n,) with which the load's forces balance. make(deflection) -> passes over that motion.
+    """Return the deflection (n,) with which the load's forces balance. make(deflection) -> the inverse dynamics over that motion.
 
     count: of the encoders, rad or m. The deflection is as smooth as the evaluation filter makes it; it is NaN where the joint
     does not resist, so that no deflection balances.
@@ -34,9 +34,9 @@ def deflection(plant: Plant, make: Callable[[np.ndarray], InverseDynamics], coun
     x = np.zeros(samples)
     whole = None
     for _ in range(STEPS):
-        passes = make(x)
-        smooth = passes.motion.filter
-        missing = smooth(balances(passes, rest)[1])
+        inverse = make(x)
+        smooth = inverse.motion.filter
+        missing = smooth(balances(inverse, rest)[1])
         size = float(np.sqrt(np.mean(missing**2)))
         whole = size if whole is None else whole
         if size <= CLOSE * whole:

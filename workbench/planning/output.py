@@ -62,8 +62,8 @@ def write_plan(folder: Path, plan: Plan, found: tuple[Prospect, ...], accuracy: 
     _dump(folder, content)
 
 
-def write_separation(folder: Path, found: Separation, passes: InverseDynamics | None, rotary: bool, dt: float) -> None:
-    """Write the motion that parts two effects, as `passes` follow it, and plan.json, into an existing folder."""
+def write_separation(folder: Path, found: Separation, inverse: InverseDynamics | None, rotary: bool, dt: float) -> None:
+    """Write the motion that parts two effects, as `inverse` follows it, and plan.json, into an existing folder."""
     content = {
         "format": 1,
         "separate": [found.first, found.second],
@@ -76,7 +76,7 @@ def write_separation(folder: Path, found: Separation, passes: InverseDynamics | 
         "sample_time": dt,
     }
     if found.apart:
-        m = passes.motion
+        m = inverse.motion
         _write_trajectory(folder / TRAJECTORY, m.t, m.record.channels["position"], m.u, rotary, dt)
     _dump(folder, content)
 

@@ -136,10 +136,10 @@ def tried(reference: Reference, plant: Plant, envelope: Envelope, sensing: Sensi
     """Return what a motion tells; None where it is not within the limits or an effect has no value along it."""
     if not reference.within(envelope):
         return None
-    passes = followed(reference, plant, sensing)
-    if not np.abs(passes.motion.u).max() <= envelope.drive:  # nor one that no drive follows
+    inverse = followed(reference, plant, sensing)
+    if not np.abs(inverse.motion.u).max() <= envelope.drive:  # nor one that no drive follows
         return None
-    found = information(passes, plant, sensing)
+    found = information(inverse, plant, sensing)
     return Trial(reference, found) if found else None
 
 
@@ -154,9 +154,9 @@ def _resized(trial: Trial, known: Information, aim: Aim, plant: Plant, envelope:
 def _finished(plant: Plant, aim: Aim, picks: Sequence[Reference], envelope: Envelope, sensing: Sensing) -> Plan:
     """Return the plan of these picks, its promise computed from the whole trajectory."""
     trajectory = joined(picks, envelope)
-    passes = followed(trajectory, plant, sensing)
-    whole = information(passes, plant, sensing)
+    inverse = followed(trajectory, plant, sensing)
+    whole = information(inverse, plant, sensing)
     covariance = whole.covariance(aim.sizes)
     promised = intervals.estimates(plant, aim.names, covariance, aim.width)
-    m = passes.motion
+    m = inverse.motion
     return Plan(plant, tuple(picks), trajectory, m.u, m.record.channels["position"], promised, whole, covariance)

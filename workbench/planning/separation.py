@@ -13,10 +13,10 @@ from math import asin, degrees, inf
 import numpy as np
 
 from workbench.definition import Effect
-from workbench.finding import capital, located
 from workbench.identification.problem import Problem
 from workbench.identification.solve import NoValue, bounded, scales, slopes, solve
 from workbench.inverse.dynamics import InverseDynamics
+from workbench.planning import wording
 from workbench.planning.envelope import Envelope, Sensing
 from workbench.planning.following import followed, with_effect
 from workbench.planning.motions import Reference
@@ -83,51 +83,35 @@ def separate(
             break
         silent.append(truth)  # nothing parts from an effect that shows nowhere: the other one is the truth then
     if len(silent) == 2:
-        return _silent(a, b)
+        return Separation(a.key, b.key, None, 0.0, 0.0, "", wording.shown_nowhere(a, b))
     best = sorted(found, key=lambda x: x[0].better(), reverse=True)[:REFITTED]
     motions = [r for *_, r in best]
     refitted = zip(shared(lambda r: _refitted(r, plant, pair, sensing), motions), motions, strict=True)
     parting, reference = max(refitted, key=lambda x: x[0].better(), default=(Parting(0.0, 0.0), None))
-    return _said(a, b, parting, reference, silent)
+    return _found(a, b, parting, reference, silent)
 
 
 def _tried(
     reference: Reference, plant: Plant, models: tuple[Plant, Plant], envelope: Envelope, sensing: Sensing
 ) -> tuple[Parting, float] | None:
     """Return (parting, standard deviations by which the first shows at all) along a motion; None where it asks too much drive."""
-    passes = followed(reference, models[0], sensing)
-    if np.abs(passes.motion.u).max() > envelope.drive:
+    inverse = followed(reference, models[0], sensing)
+    if np.abs(inverse.motion.u).max() > envelope.drive:
         return None
-    without, left = _rest(passes, plant), _rest(passes, models[1])
+    without, left = _rest(inverse, plant), _rest(inverse, models[1])
     parting = _parting(left, without, sensing, plant) if left.size and without.size else Parting(0.0, 0.0)
     shown = _parting(without, without, sensing, plant).deviations if without.size else 0.0
     return parting, shown
 
 
-def _silent(a: Effect, b: Effect) -> Separation:
-    sentence = (
-        f"Neither {located(a.named, a.at)} nor {located(b.named, b.at)} shows along any motion within the limits, with the "
-        "values that explain the records beside the declared model."
-    )
-    return Separation(a.key, b.key, None, 0.0, 0.0, "", sentence)
-
-
-def _said(a: Effect, b: Effect, parting: Parting, reference: Reference | None, silent: Sequence[Effect]) -> Separation:
-    names = located(a.named, a.at), located(b.named, b.at)
-    said = f"{degrees(parting.angle):.2g} degrees and {parting.deviations:.{0 if parting.deviations > 10.0 else 1}f} standard deviations"
+def _found(a: Effect, b: Effect, parting: Parting, reference: Reference | None, silent: Sequence[Effect]) -> Separation:
+    """Return what the best motion brings. silent: those of the two that show nowhere themselves."""
+    best = (parting.angle, parting.deviations)
     if reference is None or parting.deviations < APART:
-        sentence = (
-            f"No motion of {'this length ' if reference is not None else ''}within the limits tells {names[0]} from "
-            f"{names[1]}: the best leaves them {said} apart."
-        )
-        return Separation(a.key, b.key, reference, parting.angle, parting.deviations, "", sentence)
+        sentence = wording.not_apart(a, b, *best, some=reference is not None)
+        return Separation(a.key, b.key, reference, *best, "", sentence)
     motion = f"record {reference.phrase}"
-    sentence = f"To tell {names[0]} from {names[1]}, {motion}: along it they lie {said} apart."
-    for e in silent:
-        sentence += (
-            f" {capital(located(e.named, e.at))} itself shows nowhere, with the values that explain the records."
-        )
-    return Separation(a.key, b.key, reference, parting.angle, parting.deviations, motion, sentence)
+    return Separation(a.key, b.key, reference, *best, motion, wording.apart(a, b, *best, motion, silent))
 
 
 def _parting(left: np.ndarray, without: np.ndarray, sensing: Sensing, plant: Plant) -> Parting:
@@ -139,9 +123,9 @@ def _parting(left: np.ndarray, without: np.ndarray, sensing: Sensing, plant: Pla
     return Parting(asin(min((power / whole) ** 0.5, 1.0)), power / scatter**0.5)
 
 
-def _rest(passes: InverseDynamics, plant: Plant) -> np.ndarray:
+def _rest(inverse: InverseDynamics, plant: Plant) -> np.ndarray:
     """Return what `plant` cannot absorb of the drive, to first order in its shape parameters, (n,)."""
-    problem = Problem(plant, (passes,))
+    problem = Problem(plant, (inverse,))
     theta = problem.start()
     y, phi = problem.assemble(theta)
     if not (np.isfinite(y).all() and np.isfinite(phi).all()):
@@ -160,9 +144,9 @@ def _refitted(reference: Reference, plant: Plant, models: Sequence[Plant], sensi
     """
     worst = Parting(inf, inf)
     for truth, other in (models, models[::-1]):
-        passes = followed(reference, truth, sensing)
+        inverse = followed(reference, truth, sensing)
         try:
-            without, left = (solve(Problem(p, (passes,)), tolerance=1e-4).residual for p in (plant, other))
+            without, left = (solve(Problem(p, (inverse,)), tolerance=1e-4).residual for p in (plant, other))
         except NoValue:
             return Parting(0.0, 0.0)
         here = _parting(left, without, sensing, plant)

@@ -87,6 +87,27 @@ class Table:
             raise WorkbenchError(f"{pair.path('value')} is {value:g} {expected}; more than {above:g} is needed.")
         return value
 
+    def numbers(self, key: str, default: tuple[float, ...], unit: str | None = None) -> tuple[float, ...]:
+        """Return a list of numbers, or { values = [...], unit = "..." } in SI where the numbers have one; `default` where it is absent."""
+        if key not in self:
+            return default
+        if unit is not None:
+            inner = self.table(key, ("values", "unit"))
+            return tuple(to_si(v, inner.text("unit"), unit, inner.path("unit")) for v in inner.numbers("values", ()))
+        found = self.values[key]
+        if not (isinstance(found, list) and found) or any(
+            isinstance(v, bool) or not isinstance(v, (int, float)) for v in found
+        ):
+            raise WorkbenchError(f"{self.path(key)} must be a list of numbers, such as [1.0, 1.5].")
+        return tuple(float(v) for v in found)
+
+    def names(self, key: str) -> tuple[str, ...]:
+        """Return a list of names in quotes, empty where the key is absent."""
+        found = self.values.get(key, [])
+        if not isinstance(found, list) or not all(isinstance(n, str) for n in found):
+            raise WorkbenchError(f"{self.path(key)} must be a list of names in quotes.")
+        return tuple(found)
+
     def choice(self, key: str, names: Sequence[str], what: str) -> str:
         """Return one of `names`; the nearest are in the sentence otherwise."""
         name = self.text(key)

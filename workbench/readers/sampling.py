@@ -27,24 +27,7 @@ def uniform(
     finding (kind "resampled", subject `name`) says how many steps were off and the longest. Raises UnsoundRecord with
     file and row for time that does not increase, a step that is off, and a gap longer than ten steps.
     """
-    if time.size < FEWEST:
-        raise UnsoundRecord(
-            f"{place(time.size - 1)}: the record ends after {time.size} samples; at least {FEWEST} are needed, so "
-            "measure longer.",
-            "short record",
-            name,
-        )
-    with np.errstate(over="ignore"):  # an infinite step is a gap
-        steps = np.diff(time)
-    back = np.flatnonzero(steps <= 0)
-    if back.size:
-        k = int(back[0]) + 1
-        raise UnsoundRecord(
-            f"{place(k)}: time does not increase ({time[k - 1]:.9g} s, then {time[k]:.9g} s); sort the rows, or split "
-            "the record where the clock restarts.",
-            "time",
-            name,
-        )
+    steps = _increasing(name, time, place)
     median = float(np.median(steps))
     off = np.flatnonzero(np.abs(steps - median) > TOLERANCE * median)
     if not off.size:
@@ -66,6 +49,29 @@ def uniform(
             name,
         )
     return _resampled(name, time, channels, median, off.size)
+
+
+def _increasing(name: str, time: np.ndarray, place: Callable[[int], str]) -> np.ndarray:
+    """Return the steps (n - 1,) of a time that increases; UnsoundRecord of one that does not, or is too short."""
+    if time.size < FEWEST:
+        raise UnsoundRecord(
+            f"{place(time.size - 1)}: the record ends after {time.size} samples; at least {FEWEST} are needed, so "
+            "measure longer.",
+            "short record",
+            name,
+        )
+    with np.errstate(over="ignore"):  # an infinite step is a gap
+        steps = np.diff(time)
+    back = np.flatnonzero(steps <= 0)
+    if back.size:
+        k = int(back[0]) + 1
+        raise UnsoundRecord(
+            f"{place(k)}: time does not increase ({time[k - 1]:.9g} s, then {time[k]:.9g} s); sort the rows, or split "
+            "the record where the clock restarts.",
+            "time",
+            name,
+        )
+    return steps
 
 
 def _resampled(name, time, channels, step, off):

@@ -6,7 +6,7 @@ from math import inf, isfinite
 
 from workbench.finding import capital
 from workbench.report import numbers
-from workbench.verification.recommend import GRID_OVERSHOOT
+from workbench.verification.candidates import GRID_OVERSHOOT
 
 EQUAL = 1.02  # ratio of two figures below which they are said to be as good
 SPREAD = "over half to one and a half times inertia and friction"
@@ -15,7 +15,7 @@ SPREAD = "over half to one and a half times inertia and friction"
 @dataclass(frozen=True, eq=False)
 class Advice:
     """controller: the recommended one. file: of its numbers, below the outputs, or "". rows: figures of all that were judged, the
-    best first (verification.recommend.Candidate as mappings). displacement: SI unit of position."""
+    best first (verification.candidates.Candidate as mappings). displacement: SI unit of position."""
 
     controller: str
     file: str

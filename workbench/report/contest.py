@@ -7,9 +7,9 @@ import numpy as np
 from workbench.report import numbers, wording
 from workbench.report.contents import Chapter, Figure, Items, Paragraph, Table
 from workbench.report.drawing import MUTED, SERIES, STYLES, decades, svg
-from workbench.verification.compare import ms
-from workbench.verification.contest import Contest, Result, verdict
+from workbench.verification.contest import Contest, Result
 from workbench.verification.margin import AgainstMargin, Asked
+from workbench.verification.wording import ms, verdict
 
 COUNTS = 2.0  # of the encoder: what counts as exact
 MARKS = ("o", "s", "^", "D", "v", "P", "X", "<", ">")

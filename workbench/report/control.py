@@ -46,25 +46,22 @@ def schedule_chapter(designed: Designed, rule: str) -> Chapter:
         "Gains over amplitude (top, middle) and the sensitivity peak of the exact sampled loop with the tuned gains.",
         f"Three graphs over amplitude. {heading}.",
     )
+    findings = (*designed.gains.findings, *s.findings, *final.findings, *designed.between.findings, *designed.findings)
+    said = [f.sentence for f in findings]
+    blocks = [Paragraph(_of_schedule(designed, rule)), figure]
+    return Chapter("Gains per amplitude, and the schedule", tuple(blocks + ([Items(tuple(said))] if said else [])))
+
+
+def _of_schedule(designed: Designed, rule: str) -> str:
+    """Say what one table holds, and what it leaves between its knots."""
+    g, final = designed.polished.robust, designed.final[rule]
     peak, at = designed.between.worst_sensitivity
-    text = (
+    return (
         f"One table holds the gains of every amplitude, and between its knots the sensitivity peak is at most {numbers.number(peak)} (at "
-        f"{numbers.scaled(at, plant.displacement)}). At each of {g.amplitude.size} amplitudes the gains are those that the simulated step has over friction and inertia. The "
+        f"{numbers.scaled(at, designed.plant.displacement)}). At each of {g.amplitude.size} amplitudes the gains are those that the simulated step has over friction and inertia. The "
         f"table has {final.knots.size} knots, even in the logarithm to base two; between them gains are linear in the amplitude. "
         "Its ratio Kp/Kd over amplitude begins at theirs and is tuned for every move of a ladder; Kp follows as stiff as |S| allows."
     )
-    said = [
-        f.sentence
-        for f in (
-            *designed.gains.findings,
-            *s.findings,
-            *final.findings,
-            *designed.between.findings,
-            *designed.findings,
-        )
-    ]
-    blocks = [Paragraph(text), figure]
-    return Chapter("Gains per amplitude, and the schedule", tuple(blocks + ([Items(tuple(said))] if said else [])))
 
 
 def step_chapter(task: Task, controllers: dict, load: str = "") -> Chapter:
@@ -107,9 +104,14 @@ def step_chapter(task: Task, controllers: dict, load: str = "") -> Chapter:
         f"A step of {numbers.quantity(step, plant.displacement)} {'with the load' if load else 'without load'}. Dotted: the time-optimal bound.",
         f"Three graphs over time for {len(traces)} controllers. {heading}.",
     )
+    return Chapter("The step, loaded" if load else "The step", (Paragraph(_of_step(ran, load)), figure))
+
+
+def _of_step(ran: dict, load: str) -> str:
+    """Say who is first and who ends nearest. ran: name -> metrics of a step. load: "loaded" where there is one."""
     first = min(ran, key=lambda n: float(ran[n].time_1pct[0]))
     least = min(ran, key=lambda n: float(ran[n].final_error[0]))
-    text = (
+    return (
         f"{capital(first)} is first within 1 % of the target, and {'it' if first == least else least} ends nearest to it. "
         + (
             "With the load on the axis all else is as before."
@@ -121,7 +123,6 @@ def step_chapter(task: Task, controllers: dict, load: str = "") -> Chapter:
             )
         )
     )
-    return Chapter("The step, loaded" if load else "The step", (Paragraph(text), figure))
 
 
 def _time(seconds: float) -> str:

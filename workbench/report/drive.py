@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from workbench.drive_tuning.comparison import ComparedDrive, SizeComparison
-from workbench.drive_tuning.search import DriveGains
+from workbench.drive_tuning.gains import DriveGains
 from workbench.plant import Plant
 from workbench.report import numbers
 from workbench.report.contents import Chapter, Figure, Items, Paragraph, Table

@@ -1,10 +1,11 @@
 """The chapter on limit cycles: over which gains the loop hunts, as it is predicted and as it is simulated."""
 
-import re
 from collections.abc import Mapping, Sequence
+from functools import partial
 
 import numpy as np
 
+from workbench.firmware.naming import slug
 from workbench.limit_cycle.gain_region import THIRD, Region
 from workbench.report import numbers
 from workbench.report.contents import Chapter, Equation, Figure, Items, Paragraph, Table
@@ -51,45 +52,45 @@ def _figure(name: str, r: Region) -> Figure:
         else f"{name}: prediction and simulation agree in all but {wrong} of {int(r.judged.sum())} cases"
     )
 
-    def draw(axes):
-        (axis,) = axes
-        step = [np.sqrt(x[1] / x[0]) for x in (r.first, r.second)]
-        edges = [np.append(x / s, x[-1] * s) for x, s in zip((r.first, r.second), step, strict=True)]
-        for i, j in np.argwhere(r.predicted):
-            axis.fill_between(edges[0][i : i + 2], edges[1][j], edges[1][j + 1], color=AFTER, alpha=FAINT, lw=0)
-        x, y = np.meshgrid(r.first, r.second, indexing="ij")
-        marks = (
-            (r.exists & r.judged, "o", AFTER, "simulated: hunts"),
-            (~r.exists, ".", MUTED, "simulated: comes to rest"),
-            (r.exists & ~r.judged, "s", INK, f"hunts, third harmonic above {100 * THIRD:.0f} %"),
-            (r.judged & ~r.right, "x", BEFORE, "prediction is wrong"),
-        )
-        for where, mark, colour, label in marks:
-            if where.any():
-                axis.plot(
-                    x[where], y[where], mark, ms={".": 3, "x": 8}.get(mark, 4.5), color=colour, label=label, ls=""
-                )
-        axis.fill_between([], [], color=AFTER, alpha=FAINT, lw=0, label="predicted: hunts")
-        axis.axvline(1.0, color=GRID, lw=1.5, zorder=0)
-        axis.axhline(1.0, color=GRID, lw=1.5, zorder=0)
-        axis.set_xscale("log")
-        axis.set_yscale("log")
-        axis.grid(False)
-        axis.set_xlim(edges[0][0], edges[0][-1])
-        axis.set_ylim(edges[1][0], edges[1][-1])
-        axis.set_xlabel(f"factor on {r.dials.first}")
-        axis.set_ylabel(f"factor on {r.dials.second}")
-        for one in (axis.xaxis, axis.yaxis):
-            one.set_major_formatter(lambda v, _: numbers.exact(v, 2))
-            one.set_minor_formatter(lambda v, _: "")
-        axis.legend(loc="lower right", bbox_to_anchor=(1, 1), ncols=2)
-
     return Figure(
-        "hunting_" + re.sub(r"[^a-z0-9]+", "_", name.lower()).strip("_"),
-        lambda: svg(heading, draw, height=4.0),
+        f"hunting_{slug(name)}",
+        lambda: svg(heading, partial(_draw, r), height=4.0),
         f"Factors on the gains of {name}; 1 is as tuned.",
         f"A grid of {r.first.size} by {r.second.size} pairs of gains. {heading}.",
     )
+
+
+def _draw(r: Region, axes) -> None:
+    """Draw the region: its cases as simulated on the shade of what is predicted."""
+    (axis,) = axes
+    step = [np.sqrt(x[1] / x[0]) for x in (r.first, r.second)]
+    edges = [np.append(x / s, x[-1] * s) for x, s in zip((r.first, r.second), step, strict=True)]
+    for i, j in np.argwhere(r.predicted):
+        axis.fill_between(edges[0][i : i + 2], edges[1][j], edges[1][j + 1], color=AFTER, alpha=FAINT, lw=0)
+    x, y = np.meshgrid(r.first, r.second, indexing="ij")
+    marks = (
+        (r.exists & r.judged, "o", AFTER, "simulated: hunts"),
+        (~r.exists, ".", MUTED, "simulated: comes to rest"),
+        (r.exists & ~r.judged, "s", INK, f"hunts, third harmonic above {100 * THIRD:.0f} %"),
+        (r.judged & ~r.right, "x", BEFORE, "prediction is wrong"),
+    )
+    for where, mark, colour, label in marks:
+        if where.any():
+            axis.plot(x[where], y[where], mark, ms={".": 3, "x": 8}.get(mark, 4.5), color=colour, label=label, ls="")
+    axis.fill_between([], [], color=AFTER, alpha=FAINT, lw=0, label="predicted: hunts")
+    axis.axvline(1.0, color=GRID, lw=1.5, zorder=0)
+    axis.axhline(1.0, color=GRID, lw=1.5, zorder=0)
+    axis.set_xscale("log")
+    axis.set_yscale("log")
+    axis.grid(False)
+    axis.set_xlim(edges[0][0], edges[0][-1])
+    axis.set_ylim(edges[1][0], edges[1][-1])
+    axis.set_xlabel(f"factor on {r.dials.first}")
+    axis.set_ylabel(f"factor on {r.dials.second}")
+    for one in (axis.xaxis, axis.yaxis):
+        one.set_major_formatter(lambda v, _: numbers.exact(v, 2))
+        one.set_minor_formatter(lambda v, _: "")
+    axis.legend(loc="lower right", bbox_to_anchor=(1, 1), ncols=2)
 
 
 def _table(name: str, r: Region, task: Task) -> Table:

@@ -3,8 +3,8 @@
 from collections.abc import Collection, Mapping, Sequence
 
 from workbench.finding import Finding
-from workbench.identification.findings import DISAGREE
 from workbench.identification.result import Estimate, Fit
+from workbench.identification.wording import DISAGREE
 from workbench.plant import MASSES, Plant
 from workbench.report import numbers
 from workbench.report.contents import BAD, CODE, QUIET, Chapter, Heading, Marked, Paragraph, StudyResult, Table

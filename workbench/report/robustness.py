@@ -13,8 +13,9 @@ from workbench.report.robustness_figures import (
     worst_figure,
 )
 from workbench.robustness.distribution import FIXED, NORMAL, UNIFORM
-from workbench.robustness.perspective import ranking, share_beyond_worst, statement
+from workbench.robustness.perspective import share_beyond_worst
 from workbench.robustness.result import Series
+from workbench.robustness.wording import ranking, statement
 from workbench.robustness.worst import FILE
 
 METRICS = {"final_error": "a final error", "time_1pct": "a 1 % time", "overshoot": "an overshoot"}

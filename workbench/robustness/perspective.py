@@ -11,7 +11,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from workbench.errors import WorkbenchError
-from workbench.finding import Finding
 from workbench.robustness.cases import INDEPENDENT, Cases
 
 CONFIDENCE = 0.99
@@ -85,46 +84,24 @@ def _refuse_dependent(cases: Cases) -> None:
         )
 
 
-def ranking(found: Mapping[str, Perspectives], cases: str, unit: str) -> tuple[Finding, ...]:
-    """Return, for each perspective, a finding that says which controller is the most robust, and whether they agree."""
-    findings, first = [], []
-    for name, title, value in (
-        ("first", "largest error", lambda p: p.maximum),
-        ("second", "spread of errors", lambda p: p.spread),
-    ):
-        order = sorted(found, key=lambda c: value(found[c]))
-        first.append(order[0])
-        best = value(found[order[0]])
-        ties = [c for c in order[1:] if value(found[c]) <= best * (1.0 + EQUAL)]
-        also = f", {' and '.join(ties)} within {100 * EQUAL:.0f} % of it" if ties else ""
-        sentence = (
-            f"By the {name} perspective, the {title} over {cases}, {order[0]} is the most robust ({_said(best, unit)}{also})"
-            f" and {order[-1]} the least ({_said(value(found[order[-1]]), unit)})."
-        )
-        evidence = {c: value(p) for c, p in found.items()}
-        findings.append(Finding("robustness", f"{name} perspective", sentence, evidence))
-    if len(found) > 1:
-        agree = first[0] == first[1]
-        sentence = (
-            f"Over {cases} both perspectives put {first[0]} first."
-            if agree
-            else f"Over {cases} the perspectives disagree: {first[0]} has the smallest largest error, {first[1]} the smallest "
-            "spread."
-        )
-        findings.append(Finding("robustness", "both perspectives", sentence))
-    return tuple(findings)
+@dataclass(frozen=True)
+class Order:
+    """Controllers by one perspective, the most robust first. values: controller -> what they are ordered by, in the errors' unit.
+
+    ties: those that count as equal to the first.
+    """
+
+    names: tuple[str, ...]
+    values: Mapping[str, float]
+    ties: tuple[str, ...]
 
 
-def _said(value: float, unit: str) -> str:
-    if not np.isfinite(value):
-        return "not at rest at the end"
-    factor, prefix = (1e6, "µ") if value < 1e-3 else (1e3, "m")
-    return f"{factor * value:.3g} {prefix}{unit}"
+def orders(found: Mapping[str, Perspectives]) -> tuple[Order, Order]:
+    """Return the order of controllers by the first perspective, their largest error, and by the second, the spread of their errors."""
+    return _order({c: p.maximum for c, p in found.items()}), _order({c: p.spread for c, p in found.items()})
 
 
-def statement(share: Share, what: str) -> str:
-    """Return a Clopper-Pearson statement as a sentence. what: "a final error of 100 µrad"."""
-    return (
-        f"of axes drawn from the declared distributions at most {100 * share.upper:.3g} % exceed {what}, "
-        f"{100 * share.confidence:.4g} % confidence ({share.exceeded} of {share.count} draws did)"
-    )
+def _order(values: Mapping[str, float]) -> Order:
+    names = sorted(values, key=values.get)
+    ties = tuple(c for c in names[1:] if values[c] <= values[names[0]] * (1.0 + EQUAL))
+    return Order(tuple(names), values, ties)

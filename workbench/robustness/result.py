@@ -48,3 +48,37 @@ class Series:
     @property
     def title(self) -> str:
         return f"{self.cases.count} drawn axes"
+
+    def figures(self, name: str) -> dict[str, float]:
+        """Return the figures by which one controller may be judged, SI."""
+        of_grid, of_draws = self.of_grid[name], self.of_draws[name]
+        return {
+            "grid_error": of_grid.maximum,
+            "grid_error_spread": of_grid.spread,
+            "grid_time": float(self.grid.times[name].max()),
+            "drawn_error": of_draws.maximum,
+            "drawn_error_spread": of_draws.spread,
+            "drawn_error_99_percent": of_draws.high,
+            **{f"share_beyond_{metric}": share.upper for metric, share in self.shares[name].items()},
+        }
+
+    @property
+    def as_dict(self) -> dict[str, object]:
+        """The series as results.json holds it."""
+        return {
+            "draws": self.cases.count,
+            "seed": self.seed,
+            "varied": [
+                {"name": v.name, "unit": v.unit, "relative": v.relative, **vars(v.distribution)}
+                for v in self.cases.varied
+            ],
+            "grid": {
+                "inertias": self.grid.inertias,
+                "frictions": self.grid.frictions,
+                "final_error": self.grid.errors,
+                "time_1pct": self.grid.times,
+            },
+            "perspectives": {n: {"grid": vars(self.of_grid[n]), "draws": vars(self.of_draws[n])} for n in self.columns},
+            "shares": {n: {k: vars(s) for k, s in of.items()} for n, of in self.shares.items()},
+            "influences": {n: [vars(i) for i in of] for n, of in self.influences.items()},
+        }

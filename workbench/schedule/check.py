@@ -1,12 +1,13 @@
 """What a schedule is worth between its knots, where nothing was tuned, and whether moving gains feed energy in."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from workbench.control.notched import behind
 from workbench.finding import Finding
+from workbench.schedule import wording
 from workbench.schedule.table import Schedule
 from workbench.threads import one_thread
 from workbench.tuning import sampled
@@ -69,19 +70,10 @@ def between_knots(
     peak, _ = sampled.sensitivity_peak(kp, kd, motion, axis.clock)
     radius = sampled.spectral_radius(kp, kd, motion, axis.clock)
     out = BetweenKnots(amplitude, peak, radius, ())
-    findings = []
-    if not out.worst_radius[0] < 1.0:
-        value, at = out.worst_radius
-        sentence = f"Under scheduled gains the linear axis is unstable at amplitude {at:.3g}: an eigenvalue of modulus {value:.4g}."
-        findings.append(
-            Finding("unstable", "schedule", sentence, {"radius": value, "amplitude": at}, "Use more knots an octave.")
-        )
+    findings = () if out.worst_radius[0] < 1.0 else (wording.unstable(*out.worst_radius),)
     if out.worst_sensitivity[0] > sensitivity * LOOSE:
-        value, at = out.worst_sensitivity
-        sentence = f"Under scheduled gains the sensitivity peak is {value:.3f} at amplitude {at:.3g}; {sensitivity:g} was tuned for."
-        remedy = "Use more knots an octave, or tune for a lower sensitivity."
-        findings.append(Finding("sensitivity exceeded", "schedule", sentence, {"peak": value, "amplitude": at}, remedy))
-    return BetweenKnots(amplitude, peak, radius, tuple(findings))
+        findings = (*findings, wording.exceeded(*out.worst_sensitivity, sensitivity))
+    return replace(out, findings=findings)
 
 
 @dataclass(frozen=True)
@@ -141,19 +133,6 @@ def passivity(
         + _damped(schedule, (kp * 2.0 / NODES * np.cos(angle) ** 2).sum(axis=1), kd @ weight, omega)
     )
     fed = pumping(schedule, amplitude) if moving else np.zeros(amplitude.size)
-    share = fed / damping
-    i = int(share.argmax())
-    evidence = {"damping": float(damping[i]), "pumping": float(fed[i]), "amplitude": float(amplitude[i])}
-    text = f"{100 * share[i]:.3g} % of it at an amplitude of {amplitude[i]:.3g} (SI)"
-    if share[i] >= 1.0:
-        sentence = f"The gains feed in more than friction and Kd take out, {text}. A limit cycle is to be expected."
-        finding = Finding(
-            "not passive", "schedule", sentence, evidence, "Freeze the gains between reversals, or bound their slope."
-        )
-    elif moving:
-        finding = Finding(
-            "passive", "schedule", f"Moving gains use up a part of the damping, at most {text}.", evidence
-        )
-    else:
-        finding = Finding("passive", "schedule", "Gains are frozen between reversals and feed no energy in.", evidence)
-    return Passivity(amplitude, damping, fed, (finding,))
+    i = int((fed / damping).argmax())
+    said = wording.passive(float(damping[i]), float(fed[i]), float(amplitude[i]), moving=moving)
+    return Passivity(amplitude, damping, fed, (said,))

@@ -6,8 +6,7 @@ import numpy as np
 
 from workbench.control import grid
 from workbench.errors import WorkbenchError
-from workbench.finding import Finding
-from workbench.schedule import shape
+from workbench.schedule import shape, wording
 from workbench.schedule.table import Schedule
 from workbench.threads import one_thread
 from workbench.tuning.gains import check_gains
@@ -47,7 +46,7 @@ def fit_schedule(
     kp, kd, error, at = _fitted(gains, knots, lowest, highest, monotone, slope)
     findings = ()
     if error > tolerance:
-        findings = (_coarse(error, at, tolerance, knots.size, monotone),)
+        findings = (wording.coarse(error, at, tolerance, knots.size, monotone),)
     return Schedule(
         knots,
         kp,
@@ -127,17 +126,6 @@ def _stopped(gains, dense: np.ndarray) -> np.ndarray:
     held = np.array(["sensitivity" in b for b in binding])
     i = np.clip(np.searchsorted(gains.amplitude, dense, side="right") - 1, 0, gains.amplitude.size - 2)
     return held[i] & held[i + 1]
-
-
-def _coarse(error: float, at: float, tolerance: float, knots: int, monotone: bool) -> Finding:
-    sentence = (
-        f"Between {knots} knots the gains differ by up to {100 * error:.3g} % from the tuned ones, at an amplitude of {at:.3g} (SI); "
-        f"{100 * tolerance:.3g} % was asked for."
-    )
-    remedy = "Use more knots an octave" + (", or allow gains that rise with amplitude." if monotone else ".")
-    return Finding(
-        "schedule", "interpolation", sentence, {"error": error, "amplitude": at, "tolerance": tolerance}, remedy
-    )
 
 
 def _checked(gains, slope, tolerance: float) -> None:

@@ -155,24 +155,7 @@ def bind(plant, loop: Loop, controller: Controller | None, scenarios: ScenarioAr
         )
     sensing, noisy = _sensing_of(plants[0], loop, scenarios), bool((scenarios.noise > 0.0).any())
     made = design(plants[0], controller.law if controller else None, sensing, noisy=noisy, given=given.structure)
-    widths = _widths_of(loop)
-    each = [constants_of(p, made.symbols, widths) for p in plants]
-    alike = [p.kind == plants[0].kind and p.limits == plants[0].limits for p in plants]
-    if not all(alike) or any(e.keys() != each[0].keys() for e in each):
-        raise WorkbenchError("plants of one run must have the same effects and limits, and differ in values alone.")
-    values = each[0] if len(each) == 1 else {n: _joined([e[n] for e in each]) for n in each[0]}
-    values = values | _factors(scenarios) | _limits(plants[0], loop) | criteria.constants(loop)
-    values |= _of_controller(controller, lanes, loop) if controller else {}
-    back = BACK * (max(loop.resolution, loop.load_resolution) if made.law and made.law.follows == JOINT else loop.count)
-    back = controller.reversal if controller and controller.reversal is not None else back
-    step = scenarios.target - scenarios.start
-    aim = values["target"] if aim is None else aim
-    values |= {
-        "back": back,
-        "aim": aim,
-        "band": criteria.band * np.abs(aim - scenarios.start),
-        "step_sign": np.sign(step) + 0.0,
-    }
+    values = _values_of(plants, made, loop, controller, scenarios, criteria, aim)
     rest = at_rest(made, values, scenarios)
     values |= per_mass(made, values, rest, scenarios)
     table, base, grid = _tables_of(controller, lanes)
@@ -193,6 +176,28 @@ def bind(plant, loop: Loop, controller: Controller | None, scenarios: ScenarioAr
         samples=samples,
         window_from=max(samples - window, 0),
     )
+
+
+def _values_of(
+    plants: list[Plant], made: Design, loop: Loop, controller: Controller | None, scenarios: ScenarioArrays, criteria: Criteria, aim,
+) -> dict[str, object]:  # fmt: skip
+    """Return constant -> its value, scalar or (lanes,), of a run. WorkbenchError where its plants differ in more than values."""
+    widths = _widths_of(loop)
+    each = [constants_of(p, made.symbols, widths) for p in plants]
+    alike = [p.kind == plants[0].kind and p.limits == plants[0].limits for p in plants]
+    if not all(alike) or any(e.keys() != each[0].keys() for e in each):
+        raise WorkbenchError("plants of one run must have the same effects and limits, and differ in values alone.")
+    values = each[0] if len(each) == 1 else {n: _joined([e[n] for e in each]) for n in each[0]}
+    values = values | _factors(scenarios) | _limits(plants[0], loop) | criteria.constants(loop)
+    values |= _of_controller(controller, scenarios.lanes, loop) if controller else {}
+    back = BACK * (max(loop.resolution, loop.load_resolution) if made.law and made.law.follows == JOINT else loop.count)
+    aim = values["target"] if aim is None else aim
+    return values | {
+        "back": controller.reversal if controller and controller.reversal is not None else back,
+        "aim": aim,
+        "band": criteria.band * np.abs(aim - scenarios.start),
+        "step_sign": np.sign(scenarios.target - scenarios.start) + 0.0,
+    }
 
 
 def _sensing_of(plant: Plant, loop: Loop, scenarios: ScenarioArrays) -> Sensing:

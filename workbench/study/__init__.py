@@ -14,8 +14,8 @@ HELD = {
     "steps_of": "running",
     "trace_campaign": "standard",
     "with_part": "outcome",
-    "write_gains": "control",
-    "write_table": "control",
+    "write_gains": "gains",
+    "write_table": "gains",
 }
 
 __all__ = [*HELD]

@@ -24,13 +24,13 @@ CONTROL = (
     "task",
     "export",
     "plan",
-)  # read by study.controlling, study.planning
+)  # read by study.control, study.planning
 SERIES = (
     "robustness",
     "limit_cycle",
     "compensation",
     "drive",
-)  # read by study.robustness, .limit_cycle, .compensating, .drive
+)  # read by study.robustness, .limit_cycle, .compensation, .drive
 
 
 class MissingData(WorkbenchError):

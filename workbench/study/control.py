@@ -1,142 +1,167 @@
-"""The controller's half of a study: design on the extended plant, baselines, comparison, what the effect is worth, export."""
+"""[loop], [axis], [tuning], [schedule], [ladder], [task] and [export] of study.toml: what a controller runs on, is tuned for, and is judged by."""
 
-from collections.abc import Callable, Sequence
-from dataclasses import replace
-from functools import partial
-from pathlib import Path
+from dataclasses import dataclass, replace
+from math import isfinite
 
-from workbench.cancellation.contestant import margins
-from workbench.cancellation.worth import with_cancelled
-from workbench.checking.modes import all_resonances
-from workbench.design.design import Designed, design
-from workbench.design.possible import check_plant, design_from_lowest
+import numpy as np
+
+from workbench.control.laws import ERROR, RULES
+from workbench.design.tabled import RUNS
 from workbench.errors import WorkbenchError
-from workbench.finding import NOT_TUNED, Finding, title
 from workbench.plant import Plant
-from workbench.record import Record
-from workbench.report import control as chapters
-from workbench.schedule import Schedule
-from workbench.study.compensating import asked, compensation
-from workbench.study.configuration import Study
-from workbench.study.control_results import assumptions, compared_part, raised
-from workbench.study.controlling import Control, control_of
-from workbench.study.drive import driven
-from workbench.study.firmware import as_firmware, firmware_part
-from workbench.study.leaving import leave
-from workbench.study.limit_cycle import limit_cycles
-from workbench.study.outcome import Outcome, Part, with_part
-from workbench.study.robustness import robustness, slug
-from workbench.task.task import Task
-from workbench.tracing.result import Trace
-from workbench.verification.assumed import Shown
-from workbench.verification.compare import Comparison, compare
-from workbench.verification.judged import Judged, judged
+from workbench.readers.declaration import Table
+from workbench.simulation import Criteria, Loop
+from workbench.task.task import Task, Weights
+from workbench.tuning import TuningGoal
+from workbench.units import effect_unit
+from workbench.verification.assumed import COUNTS, Shown, lasting
 
-BASELINES = ("fixed PD", "PI cascade", "profile with PI")
-BLIND = (1, 2)  # seeds of the search on the declared model, one from each arrival
+RANGE = ("lowest", "highest", "count")  # of [tuning]
+AMPLITUDES = 24  # at which gains are tuned, where a study states no other number
+LEAST = 1e-5  # of the step: the lowest amplitude where the encoder has no counts
 
 
-def run(
-    study: Study, found: Trace, say: Callable[[str], None], records: Sequence[Record] = (), bandwidth: float = 0.0,
-    shown: Shown | None = None,
-) -> Part:  # fmt: skip
-    """Design, compare and export for the plant that the trace ended with.
+@dataclass(frozen=True, eq=False)
+class Control:
+    """loop: of the controller. goal and amplitudes (n,): of tuning. per_octave, slope, tolerance, rule: of the schedule.
 
-    records, bandwidth: measured ones, whose resonances limit the gains at each amplitude. shown: what they
-    say of all that the study leaves out.
+    raised: whether the lowest amplitude may be, to where any gains keep the goal. task: on a plant that is set later. load: torque
+    or force of the ladder, or None. seeds: of the searches. notch: whether the gain table has one among its numbers.
+    speed_limit: of the axis, rad/s or m/s. scale: of exported gains, or None.
     """
-    control = control_of(study.table, found.after.plant, shown)
-    plant = control.limited(found.after.plant)
-    task = control.task.on(plant)
-    response, _ = all_resonances(records, plant, bandwidth)  # gains per amplitude are those of a rigid axis
-    made = designed(plant, control, task, say, response=response)
-    given = asked(study, plant) if "compensation" in study.table else None
-    made = with_cancelled(made, given, task, control.seeds, say)
-    say("comparing the controllers")
-    worth = judged(made, task, f"scheduled PD ({control.rule})", BASELINES)
-    part = compared_part(
-        made, worth, task, control, (*assumptions(study.table, control, shown), *raised(control, made))
-    )
-    if found.causes:
-        part = with_part(part, _on_declared(found, worth, control, say))
-    tuned = {"digest": plant.digest, "lines": list(plant.digest_lines())}
-    part = with_part(part, Part(tables={"tuned_plant": tuned}, files=_written(made, worth, control, task)))
-    return _further(part, study, found, made, worth, task, records, bandwidth, control, say)
+
+    loop: Loop
+    goal: TuningGoal
+    amplitudes: np.ndarray
+    raised: bool
+    per_octave: int
+    tolerance: float
+    rule: str
+    task: Task
+    speed_limit: float
+    scale: dict | None
+    load: float | None
+    seeds: tuple[int, ...]
+    notch: bool = True
+
+    def limited(self, plant: Plant) -> Plant:
+        """Return the plant with the axis' speed limit where the campaign states none."""
+        return _limited(plant, self.speed_limit)
 
 
-def _on_declared(found: Trace, worth: Judged, control: Control, say: Callable[[str], None]) -> Part:
-    """Return what the causes of a trace are worth to the controller: the same search on the declared model, run on the extended one."""
-    declared, task = control.limited(found.before.plant), control.task.on(control.limited(found.after.plant))
-    say("tuning on the declared model, for what the effect is worth")
-    blind = designed(declared, control, task, say, baselines=False, seeds=BLIND)
-    without = compare(task, {worth.ours: blind.tuned[worth.ours].controller})
-    known = Comparison(tuple(r for r in worth.comparison.rows if r.controller == worth.ours), ())
-    cause = " and ".join(title(c.effect) for c in found.causes)
-    chapter = chapters.worth_chapter(without, known, cause, task)
-    return Part(chapters=(chapter,), tables={"comparison_tuned_on_declared": [vars(r) for r in without.rows]})
+def control_of(top: Table, plant: Plant, shown: Shown | None = None) -> Control:
+    """Return the control part of a study; WorkbenchError names file and key.
 
-
-def _written(made: Designed, worth: Judged, control: Control, task: Task) -> tuple[Callable[[Path], None], ...]:
-    """Return what writes the files of gains/ into a folder."""
-    name, ours, dt = worth.choice.name, worth.ours, task.loop.sample_time
-    return (
-        lambda folder: write_gains(made, control, folder),
-        lambda folder: leave(made.tuned, name, task.plant, dt, folder / "gains", ours, task),
-    )
-
-
-def _further(
-    part: Part, study: Study, found: Trace, made: Designed, worth: Judged, task: Task, records: Sequence[Record], bandwidth: float,
-    control: Control, say: Callable[[str], None],
-) -> Part:  # fmt: skip
-    """Return a part with what further tables of study.toml ask of the tuned controllers."""
-    factories, name = {n: tuned.controller for n, tuned in made.tuned.items()}, worth.choice.name
-    if "robustness" in study.table:
-        part = with_part(part, robustness(study, task, factories, say))
-        share = part.figures.get(f"share_beyond_final_error_{slug(name)}")
-        part = part if share is None else with_part(part, Part({"recommended_share_beyond": share}))
-    if "limit_cycle" in study.table:
-        part = with_part(part, limit_cycles(study, task, factories, say))
-    if "compensation" in study.table:
-        part = with_part(part, compensation(study, task, factories, say, margins=partial(margins, made, task)))
-    part = with_part(part, firmware_part(as_firmware(made.tuned, name), task, found.verdict, say, made.climbed))
-    if "drive" in study.table:
-        part = with_part(part, driven(study, task, made, records, bandwidth, control.rule, say))
-    return part
-
-
-def designed(plant: Plant, control: Control, task: Task, say: Callable[[str], None], **options) -> Designed:
-    """Return the design for a plant; where the study states no lowest amplitude, from the lowest on that allows any gains."""
-    make = design_from_lowest if control.raised else design
-    return make(
-        plant, control.amplitudes, control.goal, task, per_octave=control.per_octave, tolerance=control.tolerance,
-        rule=control.rule, load=control.load, notch=control.notch, say=say, **({"seeds": control.seeds} | options),
-    )  # fmt: skip
-
-
-def write_gains(made: Designed, control: Control, folder) -> None:
-    """Write the gain table of the study's rule into gains/."""
-    write_table(made.final[control.rule], made.plant, folder / "gains", control.scale)
-
-
-def write_table(schedule: Schedule, plant: Plant, place, scale: dict | None = None) -> None:
-    """Write a gain table into a folder that is made for it."""
-    from workbench.exporting import export
-
-    place.mkdir()
-    export(schedule, plant, place, scale=scale)
-
-
-def with_control(outcome: Outcome, study: Study, shown: Shown, say: Callable[[str], None]) -> Outcome:
-    """Return the outcome of a study with the controller's half added, or with a finding that says why there is none.
-
-    WorkbenchError where the study requires a figure that there then is not.
+    shown: what the records say of all that the study leaves out; without it, loop, amplitudes and move have to be stated.
     """
-    try:
-        check_plant(outcome.plant)
-        part = run(study, outcome.trace, say, outcome.records, outcome.bandwidth, shown)
-    except WorkbenchError as e:
-        if {r.name for r in study.requirements} - set(outcome.figures):
-            raise
-        return replace(outcome, findings=(*outcome.findings, Finding(NOT_TUNED, "gains", f"No gains are tuned: {e}")))
-    return with_part(outcome, part)
+    x = plant.displacement
+    axis = top.table("axis", optional=("speed_limit",))
+    speed = axis.quantity("speed_limit", f"{x}/s", above=0.0) if "speed_limit" in axis else plant.limits.speed
+    speed = shown.speed if shown and not isfinite(speed) else speed
+    loop = _loop(top, x, shown)
+    task = _task(top, _limited(plant, speed), loop, shown)
+    tuning = top.table("tuning", () if shown else RANGE, (*RANGE, "overshoot", "error", "sensitivity", "seeds"))
+    goal = TuningGoal(
+        overshoot=tuning.number("overshoot", 0.008, above=0.0),
+        drive=plant.limits.drive,
+        speed=speed,
+        error=tuning.number("error", 1.0, above=0.0),
+        sensitivity=tuning.number("sensitivity", 2.0, above=1.0),
+    )
+    one = top.table("ladder", optional=("load",)) if "ladder" in top else ()
+    schedule = top.table("schedule", optional=("per_octave", "tolerance", "rule", "notch"))
+    return Control(
+        loop=loop,
+        goal=goal,
+        amplitudes=_amplitudes(tuning, x, COUNTS * loop.resolution or LEAST * task.step, task.step),
+        raised="lowest" not in tuning,
+        per_octave=int(schedule.number("per_octave", 2, above=0)),
+        tolerance=schedule.number("tolerance", 0.02, above=0.0),
+        rule=schedule.choice("rule", RULES, "rule") if "rule" in schedule else ERROR,
+        task=replace(task, weights=replace(task.weights, sensitivity=goal.sensitivity)),
+        speed_limit=speed,
+        scale=dict(top.values["export"]).get("scale") if "export" in top else None,
+        load=one.quantity("load", plant.effort, above=0.0) if "load" in one else None,
+        notch=schedule.flag("notch", True),
+        seeds=tuple(int(s) for s in tuning.numbers("seeds", RUNS)),
+    )
+
+
+def _limited(plant: Plant, speed: float) -> Plant:
+    """Return the plant with a limit of speed, rad/s or m/s, where its own is no lower."""
+    return replace(plant, limits=replace(plant.limits, speed=min(plant.limits.speed, speed)))
+
+
+def _loop(top: Table, x: str, shown: Shown | None) -> Loop:
+    """Return [loop]; that of the records where it states no sample time."""
+    known = () if shown else ("sample_time", "resolution")
+    one = top.table("loop", known, ("sample_time", "resolution", "substeps", "delay", "velocity_filter"))
+    base = shown.loop if shown and "sample_time" not in one else Loop(one.quantity("sample_time", "s", above=0.0))
+    counts = base.resolution if shown is None else shown.loop.resolution
+
+    def seconds(key: str) -> float:
+        return one.quantity(key, "s") if key in one else getattr(base, key)
+
+    return Loop(
+        sample_time=base.sample_time,
+        substeps=int(one.number("substeps", base.substeps, above=0)),
+        delay=seconds("delay"),
+        velocity_filter=seconds("velocity_filter"),
+        resolution=one.quantity("resolution", x, above=0.0) if "resolution" in one else counts,
+    )
+
+
+def _amplitudes(tuning: Table, x: str, lowest: float, highest: float) -> np.ndarray:
+    """Return the amplitudes of [tuning], even in the logarithm; between these where it states none."""
+    count = int(tuning.number("count", AMPLITUDES, above=1))
+    if not 20 <= count <= 40:
+        raise WorkbenchError(f"{tuning.path('count')} is {count}; gains are tuned at 20 to 40 amplitudes.")
+    lowest, highest = (
+        tuning.quantity(key, x, above=0.0) if key in tuning else otherwise
+        for key, otherwise in (("lowest", lowest), ("highest", highest))
+    )
+    if lowest >= highest:
+        raise WorkbenchError(f"{tuning.path('lowest')} is {lowest:g} {x}, not below 'highest', {highest:g} {x}.")
+    return np.geomspace(lowest, highest, count)
+
+
+def _task(top: Table, plant: Plant, loop: Loop, shown: Shown | None) -> Task:
+    """Return [task]; half of the records' travel, for as long as it takes, where it states no step and no duration."""
+    x, known = plant.displacement, ("step", "duration")
+    further = (
+        "loads",
+        "frictions",
+        "inertias",
+        "noise",
+        "phases",
+        "overshoot",
+        "ripple",
+        "error_weight",
+        "counts",
+        "hold",
+    )
+    one = top.table("task", () if shown else known, (*known, *further))
+    weights = Weights(
+        error=one.number("error_weight", Weights.error, above=0.0),
+        overshoot=one.number("overshoot", Weights.overshoot, above=0.0),
+        ripple=one.number("ripple", Weights.ripple, above=0.0),
+    )
+    criteria = Criteria(
+        counts=one.number("counts", Criteria.counts, above=0.0),
+        hold=one.quantity("hold", "s", above=0.0) if "hold" in one else Criteria.hold,
+    )
+    task = Task(
+        plant=plant,
+        loop=loop,
+        step=one.quantity("step", x, above=0.0) if "step" in one else shown.step,
+        duration=one.quantity("duration", "s", above=0.0) if "duration" in one else 0.0,
+        load_inertias=one.numbers("loads", (0.0,), effect_unit("F*s^2/x", plant.rotary)),
+        frictions=one.numbers("frictions", (1.0,)),
+        inertias=one.numbers("inertias", (1.0,)),
+        noise=one.quantity("noise", plant.effort) if "noise" in one else 0.0,
+        phases=int(one.number("phases", 2, above=0)),
+        weights=weights,
+        criteria=criteria,
+        start=shown.start if "step" not in one else 0.0,
+    )
+    return task if "duration" in one else replace(task, duration=lasting(task))

@@ -30,18 +30,19 @@ from pathlib import Path
 from workbench.control.drive import MOST
 from workbench.design.design import Designed
 from workbench.drive_tuning.comparison import compared_drive
-from workbench.drive_tuning.search import NUMBERS, STRATEGY, ClosedDrive, Strategy
+from workbench.drive_tuning.gains import NUMBERS, ClosedDrive
+from workbench.drive_tuning.search import STRATEGY, Strategy
 from workbench.drives import Units
 from workbench.drives.elmo import SETS
-from workbench.drives.files import FormatOptions, files, writer
+from workbench.drives.files import FormatOptions, writer
 from workbench.drives.objects import Object
-from workbench.drives.tuned import cascades
+from workbench.drives.tuned import files_of
 from workbench.errors import WorkbenchError
-from workbench.finding import Finding
 from workbench.plant import Plant
 from workbench.readers.declaration import Table
 from workbench.record import Record
 from workbench.report.drive import drive_chapter
+from workbench.study import wording
 from workbench.study.configuration import Study
 from workbench.study.outcome import Part
 from workbench.task.task import Task
@@ -52,7 +53,6 @@ OPTIONAL = (
     "ranges", "objects", "seed", "channel", "joint",
 )  # fmt: skip
 FOLDER = "drive"
-REFUSED = "drive refuses"
 
 
 @dataclass(frozen=True)
@@ -136,8 +136,7 @@ def driven(study: Study, task: Task, made: Designed, records: Sequence[Record], 
         given.closed, task, made.equivalent, made.gains, made.tuned[name].controller,
         records=records, bandwidth=bandwidth, seed=given.seed, budget=budget,
     )  # fmt: skip
-    kept, refused = files(given.formats, cascades(found.gains, plant), plant, given.options)
-    findings = tuple(Finding(REFUSED, format, sentence, {}, "") for format, sentence in refused.items())
+    kept, refused = files_of(found.gains, plant, given.formats, given.options)
     chapter = drive_chapter(found, plant, name, tuple(kept), refused)
     units = dict.fromkeys(("drive_final_error", "drive_following_error"), plant.displacement) | {"drive_step_time": "s"}
     table = found.as_dict | {"files": list(kept), "refused": dict(refused)}
@@ -145,4 +144,4 @@ def driven(study: Study, task: Task, made: Designed, records: Sequence[Record], 
     def write(folder: Path) -> None:
         write_together(folder / FOLDER, {n: t.encode() for n, t in kept.items()})
 
-    return Part(found.figures, units, (chapter,), findings, {"drive": table}, (write,))
+    return Part(found.figures, units, (chapter,), wording.refused_formats(refused), {"drive": table}, (write,))

@@ -1,12 +1,10 @@
 """[plan] of study.toml: the limits of a motion to record next, and how well it is to determine."""
 
 from collections.abc import Callable
-from dataclasses import replace
 
 from workbench.campaign import load as load_campaign
 from workbench.errors import WorkbenchError
 from workbench.planning.basis import ACCURACY, Basis, basis
-from workbench.planning.envelope import Envelope
 from workbench.readers.declaration import Table
 from workbench.study import configuration
 from workbench.units import effect_unit
@@ -27,27 +25,21 @@ def basis_of(name: str, say: Callable[[str], None] = lambda _: None) -> Basis:
             f"{study.table.path('campaign')}: a plan is made for a study of a campaign; name its folder."
         )
     say("reading the campaign")
-    found = basis(load_campaign(study.campaign), say)
-    given = study.table.table("plan", optional=("accuracy", *KEYS))
-    return replace(
-        found,
-        envelope=_limited(found.envelope, given, found.fit.plant.rotary),
-        sample_time=_sample_time(study.table, found.sample_time),
+    campaign, given = load_campaign(study.campaign), study.table.table("plan", optional=("accuracy", *KEYS))
+    return basis(
+        campaign, say, limits=_limits(given, campaign.plant.rotary), sample_time=_sample_time(study.table),
         accuracy=given.number("accuracy", ACCURACY, above=0.0),
-    )
+    )  # fmt: skip
 
 
-def _limited(envelope: Envelope, given: Table, rotary: bool) -> Envelope:
-    """Return the envelope with the limits that [plan] states in place of those that the records have shown."""
-    stated = {
-        name: given.quantity(key, effect_unit(unit, rotary)) for key, (name, unit) in KEYS.items() if key in given
-    }
-    return replace(envelope, **stated)
+def _limits(given: Table, rotary: bool) -> dict[str, float]:
+    """Return the limits that [plan] states in place of those that the records have shown, SI."""
+    return {name: given.quantity(key, effect_unit(unit, rotary)) for key, (name, unit) in KEYS.items() if key in given}
 
 
-def _sample_time(top: Table, otherwise: float) -> float:
-    """Return the sample time of the study's loop in s, at which its drive reads references; `otherwise` without one."""
+def _sample_time(top: Table) -> float:
+    """Return the sample time of the study's loop in s, at which its drive reads references; 0 without one."""
     if "loop" not in top or not isinstance(top.values["loop"], dict) or "sample_time" not in top.values["loop"]:
-        return otherwise
+        return 0.0
     loop = top.table("loop", optional=tuple(top.values["loop"]))
     return loop.quantity("sample_time", "s", above=0.0)

@@ -1,25 +1,21 @@
 """[robustness] of study.toml: what a series of axes differs in, and what its controllers come to on them."""
 
-import re
 from collections.abc import Callable, Mapping
 from functools import partial
 
-import numpy as np
-
 from workbench.control import Controller
 from workbench.errors import WorkbenchError, nearest
+from workbench.firmware.naming import slug
 from workbench.readers.declaration import Table
-from workbench.robustness import worst
-from workbench.robustness.cases import Cases, Varied
+from workbench.robustness.cases import Varied
 from workbench.robustness.distribution import FIXED, KINDS, NORMAL, Distribution
 from workbench.robustness.local import on_cores
-from workbench.robustness.perspective import CONFIDENCE, ranking
-from workbench.robustness.result import Series
+from workbench.robustness.output import write
+from workbench.robustness.perspective import CONFIDENCE
 from workbench.robustness.series import Options, Run, series_of
 from workbench.robustness.vary import FIELDS, checked, target
-from workbench.robustness.workload import KEPT, Columns
+from workbench.robustness.wording import ranking
 from workbench.study.configuration import Study
-from workbench.study.controlling import numbers
 from workbench.study.outcome import Part
 from workbench.task.task import Task
 from workbench.units import to_si
@@ -38,18 +34,15 @@ def declared(top: Table, task: Task) -> Options:
         raise WorkbenchError(f"{one.path('confidence')} is {confidence:g}; a number below 1 is needed, such as 0.99.")
     limits = one.table("limits", optional=tuple(METRICS))
     x = task.plant.displacement
-    names = one.values.get("controllers", [])
-    if not isinstance(names, list) or not all(isinstance(n, str) for n in names):
-        raise WorkbenchError(f"{one.path('controllers')} must be a list of names in quotes.")
     return Options(
         varied=_varied(one, task),
         draws=int(one.number("draws", 10_000, above=0)),
         seed=int(one.number("seed", 1, above=-1)),
         confidence=confidence,
         kept=int(one.number("worst", 3, above=0)),
-        controllers=tuple(names),
-        inertias=numbers(one, "inertias", LEVELS),
-        frictions=numbers(one, "frictions", LEVELS),
+        controllers=one.names("controllers"),
+        inertias=one.numbers("inertias", LEVELS),
+        frictions=one.numbers("frictions", LEVELS),
         limits={n: limits.quantity(n, {"x": x}.get(METRICS[n], METRICS[n]), above=0.0) for n in limits.values},
     )
 
@@ -80,7 +73,7 @@ def _distribution(inner: Table, kind: str, unit: str) -> Distribution:
         return to_si(value, written, unit, where, step=True)
 
     def pair(key):
-        values = numbers(inner, key, ())
+        values = inner.numbers(key, ())
         if len(values) != 2:
             raise WorkbenchError(f"{inner.path(key)} needs two numbers; there are {len(values)}.")
         return si(values[0]), si(values[1])
@@ -97,33 +90,12 @@ def _distribution(inner: Table, kind: str, unit: str) -> Distribution:
         raise WorkbenchError(sentence if inner.file in sentence else f"{inner.path(kind)}: {sentence}") from error
 
 
-def slug(name: str) -> str:
-    """Return a controller's name as a figure of results.json has it."""
-    return re.sub(r"[^a-z0-9]+", "_", name.lower()).strip("_")
-
-
 def chosen(factories: Mapping[str, Callable[[int], Controller]], wanted: tuple[str, ...], where: str):
     """Return the controllers that are asked for, in that order; WorkbenchError with the nearest names."""
     for name in wanted:
         if name not in factories:
             raise WorkbenchError(f"{where}: there is no controller '{name}'; {nearest(name, factories)}")
     return {n: factories[n] for n in wanted or factories}
-
-
-def _figures_of(found: Series) -> dict[str, float]:
-    """Return the figures by which a study may be judged."""
-    out = {}
-    for name in found.columns:
-        end = slug(name)
-        out[f"grid_error_{end}"] = found.of_grid[name].maximum
-        out[f"grid_error_spread_{end}"] = found.of_grid[name].spread
-        out[f"grid_time_{end}"] = float(found.grid.times[name].max())
-        out[f"drawn_error_{end}"] = found.of_draws[name].maximum
-        out[f"drawn_error_spread_{end}"] = found.of_draws[name].spread
-        out[f"drawn_error_99_percent_{end}"] = found.of_draws[name].high
-        for metric, share in found.shares[name].items():
-            out[f"share_beyond_{metric}_{end}"] = share.upper
-    return out
 
 
 def robustness(study: Study, task: Task, factories, say: Callable[[str], None]) -> Part:
@@ -134,11 +106,12 @@ def robustness(study: Study, task: Task, factories, say: Callable[[str], None]) 
     factories = chosen(factories, asked.controllers, f"{study.table.path('robustness')}.controllers")
     found = series_of(task, factories, asked, _runner(study.scheduler), say)
     x = task.plant.displacement
-    figures = _figures_of(found)
+    figures = {f"{k}_{slug(n)}": v for n in found.columns for k, v in found.figures(n).items()}
     units = {n: x for n in figures if n.startswith(("grid_error", "drawn_error"))}
     units |= {n: "s" for n in figures if n.startswith("grid_time")}
     findings = ranking(found.of_grid, found.grid.title, x) + ranking(found.of_draws, found.title, x)
-    return Part(figures, units, (chapter(found),), findings, {"robustness": _table_of(found)}, (_writer(found),))
+    tables = {"robustness": found.as_dict}
+    return Part(figures, units, (chapter(found),), findings, tables, (lambda folder: write(found, folder / FOLDER),))
 
 
 def _runner(scheduler: str) -> Run:
@@ -148,43 +121,3 @@ def _runner(scheduler: str) -> Run:
     from workbench.robustness.cluster import on_cluster
 
     return partial(on_cluster, scheduler)
-
-
-def _writer(found: Series):
-    """Return what writes the worst cases and every draw into the study's outputs."""
-
-    def write(folder) -> None:
-        place = folder / FOLDER
-        place.mkdir()
-        worst.write(found.work, found.worst, place / worst.FILE)
-        _write_draws(found.cases, found.columns, place / "draws.csv")
-
-    return write
-
-
-def _write_draws(cases: Cases, columns: Columns, path) -> None:
-    """Write every draw with what came of it, a row each, exact decimals."""
-    heads = [*cases.names, *(f"{c}: {m}" for c in columns for m in KEPT)]
-    data = np.column_stack([cases.values, *(columns[c][m] for c in columns for m in KEPT)])
-    lines = [",".join(f'"{h}"' for h in heads), *(",".join(map(repr, row)) for row in data.tolist())]
-    path.write_text("\n".join(lines) + "\n", encoding="utf-8")
-
-
-def _table_of(found: Series) -> dict:
-    """Return the series as results.json holds it."""
-    return {
-        "draws": found.cases.count,
-        "seed": found.seed,
-        "varied": [
-            {"name": v.name, "unit": v.unit, "relative": v.relative, **vars(v.distribution)} for v in found.cases.varied
-        ],
-        "grid": {
-            "inertias": found.grid.inertias,
-            "frictions": found.grid.frictions,
-            "final_error": found.grid.errors,
-            "time_1pct": found.grid.times,
-        },
-        "perspectives": {n: {"grid": vars(found.of_grid[n]), "draws": vars(found.of_draws[n])} for n in found.columns},
-        "shares": {n: {k: vars(s) for k, s in of.items()} for n, of in found.shares.items()},
-        "influences": {n: [vars(i) for i in of] for n, of in found.influences.items()},
-    }

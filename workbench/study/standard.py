@@ -5,8 +5,7 @@ from collections.abc import Callable
 import numpy as np
 
 from workbench.campaign import Campaign, load
-from workbench.definition import Effect
-from workbench.description import Equivalent, equivalent
+from workbench.description import described
 from workbench.errors import WorkbenchError
 from workbench.inverse.dynamics import inverse_dynamics
 from workbench.plant import Plant
@@ -23,11 +22,6 @@ Say = Callable[[str], None]
 def trace_campaign(campaign: Campaign, say: Say = lambda _: None) -> Trace:
     """Trace what the declared plant of a campaign lacks."""
     return trace(campaign.plant, inverse_dynamics(campaign.records, campaign.bandwidth), say)
-
-
-def described(plant: Plant, amplitudes: np.ndarray) -> tuple[tuple[Effect, Equivalent], ...]:
-    """Return (effect, equivalent) of every effect that holds Masing's rule."""
-    return tuple((e, equivalent(e, amplitudes)) for e in plant.effects if "masing" in e.holds and e.virgin is not None)
 
 
 def trace_figures(found: Trace) -> dict[str, float | str]:
@@ -69,22 +63,22 @@ def run(study: Study, say: Say) -> Outcome:
         )
     say("reading the campaign")
     campaign = load(study.campaign)
-    passes = inverse_dynamics(campaign.records, campaign.bandwidth)
+    inverses = inverse_dynamics(campaign.records, campaign.bandwidth)
     shown = None
     if "task" in study.table:
         from workbench.design.possible import check_plant
-        from workbench.study.control import with_control
-        from workbench.study.controlling import control_of
+        from workbench.study.control import control_of
+        from workbench.study.gains import with_control
         from workbench.verification.assumed import shown_by
 
-        shown = shown_by(campaign.plant, passes)
+        shown = shown_by(campaign.plant, inverses)
         early(check_plant, campaign.plant, say)
         asked = control_of(study.table, campaign.plant, shown)  # what is misspelt is said before anything long starts
         if "drive" in study.table:
             from workbench.study.drive import stated
 
             stated(study.table, campaign.plant, asked.loop.count)
-    found = trace(campaign.plant, passes, say)
+    found = trace(campaign.plant, inverses, say)
     say("describing the plant over amplitude")
     equivalents = described(found.after.plant, amplitudes(study)) if study.describe else ()
     outcome = Outcome(
@@ -94,7 +88,7 @@ def run(study: Study, say: Say) -> Outcome:
         trace=found,
         records=campaign.records,
         equivalents=equivalents,
-        residual_maps=map_residual(passes, found.before, found.extended),
+        residual_maps=map_residual(inverses, found.before, found.extended),
         figures=trace_figures(found),
         findings=(*campaign.findings, *found.findings, *found.after.findings),
     )

@@ -43,9 +43,9 @@ def run(
         )
     replaceable(out, FILE)
     campaign = load(folder, resample=resample) if folder else campaign
-    passes = inverse_dynamics(campaign.records, campaign.bandwidth)
-    found = trace(campaign.plant, passes, say)
-    maps = map_residual(passes, found.before, found.extended)
+    inverses = inverse_dynamics(campaign.records, campaign.bandwidth)
+    found = trace(campaign.plant, inverses, say)
+    maps = map_residual(inverses, found.before, found.extended)
     closed = closed_loop(campaign, found, say) if closing and found.causes else None
     say("writing the page")
     with whole(out, FILE) as beside:

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from workbench.encoders.lost_counts import LostCounts, lost_counts
-from workbench.encoders.lost_finding import lost_finding
+from workbench.encoders.wording import lost_finding
 from workbench.finding import Finding
 from workbench.identification.fit import identify
 from workbench.identification.result import Fit

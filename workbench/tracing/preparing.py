@@ -11,8 +11,8 @@ from functools import cached_property
 from workbench.finding import Finding
 from workbench.identification.fit import fitted_on, identify
 from workbench.identification.result import Fit
-from workbench.inverse.carrying import idle
 from workbench.inverse.dynamics import InverseDynamics
+from workbench.inverse.wording import idle
 from workbench.plant import TWO_MASS, Plant
 from workbench.tracing.criteria import Criteria
 from workbench.tracing.decimation import decimate

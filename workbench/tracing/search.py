@@ -48,7 +48,7 @@ def _within(p: Parameter, least: float, most: float) -> Parameter:
 
 def problem_with(candidate: Candidate, base: Problem, solution: Solution) -> Linearised:
     """Return the problem of a candidate beside the solved present model."""
-    return Linearised(within_reach(candidate.plant, base.passes), base, solution)
+    return Linearised(within_reach(candidate.plant, base.inverses), base, solution)
 
 
 def worth(problem: Linearised, options: Sequence[np.ndarray], refined: int) -> list[float]:
@@ -83,7 +83,7 @@ def fitted(
         effect = candidate.plant[candidate.key]
         options = [
             np.array([start.get(n.parameter, to_search(problem.parameter(n))) for n in problem.free_shape])
-            for start in starts(effect, base.passes, residuals, candidate.plant, budget)
+            for start in starts(effect, base.inverses, residuals, candidate.plant, budget)
         ] or options
     rough = ROUGH
     if len(options) > 1:

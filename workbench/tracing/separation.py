@@ -29,7 +29,7 @@ def separation_of(basis: Basis, first: str, second: str) -> tuple[Separation, Pl
         raise WorkbenchError(f"'{a.key}' is named twice; name two effects.")
     # an effect that is declared is taken out of the model that both share
     plant = plant.without(b.key) if b.key in (e.key for e in plant.effects) else plant
-    sensing = sensing_of(basis.passes, min(left, also), basis.load)
+    sensing = sensing_of(basis.inverses, min(left, also), basis.load)
     return separate(plant, a, b, basis.envelope, sensing), plant, a, sensing
 
 
@@ -47,7 +47,7 @@ def _candidate(basis: Basis, text: str) -> tuple[Plant, Effect, float]:
     chosen = next((s for s in known if s.effect == name and place in ("", s.at)), None)
     if chosen is None:
         raise WorkbenchError(f"there is no candidate '{text}' for this plant; {nearest(text, _names_of(known, place))}")
-    records = fitted_on(basis.passes)
+    records = fitted_on(basis.inverses)
     declared = Problem(plant, records)
     beside, found = fitted(chosen, declared, solve(declared), _residuals(basis.fit, records))
     problem = beside.free

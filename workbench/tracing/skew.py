@@ -12,6 +12,7 @@ import numpy as np
 
 from workbench.definition import catalogue
 from workbench.encoders.clocks import PLAIN, WORTH, Late, late_clock
+from workbench.encoders.wording import late_sentence
 from workbench.identification.fit import fitted_on
 from workbench.identification.result import Estimate, Fit
 from workbench.inverse.dynamics import InverseDynamics
@@ -30,7 +31,7 @@ class Skew:
 
     @property
     def sentence(self) -> str:
-        return self.late.sentence
+        return late_sentence(self.late)
 
     @property
     def parameters(self) -> tuple[Estimate, ...]:

@@ -99,4 +99,4 @@ class Refitted:
     @property
     def state(self) -> State:
         """The state of this fit, which only led, brought to where others are judged beside it."""
-        return State(self.problem.plant, self.problem.passes, self.theta, most=POLISHED)
+        return State(self.problem.plant, self.problem.inverses, self.theta, most=POLISHED)

@@ -29,26 +29,24 @@ def declare(verbs) -> None:
         "source <(workbench completion bash).",
     )
     completion.add_argument("shell", choices=SHELLS)
+    completion.set_defaults(verbs=verbs)
 
 
 def do(given: argparse.Namespace) -> int:
-    print(script(given.shell), end="")
+    print(_script(given.shell, given.verbs), end="")
     return 0
 
 
-def script(shell: str) -> str:
-    """Return the script, made of the words that the command line itself declares."""
-    words = _options()
+def _script(shell: str, verbs) -> str:
+    """Return the script, made of the words that the command line itself declares. verbs: argparse's action that holds them."""
+    words = _options(verbs)
     cases = "\n".join(f'        {verb}) options="{" ".join(known)}" ;;' for verb, known in words.items())
     head = "autoload -Uz bashcompinit && bashcompinit\n" if shell == "zsh" else ""
     return FRAME.format(head=head, verbs=" ".join(words), cases=cases)
 
 
-def _options() -> dict[str, list[str]]:
+def _options(verbs) -> dict[str, list[str]]:
     """Return verb -> its options, as the parser has them."""
-    from workbench.cli import parser
-
-    (verbs,) = (a for a in parser()._actions if isinstance(a, argparse._SubParsersAction))
     return {
         name: [text for action in one._actions for text in action.option_strings if text.startswith("--")]
         for name, one in verbs.choices.items()

@@ -85,11 +85,11 @@ def _separate(given: argparse.Namespace, basis, say) -> int:
     from workbench.tracing.separation import separation_of
 
     found, plant, a, sensing = separation_of(basis, *given.separate)
-    passes = followed(found.reference, with_effect(plant, a), sensing) if found.apart else None
+    inverse = followed(found.reference, with_effect(plant, a), sensing) if found.apart else None
     with whole(given.out, JSON) as beside:
-        write_separation(beside, found, passes, plant.rotary, basis.sample_time)
+        write_separation(beside, found, inverse, plant.rotary, basis.sample_time)
         if found.apart:
-            m = passes.motion
+            m = inverse.motion
             drawn = figure(found.sentence, m.t, m.record.channels["position"], m.u, basis.envelope, plant.rotary)
             (beside / FIGURE).write_bytes(drawn)
     say.clear()

@@ -25,7 +25,8 @@ def declare(verbs) -> None:
 
 def do(given: argparse.Namespace) -> int:
     from workbench.campaign import load
-    from workbench.frequency.output import JSON, findings, write
+    from workbench.frequency.output import JSON, write
+    from workbench.frequency.wording import findings
     from workbench.front.motions import response as response_of
     from workbench.outputs import replaceable, whole
     from workbench.report.response import figure

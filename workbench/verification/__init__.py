@@ -12,7 +12,7 @@ HELD = {
     "Recommended": "recommend",
     "Result": "contest",
     "close": "closed_loop",
-    "verdict": "contest",
+    "verdict": "wording",
 }
 
 __all__ = [*HELD]

@@ -36,10 +36,10 @@ class Shown:
     record: str
 
 
-def shown_by(plant: Plant, passes: Sequence[InverseDynamics]) -> Shown:
+def shown_by(plant: Plant, inverses: Sequence[InverseDynamics]) -> Shown:
     """Return what records show of a controller's half: loop, move and speed, by the first that validates."""
-    record = next((p.motion.record for p in passes if p.motion.record.role == VALIDATION), passes[0].motion.record)
-    speed = max(float(np.abs(p.motion.v).max()) for p in passes)
+    record = next((p.motion.record for p in inverses if p.motion.record.role == VALIDATION), inverses[0].motion.record)
+    speed = max(float(np.abs(p.motion.v).max()) for p in inverses)
     return Shown(loop_of(record), *_move_of(plant, record), speed, record.name)
 
 

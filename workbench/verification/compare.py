@@ -1,6 +1,6 @@
-"""Controllers side by side: the same steps with and without load, and sentences on who beats whom, and on what."""
+"""Controllers side by side: the same steps with and without load, and who beats whom, and on what."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -36,7 +36,7 @@ class Row:
 
 @dataclass(frozen=True, eq=False)
 class Comparison:
-    """rows: every controller under every load. sentences: which baseline is beaten on what, and which is not."""
+    """rows: every controller under every load. findings: which baseline is beaten on what, and which is not."""
 
     rows: tuple[Row, ...]
     findings: tuple[Finding, ...]
@@ -66,46 +66,6 @@ def _row(task: Task, name: str, load: float, bound: float, m: Metrics) -> Row:
     )  # fmt: skip
 
 
-def verdicts(comparison: Comparison, ours: str, baselines: Sequence[str], unit: str) -> Comparison:
-    """Return the comparison with a finding for each baseline and load: where `ours` is better, equal or worse.
-
-    unit: of position, "rad" or "m".
-    """
-    found = []
-    for load in dict.fromkeys(r.load_inertia for r in comparison.rows):
-        mine = comparison.row(ours, load)
-        where = "with the load" if load else "without load"
-        for name in baselines:
-            other = comparison.row(name, load)
-            time = side(mine.time_1pct, other.time_1pct, LEVEL["time"])
-            error = side(mine.final_error, other.final_error, LEVEL["error"])
-            found.append(
-                Finding(
-                    "comparison",
-                    f"{ours} against {name}",
-                    f"Against {name} {where}, {ours} is {words(time, error)}: 1 % time {ms(mine.time_1pct)} against "
-                    f"{ms(other.time_1pct)}, final error {micro(mine.final_error)} against {micro(other.final_error)} "
-                    f"µ{unit} ({mine.error_counts:.1f} against {other.error_counts:.1f} counts).",
-                    {
-                        "time": mine.time_1pct,
-                        "time_other": other.time_1pct,
-                        "error": mine.final_error,
-                        "error_other": other.final_error,
-                    },
-                )
-            )
-    return Comparison(comparison.rows, tuple(found))
-
-
-def ms(seconds: float) -> str:
-    return f"{1e3 * seconds:.1f} ms" if np.isfinite(seconds) else "never"
-
-
-def micro(value: float) -> str:
-    value = 1e6 * value
-    return f"{value:.3g}" if value < 1000 else f"{value:.0f}"
-
-
 def side(mine: float, other: float, level: float) -> int:
     """1 where mine is smaller (better) by more than the level, -1 where it is larger, else 0."""
     if not np.isfinite(mine) or not np.isfinite(other):
@@ -113,8 +73,7 @@ def side(mine: float, other: float, level: float) -> int:
     return int(mine < other * (1 - level)) - int(mine > other * (1 + level))
 
 
-def words(time: int, error: int) -> str:
-    """How two comparisons are said: "faster but less accurate"."""
-    fast = {1: "faster", 0: "as fast", -1: "slower"}[time]
-    exact = {1: "more accurate", 0: "as accurate", -1: "less accurate"}[error]
-    return f"{fast} {'but' if time * error < 0 or (time == 0 and error < 0) else 'and'} {exact}"
+def sides(mine: Row, other: Row) -> tuple[int, int]:
+    """Return (time, error): 1 where a controller is better than another by more than LEVEL, -1 where it is worse, else 0."""
+    time = side(mine.time_1pct, other.time_1pct, LEVEL["time"])
+    return time, side(mine.final_error, other.final_error, LEVEL["error"])

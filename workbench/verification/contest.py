@@ -12,12 +12,11 @@ import numpy as np
 from workbench.control import Controller
 from workbench.design.families.family import Family
 from workbench.design.optimise import BUDGET, SEEDS, Budget, Seeded, optimise_all, optimise_seeds
-from workbench.finding import Finding
 from workbench.keeping import kept
 from workbench.plant import Plant
 from workbench.simulation import Metrics
 from workbench.task.task import PHASES, Task
-from workbench.verification.compare import LEVEL, micro, ms, side, words
+from workbench.verification.compare import LEVEL, side
 
 Factory = Callable[[int], Controller]
 
@@ -168,33 +167,13 @@ def _over_grid(task: Task, factory: Factory) -> dict[str, float]:
     return _named(metrics, "_grid", ("time", "error", "overshoot")) | {"error_spread": spread}
 
 
-def _sides(ours: Result, other: Result, where: str = "") -> tuple[int, int]:
+def sides(ours: Result, other: Result, where: str = "") -> tuple[int, int]:
     """Return (time, error): 1 where ours is better by more than compare.LEVEL, -1 where it is worse, else 0.
 
     where: "" for the nominal plant, "_loaded" or "_grid".
     """
     time, error = (side(ours.median(f"{n}{where}"), other.median(f"{n}{where}"), LEVEL[n]) for n in ("time", "error"))
     return time, error
-
-
-def verdict(contest: Contest, ours: str, baseline: str, unit: str) -> Finding:
-    """Return a sentence on where `ours` is better, equal or worse than a baseline, nominally and over the grid.
-
-    unit: of position, "rad" or "m".
-    """
-    mine, other = contest[ours], contest[baseline]
-    parts, evidence = [], {}
-    for where, said in (("", "on the nominal plant"), ("_grid", "over the grid")):
-        numbers = [s.median(f"{n}{where}") for n in ("time", "error") for s in (mine, other)]
-        parts.append(
-            f"{said} {words(*_sides(mine, other, where))} (1 % time {ms(numbers[0])} against {ms(numbers[1])}, final error "
-            f"{micro(numbers[2])} against {micro(numbers[3])} µ{unit})"
-        )
-        evidence |= dict(
-            zip((f"time{where}", f"time{where}_other", f"error{where}", f"error{where}_other"), numbers, strict=True)
-        )
-    sentence = f"Against {baseline}, {ours} is {' and '.join(parts)}."
-    return Finding("comparison", f"{ours} against {baseline}", sentence, evidence)
 
 
 def as_table(found: Contest) -> list[dict]:

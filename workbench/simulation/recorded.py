@@ -1,4 +1,4 @@
-"""Records that a study makes itself: what an assumed plant would have logged, through the same sampled loop. Marked as such."""
+"""Simulated channels as a record: what an assumed plant would have logged, through the same sampled loop. Marked as such."""
 
 import hashlib
 from collections.abc import Mapping

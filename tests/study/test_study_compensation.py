@@ -11,11 +11,11 @@ from workbench.compensation import Compensator, compensated
 from workbench.control import fixed_pd
 from workbench.definition import find
 from workbench.errors import WorkbenchError
+from workbench.exporting.leaving import leave
 from workbench.plant import ONE_MASS, Limits, Plant
 from workbench.simulation import Loop
 from workbench.study import configuration
-from workbench.study.compensating import compensation
-from workbench.study.leaving import leave
+from workbench.study.compensation import compensation
 from workbench.task.task import Task
 
 LOOP = Loop(5e-4, 2, 5e-4, 5e-4, 1e-6)

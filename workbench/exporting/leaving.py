@@ -1,4 +1,4 @@
-"""What leaves a study for the drive: the recommended controller first, then the others, all for one plant."""
+"""What leaves for the drive: the recommended controller first, then the others, all for one plant."""
 
 import json
 from collections.abc import Mapping
