@@ -136,11 +136,11 @@ class _Lines:
         if name == "select":
             return self.builder.select(*values)
         if name == "branch":
-            return branched(self.builder, *values)
+            return _branched(self.builder, *values)
         return self.builder.call(self.builder.module.declare_intrinsic(FUNCTIONS[name], [DOUBLE]), values)
 
 
-def branched(builder, condition, a, b):
+def _branched(builder, condition, a, b):
     """Write `a if condition else b` as a branch that is seldom taken, so that one lane goes on and does not wait for the condition."""
     before = builder.block
     seldom, after = builder.append_basic_block("seldom"), builder.append_basic_block("after")
