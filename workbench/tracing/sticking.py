@@ -26,7 +26,7 @@ STUCK = 0.005
 SPREAD = 1.0  # over the evaluation bandwidth: what happens at rest passes its filter on either side for so long; neither changes any
 MOST = 0.5  # of the residual's power, held at rest, from which rest does not count. Halved, eleven axes more stick; doubled, none
 # Power of a sample at rest over that of one in motion: where it is less (a coarse encoder that creeps from count to count) rest is
-# motion. Of 68 axes those that stick had 5.5 and more, others 3.4 and less. Halved, XL330's coarse encoder sticks, and two axes that
+# motion. Of 50 axes with dry friction those that stick had 5.5 and more, others 3.4 and less. Halved, XL330's coarse encoder sticks, and two axes that
 # leave something else; doubled, two do not stick
 DENSE = 5.0
 STICKS = "sticks"
@@ -72,7 +72,8 @@ def sticking(plant: Plant, passes: Sequence[InverseDynamics]) -> Sticking | None
     held = total = 0.0
     samples = count = 0
     for p, r in zip(decimated, problem.drive_part(solve(problem).residual), strict=True):
-        at = _nearest(known[p.motion.record.name][0], p)[p.motion.keep]
+        full = known[p.motion.record.name][0]
+        at = full[np.rint(np.linspace(0.0, full.size - 1, p.motion.u.size)).astype(int)][p.motion.keep]
         held, total = held + float(r[at] @ r[at]), total + float(r @ r)
         samples, count = samples + int(np.count_nonzero(at)), count + at.size
     if held <= MOST * total or held * (count - samples) <= DENSE * samples * (total - held):
@@ -87,9 +88,3 @@ def _at_rest(p: InverseDynamics, place: str, places: Sequence[str]) -> np.ndarra
         return np.zeros(p.motion.u.size, dtype=bool)
     m = p.motion
     return still(p, place, STUCK, STUCK / 2.0 + SPREAD / m.filter.bandwidth)
-
-
-def _nearest(x: np.ndarray, decimated: InverseDynamics) -> np.ndarray:
-    """Return x (n,) of a record at the samples of its decimated one, (m,)."""
-    at = np.rint(np.linspace(0.0, x.size - 1, decimated.motion.u.size)).astype(int)
-    return x[at]
