@@ -106,6 +106,15 @@ def test_creep_of_several_rates_drags_by_stiffness_over_rate():
     )
 
 
+@pytest.mark.parametrize("phase", [0.0, 0.5 * np.pi, -0.5 * np.pi])
+def test_an_uneven_joint_yields_by_the_stiffness_of_its_place(phase):
+    facts = FREE._replace(load_inertia=J, k2=500.0, c2=1.0, uneven=0.3, uneven_order=2.0, uneven_phase=phase)
+    n = 8000
+    held = Motion(np.zeros(n), np.full(n, 0.2), SLOW.control, "", closed=False, locked=True)
+    r = run(Machine(facts, EMPTY), held, 0.0, SLOW)
+    assert r.q[-1] == pytest.approx(0.2 / (500.0 * (1.0 + 0.3 * np.sin(phase))), rel=1e-3) and not r.ql.any()
+
+
 def test_shapes_have_their_closed_forms():
     x, near = 0.7, pytest.approx
     for shape, form in (
@@ -157,6 +166,16 @@ def test_what_pushes_the_body_moves_it_and_is_not_in_the_reported_drive():
     plain, shaken = pushed(machine, 0.2), pushed(machine, 0.2, pushed=force)
     np.testing.assert_array_equal(plain.u, shaken.u)
     assert np.abs(plain.q - shaken.q).max() > 1e-5
+
+
+def test_hum_that_the_axis_feels_is_of_the_mains_and_of_no_colour():
+    t = np.arange(8000) / SLOW.control
+    force = disturbance(Nuisances(felt=0.02, mains=50.0), 3.0, [1, 2], t, SLOW.control)
+    assert 2 * abs(np.mean(force * np.exp(-2j * np.pi * 50.0 * t))) == pytest.approx(0.02 * 3.0 * np.sqrt(2.0))
+    assert np.std(force) == pytest.approx(0.02 * 3.0 * np.sqrt(1.09))
+    beside = disturbance(Nuisances(BROAD, 0.1, 200.0), 3.0, [1, 2], t, SLOW.control)
+    both = disturbance(Nuisances(BROAD, 0.1, 200.0, felt=0.02), 3.0, [1, 2], t, SLOW.control)
+    np.testing.assert_allclose(both - beside, force, atol=1e-12)
 
 
 def test_a_wander_is_one_course_whatever_asks_for_it():

@@ -72,3 +72,27 @@ def test_a_trace_names_nothing_of_an_axis_that_only_sticks():
     found = trace(declared(), passes, only=names)
     assert found.verdict == "nothing_missing"
     assert [f.kind for f in found.findings].count("sticks") == 1
+
+
+def pulled(record: Record, stiffness: float) -> Record:
+    """Return a record whose axis has a spring to ground beside all else."""
+    drive = record.channels["force"] + stiffness * record.channels["position"]
+    return Record(
+        record.name,
+        record.role,
+        record.time,
+        {**record.channels, "force": drive},
+        resolution=record.resolution,
+    )
+
+
+def test_what_is_missing_may_hide_that_an_axis_sticks_and_a_search_begins_anew_beside_it():
+    """With a spring that leaves more than rest does the declared model does not show it; with the spring found it does."""
+    records = [pulled(recorded(n, r, p), 1500.0) for n, r, p in (("a", IDENTIFICATION, 0.6), ("b", VALIDATION, 0.8))]
+    passes = inverse_dynamics(records, BAND)
+    assert sticking(declared(), passes) is None
+    found = trace(declared(), passes, only=("cable_spring", "transport_delay", "flexible_mode", "gravity"))
+    assert found.verdict == "cause" and found.added == ("cable_spring",)
+    stuck = [f for f in found.findings if f.kind == "sticks"]
+    assert len(stuck) == 1 and "found beside it" in stuck[0].sentence
+    assert found.after.identification < 0.01

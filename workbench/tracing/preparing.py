@@ -58,6 +58,15 @@ def prepared(plant: Plant, passes: Sequence[InverseDynamics], only: Only, criter
     return found
 
 
+def without_rest(d: Declared, found: Plant) -> Declared | None:
+    """Return records that count where the axis moves, where rest is most of what is left beside what a search found; None else."""
+    sticks = None if d.sticks else sticking(found, d.passes)
+    if sticks is None:
+        return None
+    before = identify(d.declared, sticks.passes) if d.before else None
+    return replace(d, passes=sticks.passes, sticks=replace(sticks, beside=True), before=before)
+
+
 def _put_back(d: Declared, only: Only, criteria: Criteria) -> Declared:
     lost = mended(d.plant, d.passes, criteria.explainable)
     return replace(d, passes=lost.passes, lost=lost) if lost else d

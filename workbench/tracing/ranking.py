@@ -163,8 +163,8 @@ def _reduced(j: ScoredCandidate, state: State) -> str | None:
     if not j.refitted or j.candidate.kind != ADDITION:
         return None
     effect = j.refitted.plant[j.candidate.key]
-    if effect.port == TIME and state.plant.kind == TWO_MASS:
-        return None  # a clock of one of two encoders is no delay of the drive
+    if effect.port == TIME and (state.plant.kind == TWO_MASS or _early(effect)):
+        return None  # a clock of one of two encoders is no delay of the drive, nor is one that is ahead of it
     counts = max(p.motion.counts for p in state.passes)
     # a stiffness is nothing beside a stiffness: what is small is so beside what has its unit
     largest = {
@@ -182,6 +182,11 @@ def _reduced(j: ScoredCandidate, state: State) -> str | None:
     # nor is a gap a gap that is short beside the presliding length
     length = effect.parameters["x0"].value if "x0" in effect.parameters else 0.0
     return _simpler(effect, around, max(counts, 0.5 * NEUTRAL * length))
+
+
+def _early(effect: Effect) -> bool:
+    """Whether an effect says that its channel is ahead of the drive: the drive's report is late, and no command acts before it is given."""
+    return any(p.value < 0.0 for p in effect.parameters.values() if p.scale == "time")
 
 
 def absurd(j: ScoredCandidate, state: State) -> bool:

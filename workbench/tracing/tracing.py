@@ -21,7 +21,7 @@ from workbench.tracing.evidence import CORRECTION, Evidence
 from workbench.tracing.explainable import explainable
 from workbench.tracing.judge import STANDARD, Progress, ScoredCandidate
 from workbench.tracing.otherwise import otherwise
-from workbench.tracing.preparing import Declared, prepared
+from workbench.tracing.preparing import Declared, prepared, without_rest
 from workbench.tracing.reporting import Outcome, reported
 from workbench.tracing.result import Trace
 from workbench.tracing.selection import Selection, select
@@ -52,17 +52,21 @@ def trace(
     plant = plant.plant if isinstance(plant, Fit) else plant
     criteria = criteria if most is None else replace(criteria, steps=most)
     progress("fitting the declared model")
+    offer = Offer(only, own, [e.key for e in plant.effects], budget=budget)
     try:
         late = prepared(plant, passes, only, criteria)
-        loose, told = within_tolerance(late.plant, criteria.tolerance)
-        declared = State(loose, decimate(late.whole, late.plant))
+        declared, offered = _begun(late, offer, criteria)
     except NoValue:
         raise WorkbenchError(
             "the declared model has no value on these records: a shape parameter lies far from them; check it and its unit."
         ) from None
-    offer = Offer(() if late.idle else only, own, [e.key for e in plant.effects], told, budget)
-    passes, whole = late.passes, late.whole
-    selected = select(declared, whole, offer, criteria, progress)
+    selected = select(declared, late.whole, offered, criteria, progress)
+    if selected.answer.added and (moving := without_rest(late, selected.found)) is not None:
+        progress("searching once more, where the axis moves")
+        late = moving
+        declared, offered = _begun(late, offer, criteria)
+        selected = select(declared, late.whole, offered, criteria, progress)
+    offer, passes = offered, late.passes
     progress("fitting the extended model")
     order, confirmed, refused = selected.answer.added, None, []
     while order is not None:
@@ -80,6 +84,13 @@ def trace(
             refused += [a for a, r in zip(confirmed.weighed, verdict.roles, strict=True) if r == NOT_BORNE_OUT]
     evidence = replace(evidence, refused=tuple(refused))
     return reported(Outcome(late, passes, selected, confirmed, evidence, verdict, place, criteria), progress)
+
+
+def _begun(late: Declared, offer: Offer, criteria: Criteria) -> tuple[State, Offer]:
+    """Return where a search begins, and what it offers: nothing where the joint carries nothing."""
+    loose, told = within_tolerance(late.plant, criteria.tolerance)
+    offered = replace(offer, only=() if late.idle else offer.only, stands_for=told)
+    return State(loose, decimate(late.whole, late.plant)), offered
 
 
 def later(added: Sequence[ScoredCandidate], verdict: Verdict) -> list[ScoredCandidate] | None:

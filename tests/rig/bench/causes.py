@@ -21,6 +21,7 @@ CAUSES: dict[str, tuple[Callable, tuple[str, ...]]] = {
 OUTSIDE: dict[str, tuple[Callable, tuple[str, ...]]] = {
     "floor vibration": (outside.shaken, (ONE, TWO)), "wandering friction": (outside.wandering, (ONE, TWO)), "window": (outside.windowed, (ONE, TWO)),
     "cushion": (outside.cushion, (ONE,)), "slips": (outside.slips, (ONE, TWO)), "lost packets": (outside.packets, (TWO,)),
+    "uneven joint": (outside.uneven, (TWO,)),
 }  # fmt: skip
 
 

@@ -22,9 +22,10 @@ class Facts(NamedTuple):
     Friction: h0 at the mover, load_h at the load, h2 in the joint, each over its bristles; behind play series_gap (half
     width) at the mover. Drag: curved sign(v) |v/curved_speed|^curved_power, or tanh(v/curved_speed). Peak: drop, drop_speed,
     drop_shape. mu of the load that a gear transmits: its weight and the share `behind` of the inertia; the joint's torque on
-    two masses. Springs: spring (q - rest), the joint's k2, c2, k3 behind gap. A window of friction in one direction. A
-    cushion at cushion_at that sinks in and recovers (rates 1/s). A mode: a part on a spring. fading: a force that forgets.
-    Drive: delay, lag in s, fall (1 over a torque). The cascade: gain, stiffness, reset, smooth (Hz), forward (share of the inertia), count.
+    two masses. Springs: spring (q - rest), the joint's k2, c2, k3 behind gap; k2 (1 + uneven sin(order ql + phase)) along
+    the load's place. A window of friction in one direction. A cushion at cushion_at that sinks in and recovers (rates
+    1/s). A mode: a part on a spring. fading: a force that forgets. Drive: delay, lag in s, fall (1 over a torque). The
+    cascade: gain, stiffness, reset, smooth (Hz), forward (share of the inertia), count.
     disturbed: 0 at the mover, 1 at the load.
     """
 
@@ -44,6 +45,9 @@ class Facts(NamedTuple):
     k2: float = 0.0
     c2: float = 0.0
     k3: float = 0.0
+    uneven: float = 0.0
+    uneven_order: float = 0.0
+    uneven_phase: float = 0.0
     h2: float = 0.0
     gap: float = 0.0
     series_gap: float = 0.0
@@ -322,7 +326,7 @@ def simulate(
         by_motor = 1.0 + slope(lists.tooth, q)
         taken = abs(x) > a.gap
         x = x - a.gap * np.sign(x) if taken else 0.0
-        pull = a.k2 * x + a.k3 * x * x * x
+        pull = a.k2 * (1.0 + a.uneven * np.sin(a.uneven_order * ql + a.uneven_phase)) * x + a.k3 * x * x * x
         if taken:
             pull += a.c2 * (by_motor * v - vl)
         if a.h2 != 0.0:

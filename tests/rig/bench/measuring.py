@@ -17,11 +17,15 @@ QUIET = (
 )
 
 
+FELT = (0.004, 0.03)  # of the drive's rms: hum on the body, as loud as the disturbances that no report shows
+
+
 @dataclass(frozen=True)
 class Nuisances:
     """What is on every bench. disturbance: colour of a force on the body that no channel reports, its size (rms over the
     drive's) and corner (Hz). noise, hum, drift: of the reported drive, rms over its own. mains: Hz. grain: step of the
-    reported drive, over its rms. cut: Hz above which it was filtered before the log (0: not). waves: a line, of an error
+    reported drive, over its rms. felt: hum that the axis feels and no report shows, rms over the drive's, of a current loop
+    that holds what a humming sensor reads. cut: Hz above which it was filtered before the log (0: not). waves: a line, of an error
     within the encoder's line; steps: counts in one; subdivision: its size, counts. tolerance: of what is declared fixed."""
 
     disturbance: str = STILL
@@ -37,6 +41,7 @@ class Nuisances:
     steps: int = 64
     subdivision: float = 0.0
     tolerance: float = 0.0
+    felt: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -76,10 +81,12 @@ def drawn(rng, s: Stand, rates: Rates, tolerance: float) -> Nuisances:
         WANDER: log_uniform(rng, 0.05, 0.4),
     }[colour]
     has = rng.random(5) < (0.4, 0.4, 0.6, 0.4, 0.5)
+    own = rng.spawn(1)[0]  # of its own stream, so that what else a seed draws stays as it was
+    felt = log_uniform(own, *FELT) * (own.random() < 0.25)
     return Nuisances(
         colour, size, float(corner), log_uniform(rng, 0.002, 0.01), rng.uniform(0.0005, QUIET) * has[0], float(rng.choice([50.0, 60.0])),
         rng.uniform(0.0005, QUIET) * has[1], log_uniform(rng, 1e-3, 3e-2) * has[2], rates.band * rng.uniform(1.3, 2.5) * has[3],
-        int(rng.choice([1, 2])) * int(has[4]), int(2 ** rng.integers(4, 11)), log_uniform(rng, 0.3, 3.0), tolerance,
+        int(rng.choice([1, 2])) * int(has[4]), int(2 ** rng.integers(4, 11)), log_uniform(rng, 0.3, 3.0), tolerance, felt,
     )  # fmt: skip
 
 
@@ -112,12 +119,22 @@ def subdivided(s: Stand, x: Nuisances, rates: Rates, drive: float) -> np.ndarray
 
 
 def disturbance(x: Nuisances, drive: float, seed: list[int], t: np.ndarray, rate: float) -> np.ndarray:
-    """The force (n,) that nobody reports, on the bench clock t."""
+    """The force (n,) that nobody reports, on the bench clock t: of its colour, and hum of the mains."""
+    return drive * (x.felt * humming(x.mains, t) + _of_its_colour(x, seed, t, rate))
+
+
+def humming(mains: float, t: np.ndarray) -> np.ndarray:
+    """Hum of the mains (n,) and its third harmonic, on the bench clock t; of rms one, but for the harmonic."""
+    return np.sqrt(2.0) * (np.sin(2 * np.pi * mains * t + 0.4) + 0.3 * np.sin(6 * np.pi * mains * t + 1.1))
+
+
+def _of_its_colour(x: Nuisances, seed: list[int], t: np.ndarray, rate: float) -> np.ndarray:
+    """The disturbance (n,) over the drive's rms."""
     if x.disturbance == STILL:
         return np.zeros(t.size)
     if x.disturbance == WANDER:
-        return x.size * drive * walk(seed[0] + 77, 1 / (2 * np.pi * x.corner), t)
-    return x.size * drive * coloured(np.random.default_rng(seed), t.size, rate, x.disturbance, x.corner)
+        return x.size * walk(seed[0] + 77, 1 / (2 * np.pi * x.corner), t)
+    return x.size * coloured(np.random.default_rng(seed), t.size, rate, x.disturbance, x.corner)
 
 
 def run(machine: Machine, motion: Motion, start: float, rates: Rates, pushed: np.ndarray | None = None) -> Log:
@@ -151,8 +168,7 @@ def reported(log: Log, s: Stand, machine: Machine, x: Nuisances, rates: Rates, d
     u = u + noise(rng, u.size, x.noise * drive, log.rate, rates.band)
     if x.cut > 0.0 and x.cut < 0.4 * log.rate:
         u = low_pass(u, log.rate, x.cut)
-    hum = np.sin(2 * np.pi * x.mains * t + 0.4) + 0.3 * np.sin(6 * np.pi * x.mains * t + 1.1)
-    u = u + x.hum * drive * hum * np.sqrt(2.0) + x.drift * drive * walk(seed[0] + 78, 25.0, t)
+    u = u + x.hum * drive * humming(x.mains, t) + x.drift * drive * walk(seed[0] + 78, 25.0, t)
     if x.grain > 0.0:
         u = x.grain * drive * np.round(u / (x.grain * drive))
     counts = s.machine.facts.count, s.load_count

@@ -94,3 +94,20 @@ def packets(rng, s: Stand) -> Cause:
         on,
         where=("time", []),
     )
+
+
+def uneven(rng, s: Stand) -> Cause:
+    """A joint that yields more at some places than at others: a belt's free strands, an arm's gear; half a wave to two along the stroke."""
+    fixed = {
+        "uneven_order": 2 * np.pi * rng.uniform(0.25, 1.0) / s.reach.stroke,
+        "uneven_phase": rng.uniform(-np.pi, np.pi),
+    }
+    return put(
+        "",
+        "joint",
+        "a stiffness that changes along the stroke",
+        {"uneven": 0.2},
+        fixed,
+        largest=0.8,
+        where=("position", []),
+    )
