@@ -20,7 +20,7 @@ WALKS = {
     "campaign path to trace.json": ("verbs.trace", "do", "given", 4),
     "Trace to report": ("report.writing", "write", "result", 4),
     "plant to controllers": ("design.design", "design", "plant", 3),
-    "records inside trace()": ("tracing.tracing", "trace", "passes", 6),
+    "records inside trace()": ("tracing.tracing", "trace", "inverses", 6),
 }
 EARLIER = {
     "report.writing": ("report.write",),

@@ -48,13 +48,13 @@ def record(name: str, seed: int, **more: np.ndarray) -> Record:
 
 
 @pytest.fixture(scope="module")
-def passes():
+def inverses():
     return inverse_dynamics([record("one", 1), record("two", 2)], BAND)
 
 
 @pytest.fixture(scope="module")
-def pool(passes):
-    return pooled(passes, PLANT, {n: np.sin(np.arange(12000) / 300) for n in ("one", "two")})
+def pool(inverses):
+    return pooled(inverses, PLANT, {n: np.sin(np.arange(12000) / 300) for n in ("one", "two")})
 
 
 def of(pool: Pooled, name: str) -> Coordinate:
@@ -160,10 +160,10 @@ def test_noise_has_no_place_and_follows_nothing(pool):
 def test_friction_in_one_window_and_one_direction_of_the_rig_is_found_there(tmp_path):
     truth = rig.campaign(tmp_path, 7, ("window_friction",), 2.0, short=True)
     campaign = load(tmp_path)
-    passes = identifying(inverse_dynamics(campaign.records, campaign.bandwidth))
-    found = drives(passes, identify(campaign.plant, passes), None).before.windows[0]
+    inverses = identifying(inverse_dynamics(campaign.records, campaign.bandwidth))
+    found = drives(inverses, identify(campaign.plant, inverses), None).before.windows[0]
     (low, high), (coordinate, _) = truth["where"][1][0], truth["where"]
-    reach = 0.1 * max(np.ptp(p.motion.q) for p in passes)
+    reach = 0.1 * max(np.ptp(p.motion.q) for p in inverses)
     assert found.coordinate == coordinate and found.direction == FORWARD and found.stands_out
     assert abs(found.low - low) < reach and abs(found.high - high) < reach
 
@@ -177,17 +177,17 @@ def test_larger_in_one_direction_is_said_so(pool):
 # --- spectra -----------------------------------------------------------------------------------------------------------
 
 
-def test_a_wave_over_position_is_a_line_at_its_order(passes, pool):
+def test_a_wave_over_position_is_a_line_at_its_order(inverses, pool):
     r = 0.3 * np.sin(9.0 * of(pool, "position").values + 1.0) + 0.05 * noise(pool)
-    found = over_order(passes, r, "rad")
+    found = over_order(inverses, r, "rad")
     order, times = found.lines[0]
     assert order == pytest.approx(9.0, abs=0.25 * 2 * np.pi / np.ptp(of(pool, "position").values)) and times > 4.0
     assert found.at.size == found.amplitude.size and np.all(np.diff(found.at) > 0)
 
 
-def test_power_over_frequency_is_the_residuals_own(passes, pool):
+def test_power_over_frequency_is_the_residuals_own(inverses, pool):
     r = noise(pool)
-    found = over_frequency(passes, r)
+    found = over_frequency(inverses, r)
     # white noise of rms 1 at 1 kHz: 1/500 a hertz
     inside = (found.at > 5) & (found.at < 100)
     assert np.mean(found.amplitude[inside] ** 2) == pytest.approx(2 / RATE, rel=0.05)

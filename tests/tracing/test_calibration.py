@@ -39,9 +39,9 @@ def calibrated(ripple, offset: float):
     """The true structure fitted, its validation record counted from elsewhere, and the calibration of it."""
     campaign, wave = ripple
     records = [powered_up(r, offset) if r.role == VALIDATION else r for r in campaign.records]
-    passes = inverse_dynamics(records, campaign.bandwidth)
-    fit = identify(campaign.plant + find("cogging")(order=wave["order"]), passes)
-    return fit, passes, calibrate(fit.plant, "cogging@axis", passes, fit.validation)
+    inverses = inverse_dynamics(records, campaign.bandwidth)
+    fit = identify(campaign.plant + find("cogging")(order=wave["order"]), inverses)
+    return fit, inverses, calibrate(fit.plant, "cogging@axis", inverses, fit.validation)
 
 
 def around(angle: float) -> float:
@@ -67,11 +67,11 @@ def test_a_ripple_of_one_power_up_has_one_phase(ripple):
 
 
 def test_a_cause_that_does_not_carry_over_is_calibrated_and_another_is_not(ripple):
-    fit, passes, _ = calibrated(ripple, OFFSET)
+    fit, inverses, _ = calibrated(ripple, OFFSET)
 
     def causes(validation: float):
         one = Cause("cogging", "axis", "", (), 0.9, validation)
-        return calibrations(fit.plant, [one], passes, Criteria())
+        return calibrations(fit.plant, [one], inverses, Criteria())
 
     assert [c.effect for c in causes(-0.5)] == ["cogging"]
     assert causes(0.88) == ()
@@ -85,8 +85,8 @@ def test_only_waves_with_a_phase_are_calibrated():
 def test_a_ripple_of_another_power_up_is_named_and_not_used_where_its_phase_is_wrong(ripple):
     campaign, wave = ripple
     records = [powered_up(r, pi / wave["order"]) if r.role == VALIDATION else r for r in campaign.records]
-    passes = inverse_dynamics(records, campaign.bandwidth)
-    found = trace(campaign.plant, passes, only=("cogging",))
+    inverses = inverse_dynamics(records, campaign.bandwidth)
+    found = trace(campaign.plant, inverses, only=("cogging",))
     assert found.added == ("cogging",) and found.causes[0].share_validation < 0.0
     assert "not carried over" in [f.kind for f in found.findings]
     assert found.after.validation == pytest.approx(found.before.validation, rel=1e-6)

@@ -23,7 +23,7 @@ COUNT = 1e-6
 PLANT = Plant(ONE_MASS) + find("inertia")(inertia=0.01) + find("viscous_friction") + find("coulomb_friction")
 
 
-def passes(force, start: float = 0.0, seconds: float = 6.0):
+def inverses(force, start: float = 0.0, seconds: float = 6.0):
     """InverseDynamics over slow and fast sines whose drive is inertia, viscous friction and force(t, q, dir)."""
     t = start + np.arange(round(1000 * seconds)) / 1000.0
     w, slow = 2 * np.pi * 3.0, 2 * np.pi * 0.4
@@ -46,7 +46,7 @@ def stops(q: np.ndarray, length: float, level: float) -> np.ndarray:
 
 def test_a_curve_goes_on_where_its_longest_element_carries_much():
     length = 0.015  # of a travel of 0.7: beyond the first reach of a hundredth
-    seen = passes(lambda t, q, way: stops(q, length, 0.5))
+    seen = inverses(lambda t, q, way: stops(q, length, 0.5))
     declared = State(PLANT, seen)
     known = laws(declared.plant, seen)
     short = curved(declared, known, Criteria())
@@ -60,7 +60,9 @@ def test_a_curve_goes_on_where_its_longest_element_carries_much():
 
 
 def test_a_drift_that_settles_is_found_with_its_rate():
-    seen = [p for s in (0.0, 40.0) for p in passes(lambda t, q, way: (0.5 + 0.2 * (1.0 - np.exp(-t / 20.0))) * way, s)]
+    seen = [
+        p for s in (0.0, 40.0) for p in inverses(lambda t, q, way: (0.5 + 0.2 * (1.0 - np.exp(-t / 20.0))) * way, s)
+    ]
     fit = identify(PLANT + find("friction_drift")(settling=0.02), seen)
     told = {e.parameter: e.value for e in fit.estimates}
     assert told["settling"] == pytest.approx(0.05, rel=0.1) and told["rate"] == pytest.approx(0.01, rel=0.1)

@@ -22,8 +22,8 @@ KNOWN = {"inertia": True, "viscous": True}
 
 
 def test_a_late_load_encoder_is_the_first_candidate_with_its_value_held():
-    passes = inverse_dynamics([joint(1, late=2e-3, zero=1e-3), joint(2, late=2e-3)], BAND)
-    found = skew_of(passes, jointed(**KNOWN))
+    inverses = inverse_dynamics([joint(1, late=2e-3, zero=1e-3), joint(2, late=2e-3)], BAND)
+    found = skew_of(inverses, jointed(**KNOWN))
     assert (found.candidate.key, found.candidate.kind) == ("clock_skew@sensor.load_position", ADDITION)
     clock = found.candidate.plant["clock_skew@sensor.load_position"]
     assert clock.parameters["offset"].value == pytest.approx(2e-3, rel=0.02)
@@ -33,8 +33,8 @@ def test_a_late_load_encoder_is_the_first_candidate_with_its_value_held():
 
 
 def test_a_late_motor_encoder_is_told_by_the_drive():
-    passes = inverse_dynamics([joint(1, late=3e-3, motor=True), joint(2, late=3e-3, motor=True)], BAND)
-    found = skew_of(passes, jointed(**KNOWN))
+    inverses = inverse_dynamics([joint(1, late=3e-3, motor=True), joint(2, late=3e-3, motor=True)], BAND)
+    found = skew_of(inverses, jointed(**KNOWN))
     assert found.candidate.at == "sensor.position"
     assert found.late.values["offset"] == pytest.approx(3e-3, rel=0.05) and "position is read" in found.sentence
 
@@ -45,10 +45,10 @@ def test_what_is_no_clock_is_no_candidate(law):
 
 
 def test_lateness_that_is_worth_no_torque_is_no_cause():
-    passes = inverse_dynamics([joint(1, late=1e-4, count=1e-7), joint(2, late=1e-4, count=1e-7)], BAND)
-    assert skew_of(passes, jointed(**KNOWN)) is not None
-    assert skew_of(passes, jointed(**KNOWN), worth=1.0) is None
-    assert skew_of(passes, jointed(**KNOWN), share=1.0) is None
+    inverses = inverse_dynamics([joint(1, late=1e-4, count=1e-7), joint(2, late=1e-4, count=1e-7)], BAND)
+    assert skew_of(inverses, jointed(**KNOWN)) is not None
+    assert skew_of(inverses, jointed(**KNOWN), worth=1.0) is None
+    assert skew_of(inverses, jointed(**KNOWN), share=1.0) is None
 
 
 def test_records_that_disagree_make_nothing_plain():
@@ -71,22 +71,22 @@ def test_a_value_that_the_angle_told_is_no_correction():
 
 
 def test_a_joint_without_stiffness_carries_nothing_and_a_sound_one_carries():
-    passes = inverse_dynamics([joint(1), joint(2)], BAND)
-    sound = identify(jointed(**KNOWN), passes).plant
-    assert idle(passes, sound) is None
+    inverses = inverse_dynamics([joint(1), joint(2)], BAND)
+    sound = identify(jointed(**KNOWN), inverses).plant
+    assert idle(inverses, sound) is None
     assert sound["linear_stiffness@joint"].parameters["stiffness"].value == pytest.approx(K, rel=0.02)
     still = sound.with_values({"linear_stiffness@joint": {"stiffness": 0.0}, "linear_damping@joint": {"damping": 0.0}})
-    found = idle(passes, still)
+    found = idle(inverses, still)
     assert found.kind == CARRIES_NOTHING and "no torque" in found.sentence
-    loose = idle(passes, sound.with_values({"linear_stiffness@joint": {"stiffness": 1e-3 * K}}))
+    loose = idle(inverses, sound.with_values({"linear_stiffness@joint": {"stiffness": 1e-3 * K}}))
     assert "of the load's balance" in loose.sentence and loose.evidence["error"] > 0.9
 
 
 @pytest.mark.parametrize("name", ["kr300_axis1", "kr300_axis1_JmJl", "kr300_axis3", "kr300_axis3_JmJl"])
 def test_the_clock_of_a_robots_link_encoder_is_the_first_candidate(name):
     campaign = load(measured("measured", name))
-    passes = inverse_dynamics(campaign.records, campaign.bandwidth)
-    found = skew_of(passes, campaign.plant)
+    inverses = inverse_dynamics(campaign.records, campaign.bandwidth)
+    found = skew_of(inverses, campaign.plant)
     assert found.candidate.key == "clock_skew@sensor.load_position"
     assert 2.6e-3 < found.late.values["offset"] < 3.3e-3
     before = {e.key: e for e in campaign.plant.effects}  # nothing else is touched, a fixed inertia least
@@ -96,8 +96,8 @@ def test_the_clock_of_a_robots_link_encoder_is_the_first_candidate(name):
 @pytest.mark.parametrize("name", ["kr300_axis1", "kr300_axis1_JmJl"])
 def test_of_a_stiff_robot_axis_the_fit_says_that_its_joint_carries_nothing(name):
     campaign = load(measured("measured", name))
-    passes = inverse_dynamics(campaign.records, campaign.bandwidth)
-    assert idle(passes, identify(campaign.plant, passes).plant).kind == CARRIES_NOTHING
+    inverses = inverse_dynamics(campaign.records, campaign.bandwidth)
+    assert idle(inverses, identify(campaign.plant, inverses).plant).kind == CARRIES_NOTHING
 
 
 def test_of_two_masses_only_the_campaign_that_lacks_a_clock_gets_one(data):

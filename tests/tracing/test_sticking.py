@@ -46,10 +46,10 @@ def declared() -> Plant:
 
 
 def test_samples_at_rest_count_in_no_error_where_they_hold_most_of_the_residual():
-    passes = inverse_dynamics([recorded("a", IDENTIFICATION, 0.6), recorded("b", VALIDATION, 0.8)], BAND)
-    found = sticking(declared(), passes)
+    inverses = inverse_dynamics([recorded("a", IDENTIFICATION, 0.6), recorded("b", VALIDATION, 0.8)], BAND)
+    found = sticking(declared(), inverses)
     assert found is not None and found.power > 0.8 and found.samples < 0.4
-    whole, moving = identify(declared(), passes), identify(declared(), found.passes)
+    whole, moving = identify(declared(), inverses), identify(declared(), found.inverses)
     assert moving.identification < 0.02 < 0.1 < whole.identification
     value = moving.plant["coulomb_friction@axis"].parameters["coulomb"].value
     assert value == pytest.approx(COULOMB, rel=0.02)
@@ -57,8 +57,8 @@ def test_samples_at_rest_count_in_no_error_where_they_hold_most_of_the_residual(
 
 
 def test_an_axis_that_does_not_stop_counts_everywhere():
-    passes = inverse_dynamics([recorded("a", IDENTIFICATION, 0.6, stop=0.0)], BAND)
-    assert sticking(declared(), passes) is None
+    inverses = inverse_dynamics([recorded("a", IDENTIFICATION, 0.6, stop=0.0)], BAND)
+    assert sticking(declared(), inverses) is None
 
 
 def test_friction_with_memory_has_a_prediction_at_rest():
@@ -67,9 +67,9 @@ def test_friction_with_memory_has_a_prediction_at_rest():
 
 
 def test_a_trace_names_nothing_of_an_axis_that_only_sticks():
-    passes = inverse_dynamics([recorded("a", IDENTIFICATION, 0.6), recorded("b", VALIDATION, 0.8)], BAND)
+    inverses = inverse_dynamics([recorded("a", IDENTIFICATION, 0.6), recorded("b", VALIDATION, 0.8)], BAND)
     names = ("transport_delay", "stribeck_friction", "coulomb_asymmetry", "constant_offset", "sensor_trend")
-    found = trace(declared(), passes, only=names)
+    found = trace(declared(), inverses, only=names)
     assert found.verdict == "nothing_missing"
     assert [f.kind for f in found.findings].count("sticks") == 1
 
@@ -89,9 +89,9 @@ def pulled(record: Record, stiffness: float) -> Record:
 def test_what_is_missing_may_hide_that_an_axis_sticks_and_a_search_begins_anew_beside_it():
     """With a spring that leaves more than rest does the declared model does not show it; with the spring found it does."""
     records = [pulled(recorded(n, r, p), 1500.0) for n, r, p in (("a", IDENTIFICATION, 0.6), ("b", VALIDATION, 0.8))]
-    passes = inverse_dynamics(records, BAND)
-    assert sticking(declared(), passes) is None
-    found = trace(declared(), passes, only=("cable_spring", "transport_delay", "flexible_mode", "gravity"))
+    inverses = inverse_dynamics(records, BAND)
+    assert sticking(declared(), inverses) is None
+    found = trace(declared(), inverses, only=("cable_spring", "transport_delay", "flexible_mode", "gravity"))
     assert found.verdict == "cause" and found.added == ("cable_spring",)
     stuck = [f for f in found.findings if f.kind == "sticks"]
     assert len(stuck) == 1 and "found beside it" in stuck[0].sentence

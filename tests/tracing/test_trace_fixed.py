@@ -72,8 +72,8 @@ def test_no_fixed_value_of_any_campaign_moves_where_values_are_taken_over():
 def test_a_trace_moves_no_fixed_value_that_it_does_not_name(name, added):
     """Inertias are declared fixed: of the first two campaigns wrongly so, of the third a load encoder is late."""
     campaign = load(measured(name))
-    passes = inverse_dynamics(campaign.records, campaign.bandwidth)
-    found = trace(campaign.plant, passes, most=2, only=("inertia", "clock_skew", "stribeck_friction"))
+    inverses = inverse_dynamics(campaign.records, campaign.bandwidth)
+    found = trace(campaign.plant, inverses, most=2, only=("inertia", "clock_skew", "stribeck_friction"))
     assert moved(found, campaign.plant) == {}
     assert ("inertia" in found.added) == added
     for c in as_dict(found, {})["causes"]:

@@ -25,7 +25,7 @@ T = DT * np.arange(20000)
 SOURCE = Source(Path("made"), "", "made", {})
 
 
-def passes(position: np.ndarray, force: np.ndarray, count: float = COUNT) -> tuple[InverseDynamics, ...]:
+def inverses(position: np.ndarray, force: np.ndarray, count: float = COUNT) -> tuple[InverseDynamics, ...]:
     channels = {"position": position.copy(), "force": force.copy()}
     record = Record("made", IDENTIFICATION, T.copy(), channels, {}, SOURCE, {"position": count} if count else {})
     return inverse_dynamics([record], BAND)
@@ -33,7 +33,7 @@ def passes(position: np.ndarray, force: np.ndarray, count: float = COUNT) -> tup
 
 def test_no_order_is_finer_than_half_of_what_the_counts_sample():
     """At 5 mm/s and below a wave of two counts passes in the band, so the encoder is what limits."""
-    slow = passes(0.05 * np.sin(0.1 * T), 0 * T)
+    slow = inverses(0.05 * np.sin(0.1 * T), 0 * T)
     assert resolved(slow) == pytest.approx(np.pi / COUNT)
 
 
@@ -49,26 +49,26 @@ def test_two_encoders_tell_where_a_clock_starts(channel):
 
 def test_one_encoder_tells_nothing_of_its_clock():
     axis = Plant(ONE_MASS, ()) + find("inertia")(inertia=1.0)
-    assert lateness(passes(np.sin(T), 0 * T), axis, "position") == {}
+    assert lateness(inverses(np.sin(T), 0 * T), axis, "position") == {}
 
 
 def test_no_order_passes_faster_than_the_evaluation_filter():
     """A ramp at 2 m/s: f_c = 50 Hz is an order of 2 pi 50/2 per metre."""
-    fast = passes(2.0 * T, 0 * T, count=0.0)
+    fast = inverses(2.0 * T, 0 * T, count=0.0)
     assert resolved(fast) == pytest.approx(2 * np.pi * BAND / 2.0, rel=0.01)
 
 
 def test_a_residual_that_follows_the_counts_starts_no_wave_of_their_pitch():
     """Rounded to counts, a position seen through a wave of the encoder's own pitch is constant or slow: an alias."""
     q = np.round(0.05 * np.sin(0.1 * T) / COUNT) * COUNT
-    given = passes(q, np.cos(2 * np.pi / (1.01 * COUNT) * q))
+    given = inverses(q, np.cos(2 * np.pi / (1.01 * COUNT) * q))
     plant = Plant(ONE_MASS, rotary=False) + find("coulomb_friction")
     found = starts(find("cogging"), given, [given[0].motion.u], plant)
     assert found and max(s["order"] for s in found) <= np.pi / COUNT
 
 
 def test_a_budget_bounds_how_many_starts_a_candidate_has():
-    given = passes(0.05 * np.sin(0.1 * T), np.sin(3.0 * T))
+    given = inverses(0.05 * np.sin(0.1 * T), np.sin(3.0 * T))
     plant = Plant(ONE_MASS, rotary=False) + find("coulomb_friction")
     every = starts(find("presliding_hysteresis"), given, [given[0].motion.u], plant)
     few = starts(find("presliding_hysteresis"), given, [given[0].motion.u], plant, Budget(strokes=2))
@@ -80,7 +80,7 @@ def test_a_budget_bounds_how_many_starts_a_candidate_has():
 
 
 def test_the_search_keeps_orders_between_one_period_of_travel_and_what_is_resolved():
-    given = passes(0.05 * np.sin(0.1 * T), 0 * T)
+    given = inverses(0.05 * np.sin(0.1 * T), 0 * T)
     plant = Plant(ONE_MASS, rotary=False) + find("cogging")(order=1e6)
     p = within_reach(plant, given)["cogging"].parameters["order"]
     assert p.lower == pytest.approx(2 * np.pi / np.ptp(given[0].motion.q))
@@ -107,7 +107,7 @@ def test_an_offered_presliding_length_is_found_and_comes_out_right():
         w = min(max(w + step, -2e-4), 2e-4)
         force[i] = 3.0 * w / 2e-4
     force += 0.02 * np.random.default_rng(1).normal(size=T.size)
-    given = passes(q, force, count=1e-7)
+    given = inverses(q, force, count=1e-7)
     plant = Plant(ONE_MASS, rotary=False) + find("constant_offset") + find("coulomb_friction")
     names = ("presliding_length", "fading_memory", "stribeck_friction", "coulomb_asymmetry")
     found = trace(plant, given, most=2, only=names, own=(find("presliding_length"),))
@@ -123,7 +123,7 @@ def test_an_order_that_the_rig_makes_known_is_held():
     )
     q = 0.02 * np.sin(0.8 * T) + 0.011 * np.sin(2.3 * T)
     force = 5.0 * np.tanh(1e3 * np.gradient(q, DT)) + np.sin(900.0 * q + 0.4)
-    given = passes(q, force + 0.05 * np.random.default_rng(2).normal(size=T.size), count=1e-7)
+    given = inverses(q, force + 0.05 * np.random.default_rng(2).normal(size=T.size), count=1e-7)
     plant = Plant(ONE_MASS, rotary=False) + find("coulomb_friction")
     found = trace(plant, given, most=1, only=("cogging turn", "cable_spring"), own=(turn,))
     assert found.added == ("cogging",) and found.causes[0].effect == "cogging turn"

@@ -81,15 +81,15 @@ def dwelling() -> tuple[Plant, list]:
 
 
 def test_what_stiction_holds_at_rest_does_not_bend_the_friction_that_is_fitted():
-    plant, passes = dwelling()
-    told = {e.parameter: e.value for e in identify(plant, decimate(passes, plant)).estimates}
-    bent = {e.parameter: e.value for e in identify(plant, decimate(passes)).estimates}
+    plant, inverses = dwelling()
+    told = {e.parameter: e.value for e in identify(plant, decimate(inverses, plant)).estimates}
+    bent = {e.parameter: e.value for e in identify(plant, decimate(inverses)).estimates}
     for name, value in {"coulomb": 0.5, "viscous": 0.3}.items():  # the moments beside a rest still count
         assert abs(told[name] - value) < 0.4 * abs(bent[name] - value)
 
 
 def test_rest_counts_where_friction_has_a_memory_or_is_none():
-    plant, passes = dwelling()
-    assert decimate(passes, plant)[0].counts is not None
+    plant, inverses = dwelling()
+    assert decimate(inverses, plant)[0].counts is not None
     for other in (plant.without("coulomb_friction@axis"), plant + find("presliding_hysteresis")):
-        assert decimate(passes, other)[0].counts is None
+        assert decimate(inverses, other)[0].counts is None

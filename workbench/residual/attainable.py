@@ -20,7 +20,7 @@ class Attainable:
     across: float
 
 
-def attainable(fit: Fit, passes: Sequence[InverseDynamics]) -> Attainable:
+def attainable(fit: Fit, inverses: Sequence[InverseDynamics]) -> Attainable:
     """Return how far one identification and one validation record repeat themselves and each other, seen beside `fit`.
 
     `across` is what is left on the validation record by whoever takes what `fit` lacks from the identification record, as
@@ -28,7 +28,7 @@ def attainable(fit: Fit, passes: Sequence[InverseDynamics]) -> Attainable:
     """
     found = {}
     for role in ROLES:
-        m = next(p.motion for p in passes if p.motion.record.role == role)
+        m = next(p.motion for p in inverses if p.motion.record.role == role)
         s = fit.series[m.record.name]
         found[role] = m, s.residual, float(np.sqrt(np.mean(s.measured[s.keep] ** 2)))
     each = {role: repeats(m, r) for role, (m, r, _) in found.items()}

@@ -105,12 +105,12 @@ def directions(position: np.ndarray, counts: float) -> tuple[np.ndarray, np.ndar
     return direction, travelled - travelled[np.maximum.accumulate(np.where(turned, index, 0))]
 
 
-def pooled(passes: Sequence[InverseDynamics], plant: Plant, drive: Mapping[str, np.ndarray]) -> Pooled:
+def pooled(inverses: Sequence[InverseDynamics], plant: Plant, drive: Mapping[str, np.ndarray]) -> Pooled:
     """Return records side by side with what residuals are held against. drive: record -> (n,) what the model asks for."""
     x, turn = plant.displacement, 2 * np.pi
     parts: dict[tuple[str, str], list[np.ndarray]] = {}
     ends, moves = [], []
-    for p in passes:
+    for p in inverses:
         m, keep = p.motion, p.motion.keep
         direction, stroke = directions(m.record.channels["position"], m.counts)
         found = {(POSITION_NAME, x): m.q}
@@ -136,7 +136,7 @@ def pooled(passes: Sequence[InverseDynamics], plant: Plant, drive: Mapping[str, 
         if np.ptp(values) > 0.0:
             found.append(Coordinate(name, unit, values, (_decades if name == STROKE else borders)(values)))
     found.append(Coordinate(DIRECTION, "1", moving, np.array([-1.5, -0.5, 0.5, 1.5])))
-    return Pooled(tuple(p.motion.record.name for p in passes), first, direction, tuple(found))
+    return Pooled(tuple(p.motion.record.name for p in inverses), first, direction, tuple(found))
 
 
 def binned(c: Coordinate, residual: np.ndarray, pool: Pooled, direction: int = EITHER, record: str = "") -> Map:

@@ -22,9 +22,9 @@ BANDS = 12  # of frequency, for it
 QUIET = (1.6, 0.42)  # band read for noise: from this times the evaluation bandwidth to this times the sampling rate
 
 
-def _quiet_spectrum(passes: InverseDynamics) -> tuple[np.ndarray, np.ndarray] | None:
+def _quiet_spectrum(inverses: InverseDynamics) -> tuple[np.ndarray, np.ndarray] | None:
     """Return (frequencies, power of the drive) above the evaluation band, or None where no quiet band is left."""
-    m = passes.motion
+    m = inverses.motion
     spectrum = np.abs(np.fft.rfft(m.u - m.filter(m.u))) ** 2
     f = np.fft.rfftfreq(m.u.size, m.dt)
     band = (f > QUIET[0] * m.filter.bandwidth) & (f < QUIET[1] / m.dt)
@@ -34,12 +34,12 @@ def _quiet_spectrum(passes: InverseDynamics) -> tuple[np.ndarray, np.ndarray] | 
     return f[band], spectrum[band] / np.maximum(unseen, 1e-3)
 
 
-def _drive_noise(passes: InverseDynamics) -> float:
+def _drive_noise(inverses: InverseDynamics) -> float:
     """Return the rms of the drive's noise behind the evaluation filter, or 0 where no quiet band is left to read it."""
-    found = _quiet_spectrum(passes)
+    found = _quiet_spectrum(inverses)
     if found is None:
         return 0.0
-    m = passes.motion
+    m = inverses.motion
     _, power = found
     response = 1 / (1 + (np.fft.rfftfreq(m.u.size, m.dt) / m.filter.bandwidth) ** 8)
     density = np.median(power) / np.log(2)  # median of a chi-square of two degrees of freedom
@@ -70,9 +70,9 @@ def _in_counts(x: np.ndarray, count: float) -> np.ndarray:
     return np.where(fast, x + count * spread, read)
 
 
-def read_again(passes: InverseDynamics) -> tuple[Record, Record] | None:
+def read_again(inverses: InverseDynamics) -> tuple[Record, Record] | None:
     """Return (a record of a motion that runs between the counts, that motion as its encoders read it); None without counts."""
-    m = passes.motion
+    m = inverses.motion
     record = m.record
     counts = {n: c for n, c in record.resolution.items() if n in ENCODERS and n in record.channels and c > 0}
     if not counts:
@@ -83,28 +83,28 @@ def read_again(passes: InverseDynamics) -> tuple[Record, Record] | None:
     return tuple(replace(record, channels={**record.channels, **positions}) for positions in (true, read))
 
 
-def _encoder_noise(passes: InverseDynamics, plant: Plant) -> float:
+def _encoder_noise(inverses: InverseDynamics, plant: Plant) -> float:
     """Return the rms change of the filtered required drive when motion between counts is read in counts.
 
     All encoders at once, through the derivative filter and through operators with memory alike: what the fit would be
     left with on a drive without noise.
     """
-    records = read_again(passes)
+    records = read_again(inverses)
     if records is None:
         return 0.0
-    m = passes.motion
+    m = inverses.motion
     true, read = (m.filter(required(InverseDynamics(motion(r, m.filter.bandwidth)), plant)) for r in records)
     return float(np.sqrt(np.mean((read - true)[m.keep] ** 2)))
 
 
-def _coloured(passes: Sequence[InverseDynamics]) -> bool:
+def _coloured(inverses: Sequence[InverseDynamics]) -> bool:
     """Whether the drive's noise falls with frequency above the band, so that it says nothing of the noise inside.
 
     Its power goes with f^-n; n from the medians of the quiet band's first and last third, of the record where it is least:
     steps of the command fall with frequency too.
     """
     falls = []
-    for p in passes:
+    for p in inverses:
         found = _quiet_spectrum(p)
         if found is not None:
             (low, _, high), (below, _, above) = (np.array_split(x, 3) for x in found)
@@ -138,35 +138,35 @@ def stationary_rms(residuals: Sequence[np.ndarray], dt: float, bandwidth: float)
     return float(np.sqrt(2 * total / (n * np.sum(taper**2))))
 
 
-def noise_rms(passes: Sequence[InverseDynamics], plant: Plant, steady: float = 0.0) -> dict[str, float]:
+def noise_rms(inverses: Sequence[InverseDynamics], plant: Plant, steady: float = 0.0) -> dict[str, float]:
     """Return record -> the rms of the filtered residual, in N*m or N, that drive noise and encoder counts alone would leave.
 
     The noise belongs to the drive, not to the motion: the quietest record tells it, because steps of the command look like
     noise above the band. steady: as `with_stationary` takes it.
     """
-    heard = [n for n in (_drive_noise(p) for p in passes) if n > 0]
+    heard = [n for n in (_drive_noise(p) for p in inverses) if n > 0]
     quietest = min(heard, default=0.0)
-    found = {p.motion.record.name: float(np.hypot(quietest, _encoder_noise(p, plant))) for p in passes}
-    return with_stationary(found, passes, steady)
+    found = {p.motion.record.name: float(np.hypot(quietest, _encoder_noise(p, plant))) for p in inverses}
+    return with_stationary(found, inverses, steady)
 
 
-def with_stationary(level: dict[str, float], passes: Sequence[InverseDynamics], steady: float) -> dict[str, float]:
+def with_stationary(level: dict[str, float], inverses: Sequence[InverseDynamics], steady: float) -> dict[str, float]:
     """Return levels that are no lower than the steady part of a residual, where the drive's noise is coloured.
 
     steady: `stationary_rms` of the residual of the model with what was added. Coloured noise (or a signal that was filtered before it
     was logged) says nothing above the band of what is inside.
     """
-    if steady > 0.0 and _coloured(passes):
+    if steady > 0.0 and _coloured(inverses):
         return {name: max(x, steady) for name, x in level.items()}
     return level
 
 
-def floor(passes: Sequence[InverseDynamics], level: Mapping[str, float]) -> dict[str, float]:
+def floor(inverses: Sequence[InverseDynamics], level: Mapping[str, float]) -> dict[str, float]:
     """Return role -> the nrmse that residuals of these levels make."""
     result = {}
     for role in ROLES:
         noise = power = 0.0
-        for p in sorted(passes, key=lambda p: p.motion.record.name):
+        for p in sorted(inverses, key=lambda p: p.motion.record.name):
             if p.motion.record.role == role:
                 n = p.motion.keep.stop - p.motion.keep.start
                 noise += n * level[p.motion.record.name] ** 2

@@ -10,17 +10,19 @@ BINS = 1 << 14  # of position, for the spectrum over angle
 PEAKS = 4  # orders named at most, the largest first
 
 
-def order_spectrum(passes: Sequence[InverseDynamics], residuals: Sequence[np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
+def order_spectrum(
+    inverses: Sequence[InverseDynamics], residuals: Sequence[np.ndarray]
+) -> tuple[np.ndarray, np.ndarray]:
     """Return (orders, amplitude): |sum r exp(-i k q)| 2/N over all records, k in 1/x up to half the bins.
 
     residuals: (n,) each, zero where nothing counts. Padded four times, so that a peak is found within a quarter of the
     resolution 2 pi/travel.
     """
-    low = min(float(p.motion.q.min()) for p in passes)
-    high = max(float(p.motion.q.max()) for p in passes)
+    low = min(float(p.motion.q.min()) for p in inverses)
+    high = max(float(p.motion.q.max()) for p in inverses)
     width = max(high - low, 1e-300) / BINS
     total = np.zeros(BINS)
-    for p, r in zip(passes, residuals, strict=True):
+    for p, r in zip(inverses, residuals, strict=True):
         index = np.clip(((p.motion.q - low) / width).astype(int), 0, BINS - 1)
         # a dwell would put many samples into one bin: weigh samples by the distance they cover
         weight = np.abs(p.motion.v) * p.motion.dt / width

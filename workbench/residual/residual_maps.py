@@ -58,19 +58,19 @@ class ResidualMaps:
     load: Mapping[str, tuple[float, ...]] = field(default_factory=dict)
 
 
-def map_residual(passes: Sequence[InverseDynamics], declared: Fit, extended: Fit | None) -> tuple[ResidualMaps, ...]:
+def map_residual(inverses: Sequence[InverseDynamics], declared: Fit, extended: Fit | None) -> tuple[ResidualMaps, ...]:
     """Return where the residual of the declared and of the extended plant lives on the identification records.
 
     extended: None where nothing was added. The residual of the drive is that of both fits; over time, all records are there. With two masses and a joint that has
     a stiffness, the residual of the angle follows.
     """
-    chosen = identifying(passes)
-    parts = [lambda: drives(chosen, declared, extended), lambda: _of_angle(passes, chosen, declared, extended)]
+    chosen = identifying(inverses)
+    parts = [lambda: drives(chosen, declared, extended), lambda: _of_angle(inverses, chosen, declared, extended)]
     return tuple(w for w in shared(lambda part: part(), parts) if w is not None)
 
 
 def _of_angle(
-    passes: Sequence[InverseDynamics], chosen: Sequence[InverseDynamics], declared: Fit, extended: Fit | None
+    inverses: Sequence[InverseDynamics], chosen: Sequence[InverseDynamics], declared: Fit, extended: Fit | None
 ) -> ResidualMaps | None:
     """Return where the residual of the angle lives; None of one mass, or where the joint has no stiffness."""
     moving = [p for p in chosen if declared.plant.kind == TWO_MASS and p.rows(declared.plant) == 2]
@@ -78,27 +78,27 @@ def _of_angle(
     left = [angle_residual(moving, fit.plant) for fit in fits] if moving else []
     if not left or any(r is None for r in left):
         return None
-    errors = [load_errors(passes, fit.plant) for fit in fits]
+    errors = [load_errors(inverses, fit.plant) for fit in fits]
     load = {role: tuple(e[role] for e in errors) for role in errors[0]}
     return replace(_angles(moving, declared, left), load=load)
 
 
-def identifying(passes: Sequence[InverseDynamics]) -> list[InverseDynamics]:
+def identifying(inverses: Sequence[InverseDynamics]) -> list[InverseDynamics]:
     """Return the identification records, by name; all where there are none."""
-    chosen = [p for p in passes if p.motion.record.role == IDENTIFICATION] or list(passes)
+    chosen = [p for p in inverses if p.motion.record.role == IDENTIFICATION] or list(inverses)
     return sorted(chosen, key=lambda p: p.motion.record.name)
 
 
-def drives(passes: Sequence[InverseDynamics], declared: Fit, extended: Fit | None) -> ResidualMaps:
+def drives(inverses: Sequence[InverseDynamics], declared: Fit, extended: Fit | None) -> ResidualMaps:
     """Return where the residual of the drive lives."""
     plant = declared.plant
-    pool = pooled(passes, plant, {n: s.predicted for n, s in declared.series.items()})
+    pool = pooled(inverses, plant, {n: s.predicted for n, s in declared.series.items()})
 
     def one(fit: Fit) -> Residual:
         series = [fit.series[n] for n in pool.records]
         left = np.concatenate([s.residual[s.keep] for s in series])
         found = (*maps(pool, left), *over_time(fit))
-        spectra = over_frequency(passes, left), over_order(passes, left, plant.displacement)
+        spectra = over_frequency(inverses, left), over_order(inverses, left, plant.displacement)
         return Residual(found, spectra, windows(found))
 
     of = "torque" if plant.rotary else "force"
@@ -107,24 +107,24 @@ def drives(passes: Sequence[InverseDynamics], declared: Fit, extended: Fit | Non
     )
 
 
-def _angles(passes: Sequence[InverseDynamics], declared: Fit, left: Sequence[np.ndarray]) -> ResidualMaps:
+def _angles(inverses: Sequence[InverseDynamics], declared: Fit, left: Sequence[np.ndarray]) -> ResidualMaps:
     """Return where the residual of the angle lives. left: of each model, in the samples that count."""
     plant = declared.plant
-    pool = pooled(passes, plant, {n: s.predicted for n, s in declared.series.items()})
+    pool = pooled(inverses, plant, {n: s.predicted for n, s in declared.series.items()})
 
     def one(residual: np.ndarray) -> Residual:
         found = maps(pool, residual)
-        spectra = over_frequency(passes, residual), over_order(passes, residual, plant.displacement)
+        spectra = over_frequency(inverses, residual), over_order(inverses, residual, plant.displacement)
         return Residual(found, spectra, windows(found))
 
     before, after = (*map(one, left), *(None,) * (2 - len(left)))
     return ResidualMaps("angle", plant.displacement, pool.records, before, after, plant.rotary)
 
 
-def joint_stiffness(passes: Sequence[InverseDynamics], plant: Plant) -> float:
+def joint_stiffness(inverses: Sequence[InverseDynamics], plant: Plant) -> float:
     """Return the slope of the joint's torque over its deflection, by least squares over all samples, N*m/rad or N/m."""
     product = square = 0.0
-    for p in passes:
+    for p in inverses:
         x = p.bodies.body(plant, "joint")[1][POSITION]
         x = x - x.mean()
         torque = np.zeros(x.size)
@@ -135,15 +135,15 @@ def joint_stiffness(passes: Sequence[InverseDynamics], plant: Plant) -> float:
     return product / square if square > 0.0 else 0.0
 
 
-def angle_residual(passes: Sequence[InverseDynamics], plant: Plant) -> np.ndarray | None:
+def angle_residual(inverses: Sequence[InverseDynamics], plant: Plant) -> np.ndarray | None:
     """Return the deflection that the load's motion asks for less the measured one, in the samples that count, rad or m.
 
     It is what the load's balance leaves, over the joint's mean stiffness. None where the joint has no stiffness.
     """
-    stiffness = joint_stiffness(passes, plant)
+    stiffness = joint_stiffness(inverses, plant)
     if not stiffness > 0.0:
         return None
-    left = [p.motion.filter(balances(p, plant)[1])[p.motion.keep] for p in passes]
+    left = [p.motion.filter(balances(p, plant)[1])[p.motion.keep] for p in inverses]
     return np.concatenate(left) / stiffness
 
 

@@ -23,14 +23,14 @@ class Samples:
     floor: np.ndarray
 
 
-def samples(passes: Sequence[InverseDynamics], plant: Plant, level: Mapping[str, float]) -> Samples:
-    """Return the samples of a problem over these passes. level: record -> rms of the floor.
+def samples(inverses: Sequence[InverseDynamics], plant: Plant, level: Mapping[str, float]) -> Samples:
+    """Return the samples of a problem over these inverse dynamics. level: record -> rms of the floor.
 
     The direction is that of friction at the drive's side: what acts in one direction acts by it, and friction that remembers
     turns later than the velocity.
     """
     parts: list[list[np.ndarray]] = [[] for _ in fields(Samples)]
-    for p in passes:
+    for p in inverses:
         m, keep, balances = p.motion, p.motion.keep, p.rows(plant)
         n = keep.stop - keep.start
         drive = np.tile(np.arange(balances) == 0, n)

@@ -33,20 +33,20 @@ class Spectrum:
     band: tuple[float, float] = (float("nan"), float("nan"))
 
 
-def _split(passes: Sequence[InverseDynamics], residual: np.ndarray) -> list[np.ndarray]:
+def _split(inverses: Sequence[InverseDynamics], residual: np.ndarray) -> list[np.ndarray]:
     """Return a pooled residual (n,) as one (n_i,) a record."""
-    ends = np.cumsum([p.motion.keep.stop - p.motion.keep.start for p in passes])
+    ends = np.cumsum([p.motion.keep.stop - p.motion.keep.start for p in inverses])
     return np.split(residual, ends[:-1])
 
 
-def over_frequency(passes: Sequence[InverseDynamics], residual: np.ndarray) -> Spectrum:
+def over_frequency(inverses: Sequence[InverseDynamics], residual: np.ndarray) -> Spectrum:
     """Return the density of a residual (n,) over frequency, the records weighed by their lengths (Welch 1967)."""
     from scipy.signal import welch
 
-    band = max(p.motion.filter.bandwidth for p in passes)
+    band = max(p.motion.filter.bandwidth for p in inverses)
     at = np.linspace(0.0, HIGHEST * band, POINTS)
     total, weight = np.zeros(POINTS), 0.0
-    for p, r in zip(passes, _split(passes, residual), strict=True):
+    for p, r in zip(inverses, _split(inverses, residual), strict=True):
         rate = 1 / p.motion.dt
         segment = min(r.size, int(rate / band * LINES))
         f, density = welch(r, rate, nperseg=segment, detrend=False)
@@ -66,23 +66,23 @@ def half(at: np.ndarray, power: np.ndarray) -> tuple[float, float]:
     return float(at[k]), float(at[min(ends[k] - 1, at.size - 1)])
 
 
-def over_order(passes: Sequence[InverseDynamics], residual: np.ndarray, unit: str) -> Spectrum:
+def over_order(inverses: Sequence[InverseDynamics], residual: np.ndarray, unit: str) -> Spectrum:
     """Return the amplitude of a residual (n,) over order, thinned to its largest values. unit: of position.
 
     Orders reach to the one that passes the evaluation filter at the median speed of what moves. Where an axis moves so fast
     that two samples lie farther apart than half of its wave, a sample says nothing of it and is left out: else a stretch of
     constant speed would show its own sampling as a line.
     """
-    speed = np.abs(np.concatenate([p.motion.v[p.motion.keep] for p in passes]))
+    speed = np.abs(np.concatenate([p.motion.v[p.motion.keep] for p in inverses]))
     typical = float(np.median(speed[speed >= MOVING * np.sqrt(np.mean(speed**2))]))
-    highest = 2 * np.pi * max(p.motion.filter.bandwidth for p in passes) / max(typical, 1e-300)
+    highest = 2 * np.pi * max(p.motion.filter.bandwidth for p in inverses) / max(typical, 1e-300)
     whole = []
-    for p, r in zip(passes, _split(passes, residual), strict=True):
+    for p, r in zip(inverses, _split(inverses, residual), strict=True):
         full = np.zeros(p.motion.u.size)
         full[p.motion.keep] = np.where(np.abs(p.motion.v[p.motion.keep]) * p.motion.dt * highest <= np.pi, r, 0.0)
         whole.append(full)
-    travel = max(float(np.ptp(p.motion.q)) for p in passes)
-    orders, amplitude = order_spectrum(passes, whole)
+    travel = max(float(np.ptp(p.motion.q)) for p in inverses)
+    orders, amplitude = order_spectrum(inverses, whole)
     shown = (orders * travel > 2 * np.pi) & (orders <= highest)
     orders, amplitude = orders[shown], amplitude[shown]
     if orders.size < 3:

@@ -23,11 +23,11 @@ from workbench.tracing.search import fitted, within_reach
 from workbench.tracing.state import State
 
 
-def _sound(passes: Sequence[InverseDynamics], plant: Plant) -> list[InverseDynamics]:
-    """Return decimated passes of the records that this plant would leave, without noise of the drive; none where counts are
+def _sound(inverses: Sequence[InverseDynamics], plant: Plant) -> list[InverseDynamics]:
+    """Return decimated inverse dynamics of the records that this plant would leave, without noise of the drive; none where counts are
     unknown."""
     found = []
-    for p in passes:
+    for p in inverses:
         records = read_again(p)
         if records is None:
             return []
@@ -45,7 +45,7 @@ def quantisation_bias(
 ) -> float:
     """Return the power that a candidate takes away of what counts alone leave, over that of the state's residual.
 
-    whole: passes of the identification records as they are. 0 where nothing comes of it.
+    whole: inverse dynamics of the identification records as they are. 0 where nothing comes of it.
     """
     made = _sound(whole, state.plant)
     if not made:

@@ -52,17 +52,17 @@ def decimated(record: Record, bandwidth: float, least: float = LEAST) -> Record:
 
 
 def decimate(
-    passes: Sequence[InverseDynamics], plant: Plant | None = None, least: float = LEAST
+    inverses: Sequence[InverseDynamics], plant: Plant | None = None, least: float = LEAST
 ) -> list[InverseDynamics]:
-    """Return passes over the decimated records; the same objects where nothing changes. least: kept rate over the band.
+    """Return the inverse dynamics over the decimated records; the same objects where nothing changes. least: kept rate over the band.
 
     plant: as declared; where it holds dry friction without memory at a body, that body's balance does not count at rest.
     """
-    return [thin_one(p, plant, least) for p in passes]
+    return [thin_one(p, plant, least) for p in inverses]
 
 
 def thin_one(p: InverseDynamics, plant: Plant | None = None, least: float = LEAST) -> InverseDynamics:
-    """Return passes over one decimated record, whose operators run at FINE times the band."""
+    """Return the inverse dynamics over one decimated record, whose operators run at FINE times the band."""
     band = p.motion.filter.bandwidth
     record = decimated(p.motion.record, band, least)
     at_rest = {place: still(p, place, WINDOW) for place in dry(plant)} if plant is not None else {}

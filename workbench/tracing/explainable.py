@@ -45,10 +45,10 @@ HEAVY = 20.0  # evaluation bandwidth over that of the position's low pass, where
 def explainable(state: State, criteria: Criteria) -> Explainable:
     """Return what could be explained of a state's residual of the drive, over the drive's rms."""
     residuals = state.problem.drive_part(_unseen(state))
-    parts = [part(p, r, state.plant.geometry.gear_ratio) for p, r in zip(state.passes, residuals, strict=True)]
+    parts = [part(p, r, state.plant.geometry.gear_ratio) for p, r in zip(state.inverses, residuals, strict=True)]
     whole = sum(float(p.residual @ p.residual) for p in parts)
     unit = 1.0 / sqrt(state.power) if state.power > 0.0 else 0.0
-    referenced = all("reference" in p.motion.record.channels for p in state.passes)
+    referenced = all("reference" in p.motion.record.channels for p in state.inverses)
     line, hum = strongest_lines(parts, criteria.line)
     return Explainable(
         exogenous=unit * sqrt(_exogenous(parts)),
@@ -203,7 +203,7 @@ def _over_place(state: State, parts: Sequence[Part]) -> float:
     if state.plant.kind != TWO_MASS:
         return 0.0
     sums = []
-    for p, x in zip(parts, state.passes, strict=True):
+    for p, x in zip(parts, state.inverses, strict=True):
         stretch = np.floor((p.time - p.time[0]) / STRETCH).astype(int)
         deflection = x.bodies.joint(state.plant)[1][POSITION][x.motion.keep]
         r, d = (np.where(p.moves, y, 0.0) for y in (p.residual, deflection - deflection.mean()))

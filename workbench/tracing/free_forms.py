@@ -37,13 +37,13 @@ class Free:
 
 def free_forms(
     plant: Plant,
-    passes: Sequence[InverseDynamics],
+    inverses: Sequence[InverseDynamics],
     families: Sequence[str] | None = None,
     residuals: Sequence[np.ndarray] = (),
 ) -> list[Free]:
     """Return the free-form law of each family (of these, all where None) at every place of a plant where it could act.
 
-    passes: of the identification records, from which the knots come. residuals: (n,) each, zero where nothing counts, whose
+    inverses: of the identification records, from which the knots come. residuals: (n,) each, zero where nothing counts, whose
     peaks over position are the orders of what is periodic; none where they are not given. A family is left out where the records do not cover its
     coordinate (a travel of nothing, a bank without a friction that it could take the place of).
     """
@@ -54,7 +54,7 @@ def free_forms(
         for place in places(plant.kind, _sample(form)):
             if family != MEMORY and family_of(_sample(form)(at=place)) != family:
                 continue
-            made = _made_for(form, family, plant, passes, place, residuals)
+            made = _made_for(form, family, plant, inverses, place, residuals)
             if made is None or made.key in (e.key for e in plant.effects):
                 continue
             instead = needless(made, plant) or _replaced(made, plant)
@@ -81,70 +81,70 @@ def _made_for(
     form: FreeForm,
     family: str,
     plant: Plant,
-    passes: Sequence[InverseDynamics],
+    inverses: Sequence[InverseDynamics],
     place: str,
     residuals: Sequence[np.ndarray] = (),
 ) -> Effect | None:
     """Return the free-form law at a place with knots from the records; None where they do not cover its coordinate."""
     if family == "angle over angle":
-        return _of_angle(plant, passes, place)
+        return _of_angle(plant, inverses, place)
     if family == MEMORY:
-        knots = _slips(plant, passes, place)
+        knots = _slips(plant, inverses, place)
     elif family == "creep":
-        knots = _rates(passes, form.count)
+        knots = _rates(inverses, form.count)
     else:
-        knots = knots_of([_values(form, plant, p, place) for p in passes], form)
+        knots = knots_of([_values(form, plant, p, place) for p in inverses], form)
     if not knots:
         return None
     if family in PERIODIC and place != "joint" and len(residuals):
-        signed = [np.sign(p.motion.v) * r for p, r in zip(passes, residuals, strict=True)]
-        waves = _orders(passes, signed if family == "friction over position" else residuals)
+        signed = [np.sign(p.motion.v) * r for p, r in zip(inverses, residuals, strict=True)]
+        waves = _orders(inverses, signed if family == "friction over position" else residuals)
         return form.make(knots, plant.effects, place, orders=waves)
     return form.make(knots, plant.effects, place)
 
 
-def _of_angle(plant: Plant, passes: Sequence[InverseDynamics], place: str) -> Effect | None:
+def _of_angle(plant: Plant, inverses: Sequence[InverseDynamics], place: str) -> Effect | None:
     """Return the gear's error over its motor's turn, of the harmonics that the records show; None where they show no turn."""
     order = plant.geometry.gear_ratio
-    travel = max(float(np.ptp(p.motion.q)) for p in passes)
-    harmonics = min(HARMONICS, int(resolved(passes) / order))
+    travel = max(float(np.ptp(p.motion.q)) for p in inverses)
+    harmonics = min(HARMONICS, int(resolved(inverses) / order))
     return angle_over_angle(order, harmonics, place) if harmonics and order * travel > 2.0 * np.pi else None
 
 
-def _orders(passes: Sequence[InverseDynamics], residuals: Sequence[np.ndarray]) -> tuple[float, ...]:
+def _orders(inverses: Sequence[InverseDynamics], residuals: Sequence[np.ndarray]) -> tuple[float, ...]:
     """Return the orders of the largest peaks of residuals over position, each at the top of the parabola through its peak."""
-    found, amplitude = order_spectrum(passes, residuals)
-    travel = max(float(np.ptp(p.motion.q)) for p in passes)
+    found, amplitude = order_spectrum(inverses, residuals)
+    travel = max(float(np.ptp(p.motion.q)) for p in inverses)
     tops = []
-    for k in peaks(found, amplitude, travel, resolved(passes)):
+    for k in peaks(found, amplitude, travel, resolved(inverses)):
         i = int(np.searchsorted(found, k))
         a, b, c = amplitude[i - 1 : i + 2]
         tops.append(k + 0.5 * (a - c) / min(a - 2.0 * b + c, -1e-300) * (found[1] - found[0]))
     return tuple(float(k) for k in tops)
 
 
-def _values(form: FreeForm, plant: Plant, passes: InverseDynamics, place: str) -> np.ndarray:
+def _values(form: FreeForm, plant: Plant, inverses: InverseDynamics, place: str) -> np.ndarray:
     """Return a family's coordinate along one record, (n,), where errors count."""
-    m = passes.motion
+    m = inverses.motion
     if form.signal in ("u", "tau"):
-        return passes.command.applied(plant)[m.keep]
+        return inverses.command.applied(plant)[m.keep]
     if form.signal == "t":
         return m.t[m.keep]
-    _, body = passes.bodies.body(plant, place)
+    _, body = inverses.bodies.body(plant, place)
     return body[{"v": VELOCITY, "q": POSITION}[form.signal]][m.keep]
 
 
-def _rates(passes: Sequence[InverseDynamics], count: int) -> tuple[float, ...]:
+def _rates(inverses: Sequence[InverseDynamics], count: int) -> tuple[float, ...]:
     """Return rates of relaxation, 1/s: from once over the longest record to FASTEST of the band."""
-    slowest = 1.0 / max(float(np.ptp(p.motion.t)) for p in passes)
-    fastest = FASTEST * 2.0 * np.pi * min(p.motion.filter.bandwidth for p in passes)
+    slowest = 1.0 / max(float(np.ptp(p.motion.t)) for p in inverses)
+    fastest = FASTEST * 2.0 * np.pi * min(p.motion.filter.bandwidth for p in inverses)
     return tuple(float(r) for r in np.geomspace(slowest, fastest, count)) if fastest > slowest else ()
 
 
-def _slips(plant: Plant, passes: Sequence[InverseDynamics], place: str) -> tuple[float, ...]:
+def _slips(plant: Plant, inverses: Sequence[InverseDynamics], place: str) -> tuple[float, ...]:
     """Return the slips of a bank in the place of the friction that is declared there; empty where there is none."""
     there = [e for e in plant.effects if e.at == place and (e.name == "coulomb_friction" or "dir" in e.provides)]
-    counts = max((p.motion.counts for p in passes), default=0.0)
+    counts = max((p.motion.counts for p in inverses), default=0.0)
     for e in sorted(there, key=lambda e: not e.provides):
         try:
             return slips_of(e, counts)

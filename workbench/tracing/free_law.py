@@ -39,7 +39,7 @@ def free_law(
     asked = {k: j for k, j in list(asked.items())[: budget.families] if k[0] in FREE_FORMS and k[0] != MEMORY}
     forms = [
         f
-        for f in free_forms(state.plant, state.passes, sorted({family for family, _ in asked}), state.residuals)
+        for f in free_forms(state.plant, state.inverses, sorted({family for family, _ in asked}), state.residuals)
         if (f.family, f.candidate.at) in asked
     ]
     forms = [

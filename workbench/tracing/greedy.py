@@ -37,7 +37,7 @@ def extended(
 ) -> list[Step]:
     """Add effects one after another while one earns its place. Only the last step may have added nothing.
 
-    whole: passes of the identification records as they are. Near the floor an effect must take away a plain share, and of more than what counts alone would leave. One effect may be added
+    whole: inverse dynamics of the identification records as they are. Near the floor an effect must take away a plain share, and of more than what counts alone would leave. One effect may be added
     provisionally (see `promised`): it stays where a later one earns its place, and `pruned` asks whether it earns its own.
     freshly: a state with its free virgin curves found anew.
     """

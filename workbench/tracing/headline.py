@@ -45,7 +45,8 @@ def _what_of(causes: Sequence[Cause], plant: Plant) -> str:
         (ADDITION, "is missing", "are missing"),
         (CORRECTION, "is declared with a wrong value", "are declared with wrong values"),
     ):
-        names = _named([c for c in causes if c.kind == kind], plant)
+        of_kind = [c for c in causes if c.kind == kind]
+        names = [*_named(of_kind, plant), *(title(n) for c in of_kind for n in c.also)]
         if names:
             parts.append(f"{_enumerated(names)} {one if len(names) == 1 else many}")
     return ", and ".join(parts)

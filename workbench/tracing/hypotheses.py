@@ -25,17 +25,17 @@ class Tried:
 
 
 def tried(
-    plant: Plant, passes: Sequence[InverseDynamics], hypotheses: Mapping[str, Effect], say: Say = lambda _: None
+    plant: Plant, inverses: Sequence[InverseDynamics], hypotheses: Mapping[str, Effect], say: Say = lambda _: None
 ) -> tuple[Tried, ...]:
     """Return what each hypothesis (its words -> effect) comes to when it alone is added to `plant`.
 
     An effect that the trace offers anyway may be given with a label, so that it is judged with the values it carries.
     """
     own = {e.named: e for e in hypotheses.values()}
-    ranked = {c.effect: c for c in trace(plant, passes, say, most=1, only=tuple(own), own=tuple(own.values())).ranked}
+    ranked = {c.effect: c for c in trace(plant, inverses, say, most=1, only=tuple(own), own=tuple(own.values())).ranked}
     result = []
     for words, e in hypotheses.items():
-        fit = identify(plant + e, passes)
+        fit = identify(plant + e, inverses)
         one = ranked[e.named]
         result.append(Tried(words, e.named, one.gain, one.scatter, fit.identification, fit.validation))
     return tuple(result)

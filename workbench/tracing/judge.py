@@ -78,7 +78,7 @@ def refitted(state: State, j: ScoredCandidate, criteria: Criteria) -> dict:
     """Fit a candidate with everything free: what changes of its judgement, as plain data; nothing where that has no value."""
     try:
         after = State(
-            free_of(state, j).plant, state.passes, j.theta, base=state.solution.cost, most=FURTHER, tolerance=COMPARED
+            free_of(state, j).plant, state.inverses, j.theta, base=state.solution.cost, most=FURTHER, tolerance=COMPARED
         )
     except NoValue:
         return {}

@@ -15,10 +15,10 @@ from workbench.record import IDENTIFICATION, VALIDATION
 
 @dataclass(frozen=True, eq=False)
 class Mended:
-    """lost: what was put back. passes: over the records with it. before, after: fits of the declared plant without and with it."""
+    """lost: what was put back. inverses: over the records with it. before, after: fits of the declared plant without and with it."""
 
     lost: LostCounts
-    passes: Sequence[InverseDynamics]
+    inverses: Sequence[InverseDynamics]
     before: Fit
     after: Fit
 
@@ -37,14 +37,14 @@ class Mended:
         return replace(said, sentence=f"{said.sentence} {back}", evidence={**said.evidence, "share": self.size})
 
 
-def mended(plant: Plant, passes: Sequence[InverseDynamics], least: float) -> Mended | None:
+def mended(plant: Plant, inverses: Sequence[InverseDynamics], least: float) -> Mended | None:
     """Return the records with the counts put back that an encoder lost, None where none did or it is worth less than `least`.
 
     least: share of the drive's rms.
     """
-    lost = lost_counts([p.motion.record for p in passes])
+    lost = lost_counts([p.motion.record for p in inverses])
     if lost is None:
         return None
-    whole = inverse_dynamics([lost.mended(p.motion.record) for p in passes], passes[0].motion.filter.bandwidth)
-    found = Mended(lost, whole, identify(plant, passes), identify(plant, whole))
+    whole = inverse_dynamics([lost.mended(p.motion.record) for p in inverses], inverses[0].motion.filter.bandwidth)
+    found = Mended(lost, whole, identify(plant, inverses), identify(plant, whole))
     return found if found.size >= least else None

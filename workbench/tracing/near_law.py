@@ -43,7 +43,7 @@ class Law:
         return f"{NAME}@{self.declared.at}"
 
 
-def laws(plant: Plant, passes: Sequence[InverseDynamics]) -> tuple[Law, ...]:
+def laws(plant: Plant, inverses: Sequence[InverseDynamics]) -> tuple[Law, ...]:
     """Return the declared dry frictions and frictions with memory whose size is free, each with the slips of its free curve.
 
     plant: solved on these records. Coulomb friction beside friction with memory is another contact, and is left as it is.
@@ -55,22 +55,22 @@ def laws(plant: Plant, passes: Sequence[InverseDynamics]) -> tuple[Law, ...]:
         if "dir" in e.provides and "x0" in e.parameters:
             found.append(Law(e, tuple(e.parameters["x0"].value * k for k in LENGTHS)))
         elif e.reads == ("dir",) and len(e.linear) == 1 and not any(o.provides and o.at == e.at for o in plant.effects):
-            found.append(Law(e, _slips_at(e.at, passes)))
+            found.append(Law(e, _slips_at(e.at, inverses)))
     return tuple(found)
 
 
-def _slips_at(place: str, passes: Sequence[InverseDynamics]) -> tuple[float, ...]:
+def _slips_at(place: str, inverses: Sequence[InverseDynamics]) -> tuple[float, ...]:
     """Return the slips of the free curve of a Coulomb friction, SI."""
-    count = count_at(place, passes)
-    last = max(COUNTS * count, TRAVEL * max(float(np.ptp(p.motion.q)) for p in passes))
+    count = count_at(place, inverses)
+    last = max(COUNTS * count, TRAVEL * max(float(np.ptp(p.motion.q)) for p in inverses))
     return tuple(np.geomspace(FIRST * count, last, 1 + int(np.ceil(np.log(last / (FIRST * count)) / np.log(APART)))))
 
 
-def lengthened(known: Sequence[Law], plant: Plant, passes: Sequence[InverseDynamics]) -> tuple[Law, ...]:
+def lengthened(known: Sequence[Law], plant: Plant, inverses: Sequence[InverseDynamics]) -> tuple[Law, ...]:
     """Return laws whose slips go on where the longest element of the curve that stands in a plant carries much of its height."""
     found = []
     stands = {e.key: e for e in plant.effects}
-    furthest = FURTHEST * max(float(np.ptp(p.motion.q)) for p in passes)
+    furthest = FURTHEST * max(float(np.ptp(p.motion.q)) for p in inverses)
     for law in known:
         last = law.slips[-1]
         held = heights(stands[law.key]) if law.key in stands else {}
@@ -82,10 +82,10 @@ def lengthened(known: Sequence[Law], plant: Plant, passes: Sequence[InverseDynam
     return tuple(found)
 
 
-def count_at(place: str, passes: Sequence[InverseDynamics]) -> float:
+def count_at(place: str, inverses: Sequence[InverseDynamics]) -> float:
     """Return the encoder's count at a place in SI, UNSEEN of the travel where it is not known."""
-    known = [p.bodies.counts(CHANNEL.get(place, "position")) for p in passes]
-    travel = max(float(np.ptp(p.motion.q)) for p in passes)
+    known = [p.bodies.counts(CHANNEL.get(place, "position")) for p in inverses]
+    travel = max(float(np.ptp(p.motion.q)) for p in inverses)
     return max([*known, UNSEEN * travel])
 
 
@@ -98,7 +98,7 @@ def as_declared(plant: Plant, known: Sequence[Law]) -> Plant:
     return plant
 
 
-def freed(plant: Plant, known: Sequence[Law], passes: Sequence[InverseDynamics]) -> Plant:
+def freed(plant: Plant, known: Sequence[Law], inverses: Sequence[InverseDynamics]) -> Plant:
     """Return the plant with the free virgin curves of `known`, where their declared laws or earlier curves stand in it.
 
     Shape parameters hold while the heights are found; elements that hold nothing are left out, and a curve of height 0 leaves
@@ -121,7 +121,7 @@ def freed(plant: Plant, known: Sequence[Law], passes: Sequence[InverseDynamics])
         )
         held = held.without(law.declared.key) + begun
     try:
-        problem = Problem(held, passes)
+        problem = Problem(held, inverses)
         solved = problem.with_linear(held, solve(problem, most=0).c)
     except NoValue:
         return plant

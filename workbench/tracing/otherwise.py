@@ -31,7 +31,7 @@ def otherwise(
     selected: Selection,
     confirmed: Confirmed,
     declared: Plant,
-    passes: Sequence[InverseDynamics],
+    inverses: Sequence[InverseDynamics],
     offer: Offer,
     criteria: Criteria,
     progress: Progress,
@@ -53,14 +53,14 @@ def otherwise(
     best, now = None, confirmed.fits[-1]
     for k in _laws(selected, j, offer, criteria, progress):
         added = [*confirmed.added[:i], k, *confirmed.added[i + 1 :]]
-        kept, fits = in_turn(declared, added, as_declared(k.state.plant, selected.laws), passes)
+        kept, fits = in_turn(declared, added, as_declared(k.state.plant, selected.laws), inverses)
         before = confirmed.fits[0] if j.candidate.stands and best is None else None
         if len(kept) == len(added) and _better(fits[-1], now, criteria, before):
             now, best = fits[-1], (k, kept, fits)
     if best is None:
         return selected, confirmed
     answer = Answer(best[1], selected.answer.declared, best[0].state)
-    again = weighed(selected, best[1], best[2], passes, criteria)
+    again = weighed(selected, best[1], best[2], inverses, criteria)
     return replace(selected, answer=answer), replace(confirmed, added=best[1], fits=best[2], weighed=again)
 
 
@@ -90,7 +90,7 @@ def _laws(
     """Return the other laws of an addition's class at its place, fitted beside all else that was added, best first."""
     last = selected.answer.last
     try:
-        state = State(without(last.plant, j.candidate, selected.base.plant), last.passes)
+        state = State(without(last.plant, j.candidate, selected.base.plant), last.inverses)
     except NoValue:
         return []
     own = last.plant[j.candidate.key]
@@ -103,7 +103,7 @@ def _laws(
         offered = replace(offer, only={e.name for e in (*asked, *near)}, own=(*offer.own, *near), stands_for=known)
         found += step(state, progress, offered, criteria)
     if (family := j.candidate.family) in FREE_FORMS and family != MEMORY and not j.candidate.stands:
-        forms = free_forms(state.plant, state.passes, [family], state.residuals)
+        forms = free_forms(state.plant, state.inverses, [family], state.residuals)
         found += [ScoredCandidate(f.candidate, **judged(state, f.candidate, criteria, offer.budget)) for f in forms]
     here = [k for k in found if k.candidate.at == j.candidate.at and k.score.earns and k.theta is not None]
     best = sorted(here, key=lambda k: (k.errors.total, k.candidate.key))[: offer.budget.laws]

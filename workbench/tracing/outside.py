@@ -21,13 +21,13 @@ from workbench.plant import Plant
 from workbench.tracing.explainable import foreseen, numbered, part
 
 
-def multiplier(before: Plant, after: Plant, passes: Sequence[InverseDynamics]) -> tuple[float, float]:
+def multiplier(before: Plant, after: Plant, inverses: Sequence[InverseDynamics]) -> tuple[float, float]:
     """Return (m, its standard error over blocks) of what `after` has and `before` has not, on these records; (nan, inf) where no
     reference moves it."""
-    left = [_residual(p, before) for p in passes]
-    parts = [part(p, r, before.geometry.gear_ratio) for p, r in zip(passes, left, strict=True)]
+    left = [_residual(p, before) for p in inverses]
+    parts = [part(p, r, before.geometry.gear_ratio) for p, r in zip(inverses, left, strict=True)]
     r = np.concatenate(left)
-    d = r - np.concatenate([_residual(p, after) for p in passes])
+    d = r - np.concatenate([_residual(p, after) for p in inverses])
     told = foreseen(parts, d, np.ones(d.size, dtype=bool))
     known = np.isfinite(told)
     block = numbered(parts)

@@ -19,12 +19,12 @@ FACTOR = 5.0  # by which a data-sheet value may be off before its unit is to be 
 STANDS = ("k1", "settling")
 
 
-def implausible(effect: Effect, plant: Plant, declared: Plant, passes: Sequence[InverseDynamics]) -> str:
+def implausible(effect: Effect, plant: Plant, declared: Plant, inverses: Sequence[InverseDynamics]) -> str:
     """Return why an effect's values are no machine's, as part of a sentence, or "".
 
     plant: solved, holds the effect. declared: what a corrected value was before.
     """
-    travel = max(float(np.ptp(p.motion.q)) for p in passes)
+    travel = max(float(np.ptp(p.motion.q)) for p in inverses)
     for name, p in effect.parameters.items():
         if p.fixed:
             continue

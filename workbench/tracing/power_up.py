@@ -36,14 +36,14 @@ def _values(effect: Effect) -> dict[str, float]:
     return {n: p.value for n, p in effect.parameters.items()}
 
 
-def calibrate(plant: Plant, key: str, passes: Sequence[InverseDynamics], identified: float) -> Calibration:
+def calibrate(plant: Plant, key: str, inverses: Sequence[InverseDynamics], identified: float) -> Calibration:
     """Return the phases of one periodic effect of an identified plant, record by record.
 
     identified: error on the validation records with the plant as it is.
     """
     effect, model = plant[key], _alone(plant, key)
     phases, left, whole = [], 0.0, 0.0
-    for p in sorted(passes, key=lambda p: p.motion.record.name):
+    for p in sorted(inverses, key=lambda p: p.motion.record.name):
         record = p.motion.record
         fit = identify(model, [InverseDynamics(replace(p.motion, record=replace(record, role=IDENTIFICATION)))])
         amplitude, phase = (_estimate(fit, effect, n) for n in (AMPLITUDE, PHASE))
@@ -61,18 +61,18 @@ def _estimate(fit: Fit, effect: Effect, name: str) -> Estimate:
 
 
 def calibrations(
-    plant: Plant, causes: Sequence[Cause], passes: Sequence[InverseDynamics], criteria: Criteria
+    plant: Plant, causes: Sequence[Cause], inverses: Sequence[InverseDynamics], criteria: Criteria
 ) -> tuple[Calibration, ...]:
     """Return a calibration for every periodic cause of the extended plant that explains little of the validation records."""
     lost = [c.key for c in causes if any(not_carried([c], criteria)) and periodic(plant[c.key])]
-    identified = _validation_error(plant, passes) if lost else 0.0
-    return tuple(calibrate(plant, key, passes, identified) for key in lost)
+    identified = _validation_error(plant, inverses) if lost else 0.0
+    return tuple(calibrate(plant, key, inverses, identified) for key in lost)
 
 
-def _validation_error(plant: Plant, passes: Sequence[InverseDynamics]) -> float:
+def _validation_error(plant: Plant, inverses: Sequence[InverseDynamics]) -> float:
     """Return the error of a plant on the validation records, nrmse."""
     left = whole = 0.0
-    for p in passes:
+    for p in inverses:
         if p.motion.record.role == VALIDATION:
             series, _ = series_of(plant, p)
             left += float(np.sum(series.residual[series.keep] ** 2))
@@ -80,7 +80,7 @@ def _validation_error(plant: Plant, passes: Sequence[InverseDynamics]) -> float:
     return float(np.sqrt(left / whole)) if whole > 0.0 else float("nan")
 
 
-def withheld(fit: Fit, causes: Sequence[Cause], passes: Sequence[InverseDynamics]) -> Fit:
+def withheld(fit: Fit, causes: Sequence[Cause], inverses: Sequence[InverseDynamics]) -> Fit:
     """Return a fit whose validation records are predicted by a fit without the periodic causes that make them worse.
 
     Their phase is that of another power-up, and a ripple of a wrong phase is worse than none. The plant keeps them.
@@ -91,8 +91,8 @@ def withheld(fit: Fit, causes: Sequence[Cause], passes: Sequence[InverseDynamics
             plant = plant.without(key)
     if plant is fit.plant:
         return fit
-    other = identify(plant, passes)
-    unseen = {p.motion.record.name for p in passes if p.motion.record.role == VALIDATION}
+    other = identify(plant, inverses)
+    unseen = {p.motion.record.name for p in inverses if p.motion.record.role == VALIDATION}
 
     def mixed(ours: Mapping, theirs: Mapping) -> dict:
         return {name: theirs[name] if name in unseen else x for name, x in ours.items()}

@@ -25,14 +25,14 @@ Only = Collection[str] | None
 
 @dataclass(frozen=True, eq=False)
 class Declared:
-    """declared: the plant as declared. plant: with the clock that the angle between two encoders says is late, held. passes: that
+    """declared: the plant as declared. plant: with the clock that the angle between two encoders says is late, held. inverses: that
     count in all that follows. before: the fit of the declared plant, where there is such a clock. idle: a finding that the fit lets
     the joint carry nothing. lost: counts that an encoder loses, which are put back. sticks: where it does, if that is most of the
     residual."""
 
     declared: Plant
     plant: Plant
-    passes: Sequence[InverseDynamics]
+    inverses: Sequence[InverseDynamics]
     skew: Skew | None = None
     before: Fit | None = None
     idle: Finding | None = None
@@ -42,7 +42,7 @@ class Declared:
     @cached_property
     def whole(self) -> Sequence[InverseDynamics]:
         """The identification records."""
-        return fitted_on(self.passes)
+        return fitted_on(self.inverses)
 
     @cached_property
     def decimated(self) -> Sequence[InverseDynamics]:
@@ -50,9 +50,9 @@ class Declared:
         return decimate(self.whole)
 
 
-def prepared(plant: Plant, passes: Sequence[InverseDynamics], only: Only, criteria: Criteria) -> Declared:
+def prepared(plant: Plant, inverses: Sequence[InverseDynamics], only: Only, criteria: Criteria) -> Declared:
     """Return a declared plant and its records as the search for effects meets them. only: names of the effects that are judged."""
-    found = Declared(plant, plant, passes)
+    found = Declared(plant, plant, inverses)
     for ask in FIRST:
         found = ask(found, only, criteria)
     return found
@@ -60,21 +60,21 @@ def prepared(plant: Plant, passes: Sequence[InverseDynamics], only: Only, criter
 
 def without_rest(d: Declared, found: Plant) -> Declared | None:
     """Return records that count where the axis moves, where rest is most of what is left beside what a search found; None else."""
-    sticks = None if d.sticks else sticking(found, d.passes)
+    sticks = None if d.sticks else sticking(found, d.inverses)
     if sticks is None:
         return None
-    before = identify(d.declared, sticks.passes) if d.before else None
-    return replace(d, passes=sticks.passes, sticks=replace(sticks, beside=True), before=before)
+    before = identify(d.declared, sticks.inverses) if d.before else None
+    return replace(d, inverses=sticks.inverses, sticks=replace(sticks, beside=True), before=before)
 
 
 def _put_back(d: Declared, only: Only, criteria: Criteria) -> Declared:
-    lost = mended(d.plant, d.passes, criteria.explainable)
-    return replace(d, passes=lost.passes, lost=lost) if lost else d
+    lost = mended(d.plant, d.inverses, criteria.explainable)
+    return replace(d, inverses=lost.inverses, lost=lost) if lost else d
 
 
 def _leave_rest_out(d: Declared, only: Only, criteria: Criteria) -> Declared:
-    sticks = sticking(d.plant, d.passes)
-    return replace(d, passes=sticks.passes, sticks=sticks) if sticks else d
+    sticks = sticking(d.plant, d.inverses)
+    return replace(d, inverses=sticks.inverses, sticks=sticks) if sticks else d
 
 
 def _hold_late_clock(d: Declared, only: Only, criteria: Criteria) -> Declared:
@@ -82,11 +82,11 @@ def _hold_late_clock(d: Declared, only: Only, criteria: Criteria) -> Declared:
     if d.plant.kind != TWO_MASS or (only is not None and "clock_skew" not in only):
         return d
     skew = skew_of(d.decimated, d.plant)
-    return replace(d, plant=skew.candidate.plant, skew=skew, before=identify(d.plant, d.passes)) if skew else d
+    return replace(d, plant=skew.candidate.plant, skew=skew, before=identify(d.plant, d.inverses)) if skew else d
 
 
 def _see_whether_idle(d: Declared, only: Only, criteria: Criteria) -> Declared:
-    return replace(d, idle=idle(d.passes, identify(d.plant, d.passes).plant)) if d.plant.kind == TWO_MASS else d
+    return replace(d, idle=idle(d.inverses, identify(d.plant, d.inverses).plant)) if d.plant.kind == TWO_MASS else d
 
 
 FIRST = (_put_back, _leave_rest_out, _hold_late_clock, _see_whether_idle)

@@ -165,7 +165,7 @@ def _reduced(j: ScoredCandidate, state: State) -> str | None:
     effect = j.refitted.plant[j.candidate.key]
     if effect.port == TIME and (state.plant.kind == TWO_MASS or _early(effect)):
         return None  # a clock of one of two encoders is no delay of the drive, nor is one that is ahead of it
-    counts = max(p.motion.counts for p in state.passes)
+    counts = max(p.motion.counts for p in state.inverses)
     # a stiffness is nothing beside a stiffness: what is small is so beside what has its unit
     largest = {
         u: max(abs(p.value) for p in effect.parameters.values() if p.unit == u)
@@ -175,8 +175,8 @@ def _reduced(j: ScoredCandidate, state: State) -> str | None:
         n: NEUTRAL * (largest[p.unit] if n in effect.linear else abs(p.value)) for n, p in effect.parameters.items()
     }
     # a clock that over all the records gains less than half a sample keeps pace
-    span = max(p.motion.t[-1] for p in state.passes) - min(p.motion.t[0] for p in state.passes)
-    step = min(p.motion.record.dt for p in state.passes)
+    span = max(p.motion.t[-1] for p in state.inverses) - min(p.motion.t[0] for p in state.inverses)
+    step = min(p.motion.record.dt for p in state.inverses)
     near |= {n: 0.5 * step / span for n, p in effect.parameters.items() if p.scale == "drift"}
     around = {n: (p.value - near[n], p.value + near[n]) for n, p in effect.parameters.items()}
     # nor is a gap a gap that is short beside the presliding length
@@ -192,7 +192,7 @@ def _early(effect: Effect) -> bool:
 def absurd(j: ScoredCandidate, state: State) -> bool:
     """Whether a fitted candidate has values that no machine has."""
     plant = j.refitted.plant
-    return bool(implausible(plant[j.candidate.key], plant, state.problem.plant, state.passes))
+    return bool(implausible(plant[j.candidate.key], plant, state.problem.plant, state.inverses))
 
 
 def alike(best: ScoredCandidate, other: ScoredCandidate, criteria: Criteria, power: float) -> bool:

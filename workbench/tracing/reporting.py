@@ -3,12 +3,13 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
+from workbench.definition import catalogue
 from workbench.identification.fit import identify
 from workbench.identification.result import Estimate, Fit
 from workbench.inverse.dynamics import InverseDynamics
 from workbench.record import IDENTIFICATION
 from workbench.tracing import calibration
-from workbench.tracing.candidates import ADDITION, without
+from workbench.tracing.candidates import ADDITION, Candidate, without
 from workbench.tracing.criteria import Criteria
 from workbench.tracing.decide import CAUSE, NOTHING, UNKNOWN, Verdict
 from workbench.tracing.evidence import Evidence, Weighed
@@ -32,7 +33,7 @@ class Outcome:
     """What a trace came to. place: that says more of the residual than what was added does, if there is one."""
 
     late: Declared
-    passes: Sequence[InverseDynamics]
+    inverses: Sequence[InverseDynamics]
     selected: Selection
     confirmed: Confirmed
     evidence: Evidence
@@ -67,7 +68,7 @@ class Outcome:
 def reported(o: Outcome, progress: Progress) -> Trace:
     """Return what a decision comes to: causes, refinements, the final fit, and the sentences."""
     late, evidence, selected = o.late, o.evidence, o.selected
-    after = _refined(o.fits[-1], selected, o.passes) if selected.refined else o.fits[-1]
+    after = _refined(o.fits[-1], selected, o.inverses) if selected.refined else o.fits[-1]
     causes, refinements = _said_of_each(o, after, progress)
     refinements += curve_of(selected, o.fits[-1], after)
     progress("looking for where the residual lives")
@@ -76,8 +77,8 @@ def reported(o: Outcome, progress: Progress) -> Trace:
     if late.skew:
         first = [clock(late.skew, late.before, o.fits[0])]
         after = replace(after, estimates=_with_clock(after.estimates, late.skew))
-    phases = calibrations(after.plant, causes, o.passes, o.criteria)
-    after, causes = withheld(after, causes, o.passes), [*first, *causes]
+    phases = calibrations(after.plant, causes, o.inverses, o.criteria)
+    after, causes = withheld(after, causes, o.inverses), [*first, *causes]
     before = late.lost.before if late.lost else late.before or o.fits[0]
     shows = shown(selected.steps[0].judgements)
     alone = _of_causes(o)
@@ -108,7 +109,14 @@ def _said_of_each(o: Outcome, after: Fit, progress: Progress) -> tuple[list[Caus
     """Return the causes, the one that takes most first, and the refinements among what stands."""
     made = {
         j.candidate.key: cause(
-            j, w, o.fits[i], o.fits[i + 1], after, o.late.plant, provisional=j.candidate.key in o.selected.provisional
+            j,
+            w,
+            o.fits[i],
+            o.fits[i + 1],
+            after,
+            o.late.plant,
+            provisional=j.candidate.key in o.selected.provisional,
+            also=_also(j.candidate, after, o),
         )
         for i, (j, w) in enumerate(o.standing)
     }
@@ -116,12 +124,29 @@ def _said_of_each(o: Outcome, after: Fit, progress: Progress) -> tuple[list[Caus
     return [_described_rivals(made[j.candidate.key], j, o, progress) for j in o.by_size], refinements
 
 
+def _also(candidate: Candidate, after: Fit, o: Outcome) -> tuple[str, ...]:
+    """Return the parts of a composite that are missing beside the one that it bears the name of: the friction that gives way, where nothing
+    declared at its place has memory, and its own length is above two encoder steps for certain.
+
+    Halved or doubled, the two steps change no answer of c, d or the measured axes: the one composite among them gives way over some 500.
+    """
+    if not candidate.part or any("dir" in e.provides for e in o.late.plant.effects if e.at == candidate.at):
+        return ()
+    name = candidate.effect.partition(" ")[0]
+    low = {e.parameter: e.low for e in after.estimates if (e.effect, e.at) == (candidate.effect, candidate.at)}
+    least = 2.0 * max(p.motion.counts for p in o.inverses)
+    giving = [e for e in (catalogue()[n] for n in catalogue()[name].parts) if "dir" in e.provides]
+    return tuple(
+        e.name for e in giving if any(low.get(n, 0.0) > least for n, p in e.parameters.items() if p.unit == "x")
+    )
+
+
 def _residual_place(o: Outcome) -> Unexplained | None:
     """Return where the residual lives that no effect explains. At rest, too: a slip or a knock need not wait for motion."""
     if o.place:
         return o.place
     declared = State(o.late.plant, o.late.decimated)
-    return unexplained(declared, {p.motion.record.name: max(declared.steady, 1e-300) for p in o.passes})
+    return unexplained(declared, {p.motion.record.name: max(declared.steady, 1e-300) for p in o.inverses})
 
 
 def _named_as(j: ScoredCandidate) -> CandidateScore:
@@ -165,16 +190,16 @@ def _of_causes(o: Outcome) -> Fit:
     plant = fit.plant
     for candidate in lesser:
         plant = without(plant, candidate, o.selected.base.plant)
-    return identify(plant, o.passes) if lesser else fit
+    return identify(plant, o.inverses) if lesser else fit
 
 
-def _refined(fit: Fit, selected: Selection, passes: Sequence[InverseDynamics]) -> Fit:
+def _refined(fit: Fit, selected: Selection, inverses: Sequence[InverseDynamics]) -> Fit:
     """Return the fit with the free virgin curves of declared laws that are only nearly right; `fit` where that is no better."""
     plant = fit.plant
     for law in selected.refined:
         if law.declared.key in {e.key for e in plant.effects}:
             plant = plant.without(law.declared.key) + selected.answer.last.plant[law.key]
-    better = identify(plant, passes)
+    better = identify(plant, inverses)
     return better if better.identification < fit.identification and better.validation < fit.validation else fit
 
 

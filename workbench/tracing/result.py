@@ -65,7 +65,7 @@ class Cause:
     kind: "addition", or "correction" of a fixed value. was: parameter -> the fixed value that was corrected. law: "catalogue",
     or "free form" where no formula of its class comes near; form: name of that free form (`effect` is the nearest formula), or of the
     composite that a missing part makes with what is declared.
-    size: what it takes away, over the drive's rms, on identification.
+    size: what it takes away, over the drive's rms, on identification. also: further parts of that composite that are missing.
     """
 
     effect: str
@@ -81,6 +81,7 @@ class Cause:
     law: str = "catalogue"
     size: float = 0.0
     form: str = ""
+    also: tuple[str, ...] = ()
 
     @property
     def key(self) -> str:
@@ -134,7 +135,7 @@ class Trace:
     @property
     def added(self) -> tuple[str, ...]:
         """Names of the effects in the extended model that the declared one lacks, as the catalogue has them, each once."""
-        return tuple(dict.fromkeys(c.effect.partition(" ")[0] for c in self.causes))
+        return tuple(dict.fromkeys(n for c in self.causes for n in (c.effect.partition(" ")[0], *c.also)))
 
     @property
     def plant(self) -> Plant:

@@ -48,18 +48,18 @@ def experiment(
 ) -> str:
     """Return, in a sentence, the motion that tells a cause from its first rival, or "" where none can be planned.
 
-    plant, declared: the extended one and the one without. whole: passes of the identification records as they are. rms: of
+    plant, declared: the extended one and the one without. whole: inverse dynamics of the identification records as they are. rms: of
     the noise behind the evaluation filter.
     """
     from workbench.planning import envelope_of, load_rest, sensing_of, separate
 
     a, b = plant[found.candidate.key], rival.refitted.plant[rival.candidate.key]
-    passes = decimate(whole, least=PLANNED)
+    inverses = decimate(whole, least=PLANNED)
     bare = without(plant, found.candidate, declared)
     bare = bare.without(b.key) if b.key in {e.key for e in bare.effects} and rival.candidate.kind == ADDITION else bare
     try:
         return separate(
-            bare, a, b, envelope_of(bare, passes), sensing_of(passes, rms, load_rest(plant, passes), whole)
+            bare, a, b, envelope_of(bare, inverses), sensing_of(inverses, rms, load_rest(plant, inverses), whole)
         ).sentence
     except WorkbenchError:
         return ""

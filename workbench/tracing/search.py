@@ -22,16 +22,16 @@ HOPELESS = 4e-3  # of the residual's power, that a start must explain or promise
 WORSE = 1.0 + 1e-9  # cost over that of the present model from which a start is worse than none
 
 
-def within_reach(plant: Plant, passes: Sequence[InverseDynamics]) -> Plant:
+def within_reach(plant: Plant, inverses: Sequence[InverseDynamics]) -> Plant:
     """Return the plant with orders bounded by the travel and by what is resolved, and times to SLOWEST.
 
     A wave longer than the travel is a polynomial in disguise, and one that the encoder or the band does not resolve is a
     longer wave; a map of the command that lets almost nothing of the band pass leaves nothing to be explained.
     """
-    travel = max(float(np.ptp(p.motion.q)) for p in passes)
+    travel = max(float(np.ptp(p.motion.q)) for p in inverses)
     bounds = {
-        "order": (2 * np.pi / max(travel, 1e-300), resolved(passes)),
-        "time": (-np.inf, SLOWEST / (2 * np.pi * passes[0].motion.filter.bandwidth)),
+        "order": (2 * np.pi / max(travel, 1e-300), resolved(inverses)),
+        "time": (-np.inf, SLOWEST / (2 * np.pi * inverses[0].motion.filter.bandwidth)),
     }
     for e in plant.effects:
         if any(p.scale in bounds and not p.fixed for p in e.parameters.values()):

@@ -66,10 +66,10 @@ class Selection:
 def select(
     declared: State, whole: Sequence[InverseDynamics], offer: Offer, criteria: Criteria, progress: Progress
 ) -> Selection:
-    """Return what the search adds to a declared model. whole: passes of the identification records as they are."""
-    known = tuple(law for law in laws(declared.plant, declared.passes) if law.declared.key not in offer.stands_for)
+    """Return what the search adds to a declared model. whole: inverse dynamics of the identification records as they are."""
+    known = tuple(law for law in laws(declared.plant, declared.inverses) if law.declared.key not in offer.stands_for)
     base = curved(declared, known, criteria)
-    longer = lengthened(known, base.plant, declared.passes)
+    longer = lengthened(known, base.plant, declared.inverses)
     if longer != known:
         known, base = longer, curved(declared, longer, criteria)
 
@@ -94,7 +94,7 @@ def curved(state: State, known: Sequence[Law], criteria: Criteria) -> State:
     curves take less than half of what is of practical size."""
     held = {e.key for e in state.plant.effects}
     stands = any(law.key in held for law in known)
-    plain = State(as_declared(state.plant, known), state.passes) if stands else state
+    plain = State(as_declared(state.plant, known), state.inverses) if stands else state
     found = [s for s in (state if stands else None, _with_curves(state, known)) if s is not None]
     best = min(found, key=lambda s: s.errors.total, default=plain)
     return best if best is not plain and _size(plain, best) >= 0.5 * criteria.practical else plain
@@ -102,11 +102,11 @@ def curved(state: State, known: Sequence[Law], criteria: Criteria) -> State:
 
 def _with_curves(state: State, known: Sequence[Law]) -> State | None:
     """Return a state with the free virgin curves of `known`, or None where none is found."""
-    plant = freed(state.plant, known, state.passes)
+    plant = freed(state.plant, known, state.inverses)
     if not any(law.key in {e.key for e in plant.effects} for law in known):
         return None
     try:
-        return State(plant, state.passes)
+        return State(plant, state.inverses)
     except NoValue:
         return None
 
@@ -134,7 +134,7 @@ def _of_declared_laws(
         last = answer.last
         if law.key not in {e.key for e in last.plant.effects}:
             continue
-        plain = State(as_declared(last.plant, [law]), last.passes)
+        plain = State(as_declared(last.plant, [law]), last.inverses)
         if _size(plain, last) < criteria.practical:
             answer = replace(answer, pruned=plain)
             continue
@@ -149,7 +149,7 @@ def _of_declared_laws(
         formulas = [j for j in judgements if j.candidate.at == law.declared.at and j.candidate.instead and j.refitted]
         best = _commonest(formulas, criteria.practical**2 * last.power)
         near = best is not None and _taken(plain, best) >= criteria.near * (plain.errors.total - last.errors.total)
-        if near and _length(best) > SEEN * count_at(law.declared.at, last.passes):
+        if near and _length(best) > SEEN * count_at(law.declared.at, last.inverses):
             best = best if best.state else replace(best, state=best.refitted.state)
             first = _taken(plain, best) > sum(j.score.gain for j in answer.added[:1]) * answer.declared.errors.total
             added = [best, *answer.added] if first else [*answer.added, best]
@@ -199,7 +199,7 @@ def _pruned(
         progress(f"asking again for {present.candidate.key}")
         rest = [j for k, j in enumerate(answer.added) if k != i]
         try:
-            reduced = State(without(answer.last.plant, present.candidate, declared), answer.last.passes)
+            reduced = State(without(answer.last.plant, present.candidate, declared), answer.last.inverses)
         except NoValue:
             continue
         judgements = step(reduced, progress, replace(offer, only=_promising(looked)), criteria)

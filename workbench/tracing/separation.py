@@ -61,10 +61,10 @@ def _names_of(known: Sequence, place: str) -> list[str]:
     return [s.key if place else s.effect for s in known]
 
 
-def _residuals(fit: Fit, passes: list[InverseDynamics]) -> list[np.ndarray]:
+def _residuals(fit: Fit, inverses: list[InverseDynamics]) -> list[np.ndarray]:
     """Return what the fit leaves of each record (n,), zero where nothing counts."""
     found = []
-    for p in passes:
+    for p in inverses:
         series = fit.series[p.motion.record.name]
         left = np.zeros(series.time.size)
         left[series.keep] = series.residual[series.keep]

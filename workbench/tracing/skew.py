@@ -51,12 +51,14 @@ class Skew:
         )
 
 
-def skew_of(passes: Sequence[InverseDynamics], plant: Plant, share: float = PLAIN, worth: float = WORTH) -> Skew | None:
+def skew_of(
+    inverses: Sequence[InverseDynamics], plant: Plant, share: float = PLAIN, worth: float = WORTH
+) -> Skew | None:
     """Return the lateness of one of two encoders by the identification records, None where none is plain.
 
     share: of the angle that all else leaves, that lateness must take. worth: of the drive, that it must be worth.
     """
-    late = late_clock(fitted_on(passes), plant, share, worth)
+    late = late_clock(fitted_on(inverses), plant, share, worth)
     if late is None:
         return None
     clock = catalogue()["clock_skew"](at=f"sensor.{late.channel}")

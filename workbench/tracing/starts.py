@@ -24,15 +24,15 @@ SEGMENT, NEAR, WIDE = 1.0, 0.1, 6  # s; relative distance of two peaks; values o
 SLOW = 0.05  # share of the distance travelled at a speed at which a wave must pass the evaluation filter
 
 
-def resolved(passes: Sequence[InverseDynamics]) -> float:
+def resolved(inverses: Sequence[InverseDynamics]) -> float:
     """Return the highest order, in 1/x, that the records can show: min(pi/count, 2 pi f_c/v).
 
     A wave shorter than two encoder counts is a slow one in disguise (Nyquist). One that passes faster than the evaluation
     filter f_c is seen where the axis stands, and nowhere else: v is the speed below which SLOW of the distance is travelled.
     """
-    counts = max(p.motion.counts for p in passes)
+    counts = max(p.motion.counts for p in inverses)
     least = np.inf
-    for p in passes:
+    for p in inverses:
         speed = np.sort(np.abs(p.motion.v))
         distance = np.cumsum(speed)
         slow = float(speed[np.searchsorted(distance, SLOW * distance[-1])])
@@ -40,48 +40,48 @@ def resolved(passes: Sequence[InverseDynamics]) -> float:
     return min(1.0 / max(least, 1e-300), np.pi / max(counts, 1e-300))
 
 
-def strokes(passes: Sequence[InverseDynamics], plant: Plant, at: str, many: int = BUDGET.strokes) -> list[float]:
+def strokes(inverses: Sequence[InverseDynamics], plant: Plant, at: str, many: int = BUDGET.strokes) -> list[float]:
     """Return start values for a stroke, `many` at most: from SHORTEST to a fifth of the travel or, at a joint, to half of its deflection."""
     if at == "joint":
-        most = 0.5 * max(float(np.ptp(p.bodies.body(plant, "joint")[1][POSITION])) for p in passes)
+        most = 0.5 * max(float(np.ptp(p.bodies.body(plant, "joint")[1][POSITION])) for p in inverses)
     else:
-        most = 0.2 * max(float(np.ptp(p.motion.q)) for p in passes)
-    least = min(max(SHORTEST * max(p.motion.counts for p in passes), 5e-5 * most), 0.5 * most)
+        most = 0.2 * max(float(np.ptp(p.motion.q)) for p in inverses)
+    least = min(max(SHORTEST * max(p.motion.counts for p in inverses), 5e-5 * most), 0.5 * most)
     many = min(many, 2 + int(np.log(most / least) / np.log(APART))) if most > least > 0.0 else 1
     return list(np.geomspace(least, most, many)) if many > 1 else [most]
 
 
 def _grid(
     scale: str,
-    passes: Sequence[InverseDynamics],
+    inverses: Sequence[InverseDynamics],
     residuals: Sequence[np.ndarray],
     plant: Plant,
     effect: Effect,
     budget: Budget,
 ) -> list[float]:
     """Return start values for one shape parameter of an effect, in SI."""
-    motions = [p.motion for p in passes]
+    motions = [p.motion for p in inverses]
     if scale == "speed":
         top = max(float(np.abs(m.v).max()) for m in motions)
         return list(top * np.array([0.003, 0.01, 0.03, 0.07, 0.15, 0.3]))
     if scale == "stroke":
-        return strokes(passes, plant, effect.at, budget.strokes)
+        return strokes(inverses, plant, effect.at, budget.strokes)
     if scale == "time":
         return list(min(m.dt for m in motions) * np.array([0.1, 0.5, 1.5, 4.0]))
     if scale == "rate":
         longest = max(float(np.ptp(m.t)) for m in motions)
         return list(np.geomspace(3.0 / longest, 0.1 / min(m.dt for m in motions), 6))
     if scale == "resonance":
-        return resonances(passes, residuals, budget.resonances)
+        return resonances(inverses, residuals, budget.resonances)
     if scale == "settling":  # from hardly within all the records to within a third of one
         span = max(float(m.t[-1]) for m in motions) - min(float(m.t[0]) for m in motions)
         return list(np.array([0.3, 1.0, 3.0, 10.0]) / span)
     if scale == "order":
         travel = max(float(np.ptp(m.q)) for m in motions)
-        most = resolved(passes)
+        most = resolved(inverses)
         if "dir" in effect.reads:  # to and fro cancel in the spectrum of what changes sign with the way
-            residuals = [np.sign(p.motion.v) * r for p, r in zip(passes, residuals, strict=True)]
-        found = peaks(*order_spectrum(passes, residuals), travel, most)
+            residuals = [np.sign(p.motion.v) * r for p, r in zip(inverses, residuals, strict=True)]
+        found = peaks(*order_spectrum(inverses, residuals), travel, most)
         halves = [f / 2 for f in found]  # a peak may be the second harmonic
         if plant.rotary:  # orders that a motor behind a gear makes; the spectrum decides among them
             ratio, pairs = plant.geometry.gear_ratio, plant.geometry.pole_pairs
@@ -92,7 +92,7 @@ def _grid(
 
 
 def resonances(
-    passes: Sequence[InverseDynamics], residuals: Sequence[np.ndarray], many: int = BUDGET.resonances
+    inverses: Sequence[InverseDynamics], residuals: Sequence[np.ndarray], many: int = BUDGET.resonances
 ) -> list[float]:
     """Return frequencies in Hz, the most telling first, at which residuals go with the acceleration: local maxima of
 
@@ -101,7 +101,7 @@ def resonances(
     """
     from scipy.signal import csd
 
-    motions = [p.motion for p in passes]
+    motions = [p.motion for p in inverses]
     band = min(m.filter.bandwidth for m in motions)
     found = []
     for m, r in zip(motions, residuals, strict=True):
@@ -120,12 +120,12 @@ def resonances(
     return [*chosen, *np.geomspace(3.0 / longest, 0.1 / min(m.dt for m in motions), WIDE)]
 
 
-def lateness(passes: Sequence[InverseDynamics], plant: Plant, channel: str) -> dict[str, float]:
+def lateness(inverses: Sequence[InverseDynamics], plant: Plant, channel: str) -> dict[str, float]:
     """Return how late a channel of two encoders is, by the angle between them: {"time": d, "drift": s}, s and s a second.
 
     Empty with one encoder, and where the drive feels no inertia.
     """
-    found = deflection_of(passes, plant)
+    found = deflection_of(inverses, plant)
     if found is None:
         return {}
     sign = 1.0 if channel == "load_position" else -1.0
@@ -134,7 +134,7 @@ def lateness(passes: Sequence[InverseDynamics], plant: Plant, channel: str) -> d
 
 def starts(
     effect: Effect,
-    passes: Sequence[InverseDynamics],
+    inverses: Sequence[InverseDynamics],
     residuals: Sequence[np.ndarray],
     plant: Plant,
     budget: Budget = BUDGET,
@@ -146,14 +146,14 @@ def starts(
     for n in free:
         p = effect.parameters[n]
         values = [
-            float(np.clip(v, p.lower, p.upper)) for v in _grid(p.scale, passes, residuals, plant, effect, budget)
+            float(np.clip(v, p.lower, p.upper)) for v in _grid(p.scale, inverses, residuals, plant, effect, budget)
         ] or [p.value]
         if p.scale == "time" and p.value == 0.0:
             values.insert(0, 0.0)  # what changes nothing: from there the slope points to either side
         grids.append([to_search(p.at(v)) for v in dict.fromkeys(values)])
     found = [dict(zip(free, combination, strict=True)) for combination in product(*grids)][: budget.starts]
     if effect.port == TIME and effect.at.startswith("sensor."):
-        late = lateness(passes, plant, effect.at.partition(".")[2])
+        late = lateness(inverses, plant, effect.at.partition(".")[2])
         own = {n: p for n in free if (p := effect.parameters[n]).scale in late}
         told = {n: to_search(p.at(float(np.clip(late[p.scale], p.lower, p.upper)))) for n, p in own.items()}
         found += [told] if told else []

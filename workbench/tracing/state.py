@@ -30,7 +30,7 @@ class State:
     def __init__(
         self,
         plant: Plant,
-        passes: Sequence[InverseDynamics],
+        inverses: Sequence[InverseDynamics],
         theta: np.ndarray | None = None,
         *,
         solved: bool = False,
@@ -38,8 +38,8 @@ class State:
         most: int = ITERATIONS,
         tolerance: float = SETTLED,
     ):
-        self.passes = passes
-        self.problem = Problem(plant, passes)
+        self.inverses = inverses
+        self.problem = Problem(plant, inverses)
         self.solution = solve(self.problem, theta, tolerance, most=0 if solved else most)
         self.plant = self.problem.with_linear(self.problem.with_shape(self.solution.theta), self.solution.c)
         self.errors: HeldOut = held_out(self.problem, self.solution, base)
@@ -47,7 +47,7 @@ class State:
     @cached_property
     def power(self) -> float:
         """Sum of squares of the measured drive behind the filter, where errors count."""
-        return sum(float(np.sum(p.motion.filter(p.motion.u)[p.motion.keep] ** 2)) for p in self.passes)
+        return sum(float(np.sum(p.motion.filter(p.motion.u)[p.motion.keep] ** 2)) for p in self.inverses)
 
     @property
     def freedom(self) -> int:
@@ -64,8 +64,8 @@ class State:
     @property
     def steady(self) -> float:
         """Rms of the residual's steady part."""
-        first = self.passes[0].motion
-        parts = zip(self.passes, self.problem.drive_part(self.solution.residual), strict=True)
+        first = self.inverses[0].motion
+        parts = zip(self.inverses, self.problem.drive_part(self.solution.residual), strict=True)
         return stationary_rms(
             [r for p, r in parts if isclose(p.motion.dt, first.dt, rel_tol=ALIKE_RATES)],
             first.dt,
@@ -76,7 +76,7 @@ class State:
     def residuals(self) -> list[np.ndarray]:
         """Residual of each identification record (n,), zero in the trimmed ends."""
         found = []
-        for p, part in zip(self.passes, self.problem.drive_part(self.solution.residual), strict=True):
+        for p, part in zip(self.inverses, self.problem.drive_part(self.solution.residual), strict=True):
             full = np.zeros(p.motion.u.size)
             full[p.motion.keep] = part
             found.append(full)

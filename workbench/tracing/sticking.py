@@ -34,10 +34,10 @@ STICKS = "sticks"
 
 @dataclass(frozen=True, eq=False)
 class Sticking:
-    """passes: that count where the axis moves. samples, power: shares of the drive's samples and of a model's residual at rest. beside:
+    """inverses: that count where the axis moves. samples, power: shares of the drive's samples and of a model's residual at rest. beside:
     whether that model is the declared one with all that was found beside it."""
 
-    passes: tuple[InverseDynamics, ...]
+    inverses: tuple[InverseDynamics, ...]
     samples: float
     power: float
     beside: bool = False
@@ -55,19 +55,19 @@ class Sticking:
         )  # fmt: skip
 
 
-def sticking(plant: Plant, passes: Sequence[InverseDynamics]) -> Sticking | None:
-    """Return the passes that count where the axis moves, None where rest is not most of what the declared model leaves."""
+def sticking(plant: Plant, inverses: Sequence[InverseDynamics]) -> Sticking | None:
+    """Return the inverse dynamics that count where the axis moves, None where rest is not most of what the declared model leaves."""
     places = dry(plant)
     if not places:
         return None
     rest = [
         np.stack([_at_rest(p, "motor" if "motor" in places else "axis", places), _at_rest(p, "load", places)])
-        for p in passes
+        for p in inverses
     ]
     if not any(r[0].any() for r in rest):
         return None
-    known = dict(zip((p.motion.record.name for p in passes), rest, strict=True))
-    decimated = decimate(fitted_on(passes))
+    known = dict(zip((p.motion.record.name for p in inverses), rest, strict=True))
+    decimated = decimate(fitted_on(inverses))
     problem = Problem(plant, decimated)
     held = total = 0.0
     samples = count = 0
@@ -78,7 +78,7 @@ def sticking(plant: Plant, passes: Sequence[InverseDynamics]) -> Sticking | None
         samples, count = samples + int(np.count_nonzero(at)), count + at.size
     if held <= MOST * total or held * (count - samples) <= DENSE * samples * (total - held):
         return None
-    counted = tuple(InverseDynamics(p.motion, counts=~r) for p, r in zip(passes, rest, strict=True))
+    counted = tuple(InverseDynamics(p.motion, counts=~r) for p, r in zip(inverses, rest, strict=True))
     return Sticking(counted, samples / count, held / total)
 
 

@@ -34,7 +34,7 @@ from workbench.tracing.weighing import Confirmed, confirm
 @kept
 def trace(
     plant: Plant | Fit,
-    passes: Sequence[InverseDynamics],
+    inverses: Sequence[InverseDynamics],
     progress: Progress = lambda _: None,
     most: int | None = None,
     only: Collection[str] | None = None,
@@ -42,7 +42,7 @@ def trace(
     criteria: Criteria = STANDARD,
     budget: Budget = BUDGET,
 ) -> Trace:
-    """Trace the residual of `plant` on the identification records among `passes`.
+    """Trace the residual of `plant` on the identification records among `inverses`.
 
     plant: as declared, or a fit of it. most: effects added at most, as the criteria say where absent. only: names of the effects
     that are judged, all where absent. own: effects that are judged beside those of the catalogue. criteria: what
@@ -54,7 +54,7 @@ def trace(
     progress("fitting the declared model")
     offer = Offer(only, own, [e.key for e in plant.effects], budget=budget)
     try:
-        late = prepared(plant, passes, only, criteria)
+        late = prepared(plant, inverses, only, criteria)
         declared, offered = _begun(late, offer, criteria)
     except NoValue:
         raise WorkbenchError(
@@ -66,16 +66,16 @@ def trace(
         late = moving
         declared, offered = _begun(late, offer, criteria)
         selected = select(declared, late.whole, offered, criteria, progress)
-    offer, passes = offered, late.passes
+    offer, inverses = offered, late.inverses
     progress("fitting the extended model")
     order, confirmed, refused = selected.answer.added, None, []
     while order is not None:
         first = confirmed is None
-        confirmed = confirm(late.plant, order, selected, passes, criteria, None if first else confirmed.levels)
+        confirmed = confirm(late.plant, order, selected, inverses, criteria, None if first else confirmed.levels)
         if first:
             progress("weighing the evidence")
-            selected, confirmed = otherwise(selected, confirmed, late.plant, passes, offer, criteria, progress)
-            evidence, place = _evidence_of(selected, confirmed, late, passes, criteria)
+            selected, confirmed = otherwise(selected, confirmed, late.plant, inverses, offer, criteria, progress)
+            evidence, place = _evidence_of(selected, confirmed, late, inverses, criteria)
         evidence = replace(evidence, added=confirmed.weighed)
         verdict = decide(evidence, criteria)
         order = (later(confirmed.added, verdict) if first else None) or _standing(confirmed, verdict)
@@ -83,7 +83,7 @@ def trace(
             # without what is not borne out, the others are weighed again: one may have been needed by it alone
             refused += [a for a, r in zip(confirmed.weighed, verdict.roles, strict=True) if r == NOT_BORNE_OUT]
     evidence = replace(evidence, refused=tuple(refused))
-    return reported(Outcome(late, passes, selected, confirmed, evidence, verdict, place, criteria), progress)
+    return reported(Outcome(late, inverses, selected, confirmed, evidence, verdict, place, criteria), progress)
 
 
 def _begun(late: Declared, offer: Offer, criteria: Criteria) -> tuple[State, Offer]:
@@ -111,12 +111,12 @@ def _standing(confirmed: Confirmed, verdict: Verdict) -> list[ScoredCandidate] |
 
 
 def _evidence_of(
-    selected: Selection, confirmed: Confirmed, late: Declared, passes: Sequence[InverseDynamics], criteria: Criteria
+    selected: Selection, confirmed: Confirmed, late: Declared, inverses: Sequence[InverseDynamics], criteria: Criteria
 ) -> tuple[Evidence, Unexplained | None]:
     """Return the numbers that decide, and the place that says more than what was added does, if there is one."""
     answer, base = selected.answer, selected.base
     calm = max(answer.last.steady, min(confirmed.levels.values(), default=0.0))
-    even = {p.motion.record.name: calm for p in passes}
+    even = {p.motion.record.name: calm for p in inverses}
     before = explainable(base, criteria)
     after = explainable(answer.last, criteria) if answer.added else before
     paid = traded(base, answer.last, even) if confirmed.added else None
@@ -125,7 +125,7 @@ def _evidence_of(
     steady = {name: min(x, max(base.steady, 1e-300)) for name, x in confirmed.levels.items()}
     evidence = Evidence(
         declared={"identification": first.identification, "validation": first.validation},
-        floor=noise_floor(passes, steady),
+        floor=noise_floor(inverses, steady),
         before=before,
         after=after,
         added=confirmed.weighed,

@@ -79,7 +79,7 @@ def noise_alone(state: State, level: Mapping[str, float], most: float = NOISE) -
 
 
 def _samples_of(state: State, level: Mapping[str, float]) -> Samples:
-    return samples(state.passes, state.plant, level)
+    return samples(state.inverses, state.plant, level)
 
 
 def _say_more(declared: State, last: State, known: Samples) -> Window | None:
@@ -146,7 +146,7 @@ def described(found: Unexplained | None, evidence: Evidence, lost: Mended | None
 
 def _of_lost(found: Mended) -> dict[str, object]:
     """Return what trace.json says of counts that an encoder lost: the moments, each by record, and what they take of the drive."""
-    step = max(p.motion.dt for p in found.passes)
+    step = max(p.motion.dt for p in found.inverses)
     times = sorted(s.time for s in found.lost.all)
     return {
         "coordinate": "time",

@@ -39,26 +39,26 @@ def confirm(
     declared: Plant,
     order: Sequence[ScoredCandidate],
     selected: Selection,
-    passes: Sequence[InverseDynamics],
+    inverses: Sequence[InverseDynamics],
     criteria: Criteria,
     levels: Mapping[str, float] | None = None,
 ) -> Confirmed:
     """Return what whole records bear out of additions, asked in this order, and weighed. levels: as found before."""
-    added, fits = in_turn(declared, order, selected.found, passes)
-    found = weighed(selected, added, fits, passes, criteria)
-    return Confirmed(added, fits, noise_rms(passes, fits[-1].plant) if levels is None else levels, found)
+    added, fits = in_turn(declared, order, selected.found, inverses)
+    found = weighed(selected, added, fits, inverses, criteria)
+    return Confirmed(added, fits, noise_rms(inverses, fits[-1].plant) if levels is None else levels, found)
 
 
 def weighed(
     selected: Selection,
     added: Sequence[ScoredCandidate],
     fits: Sequence[Fit],
-    passes: Sequence[InverseDynamics],
+    inverses: Sequence[InverseDynamics],
     criteria: Criteria,
 ) -> tuple[Weighed, ...]:
     """Return each addition with what whole records say of it. fits: of the declared plant and with one more of these each."""
     declared, last = fits[0].plant, fits[-1].plant
-    load = [load_errors(passes, f.plant) if declared.kind == TWO_MASS else {} for f in fits]
+    load = [load_errors(inverses, f.plant) if declared.kind == TWO_MASS else {} for f in fits]
     found = []
     for i, j in enumerate(added):
         key = j.candidate.key
@@ -73,12 +73,12 @@ def weighed(
             changed=_change(declared, fits[-1], key) if j.candidate.kind == CORRECTION and present else 0.0,
             tolerance=criteria.tolerance,
             law="free form" if j.candidate.stands else "catalogue",
-            implausible=implausible(last[key], last, declared, selected.declared.passes) if present else "",
+            implausible=implausible(last[key], last, declared, selected.declared.inverses) if present else "",
             load_before=load[i],
             load_after=load[i + 1],
-            **_outside(fits[i].plant, fits[i + 1].plant, selected.declared.passes),
+            **_outside(fits[i].plant, fits[i + 1].plant, selected.declared.inverses),
         )
-        found.append(_phased(w, fits[i + 1], key, passes) if present else w)
+        found.append(_phased(w, fits[i + 1], key, inverses) if present else w)
     return tuple(replace(w, same_curve=_bends(w, found)) for w in found)
 
 
@@ -93,13 +93,13 @@ def _bends(w: Weighed, found: Sequence[Weighed]) -> bool:
     return own in ONE_CURVE and any(family(x) == own for x in larger)
 
 
-def _outside(before: Plant, after: Plant, passes: Sequence[InverseDynamics]) -> dict[str, float]:
+def _outside(before: Plant, after: Plant, inverses: Sequence[InverseDynamics]) -> dict[str, float]:
     """Return what the instruments say of what `after` has more."""
-    m, error = multiplier(before, after, passes)
+    m, error = multiplier(before, after, inverses)
     return {"outside": m, "outside_error": error}
 
 
-def _phased(w: Weighed, fit: Fit, key: str, passes: Sequence[InverseDynamics]) -> Weighed:
+def _phased(w: Weighed, fit: Fit, key: str, inverses: Sequence[InverseDynamics]) -> Weighed:
     """Return a wave that makes validation worse with the error that its own phase there leaves, if that is another one.
 
     A motor's ripple has the phase of the power-up in which its encoder was zeroed; it is no less there in another.
@@ -107,7 +107,7 @@ def _phased(w: Weighed, fit: Fit, key: str, passes: Sequence[InverseDynamics]) -
     effect = fit.plant[key]
     if w.share(VALIDATION) >= 0.0 or not periodic(effect):
         return w
-    found = calibrate(fit.plant, key, passes, fit.validation)
+    found = calibrate(fit.plant, key, inverses, fit.validation)
     if not (found.differs and found.calibrated < w.before[VALIDATION]):
         return w
     return replace(w, after={**w.after, VALIDATION: found.calibrated}, power_up=True)

@@ -22,7 +22,7 @@ RISEN = 1.05  # of the drive's error, from which it has plainly risen
 
 
 def in_turn(
-    declared: Plant, added: Sequence[ScoredCandidate], found: Plant, passes: Sequence[InverseDynamics]
+    declared: Plant, added: Sequence[ScoredCandidate], found: Plant, inverses: Sequence[InverseDynamics]
 ) -> tuple[list[ScoredCandidate], list[Fit]]:
     """Return what whole records bear out of what was added, and the fits: of the declared plant, and with one more of these each.
 
@@ -34,7 +34,7 @@ def in_turn(
     plants = [declared]
     for j in added:
         plants.append(valued(brought(plants[-1], j.candidate, found), found))
-    whole = fitted_on(passes)
+    whole = fitted_on(inverses)
 
     def end_of(plant: Plant) -> np.ndarray | None:
         """Return where the search for a plant ends, on the search scale; None where the plant has no value on the records."""
@@ -45,25 +45,25 @@ def in_turn(
             return None
 
     ends = list(shared(end_of, plants))  # no search needs another one's result
-    fits = [identify(declared, passes, ends[0], solved=True)]
+    fits = [identify(declared, inverses, ends[0], solved=True)]
     kept: list[ScoredCandidate] = []
     for i, j in enumerate(added):
         plant = brought(fits[-1].plant, j.candidate, found)
         end = ends[i + 1] if i == len(kept) else None  # else it is of a plant with what was not borne out
         again = ((valued(plant, found), end), (plant, None))
-        tried = (identify(p, passes, theta, solved=theta is not None) for p, theta in again)
+        tried = (identify(p, inverses, theta, solved=theta is not None) for p, theta in again)
         better = next((fit for fit in tried if borne_out(fits[-1], fit)), None)
         if better is not None:
             kept.append(j)
             fits.append(better)
     if len(kept) == len(added) or ends[-1] is None:
         return kept, fits
-    last = identify(plants[-1], passes, ends[-1], solved=True)
+    last = identify(plants[-1], inverses, ends[-1], solved=True)
     if not (borne_out(fits[-1], last) and last.details["cost"] < (1.0 - FALLS) * fits[-1].details["cost"]):
         return kept, fits
     # one needs another (a body that hides behind a spring, and the mass that was counted in): together they stand
     between = (
-        identify(p, passes, end, solved=end is not None) for p, end in zip(plants[1:-1], ends[1:-1], strict=True)
+        identify(p, inverses, end, solved=end is not None) for p, end in zip(plants[1:-1], ends[1:-1], strict=True)
     )
     return list(added), [fits[0], *between, last]
 

@@ -24,11 +24,13 @@ def cause(
     declared: Plant,
     *,
     provisional: bool = False,
+    also: tuple[str, ...] = (),
 ) -> Cause:
     """Return the cause that a candidate became: its share from `before` to `here`, its parameters from the last fit.
 
     weight: what whole records say of it. declared: the plant as declared, whose fixed values a correction moved. provisional: it
-    was not certain alone, and the candidate is what it came to with the others in place.
+    was not certain alone, and the candidate is what it came to with the others in place. also: what else of a
+    composite is missing.
     """
     score, candidate, name = judgement.score, judgement.candidate, judgement.candidate.name
     was = _held(declared, score) if score.kind == CORRECTION else {}
@@ -46,6 +48,8 @@ def cause(
     if candidate.part:
         whose = "With what is declared there it is" if effect.parts else "Its law is that of"
         sentence += f" {whose} {title(score.effect)}, {effect.formula}."
+    if also:
+        sentence += f" And that friction gives way before it slips, which what is declared there does not: {title(also[0])} is missing with it."
     if candidate.stands:
         sentence += f" It is {candidate.family}, of no catalogued law: its curve is in the parameters, and the name is that of the nearest law."
     if weight.implausible:
@@ -60,6 +64,7 @@ def cause(
         kind=score.kind,
         was=was, law=weight.law, size=weight.size(IDENTIFICATION),
         form=score.effect if name != score.effect else "",
+        also=also,
     )  # fmt: skip
 
 
