@@ -4,9 +4,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from workbench.finding import RESPONSE_LIMITS, Finding
 from workbench.frequency import Response, sensitivity_peak
-from workbench.tuning import sampled
+from workbench.tuning import sampled, wording
 from workbench.tuning.gains import Gains
 from workbench.tuning.goal import TuningGoal
 from workbench.tuning.tuning import tune
@@ -89,19 +88,7 @@ def tune_within(
         cap[over] = np.minimum(cap[over], BELOW * share[over] ** 2 * gains.kp[over])
         gains = tune(equivalent, inertia, viscous, goal, loop, most_kp=cap, **options)
     capped = np.isfinite(cap)
-    return (
-        replace(gains, findings=(*gains.findings, _finding(free, gains, capped, response))) if capped.any() else gains
-    )
-
-
-def _finding(free: Gains, gains: Gains, capped: np.ndarray, response: Response) -> Finding:
-    i = int(np.argmin(np.where(capped, gains.kp / free.kp, np.inf)))
-    share = gains.kp[i] / free.kp[i]
-    sentence = (
-        f"At {int(capped.sum())} of {capped.size} amplitudes the frequency response of record '{response.record}' allows less "
-        f"than the model of one mass: at {gains.amplitude[i]:.3g} Kp is {share:.0%} of what it would be."
-    )
-    evidence = {"amplitudes": float(capped.sum()), "share": float(share)}
-    return Finding(
-        RESPONSE_LIMITS, "gains", sentence, evidence, "Put a notch on the mode, delay less, or stiffen the joint."
-    )
+    if not capped.any():
+        return gains
+    share = np.where(capped, gains.kp / free.kp, np.inf)
+    return replace(gains, findings=(*gains.findings, wording.limited(response.record, share, gains.amplitude)))

@@ -5,7 +5,7 @@ import numpy as np
 from workbench.errors import WorkbenchError
 from workbench.finding import Finding
 from workbench.threads import one_thread
-from workbench.tuning import response, sampled
+from workbench.tuning import response, sampled, wording
 from workbench.tuning.axis import Axis
 from workbench.tuning.gains import Gains
 from workbench.tuning.goal import TuningGoal
@@ -108,15 +108,7 @@ def _allow_error(axis: Axis, goal: TuningGoal, box, got) -> tuple[Finding, ...]:
     if not lost.size:
         return ()
     best = part.stiffness[lost] / (part.stiffness[lost] + stiffest.kp[lost])
-    i = int(best.argmax())
-    sentence = (
-        f"At {lost.size} of {axis.amplitude.size} amplitudes ({part.amplitude[lost[0]]:.3g} to {part.amplitude[lost[-1]]:.3g}) "
-        f"no gains keep the error below {goal.error:.1%} of the step; the best is {best[i]:.1%} at {part.amplitude[lost[i]]:.3g}. "
-        "The bound was dropped there, and the gains are the fastest."
-    )
-    evidence = {"amplitudes": float(lost.size), "bound": goal.error, "best": float(best[i])}
-    remedy = "Sample faster, delay less, or let an integrator remove the error."
-    return (Finding("constraint dropped", "error", sentence, evidence, remedy),)
+    return (wording.dropped(part.amplitude[lost], best, axis.amplitude.size, goal.error),)
 
 
 def _binding(axis: Axis, goal: TuningGoal, got, peak: np.ndarray) -> tuple[tuple[str, ...], ...]:
@@ -136,42 +128,16 @@ def _binding(axis: Axis, goal: TuningGoal, got, peak: np.ndarray) -> tuple[tuple
 
 def _doubts(axis: Axis, goal: TuningGoal, got, peak: np.ndarray, radius: np.ndarray) -> list[Finding]:
     """What verification found wrong, worst first in each kind."""
-    out = []
-
-    def add(kind: str, wrong: np.ndarray, size: np.ndarray, text: str, remedy: str) -> None:
-        if wrong.any():
-            i = int(np.argmax(np.where(wrong, size, -np.inf)))
-            sentence = (
-                f"At {int(wrong.sum())} of {wrong.size} amplitudes {text}: {size[i]:.4g} at {axis.amplitude[i]:.3g}."
-            )
-            out.append(
-                Finding(
-                    kind, "gains", sentence, {"worst": float(size[i]), "amplitude": float(axis.amplitude[i])}, remedy
-                )
-            )
-
-    add(
-        "unstable",
-        ~(radius < 1.0),
-        radius,
-        "the sampled loop is unstable (largest modulus of its eigenvalues)",
-        "State a sensitivity limit: the linear axis in continuous time knows neither delay nor sampling.",
-    )
-    add(
-        "sensitivity exceeded",
-        peak > goal.sensitivity * 1.005,
-        peak,
-        f"the sensitivity peak exceeds {goal.sensitivity:g}",
-        "Report it with the axis: the program should have kept this limit.",
-    )
-    add(
-        "not converged",
-        ~got.solved,
-        (~got.solved).astype(float),
-        "the program stopped before its tolerance",
-        "Compare with the gains of neighbouring amplitudes.",
-    )
-    return out
+    wrong = {
+        "unstable": (~(radius < 1.0), radius),
+        "sensitivity exceeded": (peak > goal.sensitivity * 1.005, peak),
+        "not converged": (~got.solved, (~got.solved).astype(float)),
+    }
+    return [
+        wording.doubted(kind, where, size, axis.amplitude, goal.sensitivity)
+        for kind, (where, size) in wrong.items()
+        if where.any()
+    ]
 
 
 def _out_of_reach(axis: Axis, goal: TuningGoal, possible: np.ndarray) -> OutOfReach:
