@@ -9,12 +9,15 @@ away most, and stays where it takes away a share and the Bayesian information cr
 """
 
 from dataclasses import dataclass
-from typing import Protocol
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from workbench.errors import WorkbenchError
 from workbench.threads import one_thread
+
+if TYPE_CHECKING:
+    from workbench.frequency.response import Response
 
 COHERENT = 0.5  # coherence from which on a line counts
 MODEL = 0.01  # share of |H| that the model may be wrong by at a line, however sure the line is
@@ -28,25 +31,6 @@ PARAMETERS = 4  # of a mode: pole and residue
 LINES = 8  # that a fit needs
 WORTH = 0.2  # of what is left that a further mode must take away: neighbouring lines share errors, and noise looks like modes
 ROUNDS = 60  # of a search, at most
-
-
-class Lines(Protocol):
-    """What modes are fitted to: of a `Response` its lines, and what is known of them."""
-
-    record: str
-    frequency: np.ndarray
-    value: np.ndarray
-    coherence: np.ndarray
-    deviation: np.ndarray
-    resolution: float
-
-    @property
-    def spread(self) -> float: ...
-
-    @property
-    def omega(self) -> np.ndarray: ...
-
-    def where(self, keep: np.ndarray) -> "Lines": ...
 
 
 @dataclass(frozen=True)
@@ -103,7 +87,7 @@ def _columns(omega: np.ndarray, poles: np.ndarray) -> np.ndarray:
 class Fitting:
     """Weighted least squares of one response; theta = [log w, log z of each pole, delay in units of 1/omega[-1]]."""
 
-    def __init__(self, response: Lines):
+    def __init__(self, response: "Response"):
         self.spread = 2 * np.pi * response.spread
         self.omega, self.value, self.resolution = response.omega, response.value, response.resolution
         self.weight = 1.0 / np.hypot(response.deviation, MODEL * np.abs(response.value))
@@ -164,13 +148,13 @@ class Fitting:
         return np.insert(theta, -1, np.log(options[int(np.argmax(gains))]))
 
 
-def _coherent(response: Lines) -> Lines:
+def _coherent(response: "Response") -> "Response":
     """Return the lines that count."""
     return response.where(response.coherence > COHERENT)
 
 
 @one_thread
-def fit_modes(response: Lines, most: int = MOST) -> Modes:
+def fit_modes(response: "Response", most: int = MOST) -> Modes:
     """Return the modes of a frequency response. WorkbenchError where too few of its lines are coherent."""
     used = _coherent(response)
     if used.frequency.size < LINES:
@@ -189,7 +173,7 @@ def fit_modes(response: Lines, most: int = MOST) -> Modes:
     return _said(fitting, best, used)
 
 
-def _criterion(solution, used: Lines) -> float:
+def _criterion(solution, used: "Response") -> float:
     """Return the Bayesian information criterion, of noise whose size the fit itself tells but never below what is stated."""
     count = 2 * used.frequency.size
     modes = (solution.x.size - 1) // 2
@@ -197,7 +181,7 @@ def _criterion(solution, used: Lines) -> float:
     return count * np.log(power) + 2 * solution.cost / power + PARAMETERS * modes * np.log(count)
 
 
-def _said(fitting: Fitting, solution, used: Lines) -> Modes:
+def _said(fitting: Fitting, solution, used: "Response") -> Modes:
     """Return a solution as modes, with intervals widened where the fit leaves more than the noise."""
     theta, count = solution.x, 2 * used.frequency.size
     poles, (residues, left) = fitting.poles(theta), fitting.solved(theta)
