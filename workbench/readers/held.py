@@ -13,6 +13,7 @@ import numpy as np
 
 from workbench.errors import WorkbenchError, nearest
 from workbench.readers.sheet import Sheet, sheet, vector
+from workbench.readers.wording import put_on_one
 
 CLOCK = "time"  # the column that stands for the raster's instants
 SLOW = 20.0  # halved, a torque logged at a tenth of the position's rate would be drawn out by straight lines
@@ -109,12 +110,4 @@ def _on_one(own, vectors, columns, path):
         raise WorkbenchError(f"{path}: its columns were not sampled in the same stretch of time; export them together.")
     put = {n: np.interp(kept, own.get(n, time), v) if n in own else v for n, v in vectors.items()}
     rate = (time.size - 1) / (time[-1] - time[0])
-    named = ", ".join(f"'{columns[n]}'" for n in others[:4]) + (", ..." if len(others) > 4 else "")
-    what = "was" if len(others) == 1 else "were"
-    return (
-        kept,
-        put,
-        (
-            f"{named} {what} not sampled at the instants of '{columns[first]}' ({rate:.6g} Hz), and {what} put there by straight lines."
-        ),
-    )
+    return kept, put, put_on_one([columns[n] for n in others], columns[first], rate)

@@ -9,8 +9,8 @@ from pathlib import Path
 import numpy as np
 
 from workbench.errors import WorkbenchError
-from workbench.finding import ASSUMED_SCALE, RESAMPLED, START_TIME, Finding
-from workbench.readers import load, reader, stem
+from workbench.finding import Finding
+from workbench.readers import load, reader, stem, wording
 from workbench.readers.declaration import Table
 from workbench.readers.plausible import HUGE, plausible
 from workbench.readers.sampling import FEWEST, uniform
@@ -115,16 +115,8 @@ def _channel(one: Table, si: str) -> Channel:
 
 
 def assumptions(channels: Mapping[str, Channel]) -> tuple[Finding, ...]:
-    """Say which scales are guesses: figures in torque or angle are only as right as these numbers."""
-    return tuple(
-        Finding(
-            ASSUMED_SCALE, name,
-            f"The scale of channel '{name}' (column '{c.column}', '{c.unit}' to '{c.si}') is assumed, not known.",
-            {"factor": c.factor},
-            f"Put the data sheet's number into channels.{name}.scale of campaign.toml, or the right unit beside it, and remove 'assumed'.",
-        )
-        for name, c in channels.items() if c.assumed
-    )  # fmt: skip
+    """Say which scales are guesses."""
+    return tuple(wording.assumed_scale(n, c.column, c.unit, c.si, c.factor) for n, c in channels.items() if c.assumed)
 
 
 def records(
@@ -181,8 +173,8 @@ def _record(one: Table, folder: Path, name: str, channels: Mapping[str, Channel]
     )
     findings = [f for n, c in measured.items() if (f := stated(name, c.column, sheet.units.get(n, ""), c.unit))]
     findings += [resampled] if resampled else []
-    findings += [Finding(RESAMPLED, name, f"In record '{name}' {note}") for note in sheet.notes]
-    findings += [_clock(name, start, time)] if abs(start - time[0]) > time[1] - time[0] else []
+    findings += [wording.noted(name, note) for note in sheet.notes]
+    findings += [wording.other_clock(name, start, float(time[0]))] if abs(start - time[0]) > time[1] - time[0] else []
     return record, findings
 
 
@@ -220,12 +212,6 @@ def _payload(one: Table, rotary: bool) -> Payload | None:
     units = {"inertia": "F*s^2/x"} | ({"mgl": "F", "phase": "x"} if rotary else {})
     given = one.table("payload", (), tuple(units))
     return Payload(**{n: given.quantity(n, effect_unit(units[n], rotary)) for n in given.values})
-
-
-def _clock(name: str, start: float, time: np.ndarray) -> Finding:
-    sentence = f"Record '{name}' is declared to start at {start:g} s, and its time starts at {time[0]:g} s; the latter is used."
-    evidence = {"declared": start, "measured": float(time[0])}
-    return Finding(START_TIME, name, sentence, evidence, "Log the clock of the bench, or mend start_time_s.")
 
 
 def _inside(folder: Path, one: Table) -> Path:

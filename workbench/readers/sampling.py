@@ -5,7 +5,8 @@ from collections.abc import Callable, Mapping
 import numpy as np
 
 from workbench.errors import UnsoundRecord
-from workbench.finding import RESAMPLED, Finding
+from workbench.finding import Finding
+from workbench.readers import wording
 
 FEWEST = 100  # samples
 TOLERANCE = 0.01  # of the median step
@@ -78,11 +79,5 @@ def _resampled(name, time, channels, step, off):
     # The last instant is kept where rounding alone would lose it.
     count = int(np.floor((time[-1] - time[0]) / step + 1e-6)) + 1
     even = np.minimum(time[0] + step * np.arange(count), time[-1])
-    gap = float(np.diff(time).max())
-    sentence = (
-        f"Record '{name}' was resampled to {1 / step:.6g} Hz by straight lines, since {off} of {time.size - 1} time steps "
-        f"were more than 1 % off the median; the longest was {gap:.6g} s."
-    )
-    evidence = {"steps_off": float(off), "steps": float(time.size - 1), "longest_gap": gap, "step": step}
-    finding = Finding(RESAMPLED, name, sentence, evidence, "Log at one rate, with the clock of the drive.")
+    finding = wording.resampled(name, step, off, time.size - 1, float(np.diff(time).max()))
     return even, {n: np.interp(even, time, c) for n, c in channels.items()}, finding

@@ -3,7 +3,8 @@
 from math import isclose
 
 from workbench.errors import WorkbenchError
-from workbench.finding import OTHER_UNIT, Finding
+from workbench.finding import Finding
+from workbench.readers import wording
 from workbench.units import to_si
 from workbench.units.registry import legible, tidy
 
@@ -20,9 +21,4 @@ def stated(record: str, column: str, unit: str, declared: str) -> Finding | None
             return None
     except WorkbenchError:  # of another dimension
         pass
-    return Finding(
-        OTHER_UNIT,
-        record,
-        f"Record '{record}' states column '{column}' in '{unit}', and it is declared in '{declared}'; the latter is used.",
-        remedy="Mend the unit of this channel in campaign.toml, or export the record again.",
-    )
+    return wording.other_unit(record, column, unit, declared)
