@@ -18,6 +18,7 @@ from workbench.errors import WorkbenchError
 from workbench.finding import Finding
 from workbench.kernel.step import build
 from workbench.long_records.stream import BLOCK, Blocks, Column, Weights, weights_of
+from workbench.long_records.wording import known_only_together
 from workbench.motion import Motion
 from workbench.plant import Plant
 
@@ -114,13 +115,8 @@ def identify_bank(plant: Plant, motions: Sequence[Motion], block: int = BLOCK) -
 
 
 def _unslipped(plant: Plant, bank: Effect, slips: np.ndarray, reach: float) -> tuple[Finding, ...]:
-    """Say which elements never slip: to the records they are one spring, however many they are."""
+    """Return a finding where several elements never slip in the records, which reach so far from where they begin."""
     names = [n for n, slip in zip(bank.linear, slips, strict=True) if slip >= reach]
     if len(names) < 2:
         return ()
-    sentence = (
-        f"{bank.named}: elements {', '.join(names)} never slip in these records, which reach {reach:.3g} "
-        f"{plant.displacement} from where they begin; only the sum of their stiffnesses is determined."
-    )
-    remedy = "record a longer stroke, or leave out all but one of them"
-    return (Finding("known only together", f"{bank.key}.{names[0]}", sentence, {"reach": reach}, remedy),)
+    return (known_only_together(bank, names, reach, plant.displacement),)
