@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 
 from workbench.cancellation.contestant import SUFFIX, contestant
 from workbench.cancellation.following import Slow, Worth, bears, worth
+from workbench.cancellation.wording import not_stable_alone
 from workbench.compensation import OBSERVED, REFERENCE, Compensator
 from workbench.control import Controller
 from workbench.design.design import Designed
@@ -121,12 +122,4 @@ def _fallen(given: Cancellation, task: Task, controller: Controller) -> tuple[Fi
     compensator = given.on(task.plant)
     if compensator.source == REFERENCE or bears(task.plant, task.loop, controller, compensator, given.slow):
         return ()
-    sentence = (
-        f"Without {' and '.join(given.effects)} the controller “{given.controller}” does not follow a slow motion: what is to be "
-        "cancelled is what holds the loop up."
-    )
-    return (
-        Finding(
-            "not stable alone", "compensation", sentence, {}, "raise its gains first, or compensate from the reference"
-        ),
-    )
+    return (not_stable_alone(given.effects, given.controller),)
