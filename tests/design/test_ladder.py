@@ -17,7 +17,8 @@ from workbench.design.families.shaped import shaped
 from workbench.design.figures import step_figures
 from workbench.design.ladder import PHASES, all_rungs, climbed, corners, ladder
 from workbench.design.regret import BEATEN, Regret, cost, first_grid, prices, raised, references, regret
-from workbench.design.worth import regret_of, rivals, worth_sentence
+from workbench.design.wording import worth_sentence
+from workbench.design.worth import regret_of, rivals
 from workbench.task.task import Task, Weights
 from workbench.tuning import sampled
 from workbench.tuning.axis import Axis

@@ -22,6 +22,7 @@ from workbench.design.families.shaped import shaped
 from workbench.design.ladder import LANDING, PHASES, SIZES, ladder
 from workbench.design.polish import Polished
 from workbench.design.regret import Regret, first_grid, from_references
+from workbench.design.wording import stiffer
 from workbench.design.worth import Rivals, regret_of, rivals
 from workbench.finding import Finding
 from workbench.keeping import kept
@@ -113,12 +114,7 @@ def tabled(
 
 
 def _stiffer(table: GainTable, point: np.ndarray) -> Finding:
-    """Say how much stiffer a table is, at its ratios, than it might be without its notch."""
+    """Return how much stiffer a table is, at its ratios, than it might be without its notch."""
     centre, depth = point[-table.bare.size :]
     kp, bare = (table.gains(one[None])[0][0] for one in (point, np.append(point[: -table.bare.size], table.bare)))
-    low, high = float((kp / bare).min()), float((kp / bare).max())
-    sentence = (
-        f"The table has a notch at {centre:.0f} Hz to {depth:.2g} behind its law: with its ratios Kp is {low:.2f} to "
-        f"{high:.2f} times what |S| would allow without one. Gains without their notch keep no margin."
-    )
-    return Finding("notch", "schedule", sentence, {"least": low, "most": high})
+    return stiffer(centre, depth, float((kp / bare).min()), float((kp / bare).max()))

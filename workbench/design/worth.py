@@ -1,6 +1,5 @@
 """What a description is worth on the ladder: its schedule beside a two-level switch and beside fixed gains, by the same search."""
 
-from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 from workbench.design.climb import Climb, Climbed, Climbing, evolved
@@ -40,30 +39,10 @@ def regret_of(on: Ladder, one: OfFamily, known: References, task: Task | None = 
     return regret(on, climbed(on, one.family, point, all_rungs(on, point), follow=follow)[0], known)
 
 
-def worth_sentence(ours: Regret, others: Mapping[str, Regret]) -> str:
-    """Say what the schedule of the description is worth: its worst regret in time and error beside those of the rivals."""
-
-    def worst(r: Regret) -> str:
-        time, error, over = r.worst
-        if r.restless:
-            return f"no rest on {r.restless} of {r.time.size} moves"
-        return f"{time:.2f} in time, {error:.2f} in error, an overshoot of {100.0 * over:.1f} %"
-
-    text = "; ".join(f"{n} {worst(r)}" for n, r in others.items())
-    mine = max(ours.worst[:2])
-    behind = [
-        n
-        for n, r in others.items()
-        if r.restless > ours.restless
-        or max(r.worst[:2]) > mine * (1.0 + EQUAL)
-        or r.worst[2] > max(OVERSHOOT, ours.worst[2])
-    ]
-    rest = [n for n in others if n not in behind]
-    said = f"The schedule of the description comes to {worst(ours)}; by the same search, {text}."
-    if not rest:
-        return (
-            said
-            + " So the description is worth its schedule: fewer levels take longer, leave more or overshoot on some move."
-        )
-    held = " and ".join(rest)
-    return said + f" So against {held} the description's curve buys nothing here that shows in the worst move."
+def behind(one: Regret, ours: Regret) -> bool:
+    """Whether a rival's worst move is worse than that of the schedule: it comes to no rest, takes longer, leaves more or overshoots."""
+    return (
+        one.restless > ours.restless
+        or max(one.worst[:2]) > max(ours.worst[:2]) * (1.0 + EQUAL)
+        or one.worst[2] > max(OVERSHOOT, ours.worst[2])
+    )

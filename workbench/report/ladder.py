@@ -8,7 +8,7 @@ from workbench.design.climb import Climbed
 from workbench.design.figures import COUNTS
 from workbench.design.ladder import FEW, timed
 from workbench.design.regret import Regret
-from workbench.design.worth import worth_sentence
+from workbench.design.wording import worth_sentence
 from workbench.plant import Plant
 from workbench.report import numbers
 from workbench.report.contents import Chapter, Figure, Paragraph, Table
