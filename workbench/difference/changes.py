@@ -11,7 +11,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from workbench.finding import Finding, capital, located
+from workbench.difference.wording import change_sentence, difference_sentence
+from workbench.finding import Finding
 from workbench.identification import intervals
 from workbench.identification.fit import fitted_on
 from workbench.identification.problem import Name, Problem
@@ -179,28 +180,11 @@ def _change(a: Estimate, b: Estimate, chance: float, first: Side, second: Side, 
     half = float(t * np.hypot(_deviation(a), _deviation(b)))
     apart, size = b.value - a.value, max(abs(a.value), abs(b.value))
     moved = chance < CHANCE and abs(apart) > MATTERS * size
-    what = f"{capital(located(a.effect, a.at))}, {a.meaning}"
-    unit = "" if a.unit in ("1", "") else f" {a.unit}"
-    if moved:
-        share = f" ({100 * abs(apart) / abs(a.value):.2g} %)" if a.value else ""
-        text = (
-            f"{what} {'rose' if apart > 0 else 'fell'} from {a.value:.4g} to {b.value:.4g}{unit}, by {abs(apart):.2g}{share} "
-            f"with an interval of +-{half:.1g}."
-        )
-    else:
-        text = f"{what} did not move: {a.value:.4g} and {b.value:.4g}{unit}; a change of {half:.1g} would have shown."
-    return Change(a.effect, a.at, a.parameter, a.unit, a.value, b.value, half, chance, moved, text)
+    sentence = change_sentence(a, b, half, moved)
+    return Change(a.effect, a.at, a.parameter, a.unit, a.value, b.value, half, chance, moved, sentence)
 
 
 def _sentence_of(changes: Sequence[Change], together: float) -> str:
     """Return what a difference comes to."""
-    moved = [c for c in changes if c.moved]
-    if moved:
-        names = ", ".join(f"{c.effect}.{c.parameter}" for c in moved)
-        return f"{len(moved)} of {len(changes)} parameters moved: {names}."
-    if changes and together < CHANCE:
-        return (
-            f"No parameter moved by itself, but together they did (chance {together:.1g} where nothing changed): these records "
-            "know some of them only together."
-        )
-    return f"Nothing moved that these records can show, of {len(changes)} parameters."
+    moved = [f"{c.effect}.{c.parameter}" for c in changes if c.moved]
+    return difference_sentence(moved, len(changes), bool(changes) and together < CHANCE, together)

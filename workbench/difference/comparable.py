@@ -5,6 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from workbench.campaign import Campaign
+from workbench.difference.wording import other_counts, other_reach
 from workbench.errors import WorkbenchError
 from workbench.finding import Finding
 from workbench.identification.fit import fitted_on
@@ -47,15 +48,11 @@ def doubts(
     for name in sorted(set().union(*(r.resolution for r in (*before.records, *after.records)))):
         steps = [max(r.resolution.get(name, 0.0) for r in c.records) for c in (before, after)]
         if steps[0] != steps[1]:
-            said.append(
-                _finding(
-                    "encoder", f"'{name}' is read in steps of {steps[0]:.3g} before and {steps[1]:.3g} after", *steps
-                )
-            )
+            said.append(other_counts(name, *steps))
     for what, signal in SIGNALS:
         reach = [_reach(fitted_on(inverses), signal) for inverses in (first, second)]
         if max(reach) > APART * min(reach):
-            said.append(_finding(what, f"{what} reach over {reach[0]:.3g} before and {reach[1]:.3g} after", *reach))
+            said.append(other_reach(what, *reach))
     return tuple(said)
 
 
@@ -65,11 +62,3 @@ def _reach(inverses: Sequence[InverseDynamics], signal: str) -> float:
     if signal == "q":
         return max(max(float(x.max()) for x in kept) - min(float(x.min()) for x in kept), 1e-300)
     return max(*(float(np.abs(x).max()) for x in kept), 1e-300)
-
-
-def _finding(subject: str, what: str, before: float, after: float) -> Finding:
-    return Finding(
-        "not alike", subject,
-        f"The records are not alike: {what}; a parameter that stands in for an effect that the model lacks may move with this alone.",
-        {"before": before, "after": after}, "record the same motions in both campaigns",
-    )  # fmt: skip
