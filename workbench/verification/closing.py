@@ -11,19 +11,17 @@ from workbench.plant import Plant
 from workbench.record import VALIDATION, Record
 from workbench.tracing.result import Trace
 from workbench.verification.closed_loop import ClosedLoop, close
+from workbench.verification.wording import NO_INERTIA, NO_LIMIT, NO_RECORD, not_closed
 
 
 def lacking(plant: Plant, record: Record | None) -> str:
     """Return what a campaign lacks for its loop to be closed, as a sentence; "" where it lacks nothing."""
     if record is None:
-        return "The loop is not closed: the campaign has no record to take a motion from."
+        return NO_RECORD
     if not friction_of(plant)[1] > 0.0:
-        return "The loop is not closed: the declared model has no inertia, so no gains can be tuned for it."
+        return NO_INERTIA
     if not isfinite(plant.limits.drive):
-        return (
-            "The loop is not closed: the campaign states no limit of the drive, and without one the fastest gains are "
-            "infinite; state actuator_limit (and speed_limit) in campaign.toml."
-        )
+        return NO_LIMIT
     return ""
 
 
@@ -36,7 +34,7 @@ def closed_loop(campaign: Campaign, found: Trace, say: Callable[[str], None]) ->
     try:
         return close(_in_order(found.before.plant), _in_order(found.after.plant), record)
     except WorkbenchError as error:
-        return f"The loop is not closed: {error}"
+        return not_closed(str(error))
 
 
 def _in_order(plant: Plant) -> Plant:

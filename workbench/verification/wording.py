@@ -1,4 +1,4 @@
-"""What is said of gains and what they are worth: who beats whom, which to take, and what the gains rest on."""
+"""What is said of gains and what they are worth: who beats whom, which to take, and why a campaign's loop is not closed."""
 
 from collections.abc import Sequence
 
@@ -11,6 +11,19 @@ from workbench.verification.compare import Comparison, Row
 from workbench.verification.contest import Contest
 
 COMPARISON = "comparison"
+
+
+def not_closed(why: str) -> str:
+    """Return that the loop of a campaign is not closed. why: ends the sentence."""
+    return f"The loop is not closed: {why}"
+
+
+NO_RECORD = not_closed("the campaign has no record to take a motion from.")
+NO_INERTIA = not_closed("the declared model has no inertia, so no gains can be tuned for it.")
+NO_LIMIT = not_closed(
+    "the campaign states no limit of the drive, and without one the fastest gains are infinite; state actuator_limit (and "
+    "speed_limit) in campaign.toml."
+)
 
 
 def ms(seconds: float) -> str:
