@@ -12,11 +12,11 @@ from workbench.definition import find
 from workbench.identification.fit import identify
 from workbench.inverse.dynamics import inverse_dynamics
 from workbench.record import IDENTIFICATION, VALIDATION
-from workbench.tracing.calibration import finding
 from workbench.tracing.criteria import Criteria
 from workbench.tracing.power_up import calibrate, calibrations, periodic
 from workbench.tracing.result import Cause
 from workbench.tracing.tracing import trace
+from workbench.tracing.wording import belongs_to_one_power_up
 
 OFFSET = 0.7  # rad, by which the axis stood elsewhere at power-up
 
@@ -56,7 +56,7 @@ def test_the_phase_of_another_power_up_is_found_and_its_error_goes(ripple):
     assert abs(moved) < 3 * np.hypot(first.half, then.half)
     assert found.differs and found.identified == fit.validation
     assert found.calibrated < 0.5 * found.identified
-    assert "Calibrate it at each power-up" in finding(found).sentence
+    assert "Calibrate it at each power-up" in belongs_to_one_power_up(found).sentence
     assert then.amplitude.value == pytest.approx(first.amplitude.value, rel=0.1)
 
 

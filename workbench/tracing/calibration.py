@@ -10,9 +10,9 @@ from math import pi
 
 import numpy as np
 
-from workbench.finding import Finding, capital, title
 from workbench.identification.result import Estimate
 from workbench.record import IDENTIFICATION, VALIDATION
+from workbench.tracing.wording_search import phase_shown, phases_sentence
 
 APART = 2.0  # times both 95 % half widths together, from which two phases are two
 
@@ -30,10 +30,6 @@ class Phase:
     def half(self) -> float:
         """Half of the phase's 95 % interval, rad."""
         return (self.phase.high - self.phase.low) / 2
-
-    @property
-    def shown(self) -> str:
-        return f"{self.phase.value:.2f} ± {self.half:.2f} rad on {self.record}"
 
 
 @dataclass(frozen=True)
@@ -55,30 +51,15 @@ class Calibration:
 
     @property
     def sentence(self) -> str:
-        name = capital(title(self.effect))
-        known = "; ".join(p.shown for p in self.phases)
-        if not self.differs:
-            return f"{name} does not carry over, and not for its phase: that is {known}. It is not to be used."
-        return (
-            f"The phase of {title(self.effect)} is {known}: it belongs to one power-up. With amplitude and phase found anew, "
-            f"the validation error is {100 * self.calibrated:.2f} % instead of {100 * self.identified:.2f} %. Calibrate it at "
-            "each power-up, by an index pulse or a slow motion over one period; until then it is better left out, as it is in the "
-            "predictions of validation records that it would make worse."
-        )
+        """Why it does not carry over, and what is to be done."""
+        shown = [phase_shown(p.record, p.phase.value, p.half) for p in self.phases]
+        return phases_sentence(self.effect, shown, self.differs, self.identified, self.calibrated)
 
 
 def _apart(a: Phase, b: Phase) -> bool:
     """Whether two phases differ by more than their intervals, on the circle."""
     off = (a.phase.value - b.phase.value + pi) % (2 * pi) - pi
     return abs(off) > APART * float(np.hypot(a.half, b.half))
-
-
-def finding(c: Calibration) -> Finding:
-    """Return a calibration as a finding."""
-    evidence = {f"phase on {p.record}": p.phase.value for p in c.phases}
-    evidence |= {"validation error as identified": c.identified, "validation error calibrated": c.calibrated}
-    remedy = "give the axis an absolute encoder or an index pulse, and count from it" if c.differs else ""
-    return Finding("calibration", f"{c.effect}@{c.at}", c.sentence, evidence, remedy)
 
 
 def as_dict(c: Calibration) -> dict:

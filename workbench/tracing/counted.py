@@ -21,6 +21,7 @@ from workbench.tracing.decimation import thin_one
 from workbench.tracing.result import CandidateScore
 from workbench.tracing.search import fitted, within_reach
 from workbench.tracing.state import State
+from workbench.tracing.wording_search import of_counts
 
 
 def _sound(inverses: Sequence[InverseDynamics], plant: Plant) -> list[InverseDynamics]:
@@ -61,7 +62,4 @@ def quantisation_bias(
 
 def by_counts(c: CandidateScore, spurious: float) -> CandidateScore:
     """Return a candidate that does not earn its place, because of what it would take away of the counts alone."""
-    more = (
-        f" Of what counts alone would leave of a machine that lacks nothing it would take away {100 * spurious:.1f} %."
-    )
-    return replace(c, earns=False, sentence=c.sentence + more)
+    return replace(c, earns=False, sentence=f"{c.sentence} {of_counts(spurious)}")

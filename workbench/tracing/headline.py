@@ -108,6 +108,34 @@ def _caused(causes: Sequence[Cause], before: Fit, after: Fit, evidence: Evidence
     )
 
 
+def _unexplained(evidence: Evidence, place: Window | None, displacement: str) -> str:
+    """Return how much of the drive no effect explains, from what it could be predicted, and where it lives."""
+    size = evidence.before
+    said = (
+        f"Something is missing that no effect of the catalogue explains: {100 * size.size:.1f} % of the drive's rms could be "
+        f"predicted from {FROM[size.kind]}"
+    )
+    tried = max((*evidence.added, *evidence.refused), key=lambda a: a.size(IDENTIFICATION), default=None)
+    if tried is not None and tried.size(IDENTIFICATION) > size.size == 0.0:
+        said = (
+            f"Something is missing that no effect of the catalogue explains: {title(tried.effect)} takes away "
+            f"{100 * tried.size(IDENTIFICATION):.1f} % of the drive's rms on the identification records, but validation does "
+            "not bear it out"
+        )
+    if size.kind == "line":
+        said = f"{said} of {size.frequency:.3g} Hz"
+        if not local(place):
+            return f"{said}."
+    if size.kind == "joint":
+        return f"{said}."
+    if place is None:
+        return f"{said}; it lives nowhere in particular: not in a place, not at a speed, not at moments."
+    return (
+        f"{said}. It lives {_lives(place, displacement)}: {100 * place.share:.0f} % of its power in "
+        f"{100 * place.covered:.0f} % of the samples."
+    )
+
+
 def verdict_sentence(
     verdict: str,
     causes: Sequence[Cause],
@@ -125,30 +153,7 @@ def verdict_sentence(
     if verdict == UNKNOWN and lost is not None:
         return f"Something is missing that no effect of the catalogue explains. {lost.finding.sentence}"
     if verdict == UNKNOWN:
-        said = (
-            f"Something is missing that no effect of the catalogue explains: {100 * size.size:.1f} % of the drive's rms could be "
-            f"predicted from {FROM[size.kind]}"
-        )
-        tried = max((*evidence.added, *evidence.refused), key=lambda a: a.size(IDENTIFICATION), default=None)
-        if tried is not None and tried.size(IDENTIFICATION) > size.size == 0.0:
-            said = (
-                f"Something is missing that no effect of the catalogue explains: {title(tried.effect)} takes away "
-                f"{100 * tried.size(IDENTIFICATION):.1f} % of the drive's rms on the identification records, but validation does "
-                "not bear it out"
-            )
-        place = lives_in.place if lives_in else None
-        if size.kind == "line":
-            said = f"{said} of {size.frequency:.3g} Hz"
-            if not local(place):
-                return f"{said}."
-        if size.kind == "joint":
-            return f"{said}."
-        if place is None:
-            return f"{said}; it lives nowhere in particular: not in a place, not at a speed, not at moments."
-        return (
-            f"{said}. It lives {_lives(place, before.plant.displacement)}: {100 * place.share:.0f} % of its power in "
-            f"{100 * place.covered:.0f} % of the samples."
-        )
+        return _unexplained(evidence, lives_in.place if lives_in else None, before.plant.displacement)
     return (
         f"Nothing is missing: the declared model leaves {100 * before.identification:.2f} % of the drive on identification, and "
         f"{'nothing' if size.size == 0.0 else f'no more than {100 * size.size:.2f} %'} of it could be predicted from "

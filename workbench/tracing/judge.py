@@ -6,7 +6,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from workbench.effects.free_bank import NAME as FREE_CURVE
-from workbench.finding import capital, title
 from workbench.identification.cross_validation import HeldOut, gain, held_out
 from workbench.identification.problem import Problem
 from workbench.identification.solve import NoValue
@@ -18,6 +17,7 @@ from workbench.tracing.result import CandidateScore
 from workbench.tracing.search import fitted, problem_with
 from workbench.tracing.smallest import Smallest, smallest
 from workbench.tracing.state import Refitted, State
+from workbench.tracing.wording_search import gained, no_value
 
 LOST = 0.4  # of a first fit's gain, lost on held-out blocks, from which its folds are followed
 COMPARED = 1e-4  # relative decrease of the cost at which these fits are as good as they are compared
@@ -53,10 +53,9 @@ def judged(state: State, candidate: Candidate, criteria: Criteria, budget: Budge
     try:
         problem, solution = fitted(candidate, state.problem, state.solution, state.residuals, budget)
     except NoValue:
-        sentence = f"{capital(title(candidate.effect))} has no value on these records."
         whole = float(np.sqrt(state.errors.total / state.power))
         hopeless = CandidateScore(
-            candidate.effect, candidate.at, candidate.kind, 0.0, 0.0, whole, whole, False, sentence
+            candidate.effect, candidate.at, candidate.kind, 0.0, 0.0, whole, whole, False, no_value(candidate.effect)
         )
         return {"score": hopeless, "errors": state.errors, "freedom": _freedom(candidate.plant)}
     errors = held_out(problem, solution, state.solution.cost, LOST)
@@ -103,17 +102,11 @@ def free_of(state: State, j: ScoredCandidate) -> Problem:
 def _scored(state: State, candidate: Candidate, errors: HeldOut, cost: float, criteria: Criteria) -> CandidateScore:
     """Return the score of a candidate, by its held-out errors against those of the present state."""
     g, scatter = gain(state.errors, errors)
-    name = title(candidate.effect)
-    verb = "Correcting the declared" if candidate.kind != ADDITION else "Adding"
-    sentence = (
-        f"{verb} {name} takes away {100 * g:.1f} % of the held-out residual power (standard error {100 * scatter:.1f} %)."
-        if g > 0
-        else f"{verb} {name} explains nothing on held-out blocks."
-    )
     return CandidateScore(
         candidate.effect, candidate.at, candidate.kind, g, scatter,
         float(np.sqrt(errors.total / state.power)), float(np.sqrt(cost / state.power)),
-        g > criteria.share and g > criteria.certain * scatter, sentence,
+        g > criteria.share and g > criteria.certain * scatter,
+        gained(candidate.effect, candidate.kind != ADDITION, g, scatter),
     )  # fmt: skip
 
 

@@ -1,16 +1,16 @@
 """What an encoder lost is put back before anything is asked: its shifts are no law of motion, and every effect would dress them."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 from workbench.encoders.lost_counts import LostCounts, lost_counts
-from workbench.encoders.wording import lost_finding
 from workbench.finding import Finding
 from workbench.identification.fit import identify
 from workbench.identification.result import Fit
 from workbench.inverse.dynamics import InverseDynamics, inverse_dynamics
 from workbench.plant import Plant
 from workbench.record import IDENTIFICATION, VALIDATION
+from workbench.tracing.wording_search import put_back
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,9 +32,7 @@ class Mended:
         """What is said of it, with the errors of the declared model before and after."""
         role = VALIDATION if VALIDATION in self.before.rms else IDENTIFICATION
         before, after = (100 * getattr(fit, role) for fit in (self.before, self.after))
-        said = lost_finding(self.lost)
-        back = f"With them put back, the declared model leaves {after:.2f} % of the drive on {role} instead of {before:.2f} %."
-        return replace(said, sentence=f"{said.sentence} {back}", evidence={**said.evidence, "share": self.size})
+        return put_back(self.lost, role, before, after, self.size)
 
 
 def mended(plant: Plant, inverses: Sequence[InverseDynamics], least: float) -> Mended | None:

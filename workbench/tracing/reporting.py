@@ -4,11 +4,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from workbench.definition import catalogue
+from workbench.finding import Finding
 from workbench.identification.fit import identify
 from workbench.identification.result import Estimate, Fit
 from workbench.inverse.dynamics import InverseDynamics
 from workbench.record import IDENTIFICATION
-from workbench.tracing import calibration
+from workbench.tracing.calibration import Calibration
 from workbench.tracing.candidates import ADDITION, Candidate, without
 from workbench.tracing.criteria import Criteria
 from workbench.tracing.decide import CAUSE, NOTHING, UNKNOWN, Verdict
@@ -21,11 +22,10 @@ from workbench.tracing.result import CandidateScore, Cause, Refinement, Trace
 from workbench.tracing.rivals import experiment, rivals
 from workbench.tracing.selection import Selection
 from workbench.tracing.skew import Skew, clock
-from workbench.tracing.smallest import named
 from workbench.tracing.state import State
 from workbench.tracing.unexplained import Unexplained, described, unexplained
 from workbench.tracing.weighing import Confirmed, curve_of
-from workbench.tracing.wording import cause, findings_of, refinement
+from workbench.tracing.wording import belongs_to_one_power_up, cause, findings_of, least_shown, refinement
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,18 +84,16 @@ def reported(o: Outcome, progress: Progress) -> Trace:
     alone = _of_causes(o)
     refined = after if after.rms != alone.rms else None
     sentence = verdict_sentence(o.verdict.verdict, causes, before, alone, evidence, lives, late.lost, refined)
-    lost = late.lost.finding if late.lost and o.verdict.verdict != UNKNOWN else None
-    idle = [f for f in (late.idle, lost, late.sticks and late.sticks.finding) if f]
     return Trace(
         o.verdict.verdict,
-        sentence + (named(shows) if o.verdict.verdict == NOTHING else ""),
+        sentence + (least_shown(shows) if o.verdict.verdict == NOTHING else ""),
         _ranked(o),
         tuple(tuple(_of_step(j) for j in s.judgements) for s in selected.steps),
         tuple(causes),
         before,
         after,
         evidence.floor,
-        (*idle, *findings_of(o.verdict, evidence, causes, late.plant, o.criteria), *map(calibration.finding, phases)),
+        _findings_of(o, causes, phases),
         described(lives, evidence, late.lost),
         shows,
         refinements=tuple(refinements),
@@ -103,6 +101,15 @@ def reported(o: Outcome, progress: Progress) -> Trace:
         criteria=o.criteria,
         calibrations=phases,
     )
+
+
+def _findings_of(o: Outcome, causes: Sequence[Cause], phases: Sequence[Calibration]) -> tuple[Finding, ...]:
+    """Return what was found of the records before any effect was tried, what stands beside the verdict, and the calibrations."""
+    late = o.late
+    lost = late.lost.finding if late.lost and o.verdict.verdict != UNKNOWN else None
+    first = [f for f in (late.idle, lost, late.sticks and late.sticks.finding) if f]
+    beside = findings_of(o.verdict, o.evidence, causes, late.plant, o.criteria)
+    return (*first, *beside, *map(belongs_to_one_power_up, phases))
 
 
 def _said_of_each(o: Outcome, after: Fit, progress: Progress) -> tuple[list[Cause], list[Refinement]]:

@@ -4,7 +4,6 @@ An effect counts from SHARE of the residual's power. Beside what the model can a
 residual by x s, s the length of its projected column; so x = sqrt(SHARE) |r| / s would just have counted.
 """
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -69,18 +68,3 @@ def smallest(
     return Smallest(
         effect.named, effect.at, parameter, value, effect_unit(p.unit, problem.plant.rotary, powers), change
     )
-
-
-def named(found: Sequence[Smallest], most: int = 3) -> str:
-    """Return a sentence that names some of them, or "" where there is none."""
-    whole = [s for s in found if not s.change]
-    if not whole:
-        return ""
-    told = [
-        f"{title(s.effect)} ({s.parameter.replace('_', ' ')}) of {s.value:.2g}{'' if s.unit == '1' else ' ' + s.unit}"
-        for s in whole
-    ]
-    step = max(1, len(told) // most)
-    others = len(told) - most
-    more = f", and {others} other{'s' * (others > 1)}" if others > 0 else ""
-    return f" The least that these records would have shown: {', '.join(told[::step][:most])}{more}."

@@ -18,6 +18,7 @@ from workbench.identification.solve import solve
 from workbench.inverse.dynamics import InverseDynamics
 from workbench.plant import Plant
 from workbench.tracing.decimation import decimate, dry, still
+from workbench.tracing.wording_search import sticks
 
 # What halving and doubling does is of these 232 axes, and those of c01 to c14.
 # s within one count that are rest, and at least three samples. Halved, slow motion is rest on two axes more; doubled, five that stop for
@@ -29,7 +30,6 @@ MOST = 0.5  # of the residual's power, held at rest, from which rest does not co
 # motion. Of 50 axes with dry friction those that stick had 5.5 and more, others 3.4 and less. Halved, XL330's coarse encoder sticks, and two axes that
 # leave something else; doubled, two do not stick
 DENSE = 5.0
-STICKS = "sticks"
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,14 +45,7 @@ class Sticking:
     @property
     def finding(self) -> Finding:
         """What is said of it."""
-        return Finding(
-            STICKS, "",
-            f"While the axis sticks, its declared dry friction has no prediction: that is {100 * self.power:.0f} % of what the declared "
-            f"model {'and what was found beside it leave' if self.beside else 'leaves'}, in {100 * self.samples:.0f} % of the samples. "
-            "They count in no error here.",
-            {"samples": self.samples, "power": self.power},
-            "Declare presliding_hysteresis in the place of coulomb_friction where the encoder shows how the axis gives way.",
-        )  # fmt: skip
+        return sticks(self.samples, self.power, self.beside)
 
 
 def sticking(plant: Plant, inverses: Sequence[InverseDynamics]) -> Sticking | None:

@@ -20,6 +20,7 @@ from workbench.tracing.power_up import calibrate, periodic
 from workbench.tracing.result import Refinement
 from workbench.tracing.selection import Selection
 from workbench.tracing.whole import in_turn
+from workbench.tracing.wording_search import nearly_right
 
 ONE_CURVE = ("joint stiffness",)  # families of which a place has one curve, whatever laws make it up
 
@@ -139,11 +140,7 @@ def curve_of(selected: Selection, before: Fit, after: Fit) -> list[Refinement]:
             effect=law.declared.named,
             at=law.declared.at,
             kind="law",
-            sentence=(
-                f"The declared law of {law.declared.named.replace('_', ' ')} at the {law.declared.at} is only nearly right: with a "
-                f"free virgin curve in its place the identification error goes from {100 * before.identification:.2f} % to "
-                f"{100 * after.identification:.2f} %."
-            ),
+            sentence=nearly_right(law.declared.named, law.declared.at, before.identification, after.identification),
             parameters=tuple(e for e in after.estimates if (e.effect, e.at) == (NAME, law.declared.at)),
             size=max(before.identification**2 - after.identification**2, 0.0) ** 0.5,
         )

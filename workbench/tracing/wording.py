@@ -7,12 +7,14 @@ from workbench.finding import BELOW_FLOOR, HUM, SOMETHING_ELSE, Finding, capital
 from workbench.identification.result import Fit
 from workbench.plant import Plant
 from workbench.record import IDENTIFICATION, VALIDATION
+from workbench.tracing.calibration import Calibration
 from workbench.tracing.criteria import Criteria
 from workbench.tracing.decide import DRESSING, NOT_BORNE_OUT, Verdict
 from workbench.tracing.evidence import ADDITION, CORRECTION, Evidence, Weighed
 from workbench.tracing.headline import FROM
 from workbench.tracing.judge import ScoredCandidate
 from workbench.tracing.result import CandidateScore, Cause, Refinement
+from workbench.tracing.smallest import Smallest
 
 
 def cause(
@@ -32,17 +34,32 @@ def cause(
     was not certain alone, and the candidate is what it came to with the others in place. also: what else of a
     composite is missing.
     """
-    score, candidate, name = judgement.score, judgement.candidate, judgement.candidate.name
+    score, name = judgement.score, judgement.candidate.name
     was = _held(declared, score) if score.kind == CORRECTION else {}
-    effect = find((score.effect if candidate.part else name).partition(" ")[0])  # without its label
     estimates = tuple(e for e in last.estimates if (e.effect, e.at) == (score.effect, score.at))
     identification, validation = (
         1.0 - (here.rms[r] / before.rms[r]) ** 2 if before.rms[r] > 0.0 else 0.0 for r in (IDENTIFICATION, VALIDATION)
     )
+    sentence = _cause_sentence(judgement, weight, (identification, validation), provisional, also)
+    return Cause(
+        name, score.at, sentence, estimates, identification, validation,
+        kind=score.kind,
+        was=was, law=weight.law, size=weight.size(IDENTIFICATION),
+        form=score.effect if name != score.effect else "",
+        also=also,
+    )  # fmt: skip
+
+
+def _cause_sentence(
+    judgement: ScoredCandidate, weight: Weighed, shares: tuple[float, float], provisional: bool, also: Sequence[str]
+) -> str:
+    """Return what a cause is and explains. shares: on identification and on validation; the others as of `cause`."""
+    score, candidate = judgement.score, judgement.candidate
+    effect = find((score.effect if candidate.part else candidate.name).partition(" ")[0])  # without its label
     verb = "is declared with a wrong value" if score.kind != ADDITION else "is missing"
     sentence = (
-        f"{capital(title(name))} at the {score.at} {verb}: {effect.cause}. It explains "
-        f"{100 * identification:.1f} % of the residual power on the identification records and {100 * validation:.1f} % "
+        f"{capital(title(candidate.name))} at the {score.at} {verb}: {effect.cause}. It explains "
+        f"{100 * shares[0]:.1f} % of the residual power on the identification records and {100 * shares[1]:.1f} % "
         "on the validation record."
     )
     if candidate.part:
@@ -59,13 +76,7 @@ def cause(
             " Alone its gain was not certain, because another effect was missing too; with the others in place it takes away "
             f"{100 * score.gain:.1f} % of the held-out residual power (standard error {100 * score.scatter:.1f} %)."
         )
-    return Cause(
-        name, score.at, sentence, estimates, identification, validation,
-        kind=score.kind,
-        was=was, law=weight.law, size=weight.size(IDENTIFICATION),
-        form=score.effect if name != score.effect else "",
-        also=also,
-    )  # fmt: skip
+    return sentence
 
 
 def refinement(c: Cause) -> Refinement:
@@ -94,21 +105,7 @@ def findings_of(verdict: Verdict, evidence: Evidence, causes: Sequence[Cause], p
     yield from not_carried(causes, criteria)
     refused = [(a, NOT_BORNE_OUT) for a in evidence.refused]
     for a, role in (*refused, *zip(evidence.added, verdict.roles, strict=True)):
-        name = f"{capital(title(a.effect))} at the {a.at}"
-        if role == NOT_BORNE_OUT:
-            yield Finding(
-                "not borne out", a.effect,
-                f"{name} explains {100 * a.share(IDENTIFICATION):.0f} % of what the identification records leave, but it is not "
-                f"borne out: on validation it explains {100 * max(a.share(VALIDATION), 0.0):.0f} %.",
-                {"identification": a.share(IDENTIFICATION), "validation": a.share(VALIDATION)},
-            )  # fmt: skip
-        elif role == DRESSING:
-            yield Finding(
-                "dressing", a.effect,
-                f"{name} was tried and explains {100 * max(a.share(VALIDATION), 0.0):.0f} % of what validation leaves: too little to be "
-                "the cause of what the residual holds.",
-                {"identification": a.share(IDENTIFICATION), "validation": a.share(VALIDATION)},
-            )  # fmt: skip
+        yield from _of_addition(a, role)
     if verdict.something_else:
         yield Finding(
             SOMETHING_ELSE, evidence.after.kind,
@@ -116,6 +113,25 @@ def findings_of(verdict: Verdict, evidence: Evidence, causes: Sequence[Cause], p
             f"{FROM[evidence.after.kind]}.",
             {"before": evidence.before.size, "after": evidence.after.size},
             "look at where the residual lives",
+        )  # fmt: skip
+
+
+def _of_addition(a: Weighed, role: str):
+    """Yield a finding of an addition that stands as no cause."""
+    name = f"{capital(title(a.effect))} at the {a.at}"
+    if role == NOT_BORNE_OUT:
+        yield Finding(
+            "not borne out", a.effect,
+            f"{name} explains {100 * a.share(IDENTIFICATION):.0f} % of what the identification records leave, but it is not "
+            f"borne out: on validation it explains {100 * max(a.share(VALIDATION), 0.0):.0f} %.",
+            {"identification": a.share(IDENTIFICATION), "validation": a.share(VALIDATION)},
+        )  # fmt: skip
+    elif role == DRESSING:
+        yield Finding(
+            "dressing", a.effect,
+            f"{name} was tried and explains {100 * max(a.share(VALIDATION), 0.0):.0f} % of what validation leaves: too little to be "
+            "the cause of what the residual holds.",
+            {"identification": a.share(IDENTIFICATION), "validation": a.share(VALIDATION)},
         )  # fmt: skip
 
 
@@ -134,3 +150,26 @@ def not_carried(causes: Sequence[Cause], criteria: Criteria):
                 f"{100 * max(c.share_validation, 0.0):.0f} % on validation; do not rely on it before a second validation record.",
                 {"identification": c.share_identification, "validation": c.share_validation},
             )  # fmt: skip
+
+
+def belongs_to_one_power_up(c: Calibration) -> Finding:
+    """Return what is said of a wave whose phase does not carry over, with its phases."""
+    evidence = {f"phase on {p.record}": p.phase.value for p in c.phases}
+    evidence |= {"validation error as identified": c.identified, "validation error calibrated": c.calibrated}
+    remedy = "give the axis an absolute encoder or an index pulse, and count from it" if c.differs else ""
+    return Finding("calibration", f"{c.effect}@{c.at}", c.sentence, evidence, remedy)
+
+
+def least_shown(found: Sequence[Smallest], most: int = 3) -> str:
+    """Return a sentence that names some of the smallest effects that the records would have shown, or "" where there is none."""
+    whole = [s for s in found if not s.change]
+    if not whole:
+        return ""
+    told = [
+        f"{title(s.effect)} ({s.parameter.replace('_', ' ')}) of {s.value:.2g}{'' if s.unit == '1' else ' ' + s.unit}"
+        for s in whole
+    ]
+    step = max(1, len(told) // most)
+    others = len(told) - most
+    more = f", and {others} other{'s' * (others > 1)}" if others > 0 else ""
+    return f" The least that these records would have shown: {', '.join(told[::step][:most])}{more}."
