@@ -130,7 +130,7 @@ def evidence(found) -> object:
 
 def traced(campaign) -> dict:
     """Trace a campaign; return what it says, and what it cost."""
-    from workbench.study.standard import trace_campaign
+    from workbench.tracing.of_campaign import trace_campaign
 
     start = process_time()
     found = trace_campaign(campaign)

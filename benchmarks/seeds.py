@@ -13,7 +13,7 @@ from workbench.design.regret import regret
 from workbench.inverse.dynamics import inverse_dynamics
 from workbench.study import configuration
 from workbench.study.control import control_of
-from workbench.study.gains import designed
+from workbench.study.tuned import designed
 from workbench.tracing.tracing import trace
 
 STUDY = Path(__file__).resolve().parent.parent / "studies" / "harmonic_drive_axis"

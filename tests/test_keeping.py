@@ -119,7 +119,6 @@ from workbench.campaign import load
 from workbench.inverse.dynamics import inverse_dynamics
 from workbench.keeping import step
 from workbench.study.outcome import Outcome
-from workbench.study.standard import trace_figures
 from workbench.tracing.tracing import trace
 
 
@@ -131,7 +130,7 @@ def run(study, say):
     say("drawing")
     step("draws", lambda: None)
     say("after")
-    return Outcome(campaign.plant, campaign.title, campaign.bandwidth, found, campaign.records, figures=trace_figures(found))
+    return Outcome(campaign.plant, campaign.title, campaign.bandwidth, found, campaign.records, figures=found.figures)
 """
 
 

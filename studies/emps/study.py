@@ -23,7 +23,6 @@ from workbench.report.contents import BAD, GOOD, Callout, Chapter, Equation, Ite
 from workbench.report.steps import hundredths, steps_table, tried_table
 from workbench.residual.attainable import attainable
 from workbench.simulation import Loop
-from workbench.study import standard
 from workbench.study.configuration import Study
 from workbench.study.outcome import Outcome
 from workbench.tracing import hypotheses
@@ -355,7 +354,7 @@ def run(study: Study, say) -> Outcome:
         bandwidth=bandwidth,
         trace=found,
         records=tuple(records.values()),
-        figures=standard.trace_figures(found) | figures,
+        figures=found.figures | figures,
         units={f"{m}_{n}_deviation": u for m, n, u, *_ in rows} | dict.fromkeys(free_figures, "m"),
         chapters=(
             printed_chapter(rows),

@@ -24,7 +24,6 @@ from workbench.report import drawing
 from workbench.report.contents import Chapter, Figure, Items, Paragraph, Table
 from workbench.report.steps import hundredths, steps_table
 from workbench.residual.attainable import attainable
-from workbench.study import standard
 from workbench.study.configuration import Study
 from workbench.study.outcome import Outcome
 from workbench.tracing.result import Trace
@@ -143,7 +142,7 @@ def run(study: Study, say) -> Outcome:
     floors = attainable(found.after, slow)
     days = refitted(found.after.plant, slow)
     ends = dwells(inverses[1].motion, given.quantity("settled", "s"))
-    figures = standard.trace_figures(found) | {
+    figures = found.figures | {
         "validation_error_coulomb": coulomb.validation,
         "validation_error_exponential": exponential.validation,
         "validation_error_one_element": one.validation,

@@ -17,7 +17,6 @@ from workbench.report import drawing
 from workbench.report.contents import Chapter, Figure, Marked, Paragraph, Table
 from workbench.report.numbers import percent
 from workbench.residual.orders import order_spectrum
-from workbench.study import standard
 from workbench.study.outcome import Outcome
 from workbench.tracing.tracing import trace
 
@@ -125,7 +124,7 @@ def run(study, say) -> Outcome:
         bandwidth=campaign.bandwidth,
         trace=found,
         records=campaign.records,
-        figures=standard.trace_figures(found) | {
+        figures=found.figures | {
             "identification_error_base": base.identification,
             "validation_error_base": base.validation,
             "statements": float(len(said)),

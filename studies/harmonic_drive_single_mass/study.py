@@ -73,7 +73,7 @@ def run(study: Study, say) -> Outcome:
         trace=found,
         records=seen.records,
         equivalents=integrals.described(model, standard.amplitudes(study)),
-        figures={**standard.trace_figures(found), **fitted, **deviation},
+        figures={**found.figures, **fitted, **deviation},
         units={"h0": "N*m", "a": "1/rad"},
         chapters=(curve, described),
         findings=(*found.findings, *found.after.findings),

@@ -74,7 +74,7 @@ def run(study: Study, say) -> Outcome:
         bandwidth=bandwidth,
         trace=found,
         records=records,
-        figures={**standard.trace_figures(found), "identification_error_of_two_hystereses": apart.identification},
+        figures={**found.figures, "identification_error_of_two_hystereses": apart.identification},
         chapters=(
             description.torsion_chapter(fit, apart, records),
             description.equivalents_chapter(description.hysteretic(fit.plant, amplitudes)),

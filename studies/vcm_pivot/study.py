@@ -139,6 +139,6 @@ def traced(study: Study, fits: identified.Identified, noise: Noise, say) -> Outc
         trace=found,
         records=tuple(p.motion.record for p in seen),
         equivalents=described(found.after.plant, standard.amplitudes(study)),
-        figures=standard.trace_figures(found),
+        figures=found.figures,
         findings=(*found.findings, *found.after.findings),
     )

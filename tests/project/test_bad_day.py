@@ -11,7 +11,8 @@ import pytest
 from workbench import cli
 from workbench.cli import main
 from workbench.errors import WorkbenchError
-from workbench.study import stamp, standard
+from workbench.study import gains, stamp
+from workbench.tracing import of_campaign
 
 
 @pytest.fixture(scope="module")
@@ -112,7 +113,7 @@ def test_what_the_system_refuses_is_a_sentence(at, capsys, monkeypatch, error):
 def test_a_place_with_somebodys_files_is_refused_before_anything_is_computed(at, capsys, command, monkeypatch):
     (at / "mine").mkdir()
     (at / "mine" / "thesis.txt").write_text("years of work")
-    monkeypatch.setattr(standard, "trace", lambda *_: pytest.fail("it computed"))
+    monkeypatch.setattr(of_campaign, "trace", lambda *_: pytest.fail("it computed"))
     assert "did not write" in refused(capsys, *command.split(), "--out", "mine")
     assert os.listdir(at / "mine") == ["thesis.txt"]
 
@@ -122,7 +123,7 @@ def test_two_masses_learn_at_the_start_what_they_will_not_get():
     from workbench.plant import TWO_MASS, Limits, Plant
 
     said = []
-    standard.early(check_plant, Plant(TWO_MASS, limits=Limits(drive=3.0)), said.append)
+    gains.early(Plant(TWO_MASS, limits=Limits(drive=3.0)), said.append)
     assert len(said) == 1 and said[0].startswith("No gains will be tuned: ") and "two masses" in said[0]
     with pytest.raises(WorkbenchError, match="two masses"):
         check_plant(Plant(TWO_MASS, limits=Limits(drive=3.0)))
@@ -138,7 +139,7 @@ def test_a_run_says_before_it_traces_that_it_will_tune_nothing(at, capsys, monke
     def stop(*_):
         raise WorkbenchError("far enough.")
 
-    monkeypatch.setattr(standard, "trace", stop)
+    monkeypatch.setattr(of_campaign, "trace", stop)
     assert main(["run", "study", "--out", "out"]) == 2
     first, *_ = capsys.readouterr().err.splitlines()
     assert first.startswith("workbench: No gains will be tuned") and "actuator_limit" in first

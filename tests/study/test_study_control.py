@@ -10,7 +10,7 @@ from workbench.errors import WorkbenchError
 from workbench.finding import NOT_TUNED
 from workbench.plant import Limits, Plant
 from workbench.report.gains import course, step_heading
-from workbench.study import gains
+from workbench.study import gains, tuned
 from workbench.study.configuration import Requirement
 from workbench.study.control import Control
 from workbench.study.outcome import Outcome
@@ -28,9 +28,9 @@ def test_a_lowest_amplitude_that_is_stated_is_not_raised(monkeypatch):
     def design(plant, amplitudes, *_, **__):
         raise OutOfReach("no gains keep the goal", FEASIBLE)
 
-    monkeypatch.setattr(gains, "design", design)
+    monkeypatch.setattr(tuned, "design", design)
     with pytest.raises(OutOfReach):
-        gains.designed(None, asked(raised=False), None, print)
+        tuned.designed(None, asked(raised=False), None, print)
 
 
 def outcome(kind: str, drive: float) -> Outcome:

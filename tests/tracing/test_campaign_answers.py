@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from workbench.campaign import load
-from workbench.study.standard import trace_campaign
+from workbench.tracing.of_campaign import trace_campaign
 from workbench.tracing.output import write
 
 CARRIED = Path(__file__).resolve().parents[2] / "studies" / "harmonic_drive_axis" / "campaign"

@@ -20,6 +20,13 @@ COLOURS = {(DECLARED, DECLARED): MUTED, (DECLARED, EXTENDED): BEFORE, (EXTENDED,
 GAINS = {"kv": "1/s", "kvp": "{f}*s/{x}", "ki": "{f}/{x}"}
 
 
+def chapters_of(found: Trace, closed: ClosedLoop | str | None) -> tuple[Chapter, ...]:
+    """Return the chapter of a loop, or of the sentence why there is none; nothing where none was asked for."""
+    if closed is None:
+        return ()
+    return (absent(closed) if isinstance(closed, str) else closing(found, closed),)
+
+
 def closing(found: Trace, closed: ClosedLoop) -> Chapter:
     """What the found effect is worth to a controller, in figures and as motion."""
     plant = found.after.plant

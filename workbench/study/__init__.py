@@ -12,7 +12,6 @@ HELD = {
     "limit_cycles": "limit_cycle",
     "run": "running",
     "steps_of": "running",
-    "trace_campaign": "standard",
     "with_part": "outcome",
     "write_gains": "gains",
     "write_table": "gains",

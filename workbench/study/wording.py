@@ -60,6 +60,11 @@ def no_firmware(name: str, arithmetic: str, why: Exception) -> Finding:
     return Finding(NONE, arithmetic, f"There is no firmware of {name} in {arithmetic}: {why}", {}, "")
 
 
+def no_gains(why: Exception) -> str:
+    """Return, at the start of a run, why it will come to no gains."""
+    return f"No gains will be tuned: {why}"
+
+
 def not_tuned(why: Exception) -> Finding:
     """Return why a study has no gains."""
     return Finding(NOT_TUNED, SUBJECT, f"No gains are tuned: {why}")

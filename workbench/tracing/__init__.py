@@ -11,6 +11,8 @@ HELD = {
     "Verdict": "decide",
     "calibrate": "power_up",
     "trace": "tracing",
+    "trace_and_map": "of_campaign",
+    "trace_campaign": "of_campaign",
     "write": "output",
 }
 

@@ -7,6 +7,7 @@ from workbench.finding import Finding, title
 from workbench.identification.result import Estimate, Fit
 from workbench.notebook import page
 from workbench.plant import Plant
+from workbench.record import IDENTIFICATION, VALIDATION
 from workbench.tracing.calibration import Calibration
 from workbench.tracing.criteria import Criteria
 from workbench.tracing.decide import CAUSE, NOTHING, UNKNOWN
@@ -136,6 +137,21 @@ class Trace:
     def added(self) -> tuple[str, ...]:
         """Names of the effects in the extended model that the declared one lacks, as the catalogue has them, each once."""
         return tuple(dict.fromkeys(n for c in self.causes for n in (c.effect.partition(" ")[0], *c.also)))
+
+    @property
+    def figures(self) -> dict[str, float | str]:
+        """Figures by which a trace may be judged."""
+        return {
+            "verdict": self.verdict,
+            "first_cause": self.ranked[0].effect if self.causes else "none",
+            "added": ", ".join(sorted(self.added)) or "none",  # which was found first says nothing
+            "identification_error_before": self.before.identification,
+            "identification_error_after": self.after.identification,
+            "identification_floor": self.floor[IDENTIFICATION],
+            "validation_error_before": self.before.validation,
+            "validation_error_after": self.after.validation,
+            "validation_floor": self.floor[VALIDATION],
+        }
 
     @property
     def plant(self) -> Plant:

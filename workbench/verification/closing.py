@@ -11,6 +11,7 @@ from workbench.plant import Plant
 from workbench.record import VALIDATION, Record
 from workbench.tracing.result import Trace
 from workbench.verification.closed_loop import ClosedLoop, close
+from workbench.verification.closed_loop import as_dict as closed_loop_as_dict
 from workbench.verification.wording import NO_INERTIA, NO_LIMIT, NO_RECORD, not_closed
 
 
@@ -35,6 +36,13 @@ def closed_loop(campaign: Campaign, found: Trace, say: Callable[[str], None]) ->
         return close(_in_order(found.before.plant), _in_order(found.after.plant), record)
     except WorkbenchError as error:
         return not_closed(str(error))
+
+
+def as_dict(closed: ClosedLoop | str | None) -> dict | None:
+    """Return what trace.json holds of a closed loop, of the sentence why there is none, or of none that was asked for."""
+    if isinstance(closed, str):
+        return {"missing": closed}
+    return None if closed is None else closed_loop_as_dict(closed)
 
 
 def _in_order(plant: Plant) -> Plant:
