@@ -36,14 +36,13 @@ def test_a_value_and_what_is_computed_from_it_is_followed_and_nothing_else(tools
     assert len(walks.walked(tree, "top", "do", "given", 2).path) == 4
 
 
-# Climbs back up the layers that each way had when it was last shortened; the way inside a trace may turn with its rules a little: it is one more since
-# what a fit finds and the words for it stand in rooms of their own
+# Climbs back up the layers that each way had when it was last shortened; the way inside a trace may turn with its rules a little
 MOST = {
     "folder to Record": 6,
     "campaign path to trace.json": 8,
     "Trace to report": 1,
     "plant to controllers": 6,
-    "records inside trace()": 25,
+    "records inside trace()": 23,
 }
 
 

@@ -10,8 +10,9 @@ from workbench.identification.fit import identify
 from workbench.inverse.dynamics import inverse_dynamics
 from workbench.plant import ONE_MASS, Plant
 from workbench.record import IDENTIFICATION, Record, Source
-from workbench.tracing.candidates import CORRECTION, candidates_of, within_tolerance
+from workbench.tracing.candidates import CORRECTION, candidates_of
 from workbench.tracing.criteria import Criteria
+from workbench.tracing.data_sheet import within_tolerance
 from workbench.tracing.decide import Verdict
 from workbench.tracing.near_law import FURTHEST, heights, laws, lengthened
 from workbench.tracing.selection import curved

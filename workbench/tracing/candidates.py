@@ -4,12 +4,12 @@ from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 
-from workbench.definition import FORCE, Effect, catalogue
+from workbench.definition import Effect, catalogue
 from workbench.effects.families import family_of
 from workbench.effects.free_bank import NAME as FREE_CURVE
-from workbench.parameter import Parameter
 from workbench.plant import Plant, places
 from workbench.tracing.budget import BUDGET, Budget
+from workbench.tracing.data_sheet import from_data_sheet
 from workbench.tracing.evidence import ADDITION, CORRECTION
 
 __all__ = ["ADDITION", "CORRECTION"]
@@ -88,76 +88,52 @@ def candidates_of(
     motion = "rotary" if plant.rotary else "linear"
     traced = [e for e in catalogue().values() if e.traced]
     for effect in (*traced, *own):
-        if motion not in effect.motions:
-            continue
-        for place in places(plant.kind, effect, plant.rotary):
-            readable = all(s in _plant_signals(plant) for s in effect.reads)
-            if place in effect.stated or not readable or not _offered(effect, place, plant):
-                continue
-            another = effect(at=place)
-            known = {e.key for e in (*plant.effects, *stands_for.values())}
-            if another.key in known and _periodic(effect):
-                another = next((o for o in (_again(effect, place, n) for n in AGAIN) if o.key not in known), another)
-            if another.key in known:
-                continue
-            another = _sharing_zero(another, plant)
-            same = needless(another, plant)
-            rest = plant
-            for key in same:
-                rest = rest.without(key)
-            instead, restored = (*same, *(stands_for[k].key for k in same if k in stands_for)), ()
-            if not another.linear:  # a length of its own, by which the declared law builds up
-                instead, restored = same, tuple(stands_for[key].key for key in same)
-                for key in same:
-                    rest = rest + stands_for[key]
-            part = _missing_part(another, [stands_for.get(key) or plant[key] for key in same])
-            found.append(
-                Candidate(another.named, place, ADDITION, rest + another, instead, restored=restored, part=part)
-            )
-            if same and FREE_CURVE not in {k.partition("@")[0] for k in same}:
-                # the same beside what it may take the place of: two contacts
-                found.append(Candidate(another.named, place, ADDITION, plant + another))
-    for e in plant.effects:
-        told = stands_for.get(e.key, e)  # a value within its tolerance stands for the value
-        held = _data_sheet(told)
-        # what an instrument told (a clock, by the angle between encoders) was measured, and is no value from a data sheet either
-        if held and (not declared or e.key in declared):
-            found.append(Candidate(e.named, e.at, CORRECTION, plant.swap(told.free(*held))))
+        if motion in effect.motions:
+            for place in places(plant.kind, effect, plant.rotary):
+                found += _additions(effect, place, plant, stands_for)
+    found += _corrections(plant, declared, stands_for)
     return sorted(found, key=lambda s: (s.effect, s.at, s.kind, not s.instead))
 
 
-def _data_sheet(e: Effect) -> list[str]:
-    """Return the fixed parameters of an effect that are values from a data sheet.
+def _additions(effect: Effect, place: str, plant: Plant, stands_for: Mapping[str, Effect]) -> list[Candidate]:
+    """Return what an effect would be as an addition at a place: none, one, or one beside what it may take the place of."""
+    readable = all(s in _plant_signals(plant) for s in effect.reads)
+    if place in effect.stated or not readable or not _offered(effect, place, plant):
+        return []
+    another = effect(at=place)
+    known = {e.key for e in (*plant.effects, *stands_for.values())}
+    if another.key in known and _periodic(effect):
+        another = next((o for o in (_again(effect, place, n) for n in AGAIN) if o.key not in known), another)
+    if another.key in known:
+        return []
+    another = _sharing_zero(another, plant)
+    same = needless(another, plant)
+    rest = plant
+    for key in same:
+        rest = rest.without(key)
+    instead, restored = (*same, *(stands_for[k].key for k in same if k in stands_for)), ()
+    if not another.linear:  # a length of its own, by which the declared law builds up
+        instead, restored = same, tuple(stands_for[key].key for key in same)
+        for key in same:
+            rest = rest + stands_for[key]
+    part = _missing_part(another, [stands_for.get(key) or plant[key] for key in same])
+    found = [Candidate(another.named, place, ADDITION, rest + another, instead, restored=restored, part=part)]
+    if same and FREE_CURVE not in {k.partition("@")[0] for k in same}:
+        # the same beside what it may take the place of: two contacts
+        found.append(Candidate(another.named, place, ADDITION, plant + another))
+    return found
 
-    A parameter held by definition (the exponent of a virgin curve) is none, nor is a knot of a free form.
-    """
-    default = catalogue()[e.name](at=e.at) if e.name in catalogue() else None
-    by_definition = {n for n, p in default.parameters.items() if p.fixed} if default else set()
-    return [n for n, p in e.parameters.items() if p.fixed and n not in by_definition and n not in e.knots]
 
-
-def within_tolerance(plant: Plant, tolerance: float) -> tuple[Plant, dict[str, Effect]]:
-    """Return the plant whose linear data-sheet values are free within their tolerance, and what was declared, by key.
-
-    A mass that is half a per cent off would else be dressed by a lag or a flexible mode. It is searched with, and never reported.
-    """
-    declared = {}
+def _corrections(plant: Plant, declared: Collection[str], stands_for: Mapping[str, Effect]) -> list[Candidate]:
+    """Return a candidate for each effect with values from a data sheet, which would be set free. Arguments as of `candidates_of`."""
+    found = []
     for e in plant.effects:
-        loose = {
-            n: _around(e.parameters[n], tolerance)
-            for n in _data_sheet(e)
-            if n in e.linear and e.parameters[n].value != 0.0
-        }
-        if loose and e.port == FORCE:
-            declared[e.key] = e
-            plant = plant.swap(replace(e, parameters={**e.parameters, **loose}))
-    return plant, declared
-
-
-def _around(p: Parameter, tolerance: float) -> Parameter:
-    """Return a parameter that is free within a relative tolerance of its value."""
-    ends = sorted((p.value * (1.0 - tolerance), p.value * (1.0 + tolerance)))
-    return replace(p, fixed=False, lower=max(p.lower, ends[0]), upper=min(p.upper, ends[1]))
+        told = stands_for.get(e.key, e)  # a value within its tolerance stands for the value
+        held = from_data_sheet(told)
+        # what an instrument told (a clock, by the angle between encoders) was measured, and is no value from a data sheet either
+        if held and (not declared or e.key in declared):
+            found.append(Candidate(e.named, e.at, CORRECTION, plant.swap(told.free(*held))))
+    return found
 
 
 def needless(effect: Effect, plant: Plant) -> tuple[str, ...]:

@@ -5,7 +5,7 @@ families bounds what any of their formulas could take. Where the best formula ta
 which class it is, the free form is added in its stead and bears the formula's name.
 """
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import replace
 
 from workbench.effects.families import FREE_FORMS
@@ -37,16 +37,7 @@ def free_law(
     for j in formulas:
         asked.setdefault((j.candidate.family, j.candidate.at), j)
     asked = {k: j for k, j in list(asked.items())[: budget.families] if k[0] in FREE_FORMS and k[0] != MEMORY}
-    forms = [
-        f
-        for f in free_forms(state.plant, state.inverses, sorted({family for family, _ in asked}), state.residuals)
-        if (f.family, f.candidate.at) in asked
-    ]
-    forms = [
-        ScoredCandidate(f.candidate, **found)
-        for f, found in zip(forms, shared(lambda f: judged(state, f.candidate, criteria, budget), forms), strict=True)
-    ]
-    forms = [j for j in forms if j.score.earns and j.theta is not None]
+    forms = _judged_forms(state, asked, criteria, budget)
     if not forms:
         return None
     free = min(forms, key=lambda j: (j.errors.total, j.candidate.key))
@@ -65,3 +56,18 @@ def free_law(
         return None
     named = replace(free.candidate, stands=nearest.candidate.effect)
     return refitted_as(state, replace(free, candidate=named), criteria)
+
+
+def _judged_forms(
+    state: State, asked: Collection[tuple[str, str]], criteria: Criteria, budget: Budget
+) -> list[ScoredCandidate]:
+    """Return the free forms that earn their place. asked: (family, place) of those that are judged."""
+    families = sorted({family for family, _ in asked})
+    forms = [
+        f
+        for f in free_forms(state.plant, state.inverses, families, state.residuals)
+        if (f.family, f.candidate.at) in asked
+    ]
+    found = shared(lambda f: judged(state, f.candidate, criteria, budget), forms)
+    scored = [ScoredCandidate(f.candidate, **one) for f, one in zip(forms, found, strict=True)]
+    return [j for j in scored if j.score.earns and j.theta is not None]

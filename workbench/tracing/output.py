@@ -11,7 +11,7 @@ from workbench.identification.result import Estimate, Fit
 from workbench.record import IDENTIFICATION, VALIDATION
 from workbench.residual.residual_maps import ResidualMaps, as_list, load_as_dict
 from workbench.tracing import calibration
-from workbench.tracing.result import Cause, Refinement, Trace
+from workbench.tracing.result import CandidateScore, Cause, Refinement, Trace
 
 FORMAT = 1
 
@@ -67,6 +67,25 @@ def _refinement(r: Refinement) -> dict:
     }
 
 
+def _candidate(c: CandidateScore) -> dict:
+    return {
+        "effect": c.effect,
+        "at": c.at,
+        "kind": c.kind,
+        "gain": _number(c.gain),
+        "standard_error": _number(c.scatter),
+        "nrmse_held_out": _number(c.held_out),
+        "nrmse": _number(c.nrmse),
+        "earns_its_place": c.earns,
+    }
+
+
+def _errors(trace: Trace, role: str) -> dict:
+    """Return the errors on the records of a role before and after, and what noise alone would leave of them."""
+    before, after = (getattr(fit, role) for fit in (trace.before, trace.after))
+    return {"before": _number(before), "after": _number(after), "floor": _number(trace.floor[role])}
+
+
 def _was(c: Cause, e: Estimate) -> dict:
     """Return the value that a corrected parameter was declared with."""
     return {"was": _number(c.was[e.parameter])} if e.parameter in c.was else {}
@@ -79,7 +98,6 @@ def _by_name(fit: Fit) -> list[Estimate]:
 
 def as_dict(trace: Trace, predictions: dict[str, str]) -> dict:
     """Return the content of trace.json. predictions: record stem -> path of its CSV relative to trace.json."""
-    before, after = trace.before, trace.after
     return {
         "format": FORMAT,
         "verdict": trace.verdict,
@@ -90,38 +108,14 @@ def as_dict(trace: Trace, predictions: dict[str, str]) -> dict:
         "refinements": [_refinement(r) for r in trace.refinements],
         "evidence": _plain(trace.evidence.as_dict()) if trace.evidence else {},
         "criteria": trace.criteria.as_dict,
-        "nrmse": {
-            IDENTIFICATION: {
-                "before": _number(before.identification),
-                "after": _number(after.identification),
-                "floor": _number(trace.floor[IDENTIFICATION]),
-            },
-            VALIDATION: {
-                "before": _number(before.validation),
-                "after": _number(after.validation),
-                "floor": _number(trace.floor[VALIDATION]),
-            },
-        },
-        "candidates": [
-            [
-                {
-                    "effect": c.effect,
-                    "at": c.at,
-                    "kind": c.kind,
-                    "gain": _number(c.gain),
-                    "standard_error": _number(c.scatter),
-                    "nrmse_held_out": _number(c.held_out),
-                    "nrmse": _number(c.nrmse),
-                    "earns_its_place": c.earns,
-                }
-                for c in step
-            ]
-            for step in trace.steps
+        "nrmse": {role: _errors(trace, role) for role in (IDENTIFICATION, VALIDATION)},
+        "candidates": [[_candidate(c) for c in step] for step in trace.steps],
+        "model": [
+            {"effect": e.effect, "at": e.at, "parameter": e.parameter, **estimate(e)} for e in _by_name(trace.after)
         ],
-        "model": [{"effect": e.effect, "at": e.at, "parameter": e.parameter, **estimate(e)} for e in _by_name(after)],
         "findings": [
             {"kind": f.kind, "subject": f.subject, "sentence": f.sentence, "remedy": f.remedy}
-            for f in (*trace.findings, *after.findings)
+            for f in (*trace.findings, *trace.after.findings)
         ],
         "unknown": trace.located,
         "smallest_shown": [

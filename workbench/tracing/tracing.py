@@ -13,8 +13,9 @@ from workbench.plant import Plant
 from workbench.residual.noise_floor import floor as noise_floor
 from workbench.threads import one_thread
 from workbench.tracing.budget import BUDGET, Budget
-from workbench.tracing.candidates import Offer, within_tolerance
+from workbench.tracing.candidates import Offer
 from workbench.tracing.criteria import Criteria
+from workbench.tracing.data_sheet import within_tolerance
 from workbench.tracing.decide import CAUSE, NOT_BORNE_OUT, REFINEMENT, Verdict, decide
 from workbench.tracing.decimation import decimate
 from workbench.tracing.evidence import CORRECTION, Evidence
@@ -66,7 +67,12 @@ def trace(
         late = moving
         declared, offered = _begun(late, offer, criteria)
         selected = select(declared, late.whole, offered, criteria, progress)
-    offer, inverses = offered, late.inverses
+    return _decided(late, selected, offered, criteria, progress)
+
+
+def _decided(late: Declared, selected: Selection, offer: Offer, criteria: Criteria, progress: Progress) -> Trace:
+    """Confirm what a search selected on whole records, weigh it, decide, and say so; without what is not borne out, once more."""
+    inverses = late.inverses
     progress("fitting the extended model")
     order, confirmed, refused = selected.answer.added, None, []
     while order is not None:
