@@ -1,8 +1,22 @@
 """Fading memory: a force that forgets exponentially over the distance travelled (Dahl's friction)."""
 
+from collections.abc import Sequence
+
 from workbench.definition import FORCE, TWO_COUNTS, Border, Effect, effect
 from workbench.effects.elementary import absolute, exp, sign0
 from workbench.parameter import Parameter
+
+
+def _parameters(tags: Sequence[str]) -> tuple[dict[str, Parameter], dict[str, Parameter]]:
+    """Return (inside, outside) of elements, each of which remembers ten times as far as the one before it."""
+    inside, outside = {}, {}
+    for i, t in enumerate(tags):
+        first = 1e-3 * 10.0**i
+        inside[f"h{t}"] = Parameter(0.0, "F", "height: the force when it slides", lower=0.0)
+        inside[f"x0{t}"] = Parameter(first, "x", "distance over which it forgets", lower=1e-12, scale="stroke")
+        outside[f"A{t}"] = Parameter(0.0, "F/x", "stiffness at rest", lower=0.0)
+        outside[f"alpha{t}"] = Parameter(1.0 / first, "1/x", "rate of forgetting over distance", lower=1e-12)
+    return inside, outside
 
 
 @effect
@@ -23,13 +37,7 @@ def fading_memory(elements: int = 1) -> Effect:
             force = force + getattr(p, f"h{t}") * after[f"z{t}"]
         return after, force
 
-    inside, outside = {}, {}
-    for i, t in enumerate(tags):
-        first = 1e-3 * 10.0**i
-        inside[f"h{t}"] = Parameter(0.0, "F", "height: the force when it slides", lower=0.0)
-        inside[f"x0{t}"] = Parameter(first, "x", "distance over which it forgets", lower=1e-12, scale="stroke")
-        outside[f"A{t}"] = Parameter(0.0, "F/x", "stiffness at rest", lower=0.0)
-        outside[f"alpha{t}"] = Parameter(1.0 / first, "1/x", "rate of forgetting over distance", lower=1e-12)
+    inside, outside = _parameters(tags)
 
     def inward(o):
         heights = {f"h{t}": o[f"A{t}"] / o[f"alpha{t}"] for t in tags}

@@ -12,6 +12,16 @@ from workbench.parameter import Parameter
 
 ELEMENTS = 24
 SMALL = (0.003, 0.01, 0.025)  # three knots below the first equidistributed one: loss at micro-radian amplitudes
+HEIGHT = Parameter(0.0, "F", "height: Coulomb friction when sliding", lower=0.0)
+WRITTEN = Border(  # the virgin curve as it is written outside, h0 (1 - exp(-a x^d))
+    parameters={
+        "h0": HEIGHT,
+        "a": Parameter(1e3, "1/x^d", "rate of the virgin curve", lower=1e-12),
+        "d": Parameter(1.0, "1", "exponent of the virgin curve", lower=0.3, upper=1.0, fixed=True),
+    },
+    inward=lambda o: {"h0": o["h0"], "x0": o["a"] ** (-1.0 / o["d"]), "d": o["d"]},
+    outward=lambda i: {"h0": i["h0"], "a": i["x0"] ** -i["d"], "d": i["d"]},
+)
 
 
 def knots(elements: int = ELEMENTS, small: tuple[float, ...] = SMALL) -> tuple[float, ...]:
@@ -66,7 +76,7 @@ def presliding_hysteresis(elements: int = ELEMENTS) -> Effect:
         family="friction with memory",
         reduces={"x0": (TWO_COUNTS, "coulomb_friction")},
         parameters={
-            "h0": Parameter(0.0, "F", "height: Coulomb friction when sliding", lower=0.0),
+            "h0": HEIGHT,
             "x0": Parameter(1e-3, "x", "presliding length", lower=1e-12, scale="stroke"),
             "d": Parameter(1.0, "1", "exponent of the virgin curve", lower=0.3, upper=1.0, fixed=True, scale="number"),
         },
@@ -79,15 +89,7 @@ def presliding_hysteresis(elements: int = ELEMENTS) -> Effect:
         step=step,
         holds=("passive", "rate independent", "odd", "masing"),
         places=("axis", "motor", "load", "joint"),
-        border=Border(
-            parameters={
-                "h0": Parameter(0.0, "F", "height: Coulomb friction when sliding", lower=0.0),
-                "a": Parameter(1e3, "1/x^d", "rate of the virgin curve", lower=1e-12),
-                "d": Parameter(1.0, "1", "exponent of the virgin curve", lower=0.3, upper=1.0, fixed=True),
-            },
-            inward=lambda o: {"h0": o["h0"], "x0": o["a"] ** (-1.0 / o["d"]), "d": o["d"]},
-            outward=lambda i: {"h0": i["h0"], "a": i["x0"] ** -i["d"], "d": i["d"]},
-        ),
+        border=WRITTEN,
     )
 
 

@@ -1,5 +1,6 @@
 """Forces periodic in position: cogging, which conserves, and cyclic friction, which follows the direction or the speed."""
 
+from collections.abc import Iterable
 from math import atan2, hypot
 from math import cos as cosine
 from math import sin as sine
@@ -11,13 +12,27 @@ from workbench.parameter import Parameter
 ORDER = Parameter(1.0, "1/x", "order: periods in 2 pi of displacement", lower=1e-9, scale="order")
 
 
+def _suffix(i: int) -> str:
+    """Return what stands behind the name of a parameter of the i-th harmonic."""
+    return "" if i == 1 else f"_{i}"
+
+
+def _harmonics(numbers: Iterable[int]) -> tuple[dict[str, Parameter], dict[str, Parameter]]:
+    """Return (inside, outside) of harmonics: sine and cosine as they are fitted, amplitude and phase as they are written."""
+    inside, outside = {}, {}
+    for i in numbers:
+        name = ("first", "second", "third", "fourth")[i - 1] if i <= 4 else f"{i}th"
+        inside[f"s{i}"] = Parameter(0.0, "F", f"sine amplitude, {name} harmonic")
+        inside[f"c{i}"] = Parameter(0.0, "F", f"cosine amplitude, {name} harmonic")
+        outside[f"amplitude{_suffix(i)}"] = Parameter(0.0, "F", f"amplitude of the {name} harmonic", lower=0.0)
+        outside[f"phase{_suffix(i)}"] = Parameter(0.0, "rad", f"phase of the {name} harmonic")
+    return inside, outside
+
+
 @effect
 def cogging(harmonics: int = 2) -> Effect:
     """T = A1 sin(k q + p1) + A2 sin(2 k q + p2) ..., k the order per radian of output (linear: per metre)."""
     numbers = range(1, harmonics + 1)
-
-    def suffix(i: int) -> str:
-        return "" if i == 1 else f"_{i}"
 
     def step(s, z, p):
         angle = p.order * s.q
@@ -29,7 +44,7 @@ def cogging(harmonics: int = 2) -> Effect:
     def inward(o):
         inside = {"order": o["order"]}
         for i in numbers:
-            a, phase = o[f"amplitude{suffix(i)}"], o[f"phase{suffix(i)}"]
+            a, phase = o[f"amplitude{_suffix(i)}"], o[f"phase{_suffix(i)}"]
             inside |= {f"s{i}": a * cosine(phase), f"c{i}": a * sine(phase)}
         return inside
 
@@ -37,16 +52,10 @@ def cogging(harmonics: int = 2) -> Effect:
         outside = {"order": given["order"]}
         for i in numbers:
             s, c = given[f"s{i}"], given[f"c{i}"]
-            outside |= {f"amplitude{suffix(i)}": hypot(s, c), f"phase{suffix(i)}": atan2(c, s)}
+            outside |= {f"amplitude{_suffix(i)}": hypot(s, c), f"phase{_suffix(i)}": atan2(c, s)}
         return outside
 
-    inside, outside = {}, {}
-    for i in numbers:
-        name = ("first", "second", "third", "fourth")[i - 1] if i <= 4 else f"{i}th"
-        inside[f"s{i}"] = Parameter(0.0, "F", f"sine amplitude, {name} harmonic")
-        inside[f"c{i}"] = Parameter(0.0, "F", f"cosine amplitude, {name} harmonic")
-        outside[f"amplitude{suffix(i)}"] = Parameter(0.0, "F", f"amplitude of the {name} harmonic", lower=0.0)
-        outside[f"phase{suffix(i)}"] = Parameter(0.0, "rad", f"phase of the {name} harmonic")
+    inside, outside = _harmonics(numbers)
     return Effect(
         name="cogging",
         cause="attraction between magnets and slots, or torque ripple of the commutation, periodic in position",

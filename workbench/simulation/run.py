@@ -1,6 +1,7 @@
 """Run a bound design in lanes: chunks of lanes, shared by threads, which give the same bits as one."""
 
 import os
+from collections.abc import Callable, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from functools import lru_cache
 
@@ -54,6 +55,30 @@ def _chunk(values: np.ndarray, i: int, lanes: int, dtype=None) -> np.ndarray:
     return full
 
 
+def _begun(bound: Bound, layout: Layout, at: Mapping[str, int]) -> tuple[np.ndarray, np.ndarray]:
+    """Return (rows of the state at the first sample (rows, lanes), constants that all lanes share). at: name -> row."""
+    rows = len(set(at.values()))
+    whole = np.zeros((rows + layout.extra_rows, bound.lanes))
+    for name, value in bound.initial.items():
+        if name in at:
+            whole[at[name]] = value
+    flat = [v for values in bound.frontier for v in values]
+    varying = [v for v in flat if np.ndim(v)]
+    if varying:
+        whole[rows:] = varying
+    return whole, np.array([v for v in flat if not np.ndim(v)], dtype=float)
+
+
+def _each(chunk: Callable[[int], None], chunks: int, threads: int) -> None:
+    """Run every chunk, on no more threads than there are."""
+    workers = min(threads, chunks)
+    if workers > 1:
+        list(_pool(workers).map(chunk, range(chunks)))
+    else:
+        for i in range(chunks):
+            chunk(i)
+
+
 def run_lanes(
     bound: Bound, record: tuple[str, ...] = (), every: int = 1, lanes: int = LANES, threads: int | None = None,
     lasts: np.ndarray | None = None,
@@ -65,17 +90,8 @@ def run_lanes(
     """
     layout = _layout_of(bound, lanes, record)
     at = places(bound.design, layout)
-    rows = len(set(at.values()))
     n, chunks = bound.lanes, -(-bound.lanes // lanes)
-    whole = np.zeros((rows + layout.extra_rows, n))
-    for name, value in bound.initial.items():
-        if name in at:
-            whole[at[name]] = value
-    flat = [v for values in bound.frontier for v in values]
-    varying = [v for v in flat if np.ndim(v)]
-    if varying:
-        whole[rows:] = varying
-    scalars = np.array([v for v in flat if not np.ndim(v)], dtype=float)
+    whole, scalars = _begun(bound, layout, at)
     x = _chunked(whole, lanes)
     seeds = _chunked(np.broadcast_to(bound.scenarios.seed, (n,)), lanes, np.uint64)
     base, delays = _chunked(bound.base, lanes), _chunked(np.broadcast_to(bound.delays, (n,)), lanes)
@@ -101,11 +117,6 @@ def run_lanes(
             here = recorded[:rows, :, i * lanes : (i + 1) * lanes]
             here[...] = out[..., : here.shape[-1]]
 
-    workers = min(threads or (_CORES if chunks * bound.samples > WORTH else 1), chunks)
-    if workers > 1:
-        list(_pool(workers).map(chunk, range(chunks)))
-    else:
-        for i in range(chunks):
-            chunk(i)
+    _each(chunk, chunks, threads or (_CORES if chunks * bound.samples > WORTH else 1))
     final = {name: x[:, row].reshape(-1)[:n] for name, row in at.items()}
     return final, recorded

@@ -191,6 +191,11 @@ def _recorded(at: dict[str, int], layout: Layout) -> list[str]:
     ]
 
 
+def _scalars(count: int) -> list[str]:
+    """Return the function that unpacks the constants which all lanes share."""
+    return ["", "", "@straight", "def scalars(c):", f"    return {', '.join(f'c[{i}]' for i in range(count))},"]
+
+
 def source(design: Design, layout: Layout) -> str:
     """Return the text of a module with `run(...)`, which moves one chunk of lanes through all samples."""
     at, lanes = places(design, layout), layout.lanes
@@ -216,15 +221,7 @@ def source(design: Design, layout: Layout) -> str:
         *put,
     ]
     inner = [*take, "clock_t = clock_k * sample_time + j * h", *step]
-    before = [line for text, _ in made for line in text]
-    if scalars:
-        before += [
-            "",
-            "",
-            "@straight",
-            "def scalars(c):",
-            f"    return {', '.join(f'c[{i}]' for i in range(scalars))},",
-        ]
+    before = [line for text, _ in made for line in text] + (_scalars(scalars) if scalars else [])
     text = ["    c = scalars(constants)"] if scalars else []
     own = range(rows + layout.extra_rows) if lanes == 1 else ()
     text += [f"    r_{i} = x[{i}]" for i in own]
