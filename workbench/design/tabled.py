@@ -8,7 +8,7 @@ import numpy as np
 
 from workbench.control.laws import CLOSING
 from workbench.design.climb import CLIMBING, Climbed, Climbing, climb
-from workbench.design.families.family import pd_family
+from workbench.design.families.family import Family, pd_family
 from workbench.design.families.gain_table import (
     GainTable,
     fixed_family,
@@ -29,7 +29,7 @@ from workbench.keeping import kept
 from workbench.schedule import Schedule, fit_schedule
 from workbench.schedule.fit import REVERSAL
 from workbench.task.task import Task
-from workbench.tuning import TuningGoal
+from workbench.tuning import Gains, TuningGoal
 
 # soft and stiff arrivals of each rule
 AHEAD = {"error": (4.0, 2.0), "following": (2.0, 1.0), "frozen": (1.0, 0.5), "closing": (2.0, 1.0)}
@@ -98,19 +98,29 @@ def tabled(
     table = gain_table(linear, amplitude, REVERSAL * task.loop.count, goal.sensitivity, per_octave, on.sizes)
     free = (lambda family: family) if notch else partial(without_notch, table)
     starts = [free(table_family(table, robust, linear, rule, ahead)) for ahead in AHEAD[rule]]
-    middle = int(np.argmin(np.abs(np.log(amplitude / (1e-2 * task.step)))))
-    pair = float(robust.kp[middle]), float(robust.kd[middle])
-    first, *behind = table.begun
-    fixed = shaped(lambda judge: pd_family(judge, pair), linear, first, tuple(behind) if notch else None)
+    fixed = _fixed(table, robust, linear, task, notch)
     informed = partial(from_references, starts[0], table, on, SEEN[rule])
     found = climb(on, starts, (fixed, first_grid(table, notch)), informed, seeds=seeds, budget=budget, say=say)
-    point = found.best.point if notch else np.append(found.best.point, table.bare)
-    said = (_stiffer(table, point),) if notch else ()
-    schedule = replace(interpolated, rule=rule, findings=said, **table.held(point))
+    schedule = _at_best(interpolated, rule, table, found, notch)
     fewer = (fixed_family(table, robust, linear, rule, 1e-2 * task.step), switched_family(table, robust, linear, rule))
     if against:
         say("tuning fixed gains and a two-level switch over all moves")
     return Tabled(schedule, interpolated, found, rivals(found, tuple(map(free, fewer)) if against else (), budget))
+
+
+def _at_best(interpolated: Schedule, rule: str, table: GainTable, found: Climbed, notch: bool) -> Schedule:
+    """Return the schedule at the point that a search ended in."""
+    point = found.best.point if notch else np.append(found.best.point, table.bare)
+    said = (_stiffer(table, point),) if notch else ()
+    return replace(interpolated, rule=rule, findings=said, **table.held(point))
+
+
+def _fixed(table: GainTable, robust: Gains, linear: Linear, task: Task, notch: bool) -> Family:
+    """Return fixed gains as the first of the references, from those tuned for a hundredth of the step."""
+    middle = int(np.argmin(np.abs(np.log(robust.amplitude / (1e-2 * task.step)))))
+    pair = float(robust.kp[middle]), float(robust.kd[middle])
+    first, *behind = table.begun
+    return shaped(lambda judge: pd_family(judge, pair), linear, first, tuple(behind) if notch else None)
 
 
 def _stiffer(table: GainTable, point: np.ndarray) -> Finding:

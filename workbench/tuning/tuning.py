@@ -10,7 +10,7 @@ from workbench.tuning.axis import Axis
 from workbench.tuning.gains import Gains
 from workbench.tuning.goal import TuningGoal
 from workbench.tuning.margins import margins as control_margins
-from workbench.tuning.solve import EXACT, solve
+from workbench.tuning.solve import EXACT, Solution, solve
 from workbench.tuning.start import damped, stable_box, start
 
 ACTIVE = 2e-4  # relative distance from a limit, below which it stops the gains
@@ -49,18 +49,7 @@ def tune(
     WorkbenchError: arrays that are no description over increasing amplitudes; OutOfReach: no gains keep the goal (which limit).
     """
     axis = Axis.of(equivalent, inertia, viscous, loop)
-    box = stable_box(axis)
-    if most_kp is not None:
-        box = np.minimum(box[0], np.asarray(most_kp, dtype=float) / axis.unit_kp), box[1]
-    kp0, kd0, possible = start(axis, goal, box)
-    if not possible.all():
-        raise _out_of_reach(axis, goal, possible)
-    if begin is None:
-        at = kp0, kd0
-    else:
-        at = tuple(np.asarray(b, dtype=float) / u for b, u in zip(begin, (axis.unit_kp, axis.unit_kd), strict=True))
-    got = solve(axis, goal, box, *at, first=(kp0, kd0))
-    findings = _allow_error(axis, goal, box, got)
+    got, findings = _solved(axis, goal, begin, most_kp)
     motion = axis.steps(got.kp)
     peak, _ = sampled.sensitivity_peak(got.kp, got.kd, motion, axis.clock)
     radius = sampled.spectral_radius(got.kp, got.kd, motion, axis.clock)
@@ -82,6 +71,21 @@ def tune(
         binding=_binding(axis, goal, got, peak),
         findings=(*findings, *_doubts(axis, goal, got, peak, radius)),
     )
+
+
+def _solved(axis: Axis, goal: TuningGoal, begin, most_kp) -> tuple[Solution, tuple[Finding, ...]]:
+    """Return the fastest gains, on the axis' own scale, with a finding where the error had to be let go. Arguments as of `tune`."""
+    box = stable_box(axis)
+    if most_kp is not None:
+        box = np.minimum(box[0], np.asarray(most_kp, dtype=float) / axis.unit_kp), box[1]
+    kp0, kd0, possible = start(axis, goal, box)
+    if not possible.all():
+        raise _out_of_reach(axis, goal, possible)
+    at = kp0, kd0
+    if begin is not None:
+        at = tuple(np.asarray(b, dtype=float) / u for b, u in zip(begin, (axis.unit_kp, axis.unit_kd), strict=True))
+    got = solve(axis, goal, box, *at, first=(kp0, kd0))
+    return got, _allow_error(axis, goal, box, got)
 
 
 def _allow_error(axis: Axis, goal: TuningGoal, box, got) -> tuple[Finding, ...]:

@@ -173,6 +173,24 @@ def blended(schedule, point: np.ndarray, rule: str) -> Blend:
     return Blend(schedule.knots, kp[0], kd[0], rule, schedule.reversal)
 
 
+def _two_mode_start(schedule, gross: tuple[float, float], deceleration: float | None, follows: str) -> np.ndarray:
+    """Return where a search begins: the tuned gains, and `gross` beyond the switch; of a deceleration, that too."""
+    scales = [1.0, 1.0]
+    if (
+        follows == JOINT
+    ):  # the joint is as little wound in motion as at rest: gains of motion are those of the first knots
+        scales = [g / float(np.max(known)) for g, known in zip(gross, (schedule.kp, schedule.kd), strict=True)]
+    presliding = [*scales, min(3e-3, 0.5 * schedule.knots[-1])]  # inside its range: a search does not begin on a bound
+    return np.array([*presliding, *gross, *([deceleration] if deceleration else [])])
+
+
+def _two_mode_box(schedule, start: np.ndarray, most: tuple[float, float]) -> tuple[np.ndarray, np.ndarray]:
+    """Return (lower, upper) of the numbers of two modes about a start. most: of the scales of Kp and Kd."""
+    lower = np.array([0.04, 0.2, schedule.knots[0], *(start[3:5] / 100), *(0.3 * start[5:])])
+    upper = np.array([*most, schedule.knots[-1], *(start[3:5] * 100), *(2.0 * start[5:])])
+    return lower, upper
+
+
 def scheduled_family(
     linear: Judge,
     schedule,
@@ -191,13 +209,7 @@ def scheduled_family(
     follows: what the stroke is of: the position that is controlled, or, JOINT, the relative displacement of two masses. soft: gains
     of gross sliding of another start. most: of the scales of Kp and Kd.
     """
-    scales = [1.0, 1.0]
-    if (
-        follows == JOINT
-    ):  # the joint is as little wound in motion as at rest: gains of motion are those of the first knots
-        scales = [g / float(np.max(known)) for g, known in zip(start, (schedule.kp, schedule.kd), strict=True)]
-    presliding = [*scales, min(3e-3, 0.5 * schedule.knots[-1])]  # inside its range: a search does not begin on a bound
-    start = np.array([*presliding, *start, *([deceleration] if deceleration else [])])
+    start = _two_mode_start(schedule, start, deceleration, follows)
 
     def controller(points, lanes):
         tables = [blended(schedule, p, rule) for p in points]
@@ -211,10 +223,7 @@ def scheduled_family(
         return linear.scheduled_peak(schedule.knots, *_two_mode_gains(schedule, points))
 
     over = "relative displacement" if follows == JOINT else rule
-
-    lower = np.array([0.04, 0.2, schedule.knots[0], *(start[3:5] / 100), *(0.3 * start[5:])])
-    most = most or (MOST_JOINT if follows == JOINT else MOST)
-    upper = np.array([*most, schedule.knots[-1], *(start[3:5] * 100), *(2.0 * start[5:])])
+    lower, upper = _two_mode_box(schedule, start, most or (MOST_JOINT if follows == JOINT else MOST))
     start = np.clip(start, lower, upper)
     return Family(
         f"scheduled PD ({over}{', profile' if deceleration else ''})",
