@@ -83,7 +83,7 @@ class Host:
     def __init__(self, made, options=("-O2",), change=lambda files: files):
         need_compiler()
         self.made = made
-        self.library = host.load(host.build(change(made.files | made.source.vectors()), options))
+        self.library = host.compiled(change(made.files | made.source.vectors()), options)
         data = made.image.bytes()
         assert self.library.wb_vectors_load(data, len(data)) == 0
 

@@ -248,10 +248,11 @@ def test_points_that_are_given_up_are_those_that_cost_more_and_all_others_have_t
     costs = cost(regret(short, whole, known))
     most = float(np.median(costs))
     against = Against(short, family, known, together=16)
-    found = against.tried(points, most).figures
-    bounds = cost(regret(short, found, known))
-    assert (found[costs <= most] == whole[costs <= most]).all()
-    assert (bounds[costs > most] > most).all() and (bounds <= costs).all()
-    assert (found[costs > most] == 0.0).any(), "some rungs were spared"
-    rest = against.tried(points[:1], np.inf, np.array([2]), whole[1]).figures
+    kept = costs <= most
+    for members in (None, whole[:3]):
+        found = against.tried(points, most, members)
+        assert (found.figures[kept] == whole[kept]).all() and (found.costs[kept] == costs[kept]).all()
+        assert np.isinf(found.costs[~kept]).all()
+        assert (found.figures[~kept] == 0.0).any(), "some rungs were spared"
+    rest = against.tried(points[:1], np.inf, whole[1:2], np.array([2])).figures
     assert (rest[0, 2] == whole[0, 2]).all() and (rest[0, 3:] == whole[1, 3:]).all()

@@ -80,7 +80,7 @@ void run(const uint32_t *in, {kind} *out, uint32_t n)
     }}
 }}
 """
-    return host.load(host.build(one.files | {"bench.c": bench}))
+    return host.compiled(one.files | {"bench.c": bench})
 
 
 def driven(library, one, whole, part) -> np.ndarray:

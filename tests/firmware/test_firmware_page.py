@@ -10,6 +10,7 @@ from firmware_bench import AXIS, COUNT, LOOP, Gains, need_compiler
 from workbench.compensation import Compensator, compensated
 from workbench.control import fixed_pd, scheduled_pd
 from workbench.definition import find
+from workbench.errors import WorkbenchError
 from workbench.firmware import firmware, host
 from workbench.firmware.image import read
 from workbench.firmware.summary import known, ram_of, rounding, summaries
@@ -72,13 +73,23 @@ def test_an_axis_without_counts_has_no_firmware():
     assert firmware_part({"fixed PD": lambda lanes: fixed_pd(900.0, 5.0)}, task, "cause", silent).chapters == ()
 
 
+def test_what_was_compiled_leaves_nothing_on_the_disk(tmp_path, monkeypatch):
+    need_compiler()
+    monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
+    source = {"seven.c": "int seven(void);\nint seven(void) { return 7; }\n"}
+    assert host.compiled(source).seven() == 7
+    with pytest.raises(WorkbenchError, match="does not compile"):
+        host.compiled({"seven.c": "int seven(void) { return x; }"})
+    assert not list(tmp_path.iterdir())
+
+
 @pytest.mark.parametrize("arithmetic", ["float32", "fixed"])
 def test_memory_is_what_the_compiler_lays_out(arithmetic):
     need_compiler()
     for controller in (scheduled_pd(Gains), fixed_pd(900.0, 5.0)):
         made = firmware(controller, LOOP, AXIS, arithmetic)
         bench = '#include "axis.h"\nunsigned wb_size_of(void);\nunsigned wb_size_of(void) { return sizeof(wb_axis_table) + sizeof(wb_axis_state); }\n'
-        library = host.load(host.build(made.files | {"bench.c": bench}))
+        library = host.compiled(made.files | {"bench.c": bench})
         assert library.wb_size_of() == ram_of(made)
 
 

@@ -297,6 +297,22 @@ def test_a_folder_that_cannot_be_written_falls_back(tmp_path, monkeypatch):
     assert run_toy("toy_refuge") == [2.0, 3.0, 4.0]
 
 
+def test_what_a_process_keeps_for_itself_alone_goes_with_it(tmp_path):
+    passing, file = tmp_path / "passing", tmp_path / "file"
+    passing.mkdir()
+    file.write_text("no folder")
+    code = "from workbench.kernel import cache; m = cache.load('x = 1', 'toy_passing'); print(m.__file__)"
+    surroundings = {
+        **os.environ,
+        "WORKBENCH_CACHE": str(file / "below"),
+        "TMPDIR": str(passing),
+        "PYTHONPATH": str(ROOT),
+    }
+    said = subprocess.run([sys.executable, "-c", code], env=surroundings, capture_output=True, text=True, check=True)
+    assert str(passing) in said.stdout
+    assert not list(passing.iterdir())
+
+
 def test_the_folder_is_where_the_user_says(monkeypatch):
     monkeypatch.setenv("WORKBENCH_CACHE", "/somewhere")
     assert cache.folder() == Path("/somewhere")

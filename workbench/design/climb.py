@@ -161,7 +161,7 @@ def _evolved(against: Against, seed: int, starts: Sequence[np.ndarray], budget: 
     begun = against.tried(_about(against.family, draw, starts, budget.members))
     points, figures, costs = begun.points.copy(), begun.figures.copy(), begun.costs.copy()
     for _ in range(budget.generations):
-        tried = against.tried(_crossed(against.family, draw, points, costs), costs)
+        tried = against.tried(_crossed(against.family, draw, points, costs), costs, figures)
         ok = tried.costs <= costs
         points[ok], figures[ok], costs[ok] = tried.points[ok], tried.figures[ok], tried.costs[ok]
     i = int(costs.argmin())
@@ -203,7 +203,9 @@ def _jointly(against: Against, run: Run, draw: np.random.Generator, width: float
     """Move a share of the numbers together."""
     moved = width * np.where(draw.random((budget.offspring, run.point.size)) < OTHERS, 1.0, 0.0)
     return run.with_tried(
-        against.tried(_moved(against.family, run.point, moved * draw.standard_normal(moved.shape)), run.value)
+        against.tried(
+            _moved(against.family, run.point, moved * draw.standard_normal(moved.shape)), run.value, run.figures[None]
+        )
     )
 
 
@@ -220,7 +222,7 @@ def _alone(against: Against, run: Run, draw: np.random.Generator, width: float, 
         return run
     many = min(budget.offspring * len(against.on.rungs) // touched.size, budget.many)
     by = np.clip(draw.standard_normal(many), -FAR, FAR)[:, None]
-    tried = against.tried(_moved(against.family, run.point, along * by), run.value, touched, run.figures)
+    tried = against.tried(_moved(against.family, run.point, along * by), run.value, run.figures[None], touched)
     i = int(tried.costs.argmin())
     run = replace(run, evaluations=run.evaluations + many)
     if tried.costs[i] >= run.value:

@@ -8,6 +8,7 @@ worst regret, and a small share of the mean, without which moves other than the 
 """
 
 from dataclasses import dataclass, replace
+from math import prod
 
 import numpy as np
 
@@ -181,11 +182,21 @@ def regret(on: Ladder, figures: np.ndarray, against: References) -> Regret:
 
 def cost(found: Regret) -> np.ndarray:
     """Return (points,) of regrets (points, rungs, 2): the worst, a share of the mean, and what overshoots."""
-
-    def flat(values, most):
-        return np.minimum(np.nan_to_num(values, nan=most, posinf=most), most).reshape(len(values), -1)
-
-    time, error, over = flat(found.time, WORST), flat(found.error, WORST), flat(found.overshoot, 3.0)
-    beyond = np.maximum(over - SOUGHT, 0.0)
+    time, error, beyond = (v.reshape(len(v), prod(v.shape[1:])) for v in _counted(found))
     worst = np.maximum(time.max(axis=1), error.max(axis=1))
     return worst + MEAN * (time.mean(axis=1) + error.mean(axis=1)) + STEEP * (beyond.max(axis=1) + beyond.mean(axis=1))
+
+
+def each(found: Regret) -> np.ndarray:
+    """Return (points, rungs) of regrets (points, rungs, 2): what would cost by itself what it does on either move."""
+    time, error, beyond = _counted(found)
+    return (np.maximum(time, error) + STEEP * beyond).max(axis=-1)
+
+
+def _counted(found: Regret) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return time, error and overshoot beyond what is sought, as far as they count."""
+
+    def up_to(values, most):
+        return np.minimum(np.nan_to_num(values, nan=most, posinf=most), most)
+
+    return up_to(found.time, WORST), up_to(found.error, WORST), np.maximum(up_to(found.overshoot, 3.0) - SOUGHT, 0.0)

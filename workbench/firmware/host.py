@@ -21,23 +21,20 @@ def compiler() -> str:
     raise WorkbenchError("there is no C compiler here: install gcc or clang to run the firmware on this machine.")
 
 
-def build(files: Mapping[str, str], options: Sequence[str] = ("-O2",), folder: Path | None = None) -> Path:
-    """Compile the .c files of `files` (name -> text) to a shared library, and return its path.
+def compiled(files: Mapping[str, str], options: Sequence[str] = ("-O2",)) -> ctypes.CDLL:
+    """Return the .c files of `files` (name -> text) as a library that is loaded; nothing of it stays on disk.
 
     WorkbenchError, with what the compiler said, where it does not compile without a warning.
     """
-    folder = Path(tempfile.mkdtemp(prefix="workbench-firmware-")) if folder is None else folder
-    for name, text in files.items():
-        (folder / name).write_text(text, encoding="utf-8")
-    out = folder / "firmware.so"
-    sources = [n for n in files if n.endswith(".c")]
-    command = [compiler(), *STRICT, *WARNINGS, *options, "-fPIC", "-shared", *sources, "-o", str(out), "-lm"]
-    done = subprocess.run(command, cwd=folder, capture_output=True, text=True)
-    if done.returncode:
-        raise WorkbenchError(f"the firmware's C does not compile: {done.stderr.strip()}")
-    return out
-
-
-def load(path: Path) -> ctypes.CDLL:
-    """Return a compiled library."""
-    return ctypes.CDLL(str(path))
+    # A loaded library outlives its file, but for systems that do not let go of one: there it stays behind.
+    with tempfile.TemporaryDirectory(prefix="workbench-firmware-", ignore_cleanup_errors=True) as place:
+        folder = Path(place)
+        for name, text in files.items():
+            (folder / name).write_text(text, encoding="utf-8")
+        out = folder / "firmware.so"
+        sources = [n for n in files if n.endswith(".c")]
+        command = [compiler(), *STRICT, *WARNINGS, *options, "-fPIC", "-shared", *sources, "-o", str(out), "-lm"]
+        done = subprocess.run(command, cwd=folder, capture_output=True, text=True)
+        if done.returncode:
+            raise WorkbenchError(f"the firmware's C does not compile: {done.stderr.strip()}")
+        return ctypes.CDLL(str(out))

@@ -112,7 +112,7 @@ class Compiled:
     def __init__(self, made: Firmware, bound: Bound):
         self.made, self.design = made, bound.design
         files = made.files | {"loop.c": _source(made, bound.design, bound.loop.substeps)}
-        self.library = host.load(host.build(files, ("-O2", "-Wno-unused-function")))
+        self.library = host.compiled(files, ("-O2", "-Wno-unused-function"))
         data = made.image.bytes()
         refused = self.library.wb_loop_load(data, len(data))
         assert refused == 0, refused  # the table was made for this law, a line above

@@ -1,9 +1,11 @@
 """Generated kernel source on disk, named by the hash of its text, so that numba compiles each once per machine."""
 
+import atexit
 import contextlib
 import hashlib
 import importlib.util
 import os
+import shutil
 import sys
 import tempfile
 from functools import lru_cache
@@ -47,6 +49,14 @@ def _drop_broken(path: Path) -> None:
                 kept.unlink()
 
 
+@lru_cache(maxsize=1)
+def _passing() -> Path:
+    """A folder for the kernels of this process alone, which goes with it."""
+    folder = Path(tempfile.mkdtemp(prefix="workbench-kernels-"))
+    atexit.register(shutil.rmtree, folder, ignore_errors=True)
+    return folder
+
+
 @lru_cache(maxsize=512)
 def load(text: str, name: str) -> ModuleType:
     """Return a module with this source. A folder that cannot be written falls back to a temporary one.
@@ -60,7 +70,7 @@ def load(text: str, name: str) -> ModuleType:
         try:
             write_whole(path, text)
         except OSError:
-            path = Path(tempfile.mkdtemp(prefix="workbench-kernels-")) / path.name
+            path = _passing() / path.name
             write_whole(path, text)
     _drop_broken(path)
     spec = importlib.util.spec_from_file_location(module_name, path)
