@@ -57,9 +57,9 @@ def test_that_runs(): pass
 """
 
 
-@pytest.fixture(params=[(), ("-n", "2")], ids=["alone", "xdist"])
+@pytest.fixture(params=[(), ("-n", "1")], ids=["alone", "xdist"])
 def session(request, pytester):
-    """Run test files under the project's conftest, in one process or spread over two."""
+    """Run test files under the project's conftest, in the process that reports or in another one."""
     pytester.makeconftest(CONFTEST)
 
     def run(**files: str):
@@ -90,11 +90,14 @@ def test_a_part_of_a_test_may_not_skip_either(session):
     assert result.ret == 1
 
 
-@pytest.mark.parametrize("line", ["pytest.importorskip('no_such_module')", "pytest.skip(allow_module_level=True)"])
-def test_a_whole_file_may_not_skip_either(session, line):
-    result = session(test_file=f"import pytest\n{line}\ndef test_that_does_not_run(): pass\n")
+def test_a_whole_file_may_not_skip_either(session):
+    lines = ("pytest.importorskip('no_such_module')", "pytest.skip(allow_module_level=True)")
+    files = {
+        f"test_{k}": f"import pytest\n{line}\ndef test_that_does_not_run(): pass\n" for k, line in enumerate(lines)
+    }
+    result = session(**files)
     assert result.ret != 0
-    result.stdout.fnmatch_lines(["*skipped for a reason that is not allowed*"])
+    result.stdout.fnmatch_lines(["*skipped for a reason that is not allowed*"] * len(lines))
 
 
 def test_data_skips_where_the_variable_is_unset_and_fails_where_it_is_mistyped(monkeypatch, tmp_path):
