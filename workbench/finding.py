@@ -6,21 +6,26 @@ from dataclasses import dataclass, field
 PROPER = {"stribeck": "Stribeck", "coulomb": "Coulomb", "lugre": "LuGre"}
 ORDINAL = {"2": "second ", "3": "third "}  # of effects that are there several times, told apart by a number
 
-# Kinds of findings that somebody asks for; a kind that is only shown stands where it is made.
+# Kinds of findings that somebody asks for or that are said in several places; a kind of one sentence stands beside it.
 ASSUMED_SCALE = "assumed scale"
 BELOW_FLOOR = "below the floor"
 CARRIES_NOTHING = "joint carries nothing"
+CONSTRAINT_DROPPED = "constraint dropped"
 ENCODER_RESOLUTION = "encoder resolution"
 GLITCH = "glitch"
 HUM = "hum of the mains"
+KNOWN_TOGETHER = "known only together"
 LOST_COUNTS = "lost counts"
+MODE = "mode"
 NOT_TUNED = "not tuned"
 OTHER_UNIT = "unit"
 RESAMPLED = "resampled"
 RESPONSE_LIMITS = "response limits"
 SAMPLING_RATE = "sampling rate"
+SENSITIVITY_EXCEEDED = "sensitivity exceeded"
 SOMETHING_ELSE = "something else"
 START_TIME = "start time"
+UNSTABLE = "unstable"
 
 
 def title(effect: str) -> str:

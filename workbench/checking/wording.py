@@ -14,7 +14,7 @@ from workbench.checking.sampling import FINE, Coarse, Short, Slow
 from workbench.checking.shift import LATE
 from workbench.encoders.lost_counts import LostCounts
 from workbench.encoders.wording import late_sentence, lost_finding
-from workbench.finding import ENCODER_RESOLUTION, GLITCH, SAMPLING_RATE, Finding
+from workbench.finding import ENCODER_RESOLUTION, GLITCH, MODE, SAMPLING_RATE, Finding
 from workbench.frequency.wording import decibels
 from workbench.identification.excitation import Unexcited
 from workbench.identification.wording import unexcited
@@ -199,7 +199,7 @@ def _(fault: Unexcited) -> Finding:
 def _(fault: Undeclared) -> Finding:
     m = fault.mode
     return Finding(
-        "mode", f"{fault.record}.position",
+        MODE, f"{fault.record}.position",
         f"Record '{fault.record}' shows a mode at {m.frequency:.3g} Hz (damping ratio {m.damping:.2g}, "
         f"{decibels(m.rise):.0f} dB above the rest), which the declared single mass does not have.",
         {"frequency": m.frequency, "damping": m.damping, "rise": m.rise},

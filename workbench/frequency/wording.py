@@ -2,7 +2,7 @@
 
 from math import log10
 
-from workbench.finding import Finding
+from workbench.finding import MODE, Finding
 from workbench.frequency.modes import RISES, Mode, Modes
 from workbench.frequency.notch import Notch, notch_for
 from workbench.frequency.response import Response
@@ -30,5 +30,5 @@ def _mode(m: Mode, n: Notch) -> Finding:
     )
     evidence = {"frequency": m.frequency, "damping": m.damping, "rise": m.rise, "width": n.width, "depth": n.depth}
     return Finding(
-        "mode", f"{m.frequency:.4g} Hz", sentence, evidence, "put the notch into the loop, or stay below the mode"
+        MODE, f"{m.frequency:.4g} Hz", sentence, evidence, "put the notch into the loop, or stay below the mode"
     )

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from workbench.definition import Effect
-from workbench.finding import Finding
+from workbench.finding import KNOWN_TOGETHER, Finding
 from workbench.identification import excitation
 from workbench.identification.disagreement import Disagreement
 from workbench.identification.excitation import Unexcited
@@ -97,7 +97,7 @@ def _not_determined(e: Estimate) -> Finding:
 def _together(group: Sequence[Name], correlation: float) -> Finding:
     names = [f"{n.key}.{n.parameter}" for n in group]
     return Finding(
-        "known only together", ", ".join(names),
+        KNOWN_TOGETHER, ", ".join(names),
         f"{', '.join(names[:-1])} and {names[-1]} are known only together (correlation up to {correlation:.3f}): these "
         "records hardly tell them apart.",
         {"correlation": correlation},

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 
 from workbench.definition import Effect
-from workbench.finding import Finding
+from workbench.finding import KNOWN_TOGETHER, Finding
 
 
 def known_only_together(bank: Effect, names: Sequence[str], reach: float, displacement: str) -> Finding:
@@ -13,4 +13,4 @@ def known_only_together(bank: Effect, names: Sequence[str], reach: float, displa
         f"{displacement} from where they begin; only the sum of their stiffnesses is determined."
     )
     remedy = "record a longer stroke, or leave out all but one of them"
-    return Finding("known only together", f"{bank.key}.{names[0]}", sentence, {"reach": reach}, remedy)
+    return Finding(KNOWN_TOGETHER, f"{bank.key}.{names[0]}", sentence, {"reach": reach}, remedy)

@@ -1,6 +1,6 @@
 """What is said of a schedule: how far it lies from the tuned gains, what it does between its knots, and whether it feeds energy in."""
 
-from workbench.finding import Finding
+from workbench.finding import SENSITIVITY_EXCEEDED, UNSTABLE, Finding
 
 SUBJECT = "schedule"
 
@@ -20,14 +20,14 @@ def coarse(error: float, at: float, tolerance: float, knots: int, monotone: bool
 def unstable(radius: float, at: float) -> Finding:
     """Say that an eigenvalue of this modulus is outside the unit circle at an amplitude, SI."""
     sentence = f"Under scheduled gains the linear axis is unstable at amplitude {at:.3g}: an eigenvalue of modulus {radius:.4g}."
-    return Finding("unstable", SUBJECT, sentence, {"radius": radius, "amplitude": at}, "Use more knots an octave.")
+    return Finding(UNSTABLE, SUBJECT, sentence, {"radius": radius, "amplitude": at}, "Use more knots an octave.")
 
 
 def exceeded(peak: float, at: float, sensitivity: float) -> Finding:
     """Say that |S| has a higher peak at an amplitude, SI, than was tuned for."""
     sentence = f"Under scheduled gains the sensitivity peak is {peak:.3f} at amplitude {at:.3g}; {sensitivity:g} was tuned for."
     remedy = "Use more knots an octave, or tune for a lower sensitivity."
-    return Finding("sensitivity exceeded", SUBJECT, sentence, {"peak": peak, "amplitude": at}, remedy)
+    return Finding(SENSITIVITY_EXCEEDED, SUBJECT, sentence, {"peak": peak, "amplitude": at}, remedy)
 
 
 def passive(damping: float, pumping: float, at: float, *, moving: bool) -> Finding:

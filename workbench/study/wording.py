@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 
 from workbench.design.design import Designed
-from workbench.finding import NOT_TUNED, Finding
+from workbench.finding import CONSTRAINT_DROPPED, NOT_TUNED, Finding
 from workbench.readers.declaration import Table
 from workbench.report import numbers
 from workbench.report.recommend import RECOMMENDED
@@ -13,7 +13,7 @@ from workbench.verification.assumed import Shown
 from workbench.verification.recommend import Recommended
 
 SUBJECT = "gains"
-ASSUMED, RAISED, REFUSED, NONE = "assumed loop", "constraint dropped", "drive refuses", "no firmware"
+ASSUMED, REFUSED, NONE = "assumed loop", "drive refuses", "no firmware"
 STATED = (("loop", "sample_time"), ("loop", "resolution"), ("task", "step"))  # what a study else has to state
 
 
@@ -42,7 +42,7 @@ def _raised(control: Control, lowest: float, x: str) -> Finding:
         f"Below {numbers.scaled(lowest, x)} no gains keep |S| below {control.goal.sensitivity:g} and the overshoot against the axis's own "
         f"stiffness in a loop of {1e3 * control.loop.sample_time:.4g} ms; those of {numbers.scaled(lowest, x)} are held there."
     )
-    return Finding(RAISED, SUBJECT, sentence, {"lowest": lowest}, "Sample faster, or delay less.")
+    return Finding(CONSTRAINT_DROPPED, SUBJECT, sentence, {"lowest": lowest}, "Sample faster, or delay less.")
 
 
 def recommended(choice: Recommended) -> Finding:

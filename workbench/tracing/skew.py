@@ -1,7 +1,7 @@
 """A clock that is late between two encoders, judged in their angle before anything in torque.
 
 In torque a late encoder looks like hysteresis and damping of a joint, and a fit that cannot undo it lets the joint carry
-nothing. In the angle it is plain (`identify.clocks`). So it comes first, and its value is held: what a fit in torque makes
+nothing. In the angle it is plain (`encoders.clocks`). So it comes first, and its value is held: what a fit in torque makes
 of it is worth nothing where the joint is stiff (of four records of robots it came to -27 to 3.5 ms where the angle says 3).
 """
 

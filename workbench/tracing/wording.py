@@ -121,14 +121,14 @@ def _of_addition(a: Weighed, role: str):
     name = f"{capital(title(a.effect))} at the {a.at}"
     if role == NOT_BORNE_OUT:
         yield Finding(
-            "not borne out", a.effect,
+            NOT_BORNE_OUT, a.effect,
             f"{name} explains {100 * a.share(IDENTIFICATION):.0f} % of what the identification records leave, but it is not "
             f"borne out: on validation it explains {100 * max(a.share(VALIDATION), 0.0):.0f} %.",
             {"identification": a.share(IDENTIFICATION), "validation": a.share(VALIDATION)},
         )  # fmt: skip
     elif role == DRESSING:
         yield Finding(
-            "dressing", a.effect,
+            DRESSING, a.effect,
             f"{name} was tried and explains {100 * max(a.share(VALIDATION), 0.0):.0f} % of what validation leaves: too little to be "
             "the cause of what the residual holds.",
             {"identification": a.share(IDENTIFICATION), "validation": a.share(VALIDATION)},

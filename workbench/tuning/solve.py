@@ -53,7 +53,7 @@ def solve(axis: Axis, goal: TuningGoal, box, kp, kd, *, least_kp=0.0, weight: fl
     """Return the optimum at each amplitude, from (kp, kd); weight 0 asks for the largest kp instead of the shortest time.
 
     `first` (kp, kd): a stable loop, on which frequencies, half-planes and the loss are based; the start, unless given.
-    InverseDynamics follow, each based on the solution before, until the sensitivity peak is exact.
+    Passes follow, each based on the solution before, until the sensitivity peak is exact.
     """
     limits = _bounds(axis, goal, box, np.broadcast_to(least_kp, kp.shape))
     at_kp, at_kd = (kp, kd) if first is None else first

@@ -3,7 +3,7 @@
 import numpy as np
 
 from workbench.errors import WorkbenchError
-from workbench.finding import Finding
+from workbench.finding import SENSITIVITY_EXCEEDED, UNSTABLE, Finding
 from workbench.threads import one_thread
 from workbench.tuning import response, sampled, wording
 from workbench.tuning.axis import Axis
@@ -133,9 +133,9 @@ def _binding(axis: Axis, goal: TuningGoal, got, peak: np.ndarray) -> tuple[tuple
 def _doubts(axis: Axis, goal: TuningGoal, got, peak: np.ndarray, radius: np.ndarray) -> list[Finding]:
     """What verification found wrong, worst first in each kind."""
     wrong = {
-        "unstable": (~(radius < 1.0), radius),
-        "sensitivity exceeded": (peak > goal.sensitivity * 1.005, peak),
-        "not converged": (~got.solved, (~got.solved).astype(float)),
+        UNSTABLE: (~(radius < 1.0), radius),
+        SENSITIVITY_EXCEEDED: (peak > goal.sensitivity * 1.005, peak),
+        wording.NOT_CONVERGED: (~got.solved, (~got.solved).astype(float)),
     }
     return [
         wording.doubted(kind, where, size, axis.amplitude, goal.sensitivity)

@@ -2,19 +2,20 @@
 
 import numpy as np
 
-from workbench.finding import RESPONSE_LIMITS, Finding
+from workbench.finding import CONSTRAINT_DROPPED, RESPONSE_LIMITS, SENSITIVITY_EXCEEDED, UNSTABLE, Finding
 
+NOT_CONVERGED = "not converged"
 # what verification asks of gains -> what is wrong with them, and what would mend it
 WRONG = {
-    "unstable": (
+    UNSTABLE: (
         "the sampled loop is unstable (largest modulus of its eigenvalues)",
         "State a sensitivity limit: the linear axis in continuous time knows neither delay nor sampling.",
     ),
-    "sensitivity exceeded": (
+    SENSITIVITY_EXCEEDED: (
         "the sensitivity peak exceeds {limit:g}",
         "Report it with the axis: the program should have kept this limit.",
     ),
-    "not converged": (
+    NOT_CONVERGED: (
         "the program stopped before its tolerance",
         "Compare with the gains of neighbouring amplitudes.",
     ),
@@ -30,7 +31,7 @@ def dropped(lost: np.ndarray, best: np.ndarray, amplitudes: int, bound: float) -
     )
     evidence = {"amplitudes": float(lost.size), "bound": bound, "best": float(best[i])}
     remedy = "Sample faster, delay less, or let an integrator remove the error."
-    return Finding("constraint dropped", "error", sentence, evidence, remedy)
+    return Finding(CONSTRAINT_DROPPED, "error", sentence, evidence, remedy)
 
 
 def doubted(kind: str, wrong: np.ndarray, size: np.ndarray, amplitude: np.ndarray, limit: float) -> Finding:
