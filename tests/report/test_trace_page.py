@@ -166,7 +166,7 @@ def test_the_unit_of_an_unknown_place_is_told(inverses, found):
 def test_a_folder_that_is_not_ours_is_refused_before_anything_long_starts(tmp_path, monkeypatch):
     (tmp_path / "notes.txt").write_text("mine", encoding="utf-8")
     campaign = SimpleNamespace(records=(), bandwidth=60.0, plant=None)
-    monkeypatch.setattr(traced, "trace_and_map", lambda *_: pytest.fail("the records were looked at"))
+    monkeypatch.setattr(traced, "trace", lambda *_: pytest.fail("the records were looked at"))
     for out in (tmp_path, tmp_path / "notes.txt"):
         with pytest.raises(WorkbenchError, match="name a"):
             traced.run(campaign, out)

@@ -10,7 +10,7 @@ from test_closing import plant, record
 
 from workbench.cancellation.closed import Cancelled, causes, take
 from workbench.definition import find
-from workbench.report.closed_loop import closing
+from workbench.report.closed_loop import closed_loop as chapter_of
 from workbench.report.contents import Paragraph, Table
 from workbench.verification.closed_loop import as_dict, close
 
@@ -41,7 +41,7 @@ def test_it_is_said_on_the_page_and_in_the_file(wavy):
     )
     assert json.loads(json.dumps(held, allow_nan=False))["effects"] == ["cogging@axis"]
     trace = example()
-    blocks = closing(replace(trace, after=replace(trace.after, plant=plant())), wavy).blocks
+    blocks = chapter_of(replace(trace, after=replace(trace.after, plant=plant())), wavy).blocks
     tables = [b for b in blocks if isinstance(b, Table) and "Compensation of cogging" in b.caption]
     assert len(tables) == 1 and len(tables[0].rows) == 5
     assert any(isinstance(b, Paragraph) and "gains" in b.text for b in blocks)

@@ -13,7 +13,8 @@ from workbench.definition import find
 from workbench.errors import WorkbenchError
 from workbench.plant import ONE_MASS, TWO_MASS, Limits, Plant
 from workbench.record import VALIDATION, Record, Source
-from workbench.report.closed_loop import absent, closing, heading
+from workbench.report.closed_loop import absent, heading
+from workbench.report.closed_loop import closed_loop as chapter_of
 from workbench.report.contents import Callout, Figure, Table
 from workbench.verification.assumed import judge, loop_of
 from workbench.verification.closed_loop import DECLARED, EXTENDED, as_dict, close, rise_of
@@ -137,7 +138,7 @@ def test_it_is_json_whatever_comes_of_it(heavier):
 
 
 def test_the_chapter_says_what_knowing_is_worth(heavier):
-    chapter = closing(example(), heavier)
+    chapter = chapter_of(example(), heavier)
     (said,) = [b.text for b in chapter.blocks if isinstance(b, Callout)]
     assert "Stribeck friction" in said and "an overshoot of 0." in said and "instead of" in said
     table = next(b for b in chapter.blocks if isinstance(b, Table))

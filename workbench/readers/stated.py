@@ -10,15 +10,16 @@ from workbench.units.registry import legible, tidy
 
 
 def stated(record: str, column: str, unit: str, declared: str) -> Finding | None:
-    """Return a finding where the file states another unit than is declared for the column, or None.
+    """Return a finding where the file states another unit than is declared for the column, or None."""
+    said = wording.other_unit(record, column, unit, declared)
+    return said if _differs(column, unit, declared) else None
 
-    What cannot be read as a unit ("Nm", "counts") says nothing.
-    """
+
+def _differs(column: str, unit: str, declared: str) -> bool:
+    """Whether two units are not the same; what cannot be read as one ("Nm", "counts") differs from none."""
     if tidy(unit) == "1" or not legible(tidy(unit)):
-        return None
+        return False
     try:
-        if isclose(to_si(1.0, unit, tidy(declared), column, step=True), 1.0, rel_tol=1e-9):
-            return None
+        return not isclose(to_si(1.0, unit, tidy(declared), column, step=True), 1.0, rel_tol=1e-9)
     except WorkbenchError:  # of another dimension
-        pass
-    return wording.other_unit(record, column, unit, declared)
+        return True

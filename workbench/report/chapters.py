@@ -5,6 +5,7 @@ from dataclasses import replace
 
 from workbench.finding import Finding
 from workbench.report.cause import cause
+from workbench.report.closed_loop import closing
 from workbench.report.contents import Block, Callout, Chapter, Items, Paragraph, StudyResult
 from workbench.report.description import description
 from workbench.report.method import method, provenance
@@ -26,7 +27,7 @@ def _of_study(result: StudyResult) -> tuple[Chapter, ...]:
 
 # What a report may hold, in its order: a new chapter is a function of the result and its place here. One that has nothing to say is None.
 ORDER = (
-    finding, records, declared, residual, where_it_lives, cause, extended, description, _of_study, required, method, provenance,
+    finding, records, declared, residual, where_it_lives, cause, extended, description, closing, _of_study, required, method, provenance,
 )  # fmt: skip
 
 

@@ -6,7 +6,7 @@ from workbench.cancellation.closed import take
 from workbench.finding import capital
 from workbench.plant import TWO_MASS
 from workbench.report import numbers
-from workbench.report.contents import Callout, Chapter, Figure, Items, Paragraph, Table
+from workbench.report.contents import Callout, Chapter, Figure, Items, Paragraph, StudyResult, Table
 from workbench.report.drawing import AFTER, BEFORE, MUTED, STYLES, decades, envelope, svg
 from workbench.report.wording import listed, typeset
 from workbench.task.task import PHASES, Weights
@@ -20,14 +20,14 @@ COLOURS = {(DECLARED, DECLARED): MUTED, (DECLARED, EXTENDED): BEFORE, (EXTENDED,
 GAINS = {"kv": "1/s", "kvp": "{f}*s/{x}", "ki": "{f}/{x}"}
 
 
-def chapters_of(found: Trace, closed: ClosedLoop | str | None) -> tuple[Chapter, ...]:
-    """Return the chapter of a loop, or of the sentence why there is none; nothing where none was asked for."""
-    if closed is None:
-        return ()
-    return (absent(closed) if isinstance(closed, str) else closing(found, closed),)
+def closing(result: StudyResult) -> Chapter | None:
+    """Return the chapter of the loop, or of the sentence why it is not closed; None where that was not asked for."""
+    if result.closed is None:
+        return None
+    return absent(result.closed) if isinstance(result.closed, str) else closed_loop(result.trace, result.closed)
 
 
-def closing(found: Trace, closed: ClosedLoop) -> Chapter:
+def closed_loop(found: Trace, closed: ClosedLoop) -> Chapter:
     """What the found effect is worth to a controller, in figures and as motion."""
     plant = found.after.plant
     blocks = [
@@ -78,6 +78,12 @@ def _worth(found: Trace, closed: ClosedLoop) -> str:
         for article, (name, was, now, shown) in zip(("a", "a", "an", "a"), figures(found, closed), strict=True)
     ]
     return f"On the plant with {_causes(found)}, gains tuned with it in the model give {listed(texts)}."
+
+
+def of_loop(result: StudyResult) -> str:
+    """Return what the loop answers on page 1; "" where it is not closed."""
+    closed = result.closed
+    return "" if closed is None or isinstance(closed, str) else f"{heading(result.trace, closed)}."
 
 
 def heading(found: Trace, closed: ClosedLoop) -> str:

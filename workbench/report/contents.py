@@ -18,6 +18,7 @@ from workbench.record import Record
 from workbench.report.advice import Advice
 from workbench.residual.residual_maps import ResidualMaps
 from workbench.tracing.result import Trace
+from workbench.verification.closed_loop import ClosedLoop
 
 GOOD, BAD, QUIET, STRONG, CODE, PLAIN = "good", "bad", "quiet", "strong", "code", "plain"
 
@@ -175,6 +176,7 @@ class StudyResult:
 
     name: of the study; title: of the report; question: one line, what the study asks. campaign: its title. plant: as
     declared. bandwidth: of the evaluation filter, Hz. equivalent: effects with their description over amplitude.
+    closed: the loop, closed with what the trace found, or the sentence why it is not; None where it was not asked for.
     chapters: further chapters, after the standard ones and before the method. tuned: digest of the plant that gains were tuned
     for, where any were. advice: which controller to take, where one was tuned. answer: to the question, beyond the finding.
     command: that makes it again. inputs: digest of all that it depends on.
@@ -191,6 +193,7 @@ class StudyResult:
     equivalent: tuple[tuple[Effect, Equivalent], ...] = ()
     checks: tuple[Check, ...] = ()
     findings: tuple[Finding, ...] = ()
+    closed: ClosedLoop | str | None = None
     chapters: Sequence[Chapter] = ()
     residual_maps: tuple[ResidualMaps, ...] = ()
     kind: str = "Study"

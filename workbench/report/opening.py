@@ -4,6 +4,7 @@ from workbench.finding import ASSUMED_SCALE, NOT_TUNED, capital, title
 from workbench.record import IDENTIFICATION, ROLES, VALIDATION
 from workbench.report import numbers
 from workbench.report.advice import headline
+from workbench.report.closed_loop import of_loop
 from workbench.report.contents import (  # fmt: skip
     BAD,
     CODE,
@@ -38,8 +39,8 @@ def finding(result: StudyResult) -> Chapter:
     blocks += [Callout(f.sentence, BAD) for f in trace.findings if f.kind in ALARMS]
     if result.advice:
         blocks.append(Callout(headline(result.advice), GOOD if result.advice.allowed else BAD))
-    if result.answer:
-        blocks.append(Paragraph(result.answer))
+    if answer := result.answer or of_loop(result):
+        blocks.append(Paragraph(answer))
     blocks += [Callout(f.sentence, BAD) for f in result.findings if f.kind in CAUTIONS]
     blocks.append(glance(result))
     if result.checks:

@@ -8,9 +8,10 @@ from workbench.campaign import load
 from workbench.description import described
 from workbench.errors import WorkbenchError
 from workbench.inverse.dynamics import inverse_dynamics
+from workbench.residual.residual_maps import map_residual
 from workbench.study.configuration import Study
 from workbench.study.outcome import Outcome
-from workbench.tracing.of_campaign import trace_and_map
+from workbench.tracing.tracing import trace
 
 
 def amplitudes(study: Study) -> np.ndarray:
@@ -35,17 +36,18 @@ def run(study: Study, say: Callable[[str], None]) -> Outcome:
         from workbench.study.gains import asked_first, with_control
 
         shown = asked_first(study, campaign.plant, inverses, say)
-    found = trace_and_map(campaign, say, inverses)
+    found = trace(campaign.plant, inverses, say)
+    maps = map_residual(inverses, found.before, found.extended)
     say("describing the plant over amplitude")
     outcome = Outcome(
         plant=campaign.plant,
         campaign=campaign.title,
         bandwidth=campaign.bandwidth,
-        trace=found.trace,
+        trace=found,
         records=campaign.records,
-        equivalents=described(found.trace.plant, amplitudes(study)) if study.describe else (),
-        residual_maps=found.residual_maps,
-        figures=found.trace.figures,
-        findings=found.findings,
+        equivalents=described(found.plant, amplitudes(study)) if study.describe else (),
+        residual_maps=maps,
+        figures=found.figures,
+        findings=(*campaign.findings, *found.every_finding),
     )
     return with_control(outcome, study, shown, say) if shown else outcome

@@ -6,16 +6,18 @@ from pathlib import Path
 from workbench.campaign import FILE as CAMPAIGN
 from workbench.campaign import Campaign, load
 from workbench.errors import WorkbenchError
+from workbench.inverse.dynamics import inverse_dynamics
 from workbench.outputs import replaceable, whole
 from workbench.report import write as write_page
-from workbench.report.closed_loop import chapters_of, heading
 from workbench.report.contents import Recorded, StudyResult
+from workbench.residual.residual_maps import ResidualMaps, map_residual
 from workbench.study.configuration import campaign_of
-from workbench.tracing.of_campaign import CampaignTrace, trace_and_map
 from workbench.tracing.output import write
 from workbench.tracing.result import Trace
+from workbench.tracing.tracing import trace
 from workbench.verification.closed_loop import ClosedLoop
-from workbench.verification.closing import as_dict, closed_loop
+from workbench.verification.closing import as_dict as loop_as_dict
+from workbench.verification.closing import closed_loop
 
 Say = Callable[[str], None]
 
@@ -39,19 +41,22 @@ def run(
         )
     replaceable(out, FILE)
     campaign = load(folder, resample=resample) if folder else campaign
-    found = trace_and_map(campaign, say)
-    closed = closed_loop(campaign, found.trace, say) if closing and found.trace.causes else None
+    inverses = inverse_dynamics(campaign.records, campaign.bandwidth)
+    found = trace(campaign.plant, inverses, say)
+    maps = map_residual(inverses, found.before, found.extended)
+    closed = closed_loop(campaign, found, say) if closing and found.causes else None
     say("writing the page")
     with whole(out, FILE) as beside:
-        page = _page(found, closed)
-        write(found.trace, beside, found.residual_maps, {"closed_loop": as_dict(closed)})
+        page = _page(campaign, found, maps, closed)
+        write(found, beside, maps, {"closed_loop": loop_as_dict(closed)})
         write_page(page, beside, "trace")  # which carries trace.json
-    return campaign, found.trace
+    return campaign, found
 
 
-def _page(found: CampaignTrace, closed: ClosedLoop | str | None) -> StudyResult:
+def _page(
+    campaign: Campaign, found: Trace, maps: tuple[ResidualMaps, ...], closed: ClosedLoop | str | None
+) -> StudyResult:
     """Return what the page of a trace is made of. closed: the loop, a sentence why there is none, or None."""
-    campaign = found.campaign
     folder = campaign.folder.resolve()
     return StudyResult(
         name=folder.parent.name if folder.name == FOLDER else folder.name,
@@ -61,11 +66,10 @@ def _page(found: CampaignTrace, closed: ClosedLoop | str | None) -> StudyResult:
         records=tuple(map(Recorded.of, campaign.records)),
         plant=campaign.plant,
         bandwidth=campaign.bandwidth,
-        trace=found.trace,
-        findings=found.findings,
-        chapters=chapters_of(found.trace, closed),
-        residual_maps=found.residual_maps,
+        trace=found,
+        findings=(*campaign.findings, *found.every_finding),
+        closed=closed,
+        residual_maps=maps,
         kind="Trace of campaign",
         command=f"workbench trace {f'{folder.parent.name}/{FOLDER}' if folder.name == FOLDER else folder.name}",
-        answer=f"{heading(found.trace, closed)}." if isinstance(closed, ClosedLoop) else "",
     )

@@ -11,7 +11,6 @@ HELD = {
     "Verdict": "decide",
     "calibrate": "power_up",
     "trace": "tracing",
-    "trace_and_map": "of_campaign",
     "trace_campaign": "of_campaign",
     "write": "output",
 }

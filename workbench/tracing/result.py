@@ -154,6 +154,11 @@ class Trace:
         }
 
     @property
+    def every_finding(self) -> tuple[Finding, ...]:
+        """Of the search, and of the last fit."""
+        return (*self.findings, *self.after.findings)
+
+    @property
     def plant(self) -> Plant:
         """The extended plant, fitted: the declared one where nothing was added."""
         return self.after.plant
