@@ -234,7 +234,7 @@ def test_a_misspelt_key_of_the_controller_is_said_before_anything_is_fitted(limi
     folder, _ = limited
     file = folder / "study.toml"
     file.write_text(file.read_text(encoding="utf-8").replace("# sample_time", "sample_tine"), encoding="utf-8")
-    monkeypatch.setattr("workbench.tracing.of_campaign.trace", lambda *_: pytest.fail("a trace was begun"))
+    monkeypatch.setattr("workbench.study.standard.trace", lambda *_: pytest.fail("a trace was begun"))
     assert main(["run", str(folder), "--out", str(folder.parent / "out")]) == 2
     assert "sample_time" in capsys.readouterr().err and not (folder.parent / "out").exists()
 

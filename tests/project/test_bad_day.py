@@ -11,8 +11,7 @@ import pytest
 from workbench import cli
 from workbench.cli import main
 from workbench.errors import WorkbenchError
-from workbench.study import gains, stamp
-from workbench.tracing import of_campaign
+from workbench.study import gains, stamp, standard
 
 
 @pytest.fixture(scope="module")
@@ -113,7 +112,7 @@ def test_what_the_system_refuses_is_a_sentence(at, capsys, monkeypatch, error):
 def test_a_place_with_somebodys_files_is_refused_before_anything_is_computed(at, capsys, command, monkeypatch):
     (at / "mine").mkdir()
     (at / "mine" / "thesis.txt").write_text("years of work")
-    monkeypatch.setattr(of_campaign, "trace", lambda *_: pytest.fail("it computed"))
+    monkeypatch.setattr(standard, "trace", lambda *_: pytest.fail("it computed"))
     assert "did not write" in refused(capsys, *command.split(), "--out", "mine")
     assert os.listdir(at / "mine") == ["thesis.txt"]
 
@@ -139,7 +138,7 @@ def test_a_run_says_before_it_traces_that_it_will_tune_nothing(at, capsys, monke
     def stop(*_):
         raise WorkbenchError("far enough.")
 
-    monkeypatch.setattr(of_campaign, "trace", stop)
+    monkeypatch.setattr(standard, "trace", stop)
     assert main(["run", "study", "--out", "out"]) == 2
     first, *_ = capsys.readouterr().err.splitlines()
     assert first.startswith("workbench: No gains will be tuned") and "actuator_limit" in first

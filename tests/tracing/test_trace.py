@@ -15,10 +15,10 @@ from workbench.identification.fit import identify
 from workbench.inverse.dynamics import inverse_dynamics
 from workbench.plant import ONE_MASS, TWO_MASS, Plant
 from workbench.tracing.candidates import candidates_of
+from workbench.tracing.full_rate import is_confirmed
 from workbench.tracing.output import as_dict, write
 from workbench.tracing.result import CAUSE, NOTHING, UNKNOWN, Trace
 from workbench.tracing.tracing import trace
-from workbench.tracing.whole import borne_out
 
 # What is missing, and the seed of its rig: axis, motions, noise and the effect's shape all differ.
 CAUSES = {
@@ -267,4 +267,4 @@ def test_whole_records_bear_an_effect_out_by_the_drive_or_of_two_masses_by_both_
     def fit(identification, cost):
         return SimpleNamespace(plant=SimpleNamespace(kind=kind), identification=identification, details={"cost": cost})
 
-    assert borne_out(fit(0.2, 1.0), fit(error, cost)) == borne
+    assert is_confirmed(fit(0.2, 1.0), fit(error, cost)) == borne

@@ -12,11 +12,11 @@ from workbench.errors import WorkbenchError
 from workbench.inverse.dynamics import inverse_dynamics
 from workbench.plant import ONE_MASS, TWO_MASS, Plant
 from workbench.tracing.candidates import ADDITION, CORRECTION
+from workbench.tracing.full_rate import valued
 from workbench.tracing.headline import _what_of
 from workbench.tracing.output import as_dict
 from workbench.tracing.result import Cause, Trace
 from workbench.tracing.tracing import trace
-from workbench.tracing.whole import valued
 
 
 def folders() -> list[Path]:

@@ -18,13 +18,13 @@ from workbench.tracing.candidates import ADDITION, Offer, without
 from workbench.tracing.criteria import Criteria
 from workbench.tracing.evidence import Weighed
 from workbench.tracing.free_forms import MEMORY, free_forms
+from workbench.tracing.full_rate import nested_fits
 from workbench.tracing.judge import Progress, ScoredCandidate, judged, refitted_as
 from workbench.tracing.near_law import as_declared
 from workbench.tracing.ranking import step
 from workbench.tracing.selection import Answer, Selection
 from workbench.tracing.state import State
 from workbench.tracing.weighing import Confirmed, weighed
-from workbench.tracing.whole import in_turn
 
 
 def otherwise(
@@ -53,7 +53,7 @@ def otherwise(
     best, now = None, confirmed.fits[-1]
     for k in _laws(selected, j, offer, criteria, progress):
         added = [*confirmed.added[:i], k, *confirmed.added[i + 1 :]]
-        kept, fits = in_turn(declared, added, as_declared(k.state.plant, selected.laws), inverses)
+        kept, fits = nested_fits(declared, added, as_declared(k.state.plant, selected.laws), inverses)
         before = confirmed.fits[0] if j.candidate.stands and best is None else None
         if len(kept) == len(added) and _better(fits[-1], now, criteria, before):
             now, best = fits[-1], (k, kept, fits)

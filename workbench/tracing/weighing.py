@@ -12,6 +12,7 @@ from workbench.record import IDENTIFICATION, ROLES, VALIDATION
 from workbench.residual.noise_floor import noise_rms
 from workbench.tracing.criteria import Criteria
 from workbench.tracing.evidence import ADDITION, CORRECTION, Weighed
+from workbench.tracing.full_rate import nested_fits
 from workbench.tracing.judge import ScoredCandidate
 from workbench.tracing.near_law import NAME
 from workbench.tracing.outside import multiplier
@@ -19,7 +20,6 @@ from workbench.tracing.plausible import implausible
 from workbench.tracing.power_up import calibrate, periodic
 from workbench.tracing.result import Refinement
 from workbench.tracing.selection import Selection
-from workbench.tracing.whole import in_turn
 from workbench.tracing.wording_search import nearly_right
 
 ONE_CURVE = ("joint stiffness",)  # families of which a place has one curve, whatever laws make it up
@@ -45,7 +45,7 @@ def confirm(
     levels: Mapping[str, float] | None = None,
 ) -> Confirmed:
     """Return what whole records bear out of additions, asked in this order, and weighed. levels: as found before."""
-    added, fits = in_turn(declared, order, selected.found, inverses)
+    added, fits = nested_fits(declared, order, selected.found, inverses)
     found = weighed(selected, added, fits, inverses, criteria)
     return Confirmed(added, fits, noise_rms(inverses, fits[-1].plant) if levels is None else levels, found)
 

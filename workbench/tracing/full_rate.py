@@ -21,7 +21,7 @@ FALLS = 0.05
 RISEN = 1.05  # of the drive's error, from which it has plainly risen
 
 
-def in_turn(
+def nested_fits(
     declared: Plant, added: Sequence[ScoredCandidate], found: Plant, inverses: Sequence[InverseDynamics]
 ) -> tuple[list[ScoredCandidate], list[Fit]]:
     """Return what whole records bear out of what was added, and the fits: of the declared plant, and with one more of these each.
@@ -52,14 +52,14 @@ def in_turn(
         end = ends[i + 1] if i == len(kept) else None  # else it is of a plant with what was not borne out
         again = ((valued(plant, found), end), (plant, None))
         tried = (identify(p, inverses, theta, solved=theta is not None) for p, theta in again)
-        better = next((fit for fit in tried if borne_out(fits[-1], fit)), None)
+        better = next((fit for fit in tried if is_confirmed(fits[-1], fit)), None)
         if better is not None:
             kept.append(j)
             fits.append(better)
     if len(kept) == len(added) or ends[-1] is None:
         return kept, fits
     last = identify(plants[-1], inverses, ends[-1], solved=True)
-    if not (borne_out(fits[-1], last) and last.details["cost"] < (1.0 - FALLS) * fits[-1].details["cost"]):
+    if not (is_confirmed(fits[-1], last) and last.details["cost"] < (1.0 - FALLS) * fits[-1].details["cost"]):
         return kept, fits
     # one needs another (a body that hides behind a spring, and the mass that was counted in): together they stand
     between = (
@@ -68,7 +68,7 @@ def in_turn(
     return list(added), [fits[0], *between, last]
 
 
-def borne_out(before: Fit, after: Fit) -> bool:
+def is_confirmed(before: Fit, after: Fit) -> bool:
     """Whether whole records bear out what a fit has and the one before has not: the error of the drive falls.
 
     Of two masses it may be the load's balance alone in which it shows: then what both leave falls plainly, and the drive's
