@@ -37,7 +37,7 @@ NEARBY = (0.02, 0.05, 0.1)
 FOLDS = 5
 CERTAIN = 3.0  # standard errors over blocks by which a share must differ from zero
 # Of the trees; with twice as many of half the rate every verdict and cause of four families (c, d, another author's 24, six measured axes) is
-# the same, and a trace takes a sixth longer
+# the same, and a trace takes a sixth to a fifth longer
 TREES, RATE, LEAVES, LEAST_LEAF = 40, 0.2, 16, 40
 RANKS = 128
 STILL, TURNING = 0.05, 0.06  # of the speed's rms, and s after a reversal, that are standstill
