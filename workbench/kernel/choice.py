@@ -18,6 +18,10 @@ class Choice(Line):
     condition: str = ""
 
     @property
+    def operands(self) -> tuple[str, ...]:
+        return self.condition, self.a, self.b
+
+    @property
     def text(self) -> str:
         return f"select({self.condition} != 0.0, {self.a}, {self.b})"
 
@@ -31,7 +35,7 @@ def with_choices(program: Program) -> Program:
     for line in reversed(lines):
         if uses[line.out]:
             kept.append(line)
-            uses.update((line.a, line.b, getattr(line, "condition", "")))
+            uses.update(line.operands)
     return replace(program, lines=tuple(reversed(kept)))
 
 

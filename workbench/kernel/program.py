@@ -51,6 +51,10 @@ class Line:
     b: str
 
     @property
+    def operands(self) -> tuple[str, ...]:
+        return self.a, self.b
+
+    @property
     def text(self) -> str:
         return EXPRESSIONS[self.op].format(a=self.a, b=self.b)
 

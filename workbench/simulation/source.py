@@ -1,15 +1,13 @@
 """The text of one loop kernel: samples outside, lanes inside, every value at a constant place of one flat array.
 
 Row r of the chunk lies at x[r L] .. x[r L + L - 1]. A loop over lanes loads rows, does the arithmetic of a program and
-stores rows; offsets and L are written out as numbers, so the compiler sees that rows do not overlap, and vectorises.
+stores rows, WIDTH lanes at a time; offsets and L are written out as numbers.
 """
 
 from dataclasses import dataclass
+from math import gcd
 
-import casadi as ca
-
-from workbench.kernel.choice import Choice
-from workbench.kernel.program import Line
+from workbench.kernel.text import written
 from workbench.simulation import noise
 from workbench.simulation.design import Design, Piece
 from workbench.simulation.sampled import AMPLITUDE
@@ -24,7 +22,7 @@ import numba
 import numpy as np
 
 from workbench.kernel.intrinsics import bits
-from workbench.kernel.straight import straight
+from workbench.kernel.straight import abreast, straight
 
 '''
 RUN = """
@@ -33,6 +31,9 @@ RUN = """
 def run({arguments}):
 """
 STAGES = "sense", "control", "step"
+# Lanes side by side in one instruction: 512 bits, or two or four instructions of a narrower processor. Sixteen make the loop of the main study
+# a tenth slower (more values are in flight than there are registers), thirty-two a third.
+WIDTH = 8
 
 
 @dataclass(frozen=True)
@@ -72,24 +73,6 @@ def places(design: Design, layout: Layout) -> dict[str, int]:
     return at if "u" in at else at | {"u": at["u_c"]}
 
 
-def _expression(line: Line, lanes: int) -> str:
-    """The text of a line. Beside a constant, which is never NaN, fmin and fmax need one comparison, and in this form are
-    one instruction of the processor; of two zeros of unlike sign they may return the other one."""
-    if line.op in (ca.OP_FMIN, ca.OP_FMAX):
-        sign = "<" if line.op == ca.OP_FMIN else ">"
-        if _known(line.b):
-            return f"select({line.a} {sign} {line.b}, {line.a}, {line.b})"
-        if _known(line.a):
-            return f"select({line.b} {sign} {line.a}, {line.b}, {line.a})"
-    if isinstance(line, Choice) and lanes == 1:
-        return line.text.replace("select", "branch", 1)
-    return line.text
-
-
-def _known(name: str) -> bool:
-    return not name.startswith(("w", "i0_")) and name != "NAN"
-
-
 def _cell(row: int, lanes: int) -> str:
     """Where a row is in one lane. A single lane has its rows in variables: a store and a load would cost it latency."""
     return f"r_{row}" if lanes == 1 else f"x[{row * lanes} + lane]"
@@ -98,23 +81,24 @@ def _cell(row: int, lanes: int) -> str:
 def _stage(
     name: str, piece: Piece, at: dict[str, int], constants, rows: int, lanes: int
 ) -> tuple[list[str], list[str]]:
-    """Return the lines of a function that does a piece's arithmetic in one lane, and those that call it in each.
+    """Return the lines of a function that does a piece's arithmetic, and those that call it for all lanes.
 
-    Many lanes load and store their rows; one has them in variables, which it gives and gets back."""
-    inside, given = [], {"c": None} if any(kind == "scalar" for kind, _ in constants) else {}
+    Many lanes load and store their rows, and each row where it is first needed; one has them in variables, which it gives and gets back."""
+    given = {"c": None} if any(kind == "scalar" for kind, _ in constants) else {}
     given |= {} if lanes == 1 else {"x": None, "lane": None}
 
     def cell(row: int) -> str:
         text = _cell(row, lanes)
         return text if lanes > 1 else given.setdefault(text, None) or text
 
+    read = {}
     for j, row in enumerate(piece.rows):
         if row not in at:
             given[f"clock_{row}"] = None
-        inside.append(f"i0_{j} = " + (cell(at[row]) if row in at else f"clock_{row}"))
+        read[f"i0_{j}"] = cell(at[row]) if row in at else f"clock_{row}"
     for m, (kind, number) in enumerate(constants):
-        inside.append(f"i1_{m} = " + (cell(rows + number) if kind == "row" else f"c[{number}]"))
-    inside += [f"{line.out} = {_expression(line, lanes)}" for line in piece.after.lines]
+        read[f"i1_{m}"] = cell(rows + number) if kind == "row" else f"c[{number}]"
+    inside = written(piece.after, read, lanes)
     cells = [_cell(at[n], lanes) for n in piece.outputs]
     values = piece.after.outputs[0]
     call = f"{name}({', '.join(given)})"
@@ -123,8 +107,10 @@ def _stage(
     elif cells:
         inside.append(f"return {', '.join(values)},")
         call = f"{', '.join(cells)}, = {call}"
-    text = ["", "", "@straight", f"def {name}({', '.join(given)}):", *(f"    {line}" for line in inside)]
-    return text, [f"for lane in range({lanes}):", f"    {call}"] if lanes > 1 else [call]
+    width = gcd(lanes, WIDTH)
+    kind = "@straight" if width == 1 else f"@abreast({width})"
+    text = ["", "", kind, f"def {name}({', '.join(given)}):", *(f"    {line}" for line in inside)]
+    return text, [f"for lane in range(0, {lanes}, {width}):", f"    {call}"] if lanes > 1 else [call]
 
 
 def _look_up(design: Design, at: dict[str, int], lanes: int) -> list[str]:
@@ -192,7 +178,7 @@ def _recorded(at: dict[str, int], layout: Layout) -> list[str]:
 
 
 def _scalars(count: int) -> list[str]:
-    """Return the function that unpacks the constants which all lanes share."""
+    """Return the function that unpacks the constants, for one lane: many read them where they need them."""
     return ["", "", "@straight", "def scalars(c):", f"    return {', '.join(f'c[{i}]' for i in range(count))},"]
 
 
@@ -221,8 +207,9 @@ def source(design: Design, layout: Layout) -> str:
         *put,
     ]
     inner = [*take, "clock_t = clock_k * sample_time + j * h", *step]
-    before = [line for text, _ in made for line in text] + (_scalars(scalars) if scalars else [])
-    text = ["    c = scalars(constants)"] if scalars else []
+    unpacked = scalars if lanes == 1 else 0
+    before = [line for text, _ in made for line in text] + (_scalars(scalars) if unpacked else [])
+    text = [f"    c = {'scalars(constants)' if unpacked else 'constants'}"]
     own = range(rows + layout.extra_rows) if lanes == 1 else ()
     text += [f"    r_{i} = x[{i}]" for i in own]
     text += ["    for k in range(samples):"]
