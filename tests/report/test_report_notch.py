@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from workbench.design.optimise import Trail, Tuned
+from workbench.design.optimise import Tuned
+from workbench.design.tries import Trail
 from workbench.report.notch import as_table, notch_sentence
 
 

@@ -10,7 +10,8 @@ from workbench.description.friction import equivalent_of, friction_of
 from workbench.design.design import linear_of
 from workbench.design.families.family import blended, cascade_family, pd_family
 from workbench.design.families.linear import Linear
-from workbench.design.optimise import Budget, Trail, optimise, optimise_seeds
+from workbench.design.optimise import Budget, optimise, optimise_seeds
+from workbench.design.tries import Trail
 from workbench.errors import WorkbenchError
 from workbench.plant import ONE_MASS, Limits, Plant
 from workbench.simulation import Loop
@@ -102,19 +103,32 @@ def test_the_search_improves_on_its_start_and_keeps_to_the_sensitivity_limit():
         assert sorted(r.value for r in both.runs)[1] == both.median.value
 
 
-def test_points_whose_sensitivity_alone_costs_too_much_are_not_simulated_and_nothing_depends_on_it(monkeypatch):
+SEVERAL = {"frictions": (0.5, 1.5), "inertias": (0.5, 1.0, 1.5), "load_inertias": (0.0, 5.3e-4)}
+
+
+@pytest.mark.parametrize(
+    "more",
+    [{}, SEVERAL, SEVERAL | {"frictions": (1.0, 1.5), "nominal": True}],
+    ids=["one scenario", "twelve", "nominal"],
+)
+def test_points_that_can_take_no_place_are_not_simulated_to_their_end_and_nothing_depends_on_it(monkeypatch, more):
     from workbench.design import optimise as module
 
     linear = Linear(LOOP, 0.0075, 0.001, np.array([0.0, 100.0]))
-    task = Task(axis(), LOOP, STEP, 0.4, phases=1)
+    task = Task(axis(), LOOP, STEP, 0.4, phases=1, **more)
     family = pd_family(linear, (60.0, 1.0))
     found = optimise(task, family, 3, Budget(generations=12, local=20))
-    monkeypatch.setattr(module._Tried, "replaced_below", lambda self, intermediate_result: None)
+    monkeypatch.setattr(module.Tries, "replaced_below", lambda self, intermediate_result: None)
     every = optimise(task, family, 3, Budget(generations=12, local=20))
     assert np.array_equal(found.point, every.point) and found.value == every.value
     assert all(np.array_equal(a, b) for a, b in zip(found.trail.front(), every.trail.front(), strict=True))
-    spared = found.trail.cost < every.trail.cost
-    assert spared.sum() > 0.1 * spared.size and not every.trail.kept[spared].any()
+    spared = ~np.isfinite(found.trail.time) & (found.trail.cost <= every.trail.cost) & ~found.trail.kept
+    assert spared.sum() > 0.1 * spared.size
+    times, errors = every.trail.front()
+    for time, error in zip(
+        every.trail.time[spared & every.trail.kept], every.trail.error[spared & every.trail.kept], strict=True
+    ):
+        assert ((times <= time) & (errors <= error)).any()
     assert np.array_equal(found.trail.cost[~spared], every.trail.cost[~spared])
     assert (every.trail.cost >= least(task)).all()
 

@@ -76,6 +76,10 @@ class Ladder:
         """The same moves at OTHERS times as many phases, none of which is one of this ladder's."""
         return replace(self, met=OTHERS * self.met, past=self.past + self.met)
 
+    def at_landings(self, share: int) -> "Ladder":
+        """Return the same moves at one of `share` of its phases, the first ones."""
+        return replace(self, met=max(self.met // share, 1))
+
     @property
     def moves(self) -> tuple[Move, ...]:
         return tuple(m for rung in self.rungs for m in rung)

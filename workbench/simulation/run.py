@@ -88,7 +88,7 @@ def run_lanes(
     lasts (lanes,): samples that each is run for at least, as long as the longest of its chunk; all of them where absent. What is
     recorded is undefined from there on.
     """
-    layout = _layout_of(bound, lanes, record)
+    layout = _layout_of(bound, lanes, record if lanes == 1 else ())
     at = places(bound.design, layout)
     n, chunks = bound.lanes, -(-bound.lanes // lanes)
     whole, scalars = _begun(bound, layout, at)
@@ -97,8 +97,8 @@ def run_lanes(
     base, delays = _chunked(bound.base, lanes), _chunked(np.broadcast_to(bound.delays, (n,)), lanes)
     strength = _chunked(bound.strength, lanes)
     shared = np.ascontiguousarray(bound.given.shared).ravel()
-    kept = -(-bound.samples // every) if record else 0
-    recorded = np.empty((kept, len(record), n)) if record else None
+    recorded = np.empty((-(-bound.samples // every), len(record), n)) if record else None
+    kept = np.array([at[name] for name in record], dtype=np.int64)
     run = kernel(bound.design, layout)
     table = np.ascontiguousarray(bound.table).ravel()
     uniform = int(np.max(bound.delays))
@@ -111,7 +111,7 @@ def run_lanes(
         # of one chunk, what is given and what is recorded stay in the processor's cache; of all at once, moving them costs a kernel's time
         ring, out = np.zeros(layout.slots * lanes), np.empty((rows, len(record), lanes))
         run(x[i].ravel(), scalars, table, base[i], seeds[i], strength[i], delays[i], ring, shared,
-            bound.given.of_lanes(own, samples).ravel(), out.ravel(), samples, bound.window_from, every, shift, offset,
+            bound.given.of_lanes(own, samples).ravel(), kept, out.ravel(), samples, bound.window_from, every, shift, offset,
             uniform, bound.loop.sample_time, bound.loop.substep)  # fmt: skip
         if recorded is not None:
             here = recorded[:rows, :, i * lanes : (i + 1) * lanes]

@@ -130,6 +130,10 @@ class ScenarioArrays:
         if not ((self.locked == 0.0) | (self.locked == 1.0)).all():
             raise WorkbenchError("scenarios: locked is 1 where the load is held, and 0 where it moves.")
 
+    def taken(self, which: np.ndarray) -> "ScenarioArrays":
+        """Return the scenarios of these numbers, (n,)."""
+        return ScenarioArrays(len(which), **{n: v[which] if (v := getattr(self, n)).ndim else v for n in NAMES})
+
     def tiled(self, times: int) -> "ScenarioArrays":
         """Return the same scenarios `times` over, one set after another: for a population of gains."""
         return ScenarioArrays(

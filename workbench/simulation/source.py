@@ -13,7 +13,7 @@ from workbench.simulation.design import Design, Piece
 from workbench.simulation.sampled import AMPLITUDE
 
 ARGUMENTS = (
-    "x, constants, table, base, seeds, strength, delays, ring, shared, own, out, "
+    "x, constants, table, base, seeds, strength, delays, ring, shared, own, kept, out, "
     "samples, window_from, every, shift, offset, delay, sample_time, h"
 )
 HEAD = '''"""Generated: one sampled loop. Strict arithmetic in the order of the symbolic steps, so the bits are the same."""
@@ -40,7 +40,8 @@ WIDTH = 8
 class Layout:
     """How a kernel is laid out.
 
-    varying: for each piece, whether each of its constants has a value a lane. record: rows written out, if any. shared, own: signals given over time.
+    varying: for each piece, whether each of its constants has a value a lane. record: rows that a single lane writes out (of many, which are is an argument: one
+    kernel serves all). shared, own: signals given over time.
     delay: "none", "uniform" or "varying"; slots: samples that the ring holds. substeps, lanes: written into the text.
     """
 
@@ -167,13 +168,17 @@ def _given(at: dict[str, int], layout: Layout) -> list[str]:
 
 
 def _recorded(at: dict[str, int], layout: Layout) -> list[str]:
-    """Lines that write the rows asked for, every so many samples."""
+    """Lines that write the rows asked for, every so many samples: those of the layout from one lane, those numbered in `kept` from many."""
     lanes, n = layout.lanes, len(layout.record)
-    if not n:
-        return []
-    text = ["if k % every == 0:", f"    place = (k // every) * {n * lanes}", f"    for lane in range({lanes}):"]
-    return text + [
-        f"        out[place + {i * lanes} + lane] = {_cell(at[name], lanes)}" for i, name in enumerate(layout.record)
+    if lanes == 1:
+        text = [f"out[(k // every) * {n} + {i}] = {_cell(at[name], lanes)}" for i, name in enumerate(layout.record)]
+        return ["if k % every == 0:", *(f"    {line}" for line in text)] if n else []
+    return [
+        "if k % every == 0:",
+        "    for m in range(kept.size):",
+        f"        place, row = ((k // every) * kept.size + m) * {lanes}, kept[m] * {lanes}",
+        f"        for lane in range({lanes}):",
+        "            out[place + lane] = x[row + lane]",
     ]
 
 

@@ -105,13 +105,18 @@ def cost(task: Task, metrics: Metrics, bound: float, lanes: int) -> np.ndarray:
     """Return the worst case over each group of `lanes` scenarios as one number, (groups,); lower is better.
 
     To the worst of time and error comes what the worst of overshoot and ripple are beyond their limits, each in whichever
-    scenario that is: a scenario that overshoots may not pay with an error that is small there. A step that never settles
-    costs 10 and more, graded by its error, so that a search finds its way back.
+    scenario that is: a scenario that overshoots may not pay with an error that is small there.
     """
+    value, beyond, rough = (np.max(v.reshape(-1, lanes), axis=1) for v in each(task, metrics, bound))
+    return value + task.weights.steepness * beyond + rough
 
-    def worst(values: np.ndarray) -> np.ndarray:
-        return np.max(values.reshape(-1, lanes), axis=1)
 
+def each(task: Task, metrics: Metrics, bound: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return what time and error cost in each scenario, and its overshoot and ripple beyond their limits, (scenarios,) each.
+
+    A step that never settles costs 10 and more, graded by its error, so that a search finds its way back. Where the nominal axis is
+    what counts, time and error elsewhere cost nothing.
+    """
     w = task.weights
     with np.errstate(all="ignore"):
         error = np.nan_to_num(np.maximum(metrics.final_error, 1e-12), nan=1e6, posinf=1e6)
@@ -124,8 +129,8 @@ def cost(task: Task, metrics: Metrics, bound: float, lanes: int) -> np.ndarray:
     if task.nominal:
         own = task.scenarios()
         here = (np.asarray(own.friction) == 1.0) & (np.asarray(own.inertia) == 1.0)
-        value = np.where(np.tile(here, value.size // lanes), value, -np.inf)
-    return worst(value) + w.steepness * worst(beyond) + worst(rough)
+        value = np.where(np.tile(here, value.size // here.size), value, -np.inf)
+    return value, beyond, rough
 
 
 def least(task: Task) -> float:
