@@ -18,7 +18,7 @@ from workbench.inverse.shift import shifted
 from workbench.kernel import arrays
 from workbench.kernel.lanes import map_lanes
 from workbench.kernel.program import Program, read
-from workbench.kernel.step import Definition, apply, build, symbols, view
+from workbench.kernel.step import Definition, along, apply, build, symbols, view
 from workbench.motion import MOTION_BAND, LowPass, Motion, increments
 from workbench.plant import ONE_MASS, Plant
 
@@ -79,13 +79,15 @@ def inverse(definition: Definition) -> Program:
 
 @lru_cache(maxsize=64)
 def partials(definition: Definition) -> Program:
-    """Program of (output, d output/d motor_q, d output/d load_q) of an angle map."""
+    """Step program, without states, of (output, d output/d motor_q, d output/d load_q) of an angle map."""
     effect = definition.effect
     s, z, p = symbols(effect)
     named = view(effect.reads, s)
     _, output, _ = apply(effect, named, z, fx.namespace(**view(effect.parameters, p)))
     slopes = [ca.jacobian(output, named[n]) if n in named else ca.SX(0) for n in ("motor_q", "load_q")]
-    return read(ca.Function(f"{effect.name}_partials", [s, z, p], [ca.densify(ca.vertcat(output, *slopes))]))
+    return read(
+        ca.Function(f"{effect.name}_partials", [s, z, p], [ca.SX(0, 1), ca.densify(ca.vertcat(output, *slopes))])
+    )
 
 
 class Bodies:
@@ -183,10 +185,10 @@ class Bodies:
         for e in _angles(plant):
             program, values = partials(Definition(e)), values_of(e)
             signals = {"q": deflection, "motor_q": motor, "load_q": load, **self.clock()}
-            output, more_motor, more_load = arrays.evaluate(program, [signals[r] for r in e.reads], (), values)[0]
+            output, more_motor, more_load = along(program, [signals[r] for r in e.reads], values, deflection.size)
             signals |= {"q": 0.0, "motor_q": 0.0, "load_q": 0.0}
             relaxed = tuple(0.0 if n == ZERO else v for n, v in zip(e.parameters, values, strict=True))
-            at_zero = arrays.evaluate(program, [signals[r] for r in e.reads], (), relaxed)[0][0]
+            at_zero = arrays.evaluate(program, [signals[r] for r in e.reads], (), relaxed)[1][0]
             by_motor, by_load = by_motor + more_motor, by_load + more_load
             deflection = output - at_zero
         return deflection, by_motor, by_load

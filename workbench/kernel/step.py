@@ -4,7 +4,7 @@ A column is the output with that linear parameter one and the others zero, which
 because linear parameters are checked to enter the output linearly and no state.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -46,17 +46,25 @@ class Step:
         n = max(np.size(s) for s in signals.values())
         constants = self.constants(values)
         inputs = [signals[r] for r in self.reads]
-        if self.states or len(self.program.lines) > MANY:
-            stacked = np.empty((len(inputs), n))
-            for row, value in zip(stacked, inputs, strict=True):
-                row[:] = value
+        if self.states:
             start = np.zeros(self.states) if states is None else states
-            return scan.scan(self.program, stacked, start, constants)
-        _, outputs = arrays.evaluate(self.program, inputs, (), constants)
-        result = np.empty((len(outputs), n))
-        for row, value in zip(result, outputs, strict=True):
-            row[:] = value
-        return result
+            return scan.scan(self.program, _stacked(inputs, n), start, constants)
+        return along(self.program, inputs, constants, n)
+
+
+def along(program: Program, inputs: Sequence, constants: Sequence[float], n: int) -> np.ndarray:
+    """Evaluate a step program without states along n samples: inputs (n,) or scalars, its constants. Returns (outputs, n)."""
+    if len(program.lines) > MANY:
+        return scan.scan(program, _stacked(inputs, n), np.zeros(0), np.asarray(constants, dtype=float))
+    return _stacked(arrays.evaluate(program, inputs, (), constants)[1], n)
+
+
+def _stacked(values: Sequence, n: int) -> np.ndarray:
+    """Return values, (n,) or scalars, as one array (values, n)."""
+    stacked = np.empty((len(values), n))
+    for row, value in zip(stacked, values, strict=True):
+        row[:] = value
+    return stacked
 
 
 def symbols(effect: Effect):
