@@ -19,6 +19,7 @@ from workbench.design.worth import Rivals, regret_of
 from workbench.finding import RESPONSE_LIMITS, Finding
 from workbench.frequency import Response
 from workbench.plant import Plant
+from workbench.processes import shared
 from workbench.schedule import BetweenKnots, Schedule, between_knots, passivity
 from workbench.simulation import Loop, loop_under
 from workbench.task.task import Task
@@ -117,4 +118,7 @@ def regrets_on_ladder(made: Designed, names: Sequence[str]) -> tuple[dict[str, R
     """Return the regrets of what has fewer levels than the table, and of tuned controllers by name, on the table's ladder."""
     on, known = made.climbed.on, made.climbed.references
     fewer = {r.family.name: regret_of(on, r, known) for r in made.rivals.found}
-    return fewer, {n: regret_of(on, made.tuned[n], known) for n in names}
+    alone = shared(
+        lambda name: regret_of(on, made.tuned[name], known), names
+    )  # each law has a loop of its own to compile
+    return fewer, dict(zip(names, alone, strict=True))
