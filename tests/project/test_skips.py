@@ -57,14 +57,18 @@ def test_that_runs(): pass
 """
 
 
-@pytest.fixture(params=[(), ("-n", "1")], ids=["alone", "xdist"])
-def session(request, pytester):
-    """Run test files under the project's conftest, in the process that reports or in another one."""
+LINES = ("pytest.importorskip('no_such_module')", "pytest.skip(allow_module_level=True)")
+WHOLE = {f"test_{k}": f"import pytest\n{line}\ndef test_that_does_not_run(): pass\n" for k, line in enumerate(LINES)}
+
+
+@pytest.fixture
+def session(pytester):
+    """Run test files under the project's conftest."""
     pytester.makeconftest(CONFTEST)
 
-    def run(**files: str):
+    def run(*arguments: str, **files: str):
         pytester.makepyfile(**files)
-        return pytester.runpytest_subprocess("-p", "no:cacheprovider", *request.param)
+        return pytester.runpytest_subprocess("-p", "no:cacheprovider", *arguments)
 
     return run
 
@@ -91,13 +95,19 @@ def test_a_part_of_a_test_may_not_skip_either(session):
 
 
 def test_a_whole_file_may_not_skip_either(session):
-    lines = ("pytest.importorskip('no_such_module')", "pytest.skip(allow_module_level=True)")
-    files = {
-        f"test_{k}": f"import pytest\n{line}\ndef test_that_does_not_run(): pass\n" for k, line in enumerate(lines)
-    }
-    result = session(**files)
+    result = session(**WHOLE)
     assert result.ret != 0
-    result.stdout.fnmatch_lines(["*skipped for a reason that is not allowed*"] * len(lines))
+    result.stdout.fnmatch_lines(["*skipped for a reason that is not allowed*"] * len(LINES))
+
+
+def test_the_rule_holds_where_another_process_runs_the_tests(session):
+    result = session("-n", "1", test_allowed=ALLOWED, test_offences=OFFENCES, test_subtest=SUBTEST, **WHOLE)
+    outcomes = result.parseoutcomes()
+    assert (outcomes.pop("passed"), outcomes.pop("skipped")) == (1, 2)
+    assert set(outcomes) <= {"failed", "errors"}
+    assert sum(outcomes.values()) >= OFFENCES.count("def test_") + 1 + len(LINES)
+    assert result.ret == 1
+    result.stdout.fnmatch_lines(["*skipped for a reason that is not allowed*"] * len(LINES))
 
 
 def test_data_skips_where_the_variable_is_unset_and_fails_where_it_is_mistyped(monkeypatch, tmp_path):

@@ -49,14 +49,14 @@ class Step:
         if self.states:
             start = np.zeros(self.states) if states is None else states
             return scan.scan(self.program, _stacked(inputs, n), start, constants)
-        return along(self.program, inputs, constants, n)
+        return _stacked(along(self.program, inputs, constants, n), n)
 
 
-def along(program: Program, inputs: Sequence, constants: Sequence[float], n: int) -> np.ndarray:
-    """Evaluate a step program without states along n samples: inputs (n,) or scalars, its constants. Returns (outputs, n)."""
+def along(program: Program, inputs: Sequence, constants: Sequence[float], n: int) -> Sequence:
+    """Evaluate a step program without states along n samples: inputs (n,) or scalars, its constants. Returns outputs, (n,) or scalars."""
     if len(program.lines) > MANY:
         return scan.scan(program, _stacked(inputs, n), np.zeros(0), np.asarray(constants, dtype=float))
-    return _stacked(arrays.evaluate(program, inputs, (), constants)[1], n)
+    return arrays.evaluate(program, inputs, (), constants)[1]
 
 
 def _stacked(values: Sequence, n: int) -> np.ndarray:
