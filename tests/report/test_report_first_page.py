@@ -61,6 +61,17 @@ def test_what_the_effect_is_worth_is_said_where_a_controller_never_comes_to_rest
     assert said.endswith("within 1 % after 200\u00a0ms; without, 1.90\u00a0rad off, never within 1 %.")
 
 
+def test_what_an_effect_is_worth_is_called_the_searchs_own_doing_where_it_is_little():
+    def told(time: float, error: float) -> str:
+        knowing, blind = (
+            {"controller": "a", "final_error": e, "time_1pct": t} for e, t in ((error, time), (240e-6, 0.1457))
+        )
+        return worth_in_short({"comparison": [knowing], "comparison_tuned_on_declared": [blind]}, "rad")
+
+    assert told(0.1425, 224e-6).endswith("So little may be the search's doing.")
+    assert "search" not in told(0.1425, 120e-6) and "search" not in told(0.1, 224e-6)
+
+
 def test_a_column_of_motions_that_nobody_named_is_left_out():
     plain = study()
     table = records(replace(plain, records=tuple(replace(r, motion="") for r in plain.records))).blocks[-1]

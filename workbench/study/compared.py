@@ -20,9 +20,6 @@ from workbench.verification.compare import compare
 
 FIXED = "fixed PD"
 BASELINES = (FIXED, "PI cascade", "profile with PI")
-BLIND = (
-    1,
-)  # seed of the search on the declared model; three part by some 2 per cent, and what an effect is worth is far more or is not said
 
 
 def compared(t: Tuned, say: Callable[[str], None]) -> Part:
@@ -77,12 +74,14 @@ def _tables(t: Tuned) -> dict[str, object]:
 
 
 def worth_of_causes(t: Tuned, say: Callable[[str], None]) -> Part:
-    """Return what the causes of a trace are worth to the controller: the same search on the declared model, run on the extended one."""
+    """Return what the causes of a trace are worth to the controller: the same search on the declared model, run on the extended one.
+
+    From as many seeds, so that the luck of a search is alike on both."""
     if not t.trace.causes:
         return Part()
     ours = t.worth.ours
     say("tuning on the declared model, for what the effect is worth")
-    blind = designed(t.control.limited(t.trace.before.plant), t.control, t.task, say, baselines=False, seeds=BLIND)
+    blind = designed(t.control.limited(t.trace.before.plant), t.control, t.task, say, baselines=False)
     without = compare(t.task, {ours: blind.tuned[ours].controller})
     cause = " and ".join(title(c.effect) for c in t.trace.causes)
     chapter = chapters.worth_chapter(without, t.worth.of_ours, cause, t.task)
