@@ -18,7 +18,7 @@ JUDGED = (
     "ripple",
 )  # metrics that a cost is made of; none costs less than zero of each
 # One of so many scenarios, those that cost members most, is met first. Half or twice as many take as long; of the main study's
-# fixed PD, cascade and profile a third of the lanes is spared, no result depends on it.
+# fixed PD, cascade and profile a fifth to a third of the lanes is spared; no result depends on it.
 FIRST = 4
 
 
@@ -52,10 +52,12 @@ class Trail:
     def take(self, which: np.ndarray) -> "Trail":
         return Trail(*(values[which] for values in vars(self).values()))
 
-    def put(self, which: np.ndarray, other: "Trail") -> None:
-        """Write another trail's points into the places `which` of this one."""
+    def with_points(self, which: np.ndarray, other: "Trail") -> "Trail":
+        """Return the trail with another one's points in the places `which`."""
+        made = {name: values.copy() for name, values in vars(self).items()}
         for name, values in vars(other).items():
-            getattr(self, name)[which] = values
+            made[name][which] = values
+        return Trail(**made)
 
 
 class Tries:
@@ -82,7 +84,7 @@ class Tries:
         trail = Trail.nothing(self.least + w.steepness * beyond)
         run = np.flatnonzero(trail.cost <= most)
         if run.size:
-            trail.put(run, self._met(points[run], beyond[run], most[run]))
+            trail = trail.with_points(run, self._met(points[run], beyond[run], most[run]))
         self.trails.append(trail)
         times, errors = trail.front()
         self.front = _front(np.append(self.front[0], times), np.append(self.front[1], errors))
@@ -105,9 +107,7 @@ class Tries:
             self._learn({name: values[left] for name, values in found.items()}, trail.cost[left])
         if left.size == len(points):
             return trail
-        given_up = Trail.nothing(trail.cost)
-        given_up.put(left, trail.take(left))
-        return given_up
+        return Trail.nothing(trail.cost).with_points(left, trail.take(left))
 
     def _run(self, points: np.ndarray, left: np.ndarray, which: np.ndarray, found: Mapping[str, np.ndarray]) -> None:
         """Put into found (points, scenarios) what the points `left` come to in the scenarios `which`."""

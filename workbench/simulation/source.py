@@ -31,8 +31,8 @@ RUN = """
 def run({arguments}):
 """
 STAGES = "sense", "control", "step"
-# Lanes side by side in one instruction: 512 bits, or two or four instructions of a narrower processor. Sixteen make the loop of the main study
-# a tenth slower (more values are in flight than there are registers), thirty-two a third.
+# Lanes side by side in one instruction: 512 bits, or two or four instructions of a narrower processor. Sixteen and thirty-two make the loop of
+# the main study a seventh slower: more values are in flight than there are registers.
 WIDTH = 8
 
 
