@@ -175,7 +175,8 @@ def contestant(
     family = next(f for f in every if f.name == name)
     ours = entered(family, compensator, base.point)
     say(f"tuning {ours.name} on the simulated loop")
-    return best_of(own, [ours], {ours.name: seeds_of(seeds)})[ours.name]
+    (best,) = best_of(own, [(ours, seeds_of(seeds))])
+    return best
 
 
 def _judge_of(made: Designed, task: Task, compensator: Compensator) -> Judge:

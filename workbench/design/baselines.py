@@ -1,6 +1,6 @@
 """The baselines that a gain table is held against: where their searches begin, and those searches, with a notch and without."""
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -68,22 +68,24 @@ def seeds_of(seeds: Sequence[int]) -> Sequence[int]:
     return tuple(seeds)[: max(len(seeds) // 2, 1)]
 
 
-def best_of(task: Task, families: Sequence[Family], seeds: Mapping[str, Sequence[int]]) -> dict[str, Tuned]:
-    """Return the best of each family, by name, from its seeds (as many for each)."""
+def best_of(task: Task, searches: Sequence[tuple[Family, Sequence[int]]]) -> list[Tuned]:
+    """Return the best of each family from its seeds (as many for each), in order."""
     # one family after the other, so that kernels of different ones are compiled side by side
-    rounds = zip(*(seeds[f.name] for f in families), strict=True)
-    runs = optimise_all([(task, f, seed) for each in rounds for f, seed in zip(families, each, strict=True)])
-    return {f.name: min((r for r in runs if r.family is f), key=lambda r: r.value) for f in families}
+    rounds = zip(*(seeds for _, seeds in searches), strict=True)
+    runs = optimise_all([(task, f, seed) for each in rounds for (f, _), seed in zip(searches, each, strict=True)])
+    return [min((r for r in runs if r.family is f), key=lambda r: r.value) for f, _ in searches]
 
 
 def tuned_baselines(
     task: Task, linear: Linear, gains: Gains, seeds: Sequence[int], say: Callable[[str], None]
 ) -> tuple[dict[str, Tuned], dict[str, Tuned]]:
     """Return the best of each baseline by name, and the same without a notch, by the same search from the best one's seed."""
-    found: list[dict[str, Tuned]] = []
-    for notch in (True, False):
-        families = baseline_families(task, linear, gains, notch=notch)
-        names = [f.name for f in families]
-        say(f"tuning {', '.join(names)} {'on the simulated loop' if notch else 'without a notch'}")
-        found.append(best_of(task, families, {n: (found[0][n].seed,) if found else seeds_of(seeds) for n in names}))
-    return found[0], found[1]
+    notched, bare = (baseline_families(task, linear, gains, notch=notch) for notch in (True, False))
+    names, own = [f.name for f in notched], seeds_of(seeds)
+    say(f"tuning {', '.join(names)} on the simulated loop, with a notch and without")
+    if len(own) == 1:  # the best one's seed is known before: all side by side
+        found = best_of(task, [(f, own) for f in (*notched, *bare)])
+    else:
+        found = best_of(task, [(f, own) for f in notched])
+        found += best_of(task, [(f, (one.seed,)) for f, one in zip(bare, found, strict=True)])
+    return tuple(dict(zip(names, part, strict=True)) for part in (found[: len(names)], found[len(names) :]))

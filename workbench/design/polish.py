@@ -7,7 +7,8 @@
 T: into the band about the own final value. T_0: what the closed form promises there, so that the sum has no unit. All
 amplitudes and scenarios are lanes of one run. The search is a grid that zooms in, from the closed form's optimum and over the
 whole range: |S| <= Ms ends each line of constant ratio (`tune.reach`), so that its limit is an edge of the grid and not a
-ridge in it; neighbouring amplitudes offer each other their gains.
+ridge in it; neighbouring amplitudes offer each other their gains. A candidate meets the scenario first that the best so far finds
+dearest, and the others only where that alone costs less than the best: a sum over the worst of several is no less than over one.
 """
 
 from collections.abc import Callable
@@ -16,10 +17,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from workbench.control import fixed_pd
+from workbench.design.candidates import Met, Tried
 from workbench.keeping import kept
 from workbench.processes import shared
 from workbench.simulation import ScenarioArrays, simulate
-from workbench.task.stepping import Figures, figures_of
+from workbench.task.stepping import FIGURES, Figures, figures_of
 from workbench.task.task import Task
 from workbench.tuning import Gains, TunedAxis, TuningGoal, sampled
 from workbench.tuning.axis import Axis
@@ -149,41 +151,61 @@ class Search:
         rows = np.broadcast_to(np.arange(len(kps))[:, None, None], kps.shape)
         return rows.ravel(), kps.ravel(), np.broadcast_to(ratios[:, :, None], kps.shape).ravel()
 
-    def better(self, best: "Tried", rows, kp, ratio, scenarios) -> "Tried":
+    def better(self, best: Tried, rows, kp, ratio, scenarios) -> Tried:
         """Return the best of what is known and of flat candidates, at each amplitude."""
-        new = self.tried(rows, kp, ratio, scenarios)
+        new = self.tried(rows, kp, ratio, scenarios, best)
         n = best.kp.size
         order = np.lexsort((new.cost, rows))
         first = order[np.searchsorted(rows[order], np.arange(n))]
         return best.or_where(new.cost[first] < best.cost, new.take(first))
 
-    def tried(self, rows, kp, ratio, scenarios) -> "Tried":
-        """Simulate flat candidates; those beyond |S| are not, and cost without end."""
+    def tried(self, rows, kp, ratio, scenarios, best: Tried | None = None) -> Tried:
+        """Simulate flat candidates; those beyond |S| are not, nor those that cannot cost less than the best, and cost without end."""
         kp, kd = np.exp(kp), np.exp(kp - ratio)
         peak, radius = self.linear(rows, kp, kd)
-        fine = (peak <= self.goal.sensitivity * (1.0 + ACTIVE)) & (radius < 1.0)
-        values = np.full((2, 4, kp.size), np.inf)
+        met = Met(np.full((len(FIGURES), len(scenarios), kp.size), np.inf), rows, kp, kd)
+        left = np.flatnonzero((peak <= self.goal.sensitivity * (1.0 + ACTIVE)) & (radius < 1.0))
+        every = np.arange(len(scenarios))[:, None]
+        if best is not None and len(scenarios) > 1:
+            first = best.dearest[rows[left]]
+            self.meet(met, scenarios, first, left)
+            alone = self.cost(rows[left], Figures(*met.figures[:, first, left]))
+            promising = alone < best.cost[rows[left]]
+            left, every = (
+                left[promising],
+                (first[promising] + 1 + np.arange(len(scenarios) - 1)[:, None]) % len(scenarios),
+            )
+        at, which = np.broadcast_arrays(left, every)
+        self.meet(met, scenarios, which.ravel(), at.ravel())
+        values = np.full_like(met.figures, np.inf)
+        values[:, :, left] = met.figures[:, :, left]
+        return self.of(rows, kp, kd, values)
+
+    def of(self, rows, kp, kd, figures: np.ndarray) -> Tried:
+        """Return candidates (c,) with figures (4, scenarios, c)."""
+        worst = Figures(*figures.max(axis=1))
+        dearest = np.argmax([self.cost(rows, Figures(*own)) for own in figures.swapaxes(0, 1)], axis=0)
+        return Tried(kp, kd, worst, Figures(*figures[:, 0]), self.cost(rows, worst), dearest)
+
+    def meet(self, met: Met, scenarios, which: np.ndarray, at: np.ndarray) -> None:
+        """Simulate candidates at (m,) in scenarios which (m,), amplitudes of like duration together, and put down what they come to."""
         for group in np.array_split(np.arange(self.start.amplitude.size), GROUPS):
-            i = np.flatnonzero(fine & np.isin(rows, group))
-            if i.size:
-                values[:, :, i] = self.simulated(rows[i], kp[i], kd[i], scenarios, self.duration(group))
-        worst, nominal = Figures(*values[0]), Figures(*values[1])
-        return Tried(kp, kd, worst, nominal, self.cost(rows, worst))
+            own = np.isin(met.rows[at], group)
+            if own.any():
+                k, i = which[own], at[own]
+                corner = np.array(scenarios)[k]
+                met.figures[:, k, i] = self.simulated(met.rows[i], met.kp[i], met.kd[i], corner, self.duration(group))
 
     def duration(self, group: np.ndarray) -> float:
         return LASTS * float(self.start.time[group].max()) + REST
 
-    def simulated(self, rows, kp, kd, scenarios, duration: float) -> np.ndarray:
-        """Return (2, 4, c): the worst figures over the scenarios, and the nominal ones."""
-        count, loop = len(scenarios), replace(self.task.loop, resolution=0.0)
-        target = np.repeat(self.start.amplitude[rows], count)
-        friction, inertia = (np.tile([s[k] for s in scenarios], rows.size) for k in (0, 1))
-        lanes = ScenarioArrays(target.size, target=target, phase=0.5, friction=friction, inertia=inertia)
-        controller = fixed_pd(np.repeat(kp, count), np.repeat(kd, count))
-        q = simulate(self.task.plant, loop, controller, lanes, duration, ("q",)).trajectories["q"]
+    def simulated(self, rows, kp, kd, corner: np.ndarray, duration: float) -> np.ndarray:
+        """Return the figures (4, c) of candidates (c,), each in a corner (c, 2) of friction and inertia."""
+        target, loop = self.start.amplitude[rows], replace(self.task.loop, resolution=0.0)
+        lanes = ScenarioArrays(target.size, target=target, phase=0.5, friction=corner[:, 0], inertia=corner[:, 1])
+        q = simulate(self.task.plant, loop, fixed_pd(kp, kd), lanes, duration, ("q",)).trajectories["q"]
         every = figures_of(q, np.zeros(target.size), target, loop.sample_time, self.goal.band)
-        first = Figures(*(getattr(every, n)[::count] for n in ("time", "rise", "overshoot", "error")))
-        return np.stack([list(vars(every.worst(count)).values()), list(vars(first).values())])
+        return np.array([getattr(every, n) for n in FIGURES])
 
     def linear(self, rows, kp, kd) -> tuple[np.ndarray, np.ndarray]:
         """Return (Ms, spectral radius) of the nominal linearisation at flat candidates."""
@@ -200,33 +222,6 @@ class Search:
             value = (f.time + w.rise * f.rise) / promised + w.error * np.log10(np.maximum(f.error, count) / w.reference)
             value = value + w.steepness * np.maximum(f.overshoot - self.goal.allowed, 0.0)
         return np.where(np.isfinite(f.time), value, np.inf)
-
-
-@dataclass(frozen=True, eq=False)
-class Tried:
-    """Candidates (c,) and what they came to."""
-
-    kp: np.ndarray
-    kd: np.ndarray
-    worst: Figures
-    nominal: Figures
-    cost: np.ndarray
-
-    def take(self, rows) -> "Tried":
-        parts = (Figures(*(v[rows] for v in vars(f).values())) for f in (self.worst, self.nominal))
-        return Tried(self.kp[rows], self.kd[rows], *parts, self.cost[rows])
-
-    def or_where(self, other_is_better: np.ndarray, other: "Tried") -> "Tried":
-        """Return this with the other's candidates where those are better."""
-
-        def pick(a, b):
-            return np.where(other_is_better, b, a)
-
-        parts = (
-            Figures(*(pick(v, getattr(g, n)) for n, v in vars(f).items()))
-            for f, g in ((self.worst, other.worst), (self.nominal, other.nominal))
-        )
-        return Tried(pick(self.kp, other.kp), pick(self.kd, other.kd), *parts, pick(self.cost, other.cost))
 
 
 def _binding(which: Stepped, goal: TuningGoal) -> tuple[tuple[str, ...], ...]:

@@ -12,6 +12,10 @@ from functools import lru_cache
 from pathlib import Path
 from types import ModuleType
 
+# How a generated kernel is compiled. Of every function numba also makes one that C code may call, and looks for expressions of whole
+# arrays to rewrite: kernels need neither, and are compiled in a seventh less time without.
+JIT = '@numba.njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True, no_rewrites=True)'
+
 
 def folder() -> Path:
     """Where kernels are kept: $WORKBENCH_CACHE, else servo-workbench in the user's cache folder."""

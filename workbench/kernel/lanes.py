@@ -8,7 +8,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from workbench.kernel.cache import load
+from workbench.kernel.cache import JIT, load
 from workbench.kernel.program import Program
 from workbench.kernel.scan import PREAMBLE, function, held
 
@@ -24,7 +24,7 @@ def source(program: Program) -> str:
     fixed, fix = held("p", "constants", n_constants)
     given = ["inputs", "lane", *(["p"] if n_constants else []), "out"]
     text = [PREAMBLE.format(name=program.name), *fixed, *function("one", given, lines)]
-    text += ['@numba.njit(cache=True, nogil=True, error_model="numpy")', "def lanes(inputs, constants, out):"]
+    text += [JIT, "def lanes(inputs, constants, out):"]
     text += [*fix, "    for lane in range(inputs.shape[1]):", f"        one({', '.join(given)})"]
     return "\n".join(text) + "\n"
 

@@ -8,7 +8,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from workbench.kernel.cache import load
+from workbench.kernel.cache import JIT, load
 from workbench.kernel.program import Program
 
 PREAMBLE = '''"""Generated: {name}. Arithmetic in the order of the symbolic step; strict (no fastmath), so the bits are the same."""
@@ -51,7 +51,7 @@ def source(program: Program) -> str:
     text = [PREAMBLE.format(name=program.name), *begun, *fixed, *function("step", given, lines)]
     if n_states:
         text += function("keep", ("states", "z"), [f"states[{k}] = z[{k}]" for k in range(n_states)])
-    text += ['@numba.njit(cache=True, nogil=True, error_model="numpy")', "def scan(signals, states, constants, out):"]
+    text += [JIT, "def scan(signals, states, constants, out):"]
     text += [*begin, *fix, "    for n in range(signals.shape[1]):"]
     text += [f"        {'z = ' if n_states else ''}step({', '.join(given)})"]
     text += ["    keep(states, z)"] if n_states else []

@@ -7,6 +7,7 @@ stores rows, WIDTH lanes at a time; offsets and L are written out as numbers.
 from dataclasses import dataclass
 from math import gcd
 
+from workbench.kernel.cache import JIT
 from workbench.kernel.text import written
 from workbench.simulation import noise
 from workbench.simulation.design import Design, Piece
@@ -27,7 +28,7 @@ from workbench.kernel.straight import abreast, straight
 '''
 RUN = """
 
-@numba.njit(cache=True, nogil=True, error_model="numpy")
+{jit}
 def run({arguments}):
 """
 STAGES = "sense", "control", "step"
@@ -222,4 +223,5 @@ def source(design: Design, layout: Layout) -> str:
     text += [f"        for j in range({layout.substeps}):"]
     text += [f"            {line}" for line in inner]
     text += [f"    x[{i}] = r_{i}" for i in own]
-    return HEAD.rstrip("\n") + "\n".join(["", *before, ""]) + RUN.format(arguments=ARGUMENTS) + "\n".join(text) + "\n"
+    head = HEAD.rstrip("\n") + "\n".join(["", *before, ""])
+    return head + RUN.format(jit=JIT, arguments=ARGUMENTS) + "\n".join(text) + "\n"
