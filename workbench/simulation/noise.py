@@ -24,16 +24,13 @@ def counts(seeds: np.ndarray, k: int) -> np.ndarray:
     return (quarters[0] + quarters[1] + quarters[2] + quarters[3]).astype(np.float64)
 
 
-def source(row: str, gain: str, lanes: int) -> list[str]:
-    """Lines of a kernel that set the noise of sample k in each lane; row, gain: where, and sigma/SIGMA."""
+def source(row: str, gain: str) -> list[str]:
+    """Lines of a kernel that set the noise of sample k in a lane, as `counts` does; row, gain: where, and sigma/SIGMA."""
     return [
-        f"ticks = np.uint64(k + 1) * np.uint64({GAMMA})",
-        f"for lane in range({lanes}):",
-        "    z = seeds[lane] + ticks",
-        f"    z = (z ^ (z >> np.uint64(30))) * np.uint64({FIRST})",
-        f"    z = (z ^ (z >> np.uint64(27))) * np.uint64({SECOND})",
-        "    z = z ^ (z >> np.uint64(31))",
-        f"    low = np.uint64({QUARTER})",
-        "    four = (z & low) + ((z >> np.uint64(16)) & low) + ((z >> np.uint64(32)) & low) + (z >> np.uint64(48))",
-        f"    {row} = (np.float64(np.int64(four)) - {MEAN}) * {gain}",
+        f"z = seeds[lane] + uint64(k + 1) * {GAMMA}",
+        f"once = (z ^ (z >> 30)) * {FIRST}",
+        f"twice = (once ^ (once >> 27)) * {SECOND}",
+        "mixed = twice ^ (twice >> 31)",
+        f"four = (mixed & {QUARTER}) + ((mixed >> 16) & {QUARTER}) + ((mixed >> 32) & {QUARTER}) + (mixed >> 48)",
+        f"{row} = (float(four) - {MEAN}) * {gain}",
     ]

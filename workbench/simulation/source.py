@@ -4,6 +4,7 @@ Row r of the chunk lies at x[r L] .. x[r L + L - 1]. A loop over lanes loads row
 stores rows, WIDTH lanes at a time; offsets and L are written out as numbers.
 """
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from math import gcd
 
@@ -20,16 +21,16 @@ ARGUMENTS = (
 HEAD = '''"""Generated: one sampled loop. Strict arithmetic in the order of the symbolic steps, so the bits are the same."""
 
 import numba
-import numpy as np
 
-from workbench.kernel.intrinsics import bits
-from workbench.kernel.straight import abreast, straight
-
+from workbench.kernel.straight import abreast, looped, straight
 '''
-RUN = """
+WHOLE = "", "", "@looped", f"def whole({ARGUMENTS}):"
+RUN = f"""
 
-{jit}
-def run({arguments}):
+
+{JIT}
+def run({ARGUMENTS}):
+    whole({ARGUMENTS})
 """
 STAGES = "sense", "control", "step"
 # Lanes side by side in one instruction: 512 bits, or two or four instructions of a narrower processor. Sixteen and thirty-two make the loop of
@@ -80,6 +81,24 @@ def _cell(row: int, lanes: int) -> str:
     return f"r_{row}" if lanes == 1 else f"x[{row * lanes} + lane]"
 
 
+def _each(name: str, given: Iterable[str], lines: list[str], lanes: int) -> tuple[list[str], list[str]]:
+    """Return the lines of a function that does this in each of many lanes, and those that call it. One lane does it where it stands."""
+    if lanes == 1:
+        return [], lines
+    width, call = gcd(lanes, WIDTH), f"{name}({', '.join(given)})"
+    return _function(call, lines, width), [f"for lane in range(0, {lanes}, {width}):", f"    {call}"]
+
+
+def _function(call: str, lines: list[str], width: int = 1) -> list[str]:
+    return [
+        "",
+        "",
+        "@straight" if width == 1 else f"@abreast({width})",
+        f"def {call}:",
+        *(f"    {line}" for line in lines),
+    ]
+
+
 def _stage(
     name: str, piece: Piece, at: dict[str, int], constants, rows: int, lanes: int
 ) -> tuple[list[str], list[str]]:
@@ -103,89 +122,77 @@ def _stage(
     inside = written(piece.after, read, lanes)
     cells = [_cell(at[n], lanes) for n in piece.outputs]
     values = piece.after.outputs[0]
-    call = f"{name}({', '.join(given)})"
     if lanes > 1:
-        inside += [f"{to} = {value}" for to, value in zip(cells, values, strict=True)]
-    elif cells:
-        inside.append(f"return {', '.join(values)},")
-        call = f"{', '.join(cells)}, = {call}"
-    width = gcd(lanes, WIDTH)
-    kind = "@straight" if width == 1 else f"@abreast({width})"
-    text = ["", "", kind, f"def {name}({', '.join(given)}):", *(f"    {line}" for line in inside)]
-    return text, [f"for lane in range(0, {lanes}, {width}):", f"    {call}"] if lanes > 1 else [call]
+        return _each(name, given, inside + [f"{to} = {value}" for to, value in zip(cells, values, strict=True)], lanes)
+    call = f"{name}({', '.join(given)})"
+    back = [f"return {', '.join(values)},"] if cells else []
+    return _function(call, inside + back), [f"{', '.join(cells)}, = {call}" if cells else call]
 
 
-def _look_up(design: Design, at: dict[str, int], lanes: int) -> list[str]:
+def _look_up(design: Design, at: dict[str, int], lanes: int) -> tuple[list[str], list[str]]:
     """Lines that read the law's table: see workbench.control.table."""
     columns = design.law.columns if design.law is not None else ()
     if not columns:
-        return []
-    text = [
-        f"for lane in range({lanes}):",
-        f"    amplitude = {_cell(at[AMPLITUDE], lanes)}",
-        f"    row = {2 * len(columns)} * (base[lane] + ((bits(amplitude) >> shift) - offset))",
+        return [], []
+    lines = [
+        f"amplitude = {_cell(at[AMPLITUDE], lanes)}",
+        f"row = {2 * len(columns)} * (base[lane] + ((bits(amplitude) >> shift) - offset))",
     ]
     for j, name in enumerate(columns):
-        place = _cell(at[f"gain.{name}"], lanes)
-        text.append(f"    {place} = table[row + {2 * j}] + table[row + {2 * j + 1}] * amplitude")
-    return text
+        lines.append(
+            f"{_cell(at[f'gain.{name}'], lanes)} = table[row + {2 * j}] + table[row + {2 * j + 1}] * amplitude"
+        )
+    return _each("look_up", ("x", "table", "base", "shift", "offset", "lane"), lines, lanes)
 
 
-def _delayed(at: dict[str, int], layout: Layout) -> tuple[list[str], list[str]]:
-    """Lines that put a sample's command into the ring, and lines that take out what acts in substep j."""
+def _delayed(at: dict[str, int], layout: Layout) -> tuple[list[str], list[str], list[str]]:
+    """Lines of functions, lines that put a sample's command into the ring, and lines that take out what acts in substep j."""
     lanes, slots, steps = layout.lanes, layout.slots, layout.substeps
     if layout.delay == "none":
-        return [], []
-    put = [
-        f"slot = (k % {slots}) * {lanes}",
-        f"for lane in range({lanes}):",
-        f"    ring[slot + lane] = {_cell(at['u_c'], lanes)}",
-    ]
+        return [], [], []
+    u = _cell(at["u"], lanes)
+    text, put = _each("put", ("x", "ring", "slot", "lane"), [f"ring[slot + lane] = {_cell(at['u_c'], lanes)}"], lanes)
+    put = [f"slot = (k % {slots}) * {lanes}", *put]
     if layout.delay == "uniform":
-        take = [
-            f"past = k * {steps} + j - delay",
-            "if past >= 0:",
-            f"    slot = ((past // {steps}) % {slots}) * {lanes}",
-            f"    for lane in range({lanes}):",
-            f"        {_cell(at['u'], lanes)} = ring[slot + lane]",
+        more, take = _each("take", ("x", "ring", "then", "lane"), [f"{u} = ring[then + lane]"], lanes)
+        take = [f"then = ((past // {steps}) % {slots}) * {lanes}", *take]
+        take = [f"past = k * {steps} + j - delay", "if past >= 0:", *(f"    {line}" for line in take)]
+    else:  # a lane whose first command has not come through yet keeps what it has
+        lines = [
+            f"past = k * {steps} + j - delays[lane]",
+            f"then = ((select(past >= 0, past, 0) // {steps}) % {slots}) * {lanes}",
+            f"{u} = select(past >= 0, ring[then + lane], {u})",
         ]
-    else:
-        take = [
-            f"for lane in range({lanes}):",
-            f"    past = k * {steps} + j - delays[lane]",
-            "    if past >= 0:",
-            f"        {_cell(at['u'], lanes)} = ring[((past // {steps}) % {slots}) * {lanes} + lane]",
-        ]
-    return put, take
+        more, take = _each("take", ("x", "ring", "delays", "k", "j", "lane"), lines, lanes)
+    return text + more, put, take
 
 
-def _given(at: dict[str, int], layout: Layout) -> list[str]:
+def _given(at: dict[str, int], layout: Layout) -> tuple[list[str], list[str]]:
     """Lines that take a sample of the signals given over time."""
     lanes, n, m = layout.lanes, len(layout.shared), len(layout.own)
-    text = [f"clock_{name} = shared[k * {n} + {i}]" for i, name in enumerate(layout.shared)]
+    clocks = [f"clock_{name} = shared[k * {n} + {i}]" for i, name in enumerate(layout.shared)]
     rows = [(i, name) for i, name in enumerate(layout.own) if name in at]
-    text += [f"for lane in range({lanes}):"] if rows else []
-    return text + [f"    {_cell(at[name], lanes)} = own[k * {m * lanes} + {i * lanes} + lane]" for i, name in rows]
+    lines = [f"{_cell(at[name], lanes)} = own[k * {m * lanes} + {i * lanes} + lane]" for i, name in rows]
+    text, call = _each("given", ("x", "own", "k", "lane"), lines, lanes) if rows else ([], [])
+    return text, clocks + call
 
 
-def _recorded(at: dict[str, int], layout: Layout) -> list[str]:
+def _recorded(at: dict[str, int], layout: Layout) -> tuple[list[str], list[str]]:
     """Lines that write the rows asked for, every so many samples: those of the layout from one lane, those numbered in `kept` from many."""
     lanes, n = layout.lanes, len(layout.record)
     if lanes == 1:
-        text = [f"out[(k // every) * {n} + {i}] = {_cell(at[name], lanes)}" for i, name in enumerate(layout.record)]
-        return ["if k % every == 0:", *(f"    {line}" for line in text)] if n else []
-    return [
-        "if k % every == 0:",
-        "    for m in range(kept.size):",
-        f"        place, row = ((k // every) * kept.size + m) * {lanes}, kept[m] * {lanes}",
-        f"        for lane in range({lanes}):",
-        "            out[place + lane] = x[row + lane]",
-    ]
+        lines = [f"out[(k // every) * {n} + {i}] = {_cell(at[name], lanes)}" for i, name in enumerate(layout.record)]
+        return [], ["if k % every == 0:", *(f"    {line}" for line in lines)] if n else []
+    text, call = _each("keep", ("x", "out", "place", "row", "lane"), ["out[place + lane] = x[row + lane]"], lanes)
+    lines = [f"place = ((k // every) * kept.size + m) * {lanes}", f"row = kept[m] * {lanes}", *call]
+    return text, ["if k % every == 0:", "    for m in range(kept.size):", *(f"        {line}" for line in lines)]
 
 
-def _scalars(count: int) -> list[str]:
-    """Return the function that unpacks the constants, for one lane: many read them where they need them."""
-    return ["", "", "@straight", "def scalars(c):", f"    return {', '.join(f'c[{i}]' for i in range(count))},"]
+def _noisy(design: Design, at: dict[str, int], lanes: int) -> tuple[list[str], list[str]]:
+    if not design.noisy:
+        return [], []
+    lines = noise.source(_cell(at["noise"], lanes), "strength[lane]")
+    return _each("draw", ("x", "seeds", "strength", "k", "lane"), lines, lanes)
 
 
 def source(design: Design, layout: Layout) -> str:
@@ -194,34 +201,26 @@ def source(design: Design, layout: Layout) -> str:
     rows = len(set(at.values()))
     made = [_stage(STAGES[i], p, at, layout.constants(i), rows, lanes) for i, p in enumerate(design.pieces)]
     sense, control, step = (call for _, call in made)
-    scalars = sum(len(v) for v in layout.varying) - layout.extra_rows
-    put, take = _delayed(at, layout)
-    noisy = noise.source(_cell(at["noise"], lanes), "strength[lane]", lanes) if design.noisy else []
+    more, put, take = _delayed(at, layout)
+    others = [_given(at, layout), _look_up(design, at, lanes), _recorded(at, layout), _noisy(design, at, lanes)]
+    given, look_up, recorded, noisy = (call for _, call in others)
     clocks = [
         "clock_k = float(k)",
         "clock_t = clock_k * sample_time",
-        "clock_window = 1.0 if k >= window_from else 0.0",
+        "clock_window = select(k >= window_from, 1.0, 0.0)",
     ]
-    sample = [
-        *clocks,
-        *_given(at, layout),
-        *sense,
-        *_look_up(design, at, lanes),
-        *control,
-        *_recorded(at, layout),
-        *noisy,
-        *put,
-    ]
-    inner = [*take, "clock_t = clock_k * sample_time + j * h", *step]
-    unpacked = scalars if lanes == 1 else 0
-    before = [line for text, _ in made for line in text] + (_scalars(scalars) if unpacked else [])
-    text = [f"    c = {'scalars(constants)' if unpacked else 'constants'}"]
+    sample = [*clocks, *given, *sense, *look_up, *control, *recorded, *noisy, *put]
+    inner = [*take, "clock_t = clock_k * sample_time + float(j) * h", *step]
+    scalars = sum(len(v) for v in layout.varying) - layout.extra_rows
     own = range(rows + layout.extra_rows) if lanes == 1 else ()
-    text += [f"    r_{i} = x[{i}]" for i in own]
-    text += ["    for k in range(samples):"]
-    text += [f"        {line}" for line in sample]
-    text += [f"        for j in range({layout.substeps}):"]
-    text += [f"            {line}" for line in inner]
-    text += [f"    x[{i}] = r_{i}" for i in own]
-    head = HEAD.rstrip("\n") + "\n".join(["", *before, ""])
-    return head + RUN.format(jit=JIT, arguments=ARGUMENTS) + "\n".join(text) + "\n"
+    text = ["lane = 0"] if lanes == 1 else []
+    # one lane holds its constants in registers, many read them where they need them
+    text += [
+        f"c = {', '.join(f'constants[{i}]' for i in range(scalars))}," if lanes == 1 and scalars else "c = constants"
+    ]
+    text += [f"r_{i} = x[{i}]" for i in own]
+    text += ["for k in range(samples):", *(f"    {line}" for line in sample)]
+    text += [f"    for j in range({layout.substeps}):", *(f"        {line}" for line in inner)]
+    text += [f"x[{i}] = r_{i}" for i in own]
+    functions = [line for lines, *_ in [*made, *others, (more,)] for line in lines]
+    return HEAD + "\n".join([*functions, *WHOLE, *(f"    {line}" for line in text)]) + RUN

@@ -1,0 +1,98 @@
+"""The loops and branches of a generated function, put into LLVM instructions as they are written, about calls of straight functions.
+
+    for name in range(...):     one, two or three arguments; the step a positive constant
+    if condition:               without else
+    a = expression              also of an array's element, and of a tuple: `a = f(...)`, `a, b, = f(...)`
+    f(...)                      a straight function, written here line by line
+
+A name that is given a value at one place is that value. One that is given a value at several has a place in memory, of which LLVM makes
+registers; so a value that is read after a loop or a branch that gave it needs a place before, which a first value gives it.
+"""
+
+import ast
+from collections import Counter
+from collections.abc import Callable, Mapping
+
+from llvmlite import ir
+from numba.core import cgutils
+
+from workbench.kernel.instructions import WHOLE, Lines
+
+
+class Loops(Lines):
+    """What is written of one function, when it is made. called: name -> writes that straight function with (builder, arguments).
+
+    changing: names that are given a value at several places. places: of those, where in memory; for a tuple, of each element.
+    """
+
+    def __init__(self, builder: ir.IRBuilder, given: dict, body: list[ast.stmt], called: Mapping[str, Callable]):
+        super().__init__(builder, 1, given)
+        named = Counter(
+            n.id for s in body for n in ast.walk(s) if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Store)
+        )
+        loops = {s.target.id for top in body for s in ast.walk(top) if isinstance(s, ast.For)}
+        self.changing = {n for n, count in named.items() if count > 1 and n not in loops}
+        self.functions = called
+        self.places: dict[str, ir.Value | list[ir.Value]] = {}
+        self.all(body)
+
+    def all(self, body: list[ast.stmt]) -> None:
+        for line in body:
+            self.write(line)
+
+    def write(self, line: ast.stmt) -> None:
+        match line:
+            case ast.For(iter=ast.Call(func=ast.Name(id="range"), args=args)):
+                self._loop(line.target.id, args, line.body)
+            case ast.If(orelse=[]):
+                with self.builder.if_then(self.value(line.test)):
+                    self.all(line.body)
+            case ast.Expr(value=ast.Call()):
+                self.value(line.value)
+            case ast.Assign(targets=[ast.Tuple(elts=targets)]):
+                for target, value in zip(targets, self.value(line.value), strict=True):
+                    self.assign(target, value)
+            case ast.Assign():
+                super().write(line)
+            case _:
+                raise TypeError(f"a looped function holds {ast.unparse(line)!r}, which it cannot.")
+
+    def assign(self, target: ast.expr, value) -> None:
+        if not (isinstance(target, ast.Name) and target.id in self.changing):
+            super().assign(target, value)
+            return
+        several = value if isinstance(value, list) else [value]
+        if target.id not in self.places:
+            self.places[target.id] = [cgutils.alloca_once(self.builder, v.type) for v in several]
+            self.known[target.id] = value
+        for place, v in zip(self.places[target.id], several, strict=True):
+            self.builder.store(v, place)
+
+    def read(self, name: str):
+        if name not in self.places:
+            return self.known[name]
+        values = [self.builder.load(place) for place in self.places[name]]
+        return values if isinstance(self.known[name], list) else values[0]
+
+    def called(self, node: ast.Call):
+        if node.func.id not in self.functions:
+            return super().called(node)
+        return self.functions[node.func.id](self.builder, [self.value(a) for a in node.args])
+
+    def _loop(self, name: str, args: list[ast.expr], body: list[ast.stmt]) -> None:
+        """Write a loop that is entered where there is a first, and asks after each whether there is another."""
+        step = args[2].value if len(args) == 3 else 1
+        first = self.value(args[0]) if len(args) > 1 else ir.Constant(WHOLE, 0)
+        end = self.value(args[min(len(args), 2) - 1])
+        before = self.builder.block
+        inside, after = self.builder.append_basic_block(f"for.{name}"), self.builder.append_basic_block(f"after.{name}")
+        self.builder.cbranch(self.builder.icmp_signed("<", first, end), inside, after)
+        self.builder.position_at_end(inside)
+        at = self.builder.phi(WHOLE, name)
+        at.add_incoming(first, before)
+        self.known[name] = at
+        self.all(body)
+        following = self.builder.add(at, ir.Constant(WHOLE, step), flags=("nsw",))
+        at.add_incoming(following, self.builder.block)
+        self.builder.cbranch(self.builder.icmp_signed("<", following, end), inside, after)
+        self.builder.position_at_end(after)
