@@ -1,4 +1,8 @@
-"""Generated kernel source on disk, named by the hash of its text, so that numba compiles each once per machine."""
+"""Generated kernel source on disk, so that numba compiles each once per machine.
+
+A file is named by the hash of its text and of the modules that make instructions of it: numba keeps its code until the file changes, and
+would run what an older project wrote of the same text.
+"""
 
 import atexit
 import contextlib
@@ -15,6 +19,8 @@ from types import ModuleType
 # How a generated kernel is compiled. Of every function numba also makes one that C code may call, and looks for expressions of whole
 # arrays to rewrite: kernels need neither, and are compiled in a seventh less time without.
 JIT = '@numba.njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True, no_rewrites=True)'
+
+WRITERS = "instructions.py", "loops.py", "straight.py"  # beside this file
 
 
 def folder() -> Path:
@@ -61,13 +67,18 @@ def _passing() -> Path:
     return folder
 
 
+@lru_cache(maxsize=1)
+def _writers() -> bytes:
+    return b"".join(Path(__file__).with_name(name).read_bytes() for name in WRITERS)
+
+
 @lru_cache(maxsize=512)
 def load(text: str, name: str) -> ModuleType:
     """Return a module with this source. A folder that cannot be written falls back to a temporary one.
 
     What is broken there is made again.
     """
-    digest = hashlib.sha256(text.encode()).hexdigest()[:20]
+    digest = hashlib.sha256(_writers() + text.encode()).hexdigest()[:20]
     module_name = f"{name}_{digest}"
     path = folder() / "kernels" / f"{module_name}.py"
     if not _is_text(path, text):

@@ -10,7 +10,7 @@ import numpy as np
 
 from workbench.kernel.cache import JIT, load
 from workbench.kernel.program import Program
-from workbench.kernel.scan import PREAMBLE, function, held
+from workbench.kernel.scan import PREAMBLE, elements, function
 
 
 @lru_cache(maxsize=512)
@@ -21,12 +21,16 @@ def source(program: Program) -> str:
     lines += [f"i0_{k} = inputs[{k}, lane]" for k in range(n_inputs)]
     lines += [f"{line.out} = {line.text}" for line in program.lines]
     lines += [f"out[{k}, lane] = {name}" for k, name in enumerate(program.outputs[0])]
-    fixed, fix = held("p", "constants", n_constants)
-    given = ["inputs", "lane", *(["p"] if n_constants else []), "out"]
-    text = [PREAMBLE.format(name=program.name), *fixed, *function("one", given, lines)]
-    text += [JIT, "def lanes(inputs, constants, out):"]
-    text += [*fix, "    for lane in range(inputs.shape[1]):", f"        one({', '.join(given)})"]
-    return "\n".join(text) + "\n"
+    call = f"one(inputs, lane, {'p, ' if n_constants else ''}out)"
+    loop = [f"p = {elements('constants', n_constants)}"] if n_constants else []
+    loop += ["for lane in range(inputs.shape[1]):", f"    {call}"]
+    given = "inputs, constants, out"
+    text = [
+        PREAMBLE.format(name=program.name),
+        *function("straight", call, lines),
+        *function("looped", f"whole({given})", loop),
+    ]
+    return "\n".join([*text, JIT, f"def lanes({given}):", f"    whole({given})"]) + "\n"
 
 
 def map_lanes(program: Program, inputs: np.ndarray, constants=()) -> np.ndarray:

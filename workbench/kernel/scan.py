@@ -3,7 +3,6 @@
 A step program has inputs (signals, states, constants) and outputs (next states, outputs).
 """
 
-from collections.abc import Sequence
 from functools import lru_cache
 
 import numpy as np
@@ -15,23 +14,18 @@ PREAMBLE = '''"""Generated: {name}. Arithmetic in the order of the symbolic step
 
 import numba
 
-from workbench.kernel.straight import straight
+from workbench.kernel.straight import looped, straight
 '''
 
 
-def function(name: str, arguments: Sequence[str], lines: list[str]) -> list[str]:
-    """Return the lines of a straight function (see `workbench.kernel.straight`), with empty ones about it."""
-    return ["", "@straight", f"def {name}({', '.join(arguments)}):", *(f"    {line}" for line in lines), "", ""]
+def function(kind: str, call: str, lines: list[str]) -> list[str]:
+    """Return the lines of a function of a kind (see `workbench.kernel.straight`), with empty ones about it."""
+    return ["", f"@{kind}", f"def {call}:", *(f"    {line}" for line in lines), "", ""]
 
 
-def held(name: str, array: str, n: int) -> tuple[list[str], list[str]]:
-    """Return the lines of a straight function, and of its call, by which a tuple has the first n elements of an array, which are then not read
-    again; none where there are none."""
-    if not n:
-        return [], []
-    return function(f"{name}_of", (array,), [f"return {''.join(f'{array}[{k}], ' for k in range(n))}"]), [
-        f"    {name} = {name}_of({array})"
-    ]
+def elements(array: str, n: int) -> str:
+    """Return the text of a tuple of the first n elements of an array, one at least."""
+    return "".join(f"{array}[{k}], " for k in range(n)).rstrip()
 
 
 @lru_cache(maxsize=512)
@@ -45,17 +39,18 @@ def source(program: Program) -> str:
     following, outputs = program.outputs
     lines += [f"out[{k}, n] = {name}" for k, name in enumerate(outputs)]
     lines += [f"return {''.join(f'{name}, ' for name in following)}"] if n_states else []
-    begun, begin = held("z", "states", n_states)
-    fixed, fix = held("p", "constants", n_constants)
-    given = ["signals", "n", *(["z"] if n_states else []), *(["p"] if n_constants else []), "out"]
-    text = [PREAMBLE.format(name=program.name), *begun, *fixed, *function("step", given, lines)]
-    if n_states:
-        text += function("keep", ("states", "z"), [f"states[{k}] = z[{k}]" for k in range(n_states)])
-    text += [JIT, "def scan(signals, states, constants, out):"]
-    text += [*begin, *fix, "    for n in range(signals.shape[1]):"]
-    text += [f"        {'z = ' if n_states else ''}step({', '.join(given)})"]
-    text += ["    keep(states, z)"] if n_states else []
-    return "\n".join(text) + "\n"
+    call = f"step(signals, n, {'z, ' if n_states else ''}{'p, ' if n_constants else ''}out)"
+    loop = [f"z = {elements('states', n_states)}"] if n_states else []
+    loop += [f"p = {elements('constants', n_constants)}"] if n_constants else []
+    loop += ["for n in range(signals.shape[1]):", f"    {'z = ' if n_states else ''}{call}"]
+    loop += [f"{elements('states', n_states)} = z"] if n_states else []
+    given = "signals, states, constants, out"
+    text = [
+        PREAMBLE.format(name=program.name),
+        *function("straight", call, lines),
+        *function("looped", f"whole({given})", loop),
+    ]
+    return "\n".join([*text, JIT, f"def scan({given}):", f"    whole({given})"]) + "\n"
 
 
 def scan(program: Program, signals: np.ndarray, states: np.ndarray, constants: np.ndarray) -> np.ndarray:

@@ -81,11 +81,13 @@ def _cell(row: int, lanes: int) -> str:
     return f"r_{row}" if lanes == 1 else f"x[{row * lanes} + lane]"
 
 
-def _each(name: str, given: Iterable[str], lines: list[str], lanes: int) -> tuple[list[str], list[str]]:
+def _each(
+    name: str, given: Iterable[str], lines: list[str], lanes: int, abreast: int = WIDTH
+) -> tuple[list[str], list[str]]:
     """Return the lines of a function that does this in each of many lanes, and those that call it. One lane does it where it stands."""
     if lanes == 1:
         return [], lines
-    width, call = gcd(lanes, WIDTH), f"{name}({', '.join(given)})"
+    width, call = gcd(lanes, abreast), f"{name}({', '.join(given)})"
     return _function(call, lines, width), [f"for lane in range(0, {lanes}, {width}):", f"    {call}"]
 
 
@@ -142,7 +144,7 @@ def _look_up(design: Design, at: dict[str, int], lanes: int) -> tuple[list[str],
         lines.append(
             f"{_cell(at[f'gain.{name}'], lanes)} = table[row + {2 * j}] + table[row + {2 * j + 1}] * amplitude"
         )
-    return _each("look_up", ("x", "table", "base", "shift", "offset", "lane"), lines, lanes)
+    return _each("look_up", ("x", "table", "base", "shift", "offset", "lane"), lines, lanes, abreast=1)
 
 
 def _delayed(at: dict[str, int], layout: Layout) -> tuple[list[str], list[str], list[str]]:
@@ -157,6 +159,9 @@ def _delayed(at: dict[str, int], layout: Layout) -> tuple[list[str], list[str], 
         more, take = _each("take", ("x", "ring", "then", "lane"), [f"{u} = ring[then + lane]"], lanes)
         take = [f"then = ((past // {steps}) % {slots}) * {lanes}", *take]
         take = [f"past = k * {steps} + j - delay", "if past >= 0:", *(f"    {line}" for line in take)]
+    elif lanes == 1:
+        more, then = [], f"((past // {steps}) % {slots})"
+        take = [f"past = k * {steps} + j - delays[lane]", "if past >= 0:", f"    {u} = ring[{then} + lane]"]
     else:  # a lane whose first command has not come through yet keeps what it has
         lines = [
             f"past = k * {steps} + j - delays[lane]",
