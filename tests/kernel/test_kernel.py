@@ -290,6 +290,15 @@ def test_broken_machine_code_is_compiled_again(kept, ending):
         assert run_toy("toy_code") == [2.0, 3.0, 4.0]
 
 
+def test_what_other_writers_made_of_the_same_text_is_not_taken(kept, monkeypatch):
+    run_toy("toy_writers")
+    monkeypatch.setattr(cache, "_writers", lambda: b"other instructions")
+    run_toy("toy_writers")
+    assert len(list(kept.glob("toy_writers_*.py"))) == 2
+    modules = Path(cache.__file__).parent.glob("*.py")
+    assert set(cache.WRITERS) == {m.name for m in modules if "from llvmlite" in m.read_text(encoding="utf-8")}
+
+
 def test_a_folder_that_cannot_be_written_falls_back(tmp_path, monkeypatch):
     (tmp_path / "file").write_text("no folder")
     monkeypatch.setenv("WORKBENCH_CACHE", str(tmp_path / "file" / "below"))
