@@ -28,8 +28,8 @@ if hasattr(os, "register_at_fork"):  # a forked child has none of its parent's t
 
 @lru_cache(maxsize=128)
 def kernel(design: Design, layout: Layout):
-    """Return the compiled loop."""
-    return load(source(design, layout), "loop").run
+    """Return the module of the compiled loop."""
+    return load(source(design, layout), "loop")
 
 
 def _layout_of(bound: Bound, lanes: int, record: tuple[str, ...]) -> Layout:
@@ -79,6 +79,32 @@ def _each(chunk: Callable[[int], None], chunks: int, threads: int) -> None:
             chunk(i)
 
 
+def _passed(
+    bound: Bound, at: Mapping[str, int], lanes: int, record: tuple[str, ...], every: int, named
+) -> tuple[dict, dict]:
+    """Return what a kernel is passed: (name -> the same for all chunks, name -> (chunks, n) values). named: what it asks for."""
+    n = bound.lanes
+    common = {
+        "table": np.ascontiguousarray(bound.table).ravel(),
+        "shared": np.ascontiguousarray(bound.given.shared).ravel(),
+        "kept": np.array([at[name] for name in record], dtype=np.int64),
+        "window_from": bound.window_from,
+        "every": every,
+        "shift": bound.grid[0],
+        "offset": bound.grid[1],
+        "delay": int(np.max(bound.delays)),
+        "sample_time": bound.loop.sample_time,
+        "h": bound.loop.substep,
+    }
+    each = {
+        "base": _chunked(bound.base, lanes),
+        "seeds": _chunked(np.broadcast_to(bound.scenarios.seed, (n,)), lanes, np.uint64),
+        "strength": _chunked(bound.strength, lanes),
+        "delays": _chunked(np.broadcast_to(bound.delays, (n,)), lanes),
+    }
+    return {k: v for k, v in common.items() if k in named}, {k: v for k, v in each.items() if k in named}
+
+
 def run_lanes(
     bound: Bound, record: tuple[str, ...] = (), every: int = 1, lanes: int = LANES, threads: int | None = None,
     lasts: np.ndarray | None = None,
@@ -89,20 +115,13 @@ def run_lanes(
     recorded is undefined from there on.
     """
     layout = _layout_of(bound, lanes, record if lanes == 1 else ())
-    at = places(bound.design, layout)
+    at, made = places(bound.design, layout), kernel(bound.design, layout)
     n, chunks = bound.lanes, -(-bound.lanes // lanes)
-    whole, scalars = _begun(bound, layout, at)
+    whole, constants = _begun(bound, layout, at)
     x = _chunked(whole, lanes)
-    seeds = _chunked(np.broadcast_to(bound.scenarios.seed, (n,)), lanes, np.uint64)
-    base, delays = _chunked(bound.base, lanes), _chunked(np.broadcast_to(bound.delays, (n,)), lanes)
-    strength = _chunked(bound.strength, lanes)
-    shared = np.ascontiguousarray(bound.given.shared).ravel()
+    common, each = _passed(bound, at, lanes, record, every, made.GIVEN)
+    common, each = common | {"constants": constants}, each | {"x": x.reshape(chunks, -1)}
     recorded = np.empty((-(-bound.samples // every), len(record), n)) if record else None
-    kept = np.array([at[name] for name in record], dtype=np.int64)
-    run = kernel(bound.design, layout)
-    table = np.ascontiguousarray(bound.table).ravel()
-    uniform = int(np.max(bound.delays))
-    shift, offset = bound.grid
 
     def chunk(i: int) -> None:
         own = np.minimum(np.arange(i * lanes, (i + 1) * lanes), n - 1)
@@ -110,9 +129,10 @@ def run_lanes(
         rows = -(-samples // every) if record else 0
         # of one chunk, what is given and what is recorded stay in the processor's cache; of all at once, moving them costs a kernel's time
         ring, out = np.zeros(layout.slots * lanes), np.empty((rows, len(record), lanes))
-        run(x[i].ravel(), scalars, table, base[i], seeds[i], strength[i], delays[i], ring, shared,
-            bound.given.of_lanes(own, samples).ravel(), kept, out.ravel(), samples, bound.window_from, every, shift, offset,
-            uniform, bound.loop.sample_time, bound.loop.substep)  # fmt: skip
+        given = common | {"ring": ring, "out": out.ravel(), "samples": samples}
+        if "own" in made.GIVEN:
+            given["own"] = bound.given.of_lanes(own, samples).ravel()
+        made.run(*[each[name][i] if name in each else given[name] for name in made.GIVEN])
         if recorded is not None:
             here = recorded[:rows, :, i * lanes : (i + 1) * lanes]
             here[...] = out[..., : here.shape[-1]]

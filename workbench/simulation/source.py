@@ -4,6 +4,7 @@ Row r of the chunk lies at x[r L] .. x[r L + L - 1]. A loop over lanes loads row
 stores rows, WIDTH lanes at a time; offsets and L are written out as numbers.
 """
 
+import re
 from collections.abc import Iterable
 from dataclasses import dataclass
 from math import gcd
@@ -14,23 +15,28 @@ from workbench.simulation import noise
 from workbench.simulation.design import Design, Piece
 from workbench.simulation.sampled import AMPLITUDE
 
-ARGUMENTS = (
-    "x, constants, table, base, seeds, strength, delays, ring, shared, own, kept, out, "
-    "samples, window_from, every, shift, offset, delay, sample_time, h"
-)
+# What a loop may read or write. A kernel is given those alone that its layout needs: each array costs 5 ms of compiling it.
+ARRAYS = "x", "constants", "table", "base", "seeds", "strength", "delays", "ring", "shared", "own", "kept", "out"
+NUMBERS = "samples", "window_from", "every", "shift", "offset", "delay", "sample_time", "h"
 HEAD = '''"""Generated: one sampled loop. Strict arithmetic in the order of the symbolic steps, so the bits are the same."""
 
 import numba
 
 from workbench.kernel.straight import abreast, looped, straight
 '''
-WHOLE = "", "", "@looped", f"def whole({ARGUMENTS}):"
-RUN = f"""
+RUN = """
+
+@looped
+def whole({given}):
+{lines}
 
 
-{JIT}
-def run({ARGUMENTS}):
-    whole({ARGUMENTS})
+GIVEN = "{given}".split(", ")
+
+
+{jit}
+def run({given}):
+    whole({given})
 """
 STAGES = "sense", "control", "step"
 # Lanes side by side in one instruction: 512 bits, or two or four instructions of a narrower processor. Sixteen and thirty-two make the loop of
@@ -201,7 +207,7 @@ def _noisy(design: Design, at: dict[str, int], lanes: int) -> tuple[list[str], l
 
 
 def source(design: Design, layout: Layout) -> str:
-    """Return the text of a module with `run(...)`, which moves one chunk of lanes through all samples."""
+    """Return the text of a module with `run(...)`, which moves one chunk of lanes through all samples, and GIVEN, the names of its arguments."""
     at, lanes = places(design, layout), layout.lanes
     rows = len(set(at.values()))
     made = [_stage(STAGES[i], p, at, layout.constants(i), rows, lanes) for i, p in enumerate(design.pieces)]
@@ -228,4 +234,7 @@ def source(design: Design, layout: Layout) -> str:
     text += [f"    for j in range({layout.substeps}):", *(f"        {line}" for line in inner)]
     text += [f"x[{i}] = r_{i}" for i in own]
     functions = [line for lines, *_ in [*made, *others, (more,)] for line in lines]
-    return HEAD + "\n".join([*functions, *WHOLE, *(f"    {line}" for line in text)]) + RUN
+    named = set(re.findall(r"\w+", "\n".join(text)))
+    arguments = ", ".join(n for n in (*ARRAYS, *NUMBERS) if n in named)
+    lines = "\n".join(f"    {line}" for line in text)
+    return HEAD + "\n".join(functions) + "\n" + RUN.format(given=arguments, lines=lines, jit=JIT)
