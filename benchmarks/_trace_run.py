@@ -128,8 +128,8 @@ def evidence(found) -> object:
     return as_dict(found, {}).get("evidence")
 
 
-def traced(campaign) -> dict:
-    """Trace a campaign; return what it says, and what it cost."""
+def traced(campaign, *, beside: bool = True) -> dict:
+    """Trace a campaign; return what it says, and what it cost. beside: whether the peers say something, too."""
     from workbench.tracing.of_campaign import trace_campaign
 
     start = process_time()
@@ -153,20 +153,20 @@ def traced(campaign) -> dict:
         ],
         "moved": moved(found.before, found.after, set(found.added)),
         "evidence": evidence(found),
-        "peers": peers(campaign, found.before),
+        "peers": peers(campaign, found.before) if beside else {},
         "seconds": seconds,
         "megabytes": megabytes,
     }
 
 
-def one(s: Spec) -> dict:
-    """Make, trace and judge one campaign."""
+def one(s: Spec, *, beside: bool = True) -> dict:
+    """Make, trace and judge one campaign. beside: whether the peers say something, too."""
     from workbench.campaign import load
 
     with TemporaryDirectory() as folder:
         truth = made(Path(folder), s)
         loaded = load(Path(folder))
-        said = traced(loaded)
+        said = traced(loaded, beside=beside)
         length = 1.0
         right = None
         if truth["where"] is not None and said["unknown"]:

@@ -99,7 +99,7 @@ def svg(
         ).ravel()
         draw(list(axes))
         figure.suptitle(fill(title, LETTERS), parse_math=False, x=0.008, ha="left", fontsize=8.9, fontweight="bold")
-        figure.draw_without_rendering()  # the layout is had only by drawing
+        figure.get_layout_engine().execute(figure)
         figure.set_layout_engine("none")
         plotted = marked(figure)
         out = BytesIO()
