@@ -6,8 +6,7 @@
     f(...)                      a straight function, written here line by line
 
 A name that is given a value at one place is that value. One that is given a value at several has a place in memory, of which LLVM makes
-registers. A name that is given its only value in a loop or a branch, and what a loop
-counts by, is not known after it.
+registers. What a loop counts by, and a name that is given its only value in a loop or a branch, are not known after it.
 """
 
 import ast
