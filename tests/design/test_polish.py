@@ -6,7 +6,7 @@ from paper_axis import LOOP, plant
 
 from workbench.description import Equivalent
 from workbench.design.polish import Polished, Search, polish
-from workbench.task.stepping import figures_of
+from workbench.task.stepping import FIGURES, figures_of
 from workbench.task.task import Task, Weights
 from workbench.tuning import TuningGoal, response, sampled, tuned_axis
 from workbench.tuning.axis import Axis
@@ -97,3 +97,33 @@ def test_what_is_promised_is_what_the_axis_does_within_a_sample(found, task):
     assert held.read.tolist() == [False, True, True]  # 0.2 % of 0.9 mrad is less than half a count
     stiffer = promise(plant().without("presliding_hysteresis"), found, task)
     assert stiffer.deviation > 2 * LOOP.sample_time  # gains of another plant do not keep what was promised for this one
+
+
+class Patient(Search):
+    """Meets every candidate in every scenario, whatever the best so far costs."""
+
+    def tried(self, rows, kp, ratio, scenarios, best=None):
+        return super().tried(rows, kp, ratio, scenarios)
+
+
+def test_what_is_given_up_after_its_dearest_scenario_would_not_have_been_the_best(described, goal, task, found):
+    rigid = described.rigid
+    axis = Axis.of(described.equivalent, rigid.inertia, rigid.viscous, LOOP)
+    every = Patient(axis, described.gains, goal, task).run(found.robust.scenarios)
+    for n in ("kp", "kd", "cost"):
+        assert getattr(found.robust, n).tolist() == getattr(every, n).tolist()
+    for n in FIGURES:
+        assert getattr(found.robust.worst, n).tolist() == getattr(every.worst, n).tolist()
+        assert getattr(found.robust.nominal, n).tolist() == getattr(every.nominal, n).tolist()
+
+
+def test_what_costs_no_less_than_the_best_in_its_dearest_scenario_is_met_in_no_other(
+    described, goal, task, found, monkeypatch
+):
+    axis = Axis.of(described.equivalent, described.rigid.inertia, described.rigid.viscous, LOOP)
+    search, scenarios = Search(axis, described.gains, goal, task), found.robust.scenarios
+    rows, kp, ratio = np.arange(AMPLITUDES.size), np.log(found.robust.kp), np.log(found.robust.kp / found.robust.kd)
+    best, met = search.tried(rows, kp, ratio, scenarios), []
+    monkeypatch.setattr(Search, "meet", lambda self, _, scenarios, which, at: met.append(at.size))
+    search.tried(rows, kp, ratio, scenarios, best)  # nothing comes to any figures, and so costs without end
+    assert met == [rows.size, 0] and np.isfinite(best.cost).all()

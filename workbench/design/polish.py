@@ -165,21 +165,15 @@ class Search:
         peak, radius = self.linear(rows, kp, kd)
         met = Met(np.full((len(FIGURES), len(scenarios), kp.size), np.inf), rows, kp, kd)
         left = np.flatnonzero((peak <= self.goal.sensitivity * (1.0 + ACTIVE)) & (radius < 1.0))
-        every = np.arange(len(scenarios))[:, None]
+        others = np.arange(len(scenarios))[:, None]
         if best is not None and len(scenarios) > 1:
             first = best.dearest[rows[left]]
             self.meet(met, scenarios, first, left)
-            alone = self.cost(rows[left], Figures(*met.figures[:, first, left]))
-            promising = alone < best.cost[rows[left]]
-            left, every = (
-                left[promising],
-                (first[promising] + 1 + np.arange(len(scenarios) - 1)[:, None]) % len(scenarios),
-            )
-        at, which = np.broadcast_arrays(left, every)
+            promising = self.cost(rows[left], Figures(*met.figures[:, first, left])) < best.cost[rows[left]]
+            left, others = left[promising], (first[promising] + others[1:]) % len(scenarios)
+        at, which = np.broadcast_arrays(left, others)
         self.meet(met, scenarios, which.ravel(), at.ravel())
-        values = np.full_like(met.figures, np.inf)
-        values[:, :, left] = met.figures[:, :, left]
-        return self.of(rows, kp, kd, values)
+        return self.of(rows, kp, kd, met.figures)
 
     def of(self, rows, kp, kd, figures: np.ndarray) -> Tried:
         """Return candidates (c,) with figures (4, scenarios, c)."""

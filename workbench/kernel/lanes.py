@@ -8,9 +8,9 @@ from functools import lru_cache
 
 import numpy as np
 
-from workbench.kernel.cache import JIT, load
+from workbench.kernel.cache import load
 from workbench.kernel.program import Program
-from workbench.kernel.scan import PREAMBLE, elements, function
+from workbench.kernel.scan import elements, module
 
 
 @lru_cache(maxsize=512)
@@ -24,13 +24,7 @@ def source(program: Program) -> str:
     call = f"one(inputs, lane, {'p, ' if n_constants else ''}out)"
     loop = [f"p = {elements('constants', n_constants)}"] if n_constants else []
     loop += ["for lane in range(inputs.shape[1]):", f"    {call}"]
-    given = "inputs, constants, out"
-    text = [
-        PREAMBLE.format(name=program.name),
-        *function("straight", call, lines),
-        *function("looped", f"whole({given})", loop),
-    ]
-    return "\n".join([*text, JIT, f"def lanes({given}):", f"    whole({given})"]) + "\n"
+    return module(program.name, call, lines, "lanes(inputs, constants, out)", loop)
 
 
 def map_lanes(program: Program, inputs: np.ndarray, constants=()) -> np.ndarray:

@@ -18,7 +18,18 @@ from workbench.kernel.straight import looped, straight
 '''
 
 
-def function(kind: str, call: str, lines: list[str]) -> list[str]:
+def module(name: str, call: str, lines: list[str], run: str, loop: list[str]) -> str:
+    """Return the text of a module with a compiled function `run` (name and arguments) that does `loop`, in which `call` does the lines."""
+    given = run.partition("(")[2]
+    text = [
+        PREAMBLE.format(name=name),
+        *_function("straight", call, lines),
+        *_function("looped", f"whole({given}", loop),
+    ]
+    return "\n".join([*text, JIT, f"def {run}:", f"    whole({given}"]) + "\n"
+
+
+def _function(kind: str, call: str, lines: list[str]) -> list[str]:
     """Return the lines of a function of a kind (see `workbench.kernel.straight`), with empty ones about it."""
     return ["", f"@{kind}", f"def {call}:", *(f"    {line}" for line in lines), "", ""]
 
@@ -44,13 +55,7 @@ def source(program: Program) -> str:
     loop += [f"p = {elements('constants', n_constants)}"] if n_constants else []
     loop += ["for n in range(signals.shape[1]):", f"    {'z = ' if n_states else ''}{call}"]
     loop += [f"{elements('states', n_states)} = z"] if n_states else []
-    given = "signals, states, constants, out"
-    text = [
-        PREAMBLE.format(name=program.name),
-        *function("straight", call, lines),
-        *function("looped", f"whole({given})", loop),
-    ]
-    return "\n".join([*text, JIT, f"def scan({given}):", f"    whole({given})"]) + "\n"
+    return module(program.name, call, lines, "scan(signals, states, constants, out)", loop)
 
 
 def scan(program: Program, signals: np.ndarray, states: np.ndarray, constants: np.ndarray) -> np.ndarray:

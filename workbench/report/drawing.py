@@ -99,7 +99,7 @@ def svg(
         ).ravel()
         draw(list(axes))
         figure.suptitle(fill(title, LETTERS), parse_math=False, x=0.008, ha="left", fontsize=8.9, fontweight="bold")
-        figure.get_layout_engine().execute(figure)
+        figure.get_layout_engine().execute(figure)  # once, so that `marked` reads what is then saved
         figure.set_layout_engine("none")
         plotted = marked(figure)
         out = BytesIO()
