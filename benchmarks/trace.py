@@ -15,7 +15,7 @@ from hashlib import sha256
 from pathlib import Path
 
 from benchmarks._trace_draw import Spec, specs
-from benchmarks._trace_families import FAMILIES, Case, cases
+from benchmarks._trace_families import FAMILIES, Case, cases, folder
 
 ROOT = Path(__file__).resolve().parent.parent
 KEPT = ROOT / "reports" / "bench_trace"
@@ -133,7 +133,11 @@ def again(key: str) -> None:
 
 def asked() -> argparse.Namespace:
     parser = argparse.ArgumentParser(prog="bench-trace", description=__doc__.split("\n")[0])
-    parser.add_argument("--families", default=",".join(FAMILIES), help="which, with commas between (%(default)s)")
+    parser.add_argument(
+        "--families",
+        default=",".join(FAMILIES),
+        help="which, with commas between; X, too, of a folder campaigns_X (%(default)s)",
+    )
     parser.add_argument("--campaigns", type=int, default=MANY, help="how many of a family that is drawn (%(default)s)")
     parser.add_argument("--seed", type=int, default=SEED, help="of what is drawn (%(default)s)")
     parser.add_argument(
@@ -154,8 +158,8 @@ def asked() -> argparse.Namespace:
     parser.add_argument("--again", metavar="KEY", help="do one campaign of the kept results once more, and print it")
     given = parser.parse_args()
     given.families = given.families.split(",")
-    if unknown := [f for f in given.families if f not in FAMILIES]:
-        parser.error(f"there is no family '{unknown[0]}'; known: {', '.join(FAMILIES)}.")
+    if unknown := [f for f in given.families if f not in FAMILIES and folder(f) is None]:
+        parser.error(f"there is no family '{unknown[0]}', nor a folder for it; known: {', '.join(FAMILIES)}.")
     return given
 
 

@@ -210,6 +210,14 @@ class Criteria:
     strict: bool = True
 
 
+def test_a_folder_of_any_other_author_is_a_family(monkeypatch, tmp_path):
+    made = tmp_path / "campaigns_x" / "x01" / "campaign.toml"
+    made.parent.mkdir(parents=True)
+    made.touch()
+    monkeypatch.setenv("WORKBENCH_DATA", str(tmp_path))
+    assert [(c.family, c.name) for c in cases(["x", "y"], 0, 1)] == [("x", "x01")]
+
+
 def test_a_sweep_halves_and_doubles_each_number_and_decides_again():
     assert [(n, f, c.least, c.counts) for n, f, c in varied(Criteria())] == [
         ("least", 0.5, 0.25, 1), ("least", 2.0, 1.0, 1), ("counts", 0.5, 0.5, 1), ("counts", 2.0, 0.5, 2),
