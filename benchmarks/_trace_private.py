@@ -2,19 +2,21 @@
 
 A private number (a module's constant in capitals) serves a search or a description. One that changes a verdict decides, and
 belongs among the criteria. Each is changed wherever it was imported to, the campaigns are traced again, and the verdict, the
-effects that are added and what is ranked first are compared.
+effects that are added and what is ranked first are compared. All of a factor are changed at once first, and groups that say
+something else are halved.
 """
 
 import ast
 import importlib
 import json
 import sys
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import ExitStack, contextmanager
 from functools import cache
 from pathlib import Path
 
 FACTORS = (0.5, 2.0)
+Change = tuple[str, str, float, float]  # module, name, factor, the number times it
 CODES = ("EITHER", "FORWARD", "BACKWARD")  # names of directions
 PACKAGES = ("workbench.tracing", "workbench.residual")
 BESIDE = ("workbench.identification.cross_validation",)
@@ -155,26 +157,63 @@ def _of_class(function: ast.AST, tree: ast.Module) -> bool:
     return any(function in c.body for c in tree.body if isinstance(c, ast.ClassDef))
 
 
+def read_numbers(seen: set[tuple[str, int]]) -> list[tuple[str, str, float]]:
+    """Return the private numbers that one of the calls seen reads, or that a module reads as it is imported."""
+    return [n for n in numbers() if (reads := readers(n[0], n[1])) is None or reads & seen]
+
+
+def deciding(changes: Sequence[Change], differs: Callable[[Sequence[Change]], bool]) -> Iterator[Change]:
+    """Yield the changes that differ by themselves, of those that differ together: a group is halved as long as it does.
+
+    Of few that decide this asks far less often than one after another: n changes of which k decide, some k log2(n/k) times. Two that
+    undo each other within a group that does not differ are not seen.
+    """
+    if not changes or not differs(changes):
+        return
+    if len(changes) == 1:
+        yield changes[0]
+        return
+    half = len(changes) // 2
+    yield from deciding(changes[:half], differs)
+    yield from deciding(changes[half:], differs)
+
+
 def sweep(folders: Sequence[Path]) -> Iterator[dict]:
-    """A row a campaign, number and factor: whether the campaign says something else with it. Numbers that no call reads are passed over."""
+    """A row a campaign, number and factor with which the campaign says something else; last a row of how often it was traced.
+
+    Numbers that no call reads are passed over.
+    """
     for folder in folders:
         with called() as seen:
             base = said(folder)
-        for module, name, value in list(numbers()):
-            reads = readers(module, name)
-            if reads is not None and not reads & seen:
-                continue
-            for factor in FACTORS:
-                other = max(1, round(value * factor)) if isinstance(value, int) else value * factor
-                if other == value:
-                    continue
-                with changed(module, name, other):
+        answers: dict[tuple[Change, ...], object] = {}
+
+        def under(changes: Sequence[Change], folder: Path = folder, known: dict = answers) -> object:
+            """Return what the campaign says with these changes; the name of what was raised, for a number may be at its limit."""
+            key = tuple(changes)
+            if key not in known:
+                with ExitStack() as held:
+                    for module, name, _, value in changes:
+                        held.enter_context(changed(module, name, value))
                     try:
-                        now = said(folder)
-                    except Exception as wrong:  # a number may be at its limit; that, too, is told
-                        now = type(wrong).__name__
-                row = {"campaign": folder.name, "number": f"{module}.{name}", "value": value, "factor": factor}
-                yield row | {"differs": now != base, "on_import": reads is None, "says": now}
+                        known[key] = said(folder)
+                    except Exception as wrong:
+                        known[key] = type(wrong).__name__
+            return known[key]
+
+        found = read_numbers(seen)
+        for factor in FACTORS:
+            changes = [(m, n, factor, v) for m, n, x in found if (v := times(x, factor)) != x]
+            for change in deciding(changes, lambda c, under=under, base=base: under(c) != base):
+                module, name, _, value = change
+                row = {"campaign": folder.name, "number": f"{module}.{name}", "factor": factor, "value": value}
+                yield row | {"says": under([change]), "instead of": base}
+        yield {"campaign": folder.name, "numbers": len(found), "traced": 1 + len(answers)}
+
+
+def times(value: float, factor: float) -> float:
+    """Return a number times a factor; a whole one stays whole and above zero."""
+    return max(1, round(value * factor)) if isinstance(value, int) else value * factor
 
 
 def main(folders: Sequence[str]) -> None:
@@ -182,7 +221,7 @@ def main(folders: Sequence[str]) -> None:
     changes: dict[str, list[str]] = {}
     for row in sweep([Path(f) for f in folders]):
         print(json.dumps(row), flush=True)
-        if row["differs"]:
+        if "number" in row:
             changes.setdefault(f"{row['number']} x {row['factor']:g}", []).append(row["campaign"])
     for number, campaigns in changes.items():
         print(f"{number}: {', '.join(campaigns)}")

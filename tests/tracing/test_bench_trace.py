@@ -15,7 +15,7 @@ from benchmarks._trace_families import judged as of_family
 from benchmarks._trace_ledger import ledger
 from benchmarks._trace_measured import judged_axis
 from benchmarks._trace_peers import greedy, sparse
-from benchmarks._trace_private import changed, numbers
+from benchmarks._trace_private import changed, deciding, numbers
 from benchmarks._trace_run import judged, moved, one, place_right, seen
 from benchmarks._trace_sweep import again as decided_again
 from benchmarks._trace_sweep import sweep as sweep_of
@@ -286,6 +286,17 @@ def test_a_private_number_is_changed_wherever_it_was_imported_to_and_put_back():
     with changed("unexplained", "PLAIN", 7.0):
         assert unexplained.PLAIN == greedy.PLAIN == 7.0
     assert unexplained.PLAIN == greedy.PLAIN == before
+
+
+def test_of_many_numbers_those_that_decide_are_found_by_halving_groups():
+    asked = []
+
+    def differs(group):
+        asked.append(group)
+        return bool({3, 77} & set(group))
+
+    assert list(deciding(range(100), differs)) == [3, 77] and len(asked) < 30
+    assert list(deciding(range(100, 200), differs)) == []
 
 
 def test_numbers_of_one_name_in_two_modules_are_two():
