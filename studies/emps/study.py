@@ -14,7 +14,7 @@ from workbench.identification.fit import identify
 from workbench.identification.result import Fit
 from workbench.inverse.dynamics import InverseDynamics, inverse_dynamics
 from workbench.motion import Motion
-from workbench.output_error.free_run import START, free_run, refine_free_run
+from workbench.output_error.free_run import START, Half, carried_over, free_run, refine_free_run
 from workbench.output_error.refine import refine
 from workbench.output_error.rerun import rerun
 from workbench.plant import ONE_MASS, Plant
@@ -43,6 +43,7 @@ LEVEL = (
     "coulomb_friction",
     "constant_offset",
 )  # what of the friction a day changes, beside which nothing else is fitted
+NUDGE = 0.05  # N, of the offset; half or twice of it changes the error per newton by 2 % at most
 SYMMETRIC = {"mass": "kg", "viscous": "N*s/m", "coulomb": "N", "offset": "N"}
 ASYMMETRIC = {"mass": "kg"} | {f"{n}_{d}": u for n, u in (("viscous", "N*s/m"), ("coulomb", "N")) for d in ("forward", "backward")}  # fmt: skip
 
@@ -257,11 +258,49 @@ def level_alone(plant: Plant) -> Plant:
     return plant
 
 
-def free_runs(models: dict[str, Plant], printed: dict[str, Plant], inverses: dict[str, InverseDynamics]) -> list[Run]:
+@dataclass(frozen=True)
+class Wander:
+    """Level of friction within DATA_EMPS. halves: as `carried_over` has them; per_newton: rms position error in m of 1 N of offset."""
+
+    halves: tuple[Half, Half]
+    per_newton: float
+
+    @property
+    def own(self) -> float:
+        """Rms error in m with the level of the half that runs."""
+        return rms([h.own for h in self.halves])
+
+    @property
+    def other(self) -> float:
+        """Rms error in m with the level of the other half."""
+        return rms([h.other for h in self.halves])
+
+    def level(self, effect: str) -> tuple[float, float]:
+        """Return Coulomb friction or offset in N, half by half."""
+        return tuple(next(iter(h.plant[effect].parameters.values())).value for h in self.halves)
+
+
+def rms(x) -> float:
+    return float(np.sqrt(np.mean(np.square(x))))
+
+
+def wander(plant: Plant, motion: Motion) -> Wander:
+    """Return what the level of friction does within a record, all else held as the whole record has it."""
+    offset = plant["constant_offset"]
+    (name, p), = offset.parameters.items()  # fmt: skip
+    less, more = (free_run(plant.with_values({offset.key: {name: p.value + d}}), motion) for d in (-NUDGE, NUDGE))
+    per_newton = rms((more.simulated - less.simulated)[START:]) / (2 * NUDGE)
+    return Wander(carried_over(level_alone(plant), motion), per_newton)
+
+
+def free_runs(
+    models: dict[str, Plant], printed: dict[str, Plant], inverses: dict[str, InverseDynamics]
+) -> tuple[list[Run], Wander]:
     """Return free runs: printed parameters, identified models, these fitted to DATA_EMPS's free run; last the chosen three.
 
     The chosen model is that of the lowest error on DATA_EMPS. It comes as fitted there; with the level of its friction from
-    PULSES; and with everything from PULSES: what the last two gain is for nobody to have who has DATA_EMPS alone.
+    PULSES; and with everything from PULSES: what the last two gain is for nobody to have who has DATA_EMPS alone. With
+    them, what the chosen model's level of friction does within DATA_EMPS.
     """
 
     def ran(name: str, fitted: str, plant: Plant) -> Run:
@@ -274,7 +313,8 @@ def free_runs(models: dict[str, Plant], printed: dict[str, Plant], inverses: dic
     best = min(fits, key=lambda name: fits[name].errors[IDENTIFICATION])
     day = refine_free_run(level_alone(refined[best]), [other])
     own = refine_free_run(refined[best], [other])
-    return [*runs, *fits.values(), fits[best], ran(best, "friction's level to PULSES", day), ran(best, "PULSES", own)]
+    last = fits[best], ran(best, "friction's level to PULSES", day), ran(best, "PULSES", own)
+    return [*runs, *fits.values(), *last], wander(refined[best], one.motion)
 
 
 def run(study: Study, say) -> Outcome:
@@ -327,7 +367,7 @@ def run(study: Study, say) -> Outcome:
         "symmetric, published parameters": printed_plant(obtained["symmetric"], declared),
         "asymmetric, published parameters": printed_asymmetric(obtained["asymmetric"], declared),
     }
-    free = free_runs(identified, printed, {p.motion.record.role: p for p in inverses})
+    free, within = free_runs(identified, printed, {p.motion.record.role: p for p in inverses})
     figures = {f"{m}_{n}_deviation": abs(o - p) for m, n, _, p, o in rows}
     first, *_, last = closed.values()
     figures |= {f"closed_loop_error_{role}": e for role, e in first.items()}
@@ -337,6 +377,8 @@ def run(study: Study, say) -> Outcome:
     free_figures |= {
         "free_run_error_level_of_the_day": day.errors[VALIDATION],
         "free_run_error_own": own_run.errors[VALIDATION],
+        "free_run_error_half": within.own,
+        "free_run_error_other_half": within.other,
     }
     figures |= free_figures
     figures |= {f"controller_error_{role}": commanded(r, gains(study, role)) for role, r in records.items()}
@@ -364,7 +406,7 @@ def run(study: Study, say) -> Outcome:
             attainable_chapter(floors, days, found.after),
             own_chapter(obtained, own, bandwidth),
             loop_chapter(study, closed, figures),
-            free_run_chapter(free),
+            free_run_chapter(free, within),
             ripple_chapter(ripples, turn),
         ),
         findings=(*found.findings, *found.after.findings),
@@ -462,7 +504,32 @@ def protocols_chapter(study: Study, figures: dict[str, float], closed, free: lis
     return Chapter("Three protocols", (Paragraph(text), table))
 
 
-def free_run_chapter(free: list[Run]) -> Chapter:
+def wandering(within: Wander) -> Table:
+    """The level of friction half by half, and what the level of the other half leaves."""
+    (first, then), (coulomb, offset) = within.halves, (within.level(effect) for effect in LEVEL)
+    before = ("the first half", first.own, then.other)
+    after = ("the second half", then.own, first.other)
+    rows = [
+        (name, f"{c:.2f} N", f"{o:+.2f} N".replace("-", "−"), millimetres(own), millimetres(other))
+        for (name, own, other), c, o in zip((before, after), coulomb, offset, strict=True)
+    ]
+    head = ("Free run of", "Coulomb friction", "Offset", "Error with this level", "With the other half's")
+    return Table(head, tuple(rows), "The chosen model on the halves of DATA_EMPS, all but the level held.", "prrrr")
+
+
+def foretold(within: Wander) -> str:
+    """What DATA_EMPS says of another record's free run before there is one."""
+    moved = np.ptp(within.level("constant_offset"))
+    return (
+        f"So much is foretold by DATA_EMPS alone. With the level of its own half the chosen model runs free to {millimetres(within.own)}, "
+        f"with the other half's to {millimetres(within.other)}, in half the time that PULSES takes: from half to half the offset moves by "
+        f"{moved:.2f} N, less than a hundredth of the force, and {1e3 * within.per_newton:.0f} mm of error in a free run of the whole record "
+        "go with each newton of it, for an offset drifts one way and no reversal takes it back. Two levels that DATA_EMPS bears out as "
+        "well are thus several millimetres apart on PULSES, and which of them is nearer is no merit of a model."
+    )
+
+
+def free_run_chapter(free: list[Run], within: Wander) -> Chapter:
     """The free run of every model, what DATA_EMPS says of it, and what of its error is the day's friction."""
     *runs, chosen, day, own = free
     fitted = [r for r in runs if r.fitted]
@@ -476,8 +543,8 @@ def free_run_chapter(free: list[Run]) -> Chapter:
     )
     text = (
         "Nothing holds the axis here, so a force that is lacking is integrated: 1 N of friction more than the model's moves the "
-        "axis by 5 mm every second. What no model of DATA_EMPS can know therefore counts most: how much friction the other day "
-        "has. Each model was fitted to the free run of DATA_EMPS by output error, from its identified values, and the one with "
+        "axis by 5 mm every second. What no model of DATA_EMPS can know therefore counts most: how much friction the axis has at "
+        "another time. Each model was fitted to the free run of DATA_EMPS by output error, from its identified values, and the one with "
         "the lowest error there was chosen; PULSES had no part in it. The choice is a weak one: the fitted models lie between "
         f"{millimetres(spans[IDENTIFICATION][0])} and {millimetres(spans[IDENTIFICATION][-1])} on DATA_EMPS, and between "
         f"{millimetres(spans[VALIDATION][0])} and {millimetres(spans[VALIDATION][-1])} on PULSES, in {'the same' if by_one == by_other else 'another'} "
@@ -489,7 +556,8 @@ def free_run_chapter(free: list[Run]) -> Chapter:
         ("Model", "Free run fitted to", "DATA_EMPS", "PULSES"), tuple(rows),
         f"Rms of the position error of the free run, without the first {START} samples.", "plrr",
     )  # fmt: skip
-    return Chapter("The free run, and the friction of the day", (Callout(told, GOOD), Paragraph(text), table))
+    contents = (Callout(told, GOOD), Paragraph(text), table, Paragraph(foretold(within)), wandering(within))
+    return Chapter("The free run, and the friction of the day", contents)
 
 
 def evidence_chapter(found: Trace, protocol: dict[str, float]) -> Chapter:

@@ -9,7 +9,7 @@ from workbench.definition import find
 from workbench.errors import WorkbenchError
 from workbench.inverse.dynamics import inverse_dynamics
 from workbench.motion import motion
-from workbench.output_error.free_run import START, beginning, free_run, refine_free_run
+from workbench.output_error.free_run import START, beginning, carried_over, free_run, halves, refine_free_run
 from workbench.plant import ONE_MASS, TWO_MASS, Plant
 from workbench.record import VALIDATION, Record, Source
 from workbench.simulation import Scenario, open_loop
@@ -96,6 +96,37 @@ def test_what_is_fixed_stays():
     found = refine_free_run(held, inverse_dynamics([moved(axis())], BAND))
     assert found["inertia"].parameters["inertia"].value == MASS
     assert found["coulomb_friction"].parameters["coulomb"].value == pytest.approx(COULOMB, rel=5e-3)
+
+
+def test_halves_are_the_record_and_begin_where_they_begin():
+    made = moved(axis(), 501)
+    first, second = halves(made)
+    for channel, x in made.channels.items():
+        np.testing.assert_array_equal(np.concatenate([first.channels[channel], second.channels[channel]]), x)
+    assert first.time[-1] + DT == pytest.approx(second.time[0]) and first.dt == pytest.approx(second.dt)
+    assert first.history == made.history and second.history is None  # the second half is in motion where it begins
+    assert first.name != second.name and first.role == second.role == made.role
+
+
+def test_what_one_half_says_carries_over_where_nothing_wanders():
+    plant = axis(coulomb=22.0)
+    for e in (plant["inertia"], plant["viscous_friction"]):  # two seconds do not tell them from Coulomb friction
+        plant = plant.swap(replace(e, parameters={n: replace(p, fixed=True) for n, p in e.parameters.items()}))
+    for half in carried_over(plant, motion(moved(axis()), BAND)):
+        assert half.plant["coulomb_friction"].parameters["coulomb"].value == pytest.approx(COULOMB, rel=5e-3)
+        assert max(half.own, half.other) < 2e-4
+
+
+def test_a_level_that_wanders_carries_over_to_neither_half():
+    made = moved(axis())
+    lacking = np.where(np.arange(made.time.size) < made.time.size // 2, 0.0, -1.0)  # an offset of the second half
+    force = made.channels["force"]
+    axis_with = axis() + find("constant_offset")
+    wandered = record(open_loop(axis(), force + lacking, DT, 2, resolution=50e-9)["q"][:, 0], force)
+    first, second = carried_over(axis_with, motion(wandered, BAND))
+    offsets = [h.plant["constant_offset"].parameters["offset"].value for h in (first, second)]
+    assert offsets == pytest.approx([0.0, 1.0], abs=0.05)
+    assert min(first.other, second.other) > 10 * max(first.own, second.own)
 
 
 def test_two_masses_are_refused():

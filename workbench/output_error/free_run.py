@@ -8,14 +8,14 @@ Source: Ljung 1999, chapters 3 and 7 (simulation and output error); Forgione and
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from workbench.errors import WorkbenchError
 from workbench.identification.problem import Problem
 from workbench.inverse.dynamics import InverseDynamics
-from workbench.motion import Motion
+from workbench.motion import Motion, motion
 from workbench.output_error.refine import Loops, nearest_to_measured
 from workbench.output_error.rerun import payload_inertia
 from workbench.plant import ONE_MASS, Plant
@@ -37,6 +37,15 @@ class FreeRun:
     record: Record
     simulated: np.ndarray
     error: float
+
+
+@dataclass(frozen=True)
+class Half:
+    """One half of a record. plant: fitted to its free run. own, other: what it leaves there and on the other half, in rad or m."""
+
+    plant: Plant
+    own: float
+    other: float
 
 
 def beginning(record: Record) -> tuple[float, float]:
@@ -94,6 +103,34 @@ def refine_free_run(plant: Plant, inverses: Sequence[InverseDynamics]) -> Plant:
     runs = FreeRuns(Problem(plant, inverses))
     x, _, steps = nearest_to_measured(runs)
     return runs.plant(_evolved(runs, x, steps))
+
+
+def halves(record: Record) -> tuple[Record, Record]:
+    """Return the first and the second half of a record, each a record whose free run begins where it begins."""
+    middle = record.time.size // 2
+
+    def part(name: str, which: slice, history: float | None) -> Record:
+        channels = {n: x[which] for n, x in record.channels.items()}
+        return replace(
+            record, name=f"{record.name}, {name}", time=record.time[which], channels=channels, history=history
+        )
+
+    return part("first half", slice(middle), record.history), part("second half", slice(middle, None), None)
+
+
+def carried_over(plant: Plant, whole: Motion) -> tuple[Half, Half]:
+    """Return what the free parameters of `plant`, fitted to the free run of one half of a record, leave on the other half.
+
+    Where `own` is small and `other` is not, the law holds and its level wanders: so much is to be expected of another record, too,
+    and it is known before there is one. Source: Stone 1974, J. Royal Statistical Society B 36, 111-147 (cross-validation).
+    """
+    one, other = (InverseDynamics(motion(part, whole.filter.bandwidth)) for part in halves(whole.record))
+
+    def fitted(here: InverseDynamics, there: InverseDynamics) -> Half:
+        found = refine_free_run(plant, [here])
+        return Half(found, *(free_run(found, p.motion).error for p in (here, there)))
+
+    return fitted(one, other), fitted(other, one)
 
 
 def _evolved(runs: FreeRuns, x: np.ndarray, steps: np.ndarray) -> np.ndarray:
