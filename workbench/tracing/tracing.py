@@ -77,10 +77,10 @@ def _decided(late: Declared, selected: Selection, offer: Offer, criteria: Criter
     order, confirmed, refused = selected.answer.added, None, []
     while order is not None:
         first = confirmed is None
-        confirmed = confirm(late.plant, order, selected, inverses, criteria, None if first else confirmed.levels)
+        confirmed = confirm(late, order, selected, criteria, None if first else confirmed.levels)
         if first:
             progress("weighing the evidence")
-            selected, confirmed = otherwise(selected, confirmed, late.plant, inverses, offer, criteria, progress)
+            selected, confirmed = otherwise(selected, confirmed, late, offer, criteria, progress)
             evidence, place = _evidence_of(selected, confirmed, late, inverses, criteria)
         evidence = replace(evidence, added=confirmed.weighed)
         verdict = decide(evidence, criteria)
