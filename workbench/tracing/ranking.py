@@ -15,6 +15,7 @@ from workbench.tracing.candidates import ADDITION, WHOLE, Offer
 from workbench.tracing.criteria import Criteria
 from workbench.tracing.judge import STANDARD, Progress, ScoredCandidate, free_of, judged, refitted, refitted_as
 from workbench.tracing.plausible import implausible
+from workbench.tracing.starts import loaded
 from workbench.tracing.state import Refitted, State
 
 BEHIND = 0.4  # of the best one's gain, below which a candidate is not
@@ -31,7 +32,8 @@ def step(
 ) -> list[ScoredCandidate]:
     """Judge every candidate that is offered; return them best first, those that lead fitted with everything free."""
     candidates = offer.candidates(state.plant)
-    # made here, else by every process for itself
+    # loaded and made here, else by every process for itself
+    loaded()
     _ = state.power, state.residuals, state.absorbed, state.solution.columns, state.solution.gram
     judgements = []
     for candidate, found in zip(
