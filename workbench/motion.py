@@ -11,6 +11,7 @@ from functools import lru_cache
 
 import casadi as ca
 import numpy as np
+from scipy import fft
 
 from workbench.kernel.program import read
 from workbench.kernel.scan import scan
@@ -62,10 +63,8 @@ class LowPass:
         extended, left = self._extended(np.asarray(x, dtype=float))
         size = extended.shape[-1]
         responses = _responses(self.bandwidth, self.rate, size, tuple(orders))
-        spectra = np.fft.rfft(extended, axis=-1) * responses.reshape(
-            -1, *[1] * (extended.ndim - 1), responses.shape[-1]
-        )
-        return np.fft.irfft(spectra, size, axis=-1)[..., left : left + self.n]
+        spectra = fft.rfft(extended, axis=-1) * responses.reshape(-1, *[1] * (extended.ndim - 1), responses.shape[-1])
+        return fft.irfft(spectra, size, axis=-1)[..., left : left + self.n]
 
     def _extended(self, x: np.ndarray) -> tuple[np.ndarray, int]:
         """Return x (..., n) with its odd reflections at both ends, and where x begins in it."""
