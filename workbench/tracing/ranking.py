@@ -11,11 +11,11 @@ from workbench.effects.free_bank import NAME as FREE_CURVE
 from workbench.identification.cross_validation import gain
 from workbench.plant import TWO_MASS
 from workbench.processes import shared
+from workbench.tracing import foreseen, starts
 from workbench.tracing.candidates import ADDITION, WHOLE, Offer
 from workbench.tracing.criteria import Criteria
 from workbench.tracing.judge import STANDARD, Progress, ScoredCandidate, free_of, judged, refitted, refitted_as
 from workbench.tracing.plausible import implausible
-from workbench.tracing.starts import loaded
 from workbench.tracing.state import Refitted, State
 
 BEHIND = 0.4  # of the best one's gain, below which a candidate is not
@@ -33,11 +33,11 @@ def step(
     """Judge every candidate that is offered; return them best first, those that lead fitted with everything free."""
     candidates = offer.candidates(state.plant)
     # loaded and made here, else by every process for itself
-    loaded()
+    starts.loaded()
     _ = state.power, state.residuals, state.absorbed, state.solution.columns, state.solution.gram
     judgements = []
     for candidate, found in zip(
-        candidates, shared(lambda s: judged(state, s, criteria, offer.budget), candidates), strict=True
+        candidates, shared(lambda s: judged(state, s, criteria, offer.budget), candidates, foreseen.loaded), strict=True
     ):
         progress(f"trying {candidate.key}")
         judgements.append(ScoredCandidate(candidate, **found))
