@@ -66,6 +66,16 @@ def test_derivatives_of_a_sine(frequency, order):
         assert np.abs(found - exact).max() <= 1e-3 * w**order
 
 
+def test_derivatives_of_rows_have_the_bits_of_one_row_and_one_derivative_at_a_time():
+    x = np.cumsum(np.random.default_rng(1).normal(size=(2, N)), axis=-1)
+    f = LowPass(100.0, RATE, N)
+    found = f.derivatives(x, 3)
+    assert found.shape == (3, 2, N)
+    for order in range(3):
+        for row in range(2):
+            np.testing.assert_array_equal(found[order, row], f(x[row], order))
+
+
 def test_a_record_whose_ends_lie_apart_does_not_ring_at_a_low_rate():
     """The transform takes the record for one period; at half its rate the response of a motion's low pass is still a half."""
     rate, n = 400.0, 4000

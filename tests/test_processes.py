@@ -89,6 +89,15 @@ def test_one_process_or_one_item_needs_no_fork(monkeypatch):
     assert set(shared(lambda _: os.getpid(), range(5))) == {os.getpid()}
 
 
+def test_what_is_done_meanwhile_is_done_once_and_here_and_not_where_there_is_nobody_to_wait_for(monkeypatch):
+    done = []
+    assert list(shared(abs, range(4), lambda: done.append(os.getpid()))) == [0, 1, 2, 3]
+    assert done == [os.getpid()]
+    monkeypatch.setenv(processes.VARIABLE, "1")
+    assert list(shared(abs, range(4), lambda: done.append(os.getpid()))) == [0, 1, 2, 3]
+    assert len(done) == 1
+
+
 def test_a_fork_does_not_fork_again():
     assert list(shared(lambda _: count(), range(3))) == [1, 1, 1]
 

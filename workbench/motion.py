@@ -5,11 +5,13 @@ motion. The low pass is 1/(1 + (f/f_c)^8), applied in the frequency domain on a 
 that it has no phase and a record may end in motion.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 
 import casadi as ca
 import numpy as np
+from scipy import fft
 
 from workbench.kernel.program import read
 from workbench.kernel.scan import scan
@@ -52,30 +54,31 @@ class LowPass:
         """Filter the last axis of x (..., n); returns the same shape."""
         return self._through(x, (derivative,))[0]
 
-    def derivatives(self, x: np.ndarray, count: int) -> list[np.ndarray]:
-        """Return the filtered x and its first count - 1 derivatives, from one transform."""
+    def derivatives(self, x: np.ndarray, count: int) -> np.ndarray:
+        """Return the filtered x and its first count - 1 derivatives, (count, ..., n), from one transform."""
         return self._through(x, range(count))
 
-    def _through(self, x: np.ndarray, orders) -> list[np.ndarray]:
-        x = np.asarray(x, dtype=float)
+    def _through(self, x: np.ndarray, orders: Sequence[int]) -> np.ndarray:
+        """Return (orders, ..., n). All go through one transform back: two rows take it as long as one."""
+        extended, left = self._extended(np.asarray(x, dtype=float))
+        size = extended.shape[-1]
+        responses = _responses(self.bandwidth, self.rate, size, tuple(orders))
+        spectra = fft.rfft(extended, axis=-1) * responses.reshape(-1, *[1] * (extended.ndim - 1), responses.shape[-1])
+        return fft.irfft(spectra, size, axis=-1)[..., left : left + self.n]
+
+    def _extended(self, x: np.ndarray) -> tuple[np.ndarray, int]:
+        """Return x (..., n) with its odd reflections at both ends, and where x begins in it."""
         pad = min(int(PAD * self.rate), self.n - 1)
         total = fast_length(self.n + 2 * pad)
-        left = pad + (total - self.n - 2 * pad) // 2
-        left = min(left, self.n - 1)
+        left = min(pad + (total - self.n - 2 * pad) // 2, self.n - 1)
         right = min(total - self.n - left, self.n - 1)
         first, last = x[..., :1], x[..., -1:]
         middle = 0.5 * (first + last)
-        before = middle + (2 * first - middle - x[..., left:0:-1]) * _fading(left)[::-1]
-        after = middle + (2 * last - middle - x[..., -2 : -right - 2 : -1]) * _fading(right)
-        extended = np.concatenate([before, x, after], axis=-1)
-        size = extended.shape[-1]
-        spectrum = np.fft.rfft(extended, axis=-1)
-        return [
-            np.fft.irfft(spectrum * _response(self.bandwidth, self.rate, size, k), size, axis=-1)[
-                ..., left : left + self.n
-            ]
-            for k in orders
-        ]
+        extended = np.empty((*x.shape[:-1], left + self.n + right))
+        extended[..., left : left + self.n] = x
+        extended[..., :left] = middle + (2 * first - middle - x[..., left:0:-1]) * _fading(left)[::-1]
+        extended[..., left + self.n :] = middle + (2 * last - middle - x[..., -2 : -right - 2 : -1]) * _fading(right)
+        return extended, left
 
     @property
     def trim(self) -> int:
@@ -94,9 +97,10 @@ def _fading(n: int) -> np.ndarray:
 
 
 @lru_cache(maxsize=64)
-def _response(bandwidth: float, rate: float, size: int, derivative: int) -> np.ndarray:
+def _responses(bandwidth: float, rate: float, size: int, orders: tuple[int, ...]) -> np.ndarray:
+    """Return the low pass' response with its derivatives of these orders, (orders, size // 2 + 1)."""
     f = np.fft.rfftfreq(size, 1 / rate)
-    return (2j * np.pi * f) ** derivative / (1 + (f / bandwidth) ** 8)
+    return np.stack([(2j * np.pi * f) ** k / (1 + (f / bandwidth) ** 8) for k in orders])
 
 
 @lru_cache(maxsize=1)

@@ -44,11 +44,13 @@ def count() -> int:
     return int(given)
 
 
-def shared(function: Callable[[Item], Made], items: Sequence[Item]) -> Iterator[Made]:
+def shared(
+    function: Callable[[Item], Made], items: Sequence[Item], meanwhile: Callable[[], None] = lambda: None
+) -> Iterator[Made]:
     """Yield function(item) of each item, in order. What a call raises is raised here, in its turn.
 
     Whoever is free takes the next item. What a process that ends before its time (killed, out of memory) had taken is done
-    by this one.
+    by this one. meanwhile: what this one gets ready for later, where it would only wait for others.
     """
     workers = min(count(), len(items))
     if workers < 2:
@@ -68,6 +70,7 @@ def shared(function: Callable[[Item], Made], items: Sequence[Item]) -> Iterator[
                 end.close()
                 forks.append(fork)
                 pipes.append(pipe)
+        meanwhile()
         made, heard = {}, list(pipes)
         for i, item in enumerate(items):
             while i not in made and heard:

@@ -10,7 +10,7 @@ from workbench.identification.linearised import Linearised
 from workbench.identification.problem import Problem
 from workbench.identification.solve import bounded, solve, solved_at
 from workbench.inverse.dynamics import inverse_dynamics
-from workbench.inverse.shift import LAGRANGE, between, weights
+from workbench.inverse.shift import LAGRANGE, Places, between, weights
 from workbench.plant import TWO_MASS, Plant
 from workbench.record import IDENTIFICATION, Record, Source
 from workbench.tracing.candidates import candidates_of
@@ -129,3 +129,11 @@ def test_interpolation_is_exact_for_what_eight_points_determine(u):
 def test_beyond_the_ends_a_signal_holds_its_first_and_last_value():
     x = np.array([2.0, 3.0, 5.0, 7.0, 11.0, 13.0, 17.0, 19.0, 23.0, 29.0])
     np.testing.assert_allclose(between(x, np.array([-9.0, 0.0, 4.0, 9.0, 30.5])), [2.0, 2.0, 11.0, 29.0, 29.0])
+
+
+def test_places_whose_weights_are_kept_read_the_bits_of_interpolation():
+    rng = np.random.default_rng(4)
+    steps = np.concatenate([10.0 / 3.0 * np.arange(120) - 9.0, [0.0, 99.0, 299.0, 305.5]])
+    places = Places(steps)
+    for x in rng.normal(size=(2, 300)):
+        np.testing.assert_array_equal(places.read(x), between(x, steps))

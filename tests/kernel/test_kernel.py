@@ -163,6 +163,15 @@ def test_minimum_and_maximum_ignore_nan_and_return_the_first_of_equals(pairs):
         assert_same_bits([least, greatest], expected)
 
 
+def test_a_step_without_states_has_the_same_bits_compiled_and_by_numpy(monkeypatch):
+    made = step.build(find("cogging"))
+    signals, values = {"q": np.linspace(-3.0, 3.0, 50)}, {"order": 7.0}
+    assert len(made.program.lines) > step.MANY
+    compiled = made.run(signals, values)
+    monkeypatch.setattr(step, "MANY", 10**6)
+    np.testing.assert_array_equal(made.run(signals, values), compiled)
+
+
 def test_a_scan_in_two_parts_is_the_whole_scan():
     effect = find("presliding_hysteresis")
     built = step.build(effect)

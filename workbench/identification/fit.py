@@ -11,7 +11,7 @@ from workbench.identification.disagreement import disagreements
 from workbench.identification.excitation import unexcited
 from workbench.identification.problem import Problem
 from workbench.identification.result import Fit, Series, Squares
-from workbench.identification.solve import ITERATIONS, NoValue, Solution, solve
+from workbench.identification.solve import ITERATIONS, TOLERANCE, NoValue, Solution, solve
 from workbench.inverse import prehistory
 from workbench.inverse.balances import predicted
 from workbench.inverse.dynamics import InverseDynamics
@@ -45,6 +45,19 @@ def identify(
             f"one of the effects {names} has no value on these records with its declared parameters; check them and their units."
         ) from None
     return seen(problem, solution, inverses)
+
+
+def end_of_search(
+    plant: Plant, whole: Sequence[InverseDynamics], tolerance: float = TOLERANCE, most: int = ITERATIONS
+) -> np.ndarray | None:
+    """Return where the search for the shape parameters of a plant ends, on their search scale; None where it has no value on the records.
+
+    tolerance, most: as of `solve`.
+    """
+    try:
+        return solve(Problem(plant, whole), None, tolerance, most=most).theta
+    except NoValue:
+        return None
 
 
 def _begun(plant: Plant, inverses: Sequence[InverseDynamics], theta: np.ndarray | None, most: int):

@@ -1,11 +1,11 @@
 """Where each body of a plant was: readings with sensor maps undone, joint deflections with angle maps applied.
 
 A body is (raw, q, dq, v, a): the position itself, filtered without phase, its increments behind a dead band of one count,
-and the derivatives of the filtered one. The joint's is that of its effective deflection, position - load_position after
-backlash and kinematic error.
+and the derivatives of the filtered one, as many as are asked for. The joint's is that of its effective deflection, position -
+load_position after backlash and kinematic error.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from functools import lru_cache
 
 import casadi as ca
@@ -24,6 +24,7 @@ from workbench.plant import ONE_MASS, Plant
 
 CHANNEL = {"axis": "position", "motor": "position", "load": "load_position"}
 RAW, POSITION, INCREMENT, VELOCITY, ACCELERATION = range(5)
+DERIVED = {"v": 1, "a": 2}  # of a body's position, by the signal that a force reads
 NEWTON = (
     2  # steps of the inverse of a sensor map: its slope is within a few per cent of one, and each step squares that
 )
@@ -36,6 +37,11 @@ def values_of(effect: Effect) -> tuple[float, ...]:
 def path_of(effects: list[Effect]) -> tuple:
     """What a result that went through these effects is kept under."""
     return tuple((e.step, values_of(e)) for e in effects)
+
+
+def derivatives_in(reads: Iterable[str]) -> int:
+    """Return how many times a body's position is differentiated for signals with these names."""
+    return max((DERIVED.get(r, 0) for r in reads), default=0)
 
 
 def sensors(plant: Plant, channel: str) -> list[Effect]:
@@ -100,28 +106,31 @@ class Bodies:
     def clock(self) -> dict:
         return {"t": self.motion.t, "dt": self.motion.dt}
 
-    def body(self, plant: Plant, place: str) -> tuple[tuple, np.ndarray]:
-        """Return (what it is kept under, (5, n)) of the body at a place; path () where it is the position as measured."""
+    def body(self, plant: Plant, place: str, derivatives: int = 2) -> tuple[tuple, np.ndarray]:
+        """Return (what it is kept under, (3 + derivatives or more, n)) of the body at a place; path () where it is the position
+        as measured. Each derivative is a transform of the whole record: trials of maps are many."""
         if place == "joint":
-            return self.joint(plant)
+            return self.joint(plant, derivatives)
         channel = CHANNEL[place]
         maps = sensors(plant, channel)
         if channel == "position" and not maps:
             m = self.motion
             return (), self.keep(("measured",), lambda: np.stack([m.q, m.q, m.dq, m.v, m.a]))
         path = (channel, path_of(maps))
-        return path, self.keep(
-            ("body", path), lambda: self.kinematics(self.reading(channel, maps), self.counts(channel))
-        )
+
+        def make():
+            raw = self.reading(channel, maps)
+            return _together(raw, self.smooth(raw, derivatives), increments(raw, self.counts(channel)))
+
+        return path, self.keep(("body", path, derivatives), make)
 
     def counts(self, channel: str) -> float:
         return self.motion.record.resolution.get(channel, 0.0)
 
-    def kinematics(self, raw: np.ndarray, counts: float) -> np.ndarray:
+    def smooth(self, raw: np.ndarray, derivatives: int) -> np.ndarray:
+        """Return a position, filtered without phase, and its derivatives, (1 + derivatives, n)."""
         m = self.motion
-        smooth = LowPass(MOTION_BAND * m.filter.bandwidth, 1 / m.dt, raw.size)
-        q, v, a = smooth.derivatives(raw, 3)
-        return np.stack([raw, q, increments(raw, counts), v, a])
+        return LowPass(MOTION_BAND * m.filter.bandwidth, 1 / m.dt, raw.size).derivatives(raw, 1 + derivatives)
 
     def reading(self, channel: str, maps: list[Effect]) -> np.ndarray:
         """Return the true value (n,) behind a channel's reading."""
@@ -137,7 +146,7 @@ class Bodies:
                 (x,) = map_lanes(inverse(Definition(e)), np.stack(signals), values_of(e))
         return x
 
-    def joint(self, plant: Plant) -> tuple[tuple, np.ndarray]:
+    def joint(self, plant: Plant, derivatives: int = 2) -> tuple[tuple, np.ndarray]:
         """Return the effective deflection as a body."""
         motor, load = sensors(plant, "position"), sensors(plant, "load_position")
         path = ("joint", path_of(motor), path_of(load), path_of(_angles(plant)))
@@ -145,14 +154,13 @@ class Bodies:
         def make():
             q_motor, q_load = self.reading("position", motor), self.reading("load_position", load)
             raw = self.mapped(plant, q_motor - q_load, q_motor, q_load)[0]
+            smooth = self.smooth(raw, derivatives)
             # a difference of two encoders jumps by the counts of both, several within one presliding stroke: what drives
             # memory here is the filtered deflection, in which they mean out where there are several in the filter's time
-            body = self.kinematics(raw, 0.0)
             bands = [self.unread("position", motor, q_motor), self.unread("load_position", load, q_load)]
-            body[INCREMENT] = increments(body[POSITION], np.maximum(*bands))
-            return body
+            return _together(raw, smooth, increments(smooth[0], np.maximum(*bands)))
 
-        return path, self.keep(("body", path), make)
+        return path, self.keep(("body", path, derivatives), make)
 
     def unread(self, channel: str, maps: list[Effect], raw: np.ndarray) -> np.ndarray:
         """Return the dead band (n,) that an encoder's counts ask of the joint's deflection.
@@ -165,9 +173,9 @@ class Bodies:
             return np.full_like(raw, finest)
 
         def make():
-            smooth = LowPass(MOTION_BAND * self.motion.filter.bandwidth, 1 / self.motion.dt, raw.size)
-            speed = np.abs(smooth.derivatives(raw, 2)[1])
-            return np.maximum(counts * (1.0 - speed / (2.0 * smooth.bandwidth * counts)), finest)
+            band = MOTION_BAND * self.motion.filter.bandwidth
+            speed = np.abs(LowPass(band, 1 / self.motion.dt, raw.size)(raw, 1))
+            return np.maximum(counts * (1.0 - speed / (2.0 * band * counts)), finest)
 
         return self.keep(("unread", channel, path_of(maps)), make)
 
@@ -201,13 +209,18 @@ class Bodies:
         path = path_of(maps)
 
         def make():
-            (_, motor), (_, load) = self.body(plant, "motor"), self.body(plant, "load")
+            (_, motor), (_, load) = self.body(plant, "motor", 0), self.body(plant, "load", 0)
             q_motor, q_load = motor[POSITION], load[POSITION]
             _, by_motor, by_load = self.mapped(plant, q_motor - q_load, q_motor, q_load)
             by = np.stack([np.broadcast_to(np.asarray(x, float), q_motor.shape) for x in (by_motor, by_load)])
             return by[:, :1].copy() if np.all(by == by[:, :1]) else by
 
         return path, self.keep(("leverage", path), make)
+
+
+def _together(raw: np.ndarray, smooth: np.ndarray, increment: np.ndarray) -> np.ndarray:
+    """Return a body of a position (n,), what is smooth of it (1 + derivatives, n) and its increments (n,)."""
+    return np.stack([raw, smooth[0], increment, *smooth[1:]])
 
 
 def rows(plant: Plant, locked: bool) -> int:

@@ -12,7 +12,7 @@ import numpy as np
 
 from workbench import definition as fx
 from workbench.definition import Effect, catalogue
-from workbench.inverse.bodies import ACCELERATION, CHANNEL, INCREMENT, POSITION, VELOCITY, Bodies, path_of, rows
+from workbench.inverse.bodies import CHANNEL, INCREMENT, POSITION, VELOCITY, Bodies, derivatives_in, path_of, rows
 from workbench.inverse.command import Command, drive_maps
 from workbench.inverse.forces import Ran, forces_of, linear_of, outputs_of, run_forces, summed
 from workbench.inverse.zeros import closed as with_zero
@@ -76,7 +76,7 @@ class InverseDynamics:
         record, place = self.motion.record, "load" if plant.kind == TWO_MASS else "axis"
         if record.payload is None or (place == "load" and record.locked):
             return None
-        signals, _ = self._signals(plant, place)
+        signals, _ = self._signals(plant, place, 2)
         return record.payload.force(signals["q"], signals["a"]) * self._lever(plant, place)[1]
 
     def rows(self, plant: Plant) -> int:
@@ -148,11 +148,11 @@ class InverseDynamics:
             if forces:
                 yield from self._at(plant, place, forces)
 
-    def _signals(self, plant: Plant, place: str) -> tuple[dict, tuple]:
-        """Return the signals that a body at a place gives to its forces, and what they are kept under."""
+    def _signals(self, plant: Plant, place: str, derivatives: int) -> tuple[dict, tuple]:
+        """Return the signals that a body at a place gives to its forces, with this many of its derivatives, and what they are kept under."""
         m = self.motion
-        path, body = self.bodies.body(plant, place)
-        signals = {"q": body[POSITION], "dq": body[INCREMENT], "v": body[VELOCITY], "a": body[ACCELERATION]}
+        path, body = self.bodies.body(plant, place, derivatives)
+        signals = {"q": body[POSITION], "dq": body[INCREMENT], **dict(zip("va", body[VELOCITY:], strict=False))}
         signals |= {"dt": m.dt, "t": m.t, "locked": float(m.record.locked)}
         signals |= {"ratio": plant.geometry.gear_ratio, "pole_pairs": plant.geometry.pole_pairs}
         signals |= {n: m.record.channels[n] for n in ("temperature", "normal") if n in m.record.channels}
@@ -161,11 +161,13 @@ class InverseDynamics:
     def _run(self, e: Effect, signals: dict, plant: Plant, place: str) -> np.ndarray:
         """Return the outputs (columns, n) of a force; of an operator of the motion's increments at the finer rate."""
         if self.fine is not None and e.states and "dq" in e.reads and not {"dir", "tau", "u"} & set(e.reads):
-            return self.coarse(outputs_of(e, self.fine._signals(plant, place)[0]))
+            return self.coarse(outputs_of(e, self.fine._signals(plant, place, derivatives_in(e.reads))[0]))
         return outputs_of(e, signals)
 
     def _at(self, plant: Plant, place: str, forces: list[Effect]):
-        signals, path = self._signals(plant, place)
+        # once a body is made, its speed costs little more, and most forces want it: so it is the same body for nearly all of them
+        wanted = max([1, *(derivatives_in(e.reads) for e in forces)])
+        signals, path = self._signals(plant, place, wanted)
         width = max(2 * self.bodies.counts(CHANNEL.get(place, "position")), self.motion.counts, 1e-12)
         lever = self._lever(plant, place)
 

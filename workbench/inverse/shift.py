@@ -57,6 +57,35 @@ def _between(x, steps, scale):
     return result
 
 
+class Places:
+    """Where many signals are read: `steps` (m,), as of `between`, by weights that are found once."""
+
+    def __init__(self, steps: np.ndarray):
+        whole = np.floor(steps)
+        self.first = whole.astype(np.int64) + (1 - LAGRANGE // 2)
+        self.weights = np.stack(weights(steps - whole), axis=1)
+
+    def read(self, x: np.ndarray) -> np.ndarray:
+        """Return x (n,) there, (m,), with the bits of `between`."""
+        return _read(np.ascontiguousarray(x), self.first, self.weights)
+
+
+@numba.njit(cache=True, nogil=True, error_model="numpy")
+def _read(x, first, weights):
+    """Return the sums (m,) of weights (m, 8) times the samples of x from `first` (m,) on, those beyond the ends held."""
+    result, last = np.empty(first.size), x.size - 1
+    for m in range(first.size):
+        value, at = 0.0, first[m]
+        if at >= 0 and at + weights.shape[1] <= x.size:
+            for i in range(weights.shape[1]):
+                value += weights[m, i] * x[at + i]
+        else:
+            for i in range(weights.shape[1]):
+                value += weights[m, i] * x[min(max(at + i, 0), last)]
+        result[m] = value
+    return result
+
+
 def shifted(x: np.ndarray, delay: np.ndarray | float, dt: float) -> np.ndarray:
     """Return x(t - delay) for x (n,) sampled every dt, delay scalar or (n,) in s, by 8-point Lagrange interpolation.
 

@@ -16,7 +16,7 @@ import numpy as np
 from workbench.definition import FORCE
 from workbench.inverse.bodies import CHANNEL
 from workbench.inverse.dynamics import InverseDynamics
-from workbench.inverse.shift import between
+from workbench.inverse.shift import Places
 from workbench.motion import LowPass, motion
 from workbench.plant import Plant
 from workbench.record import Record
@@ -47,7 +47,8 @@ def decimated(record: Record, bandwidth: float, least: float = LEAST) -> Record:
         return record
     low_pass = LowPass(CUT * float(kept) / record.dt, 1 / record.dt, record.time.size)
     steps = np.arange(int((record.time.size - 1) * kept) + 1) * (kept.denominator / kept.numerator)
-    channels = {n: between(low_pass(x), steps) for n, x in record.channels.items()}
+    places = Places(steps)
+    channels = {n: places.read(low_pass(x)) for n, x in record.channels.items()}
     return replace(record, time=record.time[0] + record.dt * steps, channels=channels)
 
 
@@ -72,10 +73,10 @@ def thin_one(p: InverseDynamics, plant: Plant | None = None, least: float = LEAS
     fine = decimated(p.motion.record, band, max(FINE, least))
     finer = p if fine is p.motion.record else InverseDynamics(motion(fine, band))
     low_pass = LowPass(CUT / record.dt, 1 / fine.dt, fine.time.size)
-    steps = (record.time - fine.time[0]) / fine.dt
+    places = Places((record.time - fine.time[0]) / fine.dt)
 
     def coarse(outputs: np.ndarray) -> np.ndarray:
-        return np.stack([between(x, steps) for x in low_pass(outputs)])
+        return np.stack([places.read(x) for x in low_pass(outputs)])
 
     return InverseDynamics(motion(record, band), finer, coarse, counts)
 

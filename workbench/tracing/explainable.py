@@ -25,21 +25,16 @@ from workbench.motion import MOTION_BAND, LowPass
 from workbench.plant import TWO_MASS
 from workbench.tracing.criteria import Criteria
 from workbench.tracing.evidence import Explainable
+from workbench.tracing.foreseen import BLOCK, FOLDS, LEAST_LEAF, foreseen, numbered
 from workbench.tracing.lines import Part, strongest_lines
 from workbench.tracing.state import State
 
-BLOCK = 0.7  # s, left out together: longer than the memory of filters and of trees over neighbouring samples
 STRETCH = 0.25  # s
 SPANS = (0.5, 2.0, 8.0)  # s, widths of the neighbourhood in bench time
 # Of the stroke, widths of the neighbourhood in place. Where a belt's stiffness changes along it, each from 0.01 to 0.1 takes 4.4 to 3.2 %
 # of the drive, and 0.2 takes 2.1; of thirteen complete two-mass axes none takes anything, with any of them
 NEARBY = (0.02, 0.05, 0.1)
-FOLDS = 5
 CERTAIN = 3.0  # standard errors over blocks by which a share must differ from zero
-# Of the trees; with twice as many of half the rate every verdict and cause of four families (c, d, another author's 24, six measured axes) is
-# the same, and a trace takes a sixth to a fifth longer
-TREES, RATE, LEAVES, LEAST_LEAF = 40, 0.2, 16, 40
-RANKS = 128
 STILL, TURNING = 0.05, 0.06  # of the speed's rms, and s after a reversal, that are standstill
 HEAVY = 20.0  # evaluation bandwidth over that of the position's low pass, where no reference was logged
 
@@ -140,50 +135,6 @@ def _exogenous(parts: Sequence[Part]) -> float:
     before = np.bincount(block[told], y[told] ** 2, block[-1] + 1)
     after = np.bincount(block[told], (y[told] - found[told]) ** 2, block[-1] + 1)
     return _gained(before, after)
-
-
-def foreseen(parts: Sequence[Part], y: np.ndarray, used: np.ndarray) -> np.ndarray:
-    """Return y (n,) as boosted trees predict it out of sample from what is outside the loop; NaN where it is not `used` (n,)
-    of bool, or where too little is. Records weigh alike."""
-    from sklearn.ensemble import HistGradientBoostingRegressor
-    from threadpoolctl import threadpool_limits
-
-    x = _ranked(np.vstack([p.outside for p in parts]))
-    weight = np.concatenate([np.full(p.residual.size, 1.0 / max(np.count_nonzero(p.moves), 1)) for p in parts])
-    fold = numbered(parts) % FOLDS
-    found = np.full(y.size, np.nan)
-    for k in range(FOLDS):
-        seen, out = used & (fold != k), used & (fold == k)
-        if np.count_nonzero(seen) < 10 * LEAST_LEAF or not out.any():
-            continue
-        trees = HistGradientBoostingRegressor(
-            learning_rate=RATE,
-            max_iter=TREES,
-            max_leaf_nodes=LEAVES,
-            min_samples_leaf=LEAST_LEAF,
-            early_stopping=False,
-            random_state=0,
-        )
-        with threadpool_limits(limits=1):  # after the import: what it loads is not known before
-            found[out] = trees.fit(x[seen], y[seen], weight[seen]).predict(x[out])
-    return found
-
-
-def _ranked(x: np.ndarray) -> np.ndarray:
-    """Return each column of x (n, features) in RANKS steps of as many samples: all that trees see of it."""
-    cuts = np.quantile(x, np.linspace(0.0, 1.0, RANKS + 1)[1:-1], axis=0)
-    return np.stack([np.searchsorted(c, v) for c, v in zip(cuts.T, x.T, strict=True)], axis=1).astype(np.float32)
-
-
-def numbered(parts: Sequence[Part]) -> np.ndarray:
-    """Return the number of each sample's block of about BLOCK s, none across records."""
-    found, first = [], 0
-    for p in parts:
-        n = p.residual.size
-        count = max(1, round(n * p.dt / BLOCK))
-        found.append(first + (np.arange(n) * count) // n)
-        first += count
-    return np.concatenate(found)
 
 
 def _over_time(parts: Sequence[Part]) -> float:

@@ -2,17 +2,13 @@
 
 from collections.abc import Sequence
 
-import numpy as np
-
-from workbench.identification.fit import fitted_on, identify
-from workbench.identification.problem import Problem
+from workbench.identification.fit import end_of_search, identify
 from workbench.identification.result import Fit
-from workbench.identification.solve import ITERATIONS, TOLERANCE, NoValue, solve
-from workbench.inverse.dynamics import InverseDynamics
 from workbench.plant import TWO_MASS, Plant
 from workbench.processes import shared
 from workbench.tracing.candidates import brought
 from workbench.tracing.judge import FURTHER, ScoredCandidate
+from workbench.tracing.preparing import Declared
 
 SETTLED = 1e-5  # relative decrease of the cost at which a fit on whole records is as good as it is compared
 # Of what two balances leave, by which it falls plainly; all additions together take that much more than those that stand alone. Of 232 axes
@@ -22,7 +18,7 @@ RISEN = 1.05  # of the drive's error, from which it has plainly risen
 
 
 def nested_fits(
-    declared: Plant, added: Sequence[ScoredCandidate], found: Plant, inverses: Sequence[InverseDynamics]
+    late: Declared, added: Sequence[ScoredCandidate], found: Plant
 ) -> tuple[list[ScoredCandidate], list[Fit]]:
     """Return what whole records bear out of what was added, and the fits: of the declared plant, and with one more of these each.
 
@@ -31,21 +27,12 @@ def nested_fits(
     values that the search ended with, because a declared model that lacks much is fitted to values far from the machine's;
     and from the fit before it where that comes to nothing.
     """
-    plants = [declared]
+    inverses, plants = late.inverses, [late.plant]
     for j in added:
         plants.append(valued(brought(plants[-1], j.candidate, found), found))
-    whole = fitted_on(inverses)
-
-    def end_of(plant: Plant) -> np.ndarray | None:
-        """Return where the search for a plant ends, on the search scale; None where the plant has no value on the records."""
-        tolerance, most = (TOLERANCE, ITERATIONS) if plant is declared else (SETTLED, FURTHER)
-        try:
-            return solve(Problem(plant, whole), None, tolerance, most=most).theta
-        except NoValue:
-            return None
-
-    ends = list(shared(end_of, plants))  # no search needs another one's result
-    fits = [identify(declared, inverses, ends[0], solved=True)]
+    # no search needs another one's result
+    ends = [None, *shared(lambda p: end_of_search(p, late.whole, SETTLED, FURTHER), plants[1:])]
+    fits = [late.fit]
     kept: list[ScoredCandidate] = []
     for i, j in enumerate(added):
         plant = brought(fits[-1].plant, j.candidate, found)

@@ -4,15 +4,13 @@ A formula that is only near bends within the records that were fitted, and goes 
 levels off, until an axis moves faster. A class has other laws; which one it is shows where the motion is another one.
 """
 
-from collections.abc import Collection, Sequence
+from collections.abc import Collection
 from dataclasses import replace
 
 from workbench.definition import catalogue
 from workbench.effects.families import FREE_FORMS
 from workbench.identification.result import Fit
 from workbench.identification.solve import NoValue
-from workbench.inverse.dynamics import InverseDynamics
-from workbench.plant import Plant
 from workbench.record import IDENTIFICATION, VALIDATION
 from workbench.tracing.candidates import ADDITION, Offer, without
 from workbench.tracing.criteria import Criteria
@@ -21,6 +19,7 @@ from workbench.tracing.free_forms import MEMORY, free_forms
 from workbench.tracing.full_rate import nested_fits
 from workbench.tracing.judge import Progress, ScoredCandidate, judged, refitted_as
 from workbench.tracing.near_law import as_declared
+from workbench.tracing.preparing import Declared
 from workbench.tracing.ranking import step
 from workbench.tracing.selection import Answer, Selection
 from workbench.tracing.state import State
@@ -30,8 +29,7 @@ from workbench.tracing.weighing import Confirmed, weighed
 def otherwise(
     selected: Selection,
     confirmed: Confirmed,
-    declared: Plant,
-    inverses: Sequence[InverseDynamics],
+    late: Declared,
     offer: Offer,
     criteria: Criteria,
     progress: Progress,
@@ -53,14 +51,14 @@ def otherwise(
     best, now = None, confirmed.fits[-1]
     for k in _laws(selected, j, offer, criteria, progress):
         added = [*confirmed.added[:i], k, *confirmed.added[i + 1 :]]
-        kept, fits = nested_fits(declared, added, as_declared(k.state.plant, selected.laws), inverses)
+        kept, fits = nested_fits(late, added, as_declared(k.state.plant, selected.laws))
         before = confirmed.fits[0] if j.candidate.stands and best is None else None
         if len(kept) == len(added) and _better(fits[-1], now, criteria, before):
             now, best = fits[-1], (k, kept, fits)
     if best is None:
         return selected, confirmed
     answer = Answer(best[1], selected.answer.declared, best[0].state)
-    again = weighed(selected, best[1], best[2], inverses, criteria)
+    again = weighed(selected, best[1], best[2], late.inverses, criteria)
     return replace(selected, answer=answer), replace(confirmed, added=best[1], fits=best[2], weighed=again)
 
 

@@ -18,7 +18,8 @@ import numpy as np
 from workbench.inverse.balances import predicted
 from workbench.inverse.dynamics import InverseDynamics
 from workbench.plant import Plant
-from workbench.tracing.explainable import foreseen, numbered, part
+from workbench.tracing.explainable import part
+from workbench.tracing.foreseen import foreseen, numbered
 
 
 def multiplier(before: Plant, after: Plant, inverses: Sequence[InverseDynamics]) -> tuple[float, float]:

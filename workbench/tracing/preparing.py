@@ -1,7 +1,7 @@
 """What is asked of a declared model and its records before any effect is tried, in order: each answer may change either.
 
 counts that an encoder lost are put back ─► an axis that sticks does not count at rest ─► a clock that is late between two
-encoders is held ─► does the joint then carry anything?
+encoders is held ─► whole records are fitted: does the joint then carry anything?
 """
 
 from collections.abc import Collection, Sequence
@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 from workbench.finding import Finding
-from workbench.identification.fit import fitted_on, identify
+from workbench.identification.fit import end_of_search, fitted_on, identify
 from workbench.identification.result import Fit
 from workbench.inverse.dynamics import InverseDynamics
 from workbench.inverse.wording import idle
@@ -26,13 +26,15 @@ Only = Collection[str] | None
 @dataclass(frozen=True, eq=False)
 class Declared:
     """declared: the plant as declared. plant: with the clock that the angle between two encoders says is late, held. inverses: that
-    count in all that follows. before: the fit of the declared plant, where there is such a clock. idle: a finding that the fit lets
+    count in all that follows. fit: of that plant on whole records, which every extended one is held against, None until all else is
+    known. before: the fit of the declared plant, where there is such a clock. idle: a finding that the fit lets
     the joint carry nothing. lost: counts that an encoder loses, which are put back. sticks: where it does, if that is most of the
     residual."""
 
     declared: Plant
     plant: Plant
     inverses: Sequence[InverseDynamics]
+    fit: Fit | None = None
     skew: Skew | None = None
     before: Fit | None = None
     idle: Finding | None = None
@@ -64,7 +66,8 @@ def without_rest(d: Declared, found: Plant) -> Declared | None:
     if sticks is None:
         return None
     before = identify(d.declared, sticks.inverses) if d.before else None
-    return replace(d, inverses=sticks.inverses, sticks=replace(sticks, beside=True), before=before)
+    fit = _fit(d.plant, sticks.inverses)
+    return replace(d, inverses=sticks.inverses, sticks=replace(sticks, beside=True), before=before, fit=fit)
 
 
 def _put_back(d: Declared, only: Only, criteria: Criteria) -> Declared:
@@ -85,8 +88,14 @@ def _hold_late_clock(d: Declared, only: Only, criteria: Criteria) -> Declared:
     return replace(d, plant=skew.candidate.plant, skew=skew, before=identify(d.plant, d.inverses)) if skew else d
 
 
-def _see_whether_idle(d: Declared, only: Only, criteria: Criteria) -> Declared:
-    return replace(d, idle=idle(d.inverses, identify(d.plant, d.inverses).plant)) if d.plant.kind == TWO_MASS else d
+def _fitted(d: Declared, only: Only, criteria: Criteria) -> Declared:
+    found = _fit(d.plant, d.inverses)
+    return replace(d, fit=found, idle=idle(d.inverses, found.plant) if d.plant.kind == TWO_MASS else None)
 
 
-FIRST = (_put_back, _leave_rest_out, _hold_late_clock, _see_whether_idle)
+def _fit(plant: Plant, inverses: Sequence[InverseDynamics]) -> Fit:
+    """Return the fit of a plant from where the search on records as they begin has ended."""
+    return identify(plant, inverses, end_of_search(plant, fitted_on(inverses)), solved=True)
+
+
+FIRST = (_put_back, _leave_rest_out, _hold_late_clock, _fitted)

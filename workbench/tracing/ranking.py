@@ -11,6 +11,7 @@ from workbench.effects.free_bank import NAME as FREE_CURVE
 from workbench.identification.cross_validation import gain
 from workbench.plant import TWO_MASS
 from workbench.processes import shared
+from workbench.tracing import foreseen, starts
 from workbench.tracing.candidates import ADDITION, WHOLE, Offer
 from workbench.tracing.criteria import Criteria
 from workbench.tracing.judge import STANDARD, Progress, ScoredCandidate, free_of, judged, refitted, refitted_as
@@ -31,11 +32,12 @@ def step(
 ) -> list[ScoredCandidate]:
     """Judge every candidate that is offered; return them best first, those that lead fitted with everything free."""
     candidates = offer.candidates(state.plant)
-    # made here, else by every process for itself
+    # loaded and made here, else by every process for itself
+    starts.loaded()
     _ = state.power, state.residuals, state.absorbed, state.solution.columns, state.solution.gram
     judgements = []
     for candidate, found in zip(
-        candidates, shared(lambda s: judged(state, s, criteria, offer.budget), candidates), strict=True
+        candidates, shared(lambda s: judged(state, s, criteria, offer.budget), candidates, foreseen.loaded), strict=True
     ):
         progress(f"trying {candidate.key}")
         judgements.append(ScoredCandidate(candidate, **found))

@@ -91,6 +91,11 @@ def _grid(
     return []
 
 
+def loaded() -> None:
+    """Load what starts are found with, before processes share them: each would take 0.4 s for it."""
+    import scipy.signal  # noqa: F401
+
+
 def resonances(
     inverses: Sequence[InverseDynamics], residuals: Sequence[np.ndarray], many: int = BUDGET.resonances
 ) -> list[float]:

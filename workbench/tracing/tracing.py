@@ -10,6 +10,7 @@ from workbench.identification.solve import NoValue
 from workbench.inverse.dynamics import InverseDynamics
 from workbench.keeping import kept
 from workbench.plant import Plant
+from workbench.processes import shared
 from workbench.residual.noise_floor import floor as noise_floor
 from workbench.threads import one_thread
 from workbench.tracing.budget import BUDGET, Budget
@@ -20,6 +21,7 @@ from workbench.tracing.decide import CAUSE, NOT_BORNE_OUT, REFINEMENT, Verdict, 
 from workbench.tracing.decimation import decimate
 from workbench.tracing.evidence import CORRECTION, Evidence
 from workbench.tracing.explainable import explainable
+from workbench.tracing.foreseen import loaded
 from workbench.tracing.judge import STANDARD, Progress, ScoredCandidate
 from workbench.tracing.otherwise import otherwise
 from workbench.tracing.preparing import Declared, prepared, without_rest
@@ -77,10 +79,10 @@ def _decided(late: Declared, selected: Selection, offer: Offer, criteria: Criter
     order, confirmed, refused = selected.answer.added, None, []
     while order is not None:
         first = confirmed is None
-        confirmed = confirm(late.plant, order, selected, inverses, criteria, None if first else confirmed.levels)
+        confirmed = confirm(late, order, selected, criteria, None if first else confirmed.levels)
         if first:
             progress("weighing the evidence")
-            selected, confirmed = otherwise(selected, confirmed, late.plant, inverses, offer, criteria, progress)
+            selected, confirmed = otherwise(selected, confirmed, late, offer, criteria, progress)
             evidence, place = _evidence_of(selected, confirmed, late, inverses, criteria)
         evidence = replace(evidence, added=confirmed.weighed)
         verdict = decide(evidence, criteria)
@@ -123,8 +125,9 @@ def _evidence_of(
     answer, base = selected.answer, selected.base
     calm = max(answer.last.steady, min(confirmed.levels.values(), default=0.0))
     even = {p.motion.record.name: calm for p in inverses}
-    before = explainable(base, criteria)
-    after = explainable(answer.last, criteria) if answer.added else before
+    states = [base, answer.last] if answer.added else [base]
+    loaded()
+    told = list(shared(lambda s: explainable(s, criteria), states))
     paid = traded(base, answer.last, even) if confirmed.added else None
     place = paid or (instead(base, answer.last, even) if confirmed.added else None)
     first = confirmed.fits[0]
@@ -132,8 +135,8 @@ def _evidence_of(
     evidence = Evidence(
         declared={"identification": first.identification, "validation": first.validation},
         floor=noise_floor(inverses, steady),
-        before=before,
-        after=after,
+        before=told[0],
+        after=told[-1],
         added=confirmed.weighed,
         place_instead=place is not None,
         clock=late.skew is not None,

@@ -18,6 +18,7 @@ from workbench.tracing.near_law import NAME
 from workbench.tracing.outside import multiplier
 from workbench.tracing.plausible import implausible
 from workbench.tracing.power_up import calibrate, periodic
+from workbench.tracing.preparing import Declared
 from workbench.tracing.result import Refinement
 from workbench.tracing.selection import Selection
 from workbench.tracing.wording_search import nearly_right
@@ -37,17 +38,16 @@ class Confirmed:
 
 
 def confirm(
-    declared: Plant,
+    late: Declared,
     order: Sequence[ScoredCandidate],
     selected: Selection,
-    inverses: Sequence[InverseDynamics],
     criteria: Criteria,
     levels: Mapping[str, float] | None = None,
 ) -> Confirmed:
     """Return what whole records bear out of additions, asked in this order, and weighed. levels: as found before."""
-    added, fits = nested_fits(declared, order, selected.found, inverses)
-    found = weighed(selected, added, fits, inverses, criteria)
-    return Confirmed(added, fits, noise_rms(inverses, fits[-1].plant) if levels is None else levels, found)
+    added, fits = nested_fits(late, order, selected.found)
+    found = weighed(selected, added, fits, late.inverses, criteria)
+    return Confirmed(added, fits, noise_rms(late.inverses, fits[-1].plant) if levels is None else levels, found)
 
 
 def weighed(
