@@ -567,6 +567,22 @@ def test_a_step_that_is_off_is_refused_with_its_row(campaign):
     )
 
 
+@pytest.mark.parametrize("late", [0, 1])
+def test_stamps_that_were_rounded_are_those_of_one_rate_and_a_late_one_is_not(campaign, late):
+    table = rows(20.0)
+    instants = 3.0 + np.arange(len(table)) / 1200.0
+    table[:, 0] = np.round(instants, 5)  # steps of 0.83 and 0.84 ms
+    table[90:, 0] += late * 2e-5
+    campaign.put("val_moves.csv", table)
+    if late:
+        campaign.refused("more than 1 % apart", file="val_moves.csv")
+    else:
+        c = campaign.load()
+        assert c.findings == ()
+        assert np.allclose(c.records[1].time, instants, rtol=0, atol=5e-6)
+        assert np.allclose(np.diff(c.records[1].time), 1 / 1200.0, rtol=1e-3)
+
+
 def test_resampling_is_straight_lines_at_the_median_step_and_is_said(campaign):
     table = np.delete(rows(20.0), [40, 41, 42, 90], axis=0)
     campaign.put("val_moves.csv", table)

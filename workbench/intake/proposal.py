@@ -10,7 +10,7 @@ from workbench.intake.clocks import seconds
 from workbench.intake.columns import Columns, Guess, Scale
 from workbench.intake.entries import Entry, entries, stretches
 from workbench.intake.names import is_length, kind_of
-from workbench.readers.sampling import TOLERANCE
+from workbench.readers.sampling import TOLERANCE, unrounded
 
 SURE = 0.3  # share of the drive that motion must explain before its sign is believed
 
@@ -81,7 +81,7 @@ def proposal(columns: Columns, guesses: Sequence[Guess]) -> Proposal:
 
 
 def _uneven(time: np.ndarray) -> int:
-    steps = np.diff(time)
+    steps = np.diff(even if (even := unrounded(time)) is not None else time)
     step = float(np.median(steps))
     return int(np.count_nonzero(np.abs(steps - step) > TOLERANCE * step))
 

@@ -11,6 +11,7 @@ from workbench.readers import wording
 FEWEST = 100  # samples
 TOLERANCE = 0.01  # of the median step
 LONGEST_GAP = 10  # median steps; what lies in a longer gap is not measured, and a straight line is not it
+DECIMALS = 9  # of a second, the finest that a stamp is rounded to; a nanosecond lies within any rate's 1 %
 
 
 def uniform(
@@ -24,7 +25,8 @@ def uniform(
     """Return time, channels and a finding where they were resampled.
 
     time: (n,) s. channels: name -> (n,). place: sample number -> "file, row". Every step must be within 1 % of the median
-    step; with resample=True, channels are interpolated linearly at the median step from the first sample on, and the
+    step, or the stamps be those of one rate, rounded to the digits that they were written with: then the rate's own are
+    returned. With resample=True, channels are interpolated linearly at the median step from the first sample on, and the
     finding (kind "resampled", subject `name`) says how many steps were off and the longest. Raises UnsoundRecord with
     file and row for time that does not increase, a step that is off, and a gap longer than ten steps.
     """
@@ -33,6 +35,8 @@ def uniform(
     off = np.flatnonzero(np.abs(steps - median) > TOLERANCE * median)
     if not off.size:
         return time, channels, None
+    if (even := unrounded(time)) is not None:
+        return even, channels, None
     worst = int(np.argmax(steps))
     if steps[worst] > LONGEST_GAP * median:
         raise UnsoundRecord(
@@ -73,6 +77,27 @@ def _increasing(name: str, time: np.ndarray, place: Callable[[int], str]) -> np.
             name,
         )
     return steps
+
+
+def unrounded(time: np.ndarray) -> np.ndarray | None:
+    """Return the instants (n,) of one rate of which `time` holds the roundings to its last decimal, or None where it does not.
+
+    A log of 1200 Hz with five decimals has steps of 0.83 and 0.84 ms. No stamp may lie farther from its instant than half of the last digit, so that a
+    sample that was dropped, or late by a digit, is none of this.
+    """
+    digit = next(
+        (
+            10.0**-k
+            for k in range(DECIMALS)
+            if np.allclose(time * 10.0**k, np.round(time * 10.0**k), rtol=0.0, atol=1e-4)
+        ),
+        None,
+    )
+    if digit is None:
+        return None
+    number = np.arange(time.size)
+    even = np.polynomial.Polynomial.fit(number, time, 1)(number)
+    return even if np.ptp(time - even) <= 1.01 * digit else None
 
 
 def _resampled(name, time, channels, step, off):
