@@ -156,6 +156,7 @@ def test_a_record_becomes_its_motion():
 def test_what_counts_begins_after_the_trim_or_where_the_record_says():
     assert motion(record(T), 100.0).keep == slice(int(TRIM * RATE), N - int(TRIM * RATE))
     assert motion(record(T, counts_from=0.8), 100.0).keep.start == 800
+    assert motion(record(T), 8.0).keep == slice(RATE // 8, N - RATE // 8)  # an end shows for as long as its filter does
 
 
 def test_a_record_is_not_changed():

@@ -18,7 +18,7 @@ from workbench.kernel.scan import scan
 from workbench.record import Record
 
 PAD = 0.5  # s, of odd reflection at both ends
-TRIM = 0.05  # s, at both ends, that no error counts
+TRIM = 0.05  # s, at both ends, that no error counts, or a period of the band's edge where that is longer: what an end does passes its filter
 MOTION_BAND = 2.0  # band of the motion's own low pass over the evaluation bandwidth: flat (0.4 %) where errors count
 
 
@@ -83,7 +83,12 @@ class LowPass:
     @property
     def trim(self) -> int:
         """Samples at each end that no error counts."""
-        return int(TRIM * self.rate)
+        return int(trimmed(self.bandwidth) * self.rate)
+
+
+def trimmed(bandwidth: float) -> float:
+    """Return the time in s at each end of a record that no error counts behind a low pass of this bandwidth in Hz."""
+    return max(TRIM, 1.0 / bandwidth)
 
 
 @lru_cache(maxsize=64)

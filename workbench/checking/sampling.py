@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 from workbench.checking.seen import Seen
 from workbench.definition import Effect
-from workbench.motion import MOTION_BAND, TRIM
+from workbench.motion import MOTION_BAND, trimmed
 
 PERIODS = 20  # of the bandwidth that a record must last
 SHORTEST = 0.5  # s: a record must be longer than what is trimmed and reflected at its ends
@@ -56,7 +56,7 @@ def rates(seen: Seen) -> Iterator[Slow]:
 
 def lengths(seen: Seen) -> Iterator[Short]:
     """Yield which records are too short for their bandwidth, as a clock in the wrong unit makes them."""
-    need = max(SHORTEST, PERIODS / seen.campaign.bandwidth + 2 * TRIM)
+    need = max(SHORTEST, PERIODS / seen.campaign.bandwidth + 2 * trimmed(seen.campaign.bandwidth))
     for r in seen.campaign.records:
         lasts = float(r.time[-1] - max(r.time[0], r.counts_from))
         if lasts < need:

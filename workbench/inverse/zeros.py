@@ -15,7 +15,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from workbench.motion import MOTION_BAND, TRIM, LowPass
+from workbench.motion import MOTION_BAND, LowPass
 from workbench.record import Record
 
 # Angle between encoders at rest over the rms of what is left of it, the elastic deflection of a moving joint, from which
@@ -31,7 +31,7 @@ def _angles(records: Sequence[Record], bandwidth: float) -> tuple[np.ndarray, np
     for k, r in enumerate(records):
         smooth = LowPass(MOTION_BAND * bandwidth, 1 / r.dt, r.time.size)
         _, v, a = smooth.derivatives(r.channels["load_position"], 3)
-        keep = slice(round(TRIM / r.dt), r.time.size - round(TRIM / r.dt))
+        keep = slice(smooth.trim, r.time.size - smooth.trim)
         columns.append(np.column_stack([a, v, np.sign(v)])[keep])
         apart.append(smooth(r.channels["position"] - r.channels["load_position"])[keep])
         which.append(np.full(len(apart[-1]), k))

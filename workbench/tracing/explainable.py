@@ -87,8 +87,11 @@ def part(p: InverseDynamics, residual: np.ndarray, ratio: float) -> Part:
     turn = 2.0 * np.pi / max(ratio, 1e-12)
     features = [q, v, a, way, np.log(_travelled(q, way) + 1e-3 * np.ptp(q) + 1e-300), np.abs(v)]
     features += [np.roll(a, near), np.roll(a, -near), np.roll(v, far), np.mod(q, turn)]
+    moves = _moving(m.v, m.dt, keep)
+    if p.counts is not None:  # where the balance does not count nothing is left, and what is usual there is no measure
+        moves &= p.counts[0]
     return Part(
-        residual, np.column_stack(features)[keep], _moving(m.v, m.dt, keep)[keep], _held_sign(m.v)[keep], m.t[keep], m.dt,
+        residual, np.column_stack(features)[keep], moves[keep], _held_sign(m.v)[keep], m.t[keep], m.dt,
         m.filter(m.u)[keep], q[keep], m.filter.bandwidth,
     )  # fmt: skip
 
