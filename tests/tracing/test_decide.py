@@ -87,6 +87,10 @@ CASES = {
     "a place in which a law is only nearly right says no more": (
         evidence(weighed(), before=0.035, after=0.004, place_instead=True), CAUSE, (CAUSE,),
     ),
+    "a place where dry friction turns says no more than the friction that gives way there, of which nothing is left": (
+        evidence(weighed("presliding_hysteresis", (0.16, 0.016), (0.16, 0.016)), before=0.002, after=0.007, place_instead=True), CAUSE,
+        (CAUSE,),
+    ),
     "what is paid for with residual outside a window of the stroke": (
         evidence(weighed(), before=0.07, after=0.03, traded=True), UNKNOWN, (DRESSING,),
     ),

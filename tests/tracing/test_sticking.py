@@ -6,6 +6,7 @@ import pytest
 from workbench.definition import find
 from workbench.identification.fit import identify
 from workbench.inverse.dynamics import inverse_dynamics
+from workbench.kernel.step import build
 from workbench.plant import ONE_MASS, Plant
 from workbench.record import IDENTIFICATION, VALIDATION, Record
 from workbench.tracing.sticking import sticking
@@ -64,6 +65,20 @@ def test_an_axis_that_does_not_stop_counts_everywhere():
 def test_friction_with_memory_has_a_prediction_at_rest():
     plant = Plant(ONE_MASS, rotary=False) + find("inertia") + find("presliding_hysteresis")
     assert sticking(plant, inverse_dynamics([recorded("a", IDENTIFICATION, 0.6)], BAND)) is None
+
+
+def test_friction_that_gives_way_over_many_counts_is_no_sticking():
+    """A pad on slow sines stays within a count at every reversal, and builds up its force over forty."""
+    t = DT * np.arange(6000)
+    q = 2e-3 * np.sin(2.0 * np.pi * 0.4 * t)
+    yields = find("presliding_hysteresis")(h0=COULOMB, x0=40.0 * COUNT)
+    force = build(yields).run(
+        {"dq": np.diff(q, prepend=q[0]), "dt": DT}, {n: p.value for n, p in yields.parameters.items()}
+    )[0]
+    noise = 0.1 * np.random.default_rng(1).standard_normal(t.size)
+    channels = {"force": force + noise, "position": COUNT * np.round(q / COUNT)}
+    record = Record("a", IDENTIFICATION, t, channels, resolution={"position": COUNT})
+    assert sticking(declared(), inverse_dynamics([record], BAND)) is None
 
 
 def test_a_trace_names_nothing_of_an_axis_that_only_sticks():

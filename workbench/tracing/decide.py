@@ -151,7 +151,12 @@ def _share_of(causes: list[Weighed], evidence: Evidence, role: str) -> float:
 
 
 def _little_left(evidence: Evidence, criteria: Criteria) -> bool:
-    """Whether what was added leaves little of what could be explained, of every kind that is worth it: a cause leaves no line as it was."""
+    """Whether what was added leaves little of what could be explained, of every kind that is worth it: a cause leaves no line as it was.
+
+    Beside a free virgin curve nothing may be explainable before: then nothing is to be after.
+    """
+    if max(evidence.before.size, evidence.after.size) < criteria.explainable:
+        return True
     return (
         all(
             min(before, after) < criteria.explainable or after**2 <= criteria.left * before**2

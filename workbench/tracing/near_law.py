@@ -28,6 +28,7 @@ CARRIES, FURTHEST = 0.1, 0.03
 LEAST = 3  # elements of a curve
 UNSEEN = 1e-6  # of the travel: stands for a count where none is known
 KEPT = 1e-3  # of the curve's height, below which an element is left out
+SEEN = 2.0  # encoder counts above which a presliding length is the axis' own and not a matter of counts
 
 
 @dataclass(frozen=True)
@@ -113,12 +114,9 @@ def freed(plant: Plant, known: Sequence[Law], inverses: Sequence[InverseDynamics
     for e in plant.effects:
         held = held.swap(replace(e, parameters={n: replace(p, fixed=p.fixed or n not in e.linear) for n, p in e.parameters.items()}))  # fmt: skip
     for law in here:
-        stands = present.get(law.key)
-        begun = (
-            _curve(law, heights(stands))
-            if stands
-            else bank_beside(law.slips, [plant[law.declared.key]], law.declared.at)
-        )
+        stood = heights(present[law.key]) if law.key in present else {}
+        holds = any(stood.get(s, 0.0) > 0.0 for s in law.slips)
+        begun = _curve(law, stood) if holds else bank_beside(law.slips, [plant[law.declared.key]], law.declared.at)
         held = held.without(law.declared.key) + begun
     try:
         problem = Problem(held, inverses)

@@ -10,12 +10,11 @@ from workbench.tracing.candidates import Offer, without
 from workbench.tracing.criteria import Criteria
 from workbench.tracing.greedy import Step, extended, leading
 from workbench.tracing.judge import Progress, ScoredCandidate, lighter
-from workbench.tracing.near_law import Law, as_declared, count_at, freed, laws, lengthened
+from workbench.tracing.near_law import SEEN, Law, as_declared, count_at, freed, laws, lengthened
 from workbench.tracing.ranking import step
 from workbench.tracing.state import State
 
 PROMISE = 0.05  # of the residual's power, from which a candidate is asked again when others are taken out
-SEEN = 2.0  # encoder counts above which a presliding length is the axis' own and not a matter of counts
 
 
 @dataclass(frozen=True)
