@@ -209,6 +209,13 @@ def test_a_flexible_mode_far_above_the_motion_is_added_inertia():
     np.testing.assert_allclose(force, 0.2 * a, atol=2e-3 * 0.2)
 
 
+def test_a_part_of_the_declared_mass_is_a_mode_less_what_was_declared_of_it():
+    a = np.random.default_rng(3).normal(size=400).cumsum()
+    own = {"mass": 0.2, "frequency": 40.0, "damping": 0.05}
+    mode, part = (output(find(n)(**own), a=a, dt=1e-3) for n in ("flexible_mode", "flexible_part"))
+    np.testing.assert_allclose(part, mode - 0.2 * a, rtol=0.0, atol=1e-12 * np.abs(a).max())
+
+
 def test_fading_memory_follows_its_differential_equation():
     effect = find("fading_memory").declared({"A": 90.0, "alpha": 600.0}, {}, "")
     x = walk(400)

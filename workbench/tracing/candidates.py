@@ -100,6 +100,8 @@ def _additions(effect: Effect, place: str, plant: Plant, stands_for: Mapping[str
     readable = all(s in _plant_signals(plant) for s in effect.reads)
     if place in effect.stated or not readable or not _offered(effect, place, plant):
         return []
+    if effect.counted_in and not _held_by_data_sheet(f"{effect.counted_in}@{place}", plant, stands_for):
+        return []
     another = effect(at=place)
     known = {e.key for e in (*plant.effects, *stands_for.values())}
     if another.key in known and _periodic(effect):
@@ -116,12 +118,18 @@ def _additions(effect: Effect, place: str, plant: Plant, stands_for: Mapping[str
         instead, restored = same, tuple(stands_for[key].key for key in same)
         for key in same:
             rest = rest + stands_for[key]
-    part = _missing_part(another, [stands_for.get(key) or plant[key] for key in same])
+    called = another.nearest if another.traced else ""
+    part = called or _missing_part(another, [stands_for.get(key) or plant[key] for key in same])
     found = [Candidate(another.named, place, ADDITION, rest + another, instead, restored=restored, part=part)]
     if same and FREE_CURVE not in {k.partition("@")[0] for k in same}:
         # the same beside what it may take the place of: two contacts
         found.append(Candidate(another.named, place, ADDITION, plant + another))
     return found
+
+
+def _held_by_data_sheet(key: str, plant: Plant, stands_for: Mapping[str, Effect]) -> bool:
+    """Whether an effect of this key is declared with values from a data sheet. stands_for: as of `candidates_of`."""
+    return key in {e.key for e in plant.effects} and bool(from_data_sheet(stands_for.get(key, plant[key])))
 
 
 def _corrections(plant: Plant, declared: Collection[str], stands_for: Mapping[str, Effect]) -> list[Candidate]:
