@@ -10,6 +10,7 @@ from workbench.definition import find
 from workbench.inverse.dynamics import inverse_dynamics
 from workbench.plant import ONE_MASS, Plant
 from workbench.record import IDENTIFICATION, VALIDATION, Record, Source
+from workbench.tracing import greedy
 from workbench.tracing.candidates import candidates_of
 from workbench.tracing.starts import resonances
 from workbench.tracing.tracing import trace
@@ -50,6 +51,23 @@ def test_a_composite_bears_the_name_of_the_part_that_is_missing():
     assert named["lugre_friction"] == "lugre_friction"  # of its parts either may be what Coulomb friction lacks
     bare = Plant(ONE_MASS) + find("inertia")(inertia=0.01)
     assert {s.effect: s.name for s in candidates_of(bare)}["friction_behind_gap"] == "friction_behind_gap"
+
+
+def test_friction_over_a_root_of_speed_is_no_two_laws(monkeypatch):
+    """-v|v| and a peak at low speed say together what one power of speed says, where no free form has said it."""
+    monkeypatch.setattr(greedy, "free_law", lambda *_: None)
+    root = lambda v: 0.8 * np.sign(v) * np.abs(v) ** 0.45  # noqa: E731
+    records = [recorded(n, r, 1.0, root) for n, r in (("a", IDENTIFICATION), ("bb", VALIDATION))]
+    found = trace(PLANT, inverse_dynamics(records, 50.0), only=("nonlinear_viscous_friction", "stribeck_friction"))
+    assert found.added == ("nonlinear_viscous_friction",)
+    assert found.causes[0].form == "power_law_friction" and found.after.validation < 0.05
+
+
+def test_a_body_on_a_spring_may_be_counted_in_a_mass_from_a_data_sheet():
+    free = candidates_of(PLANT)
+    held = candidates_of(PLANT.swap(find("inertia")(inertia=0.01, fixed=True)))
+    assert "flexible_part" not in {s.effect for s in free}
+    assert {s.name for s in held if s.effect == "flexible_part"} == {"flexible_mode"}
 
 
 def test_a_sharp_resonance_is_where_a_search_starts():

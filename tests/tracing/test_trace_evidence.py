@@ -231,6 +231,20 @@ def test_of_equals_the_usual_effect_is_named_before_a_rare_one(monkeypatch):
     assert leads(fading, lugre) is fading
 
 
+def test_values_that_no_machine_has_lead_only_where_no_plausible_effect_takes_nearly_as_much(monkeypatch):
+    """A creep whose rates lie at their bound is a spring, and takes a little more of an axis that also has a hose."""
+    creep, spring, drift = (
+        SimpleNamespace(
+            candidate=SimpleNamespace(key=name), score=SimpleNamespace(gain=gain, earns=True), refitted=object()
+        )
+        for name, gain in (("creep", 0.87), ("cable_spring", 0.85), ("sensor_trend", 0.3))
+    )
+    monkeypatch.setattr(ranking, "absurd", lambda j, state: j is creep)
+    assert ranking._sound([creep, spring, drift], STANDARD, None) is spring
+    assert ranking._sound([creep, drift], STANDARD, None) is creep
+    assert ranking._sound([spring, creep], STANDARD, None) is spring
+
+
 @pytest.mark.parametrize(("order", "strange"), [(282.0, False), (235.4, False), (23.5, False), (100.0, True)])
 def test_a_further_wave_is_of_one_mechanism_where_orders_stand_as_small_numbers(order, strange):
     first, more = (find("cogging")(label=label, order=n) for label, n in (("", 47.0), ("2", order)))

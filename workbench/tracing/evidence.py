@@ -58,7 +58,7 @@ class Weighed:
     what acts behind the joint shows there, and need not show in the drive. outside, outside_error: its multiplier by what is outside
     the loop, and that one's standard error (`outside.multiplier`). power_up: whether its phase on validation is one of its
     own, with which `after` is then. same_curve: whether a larger addition says the same curve (a joint has one of torque over
-    angle), so that this one only bends its law.
+    angle; a wave that no machine has beside a spring), so that this one only bends its law.
     """
 
     effect: str

@@ -4,7 +4,7 @@ A formula that is only near bends within the records that were fitted, and goes 
 levels off, until an axis moves faster. A class has other laws; which one it is shows where the motion is another one.
 """
 
-from collections.abc import Collection
+from collections.abc import Collection, Sequence
 from dataclasses import replace
 
 from workbench.definition import catalogue
@@ -57,9 +57,65 @@ def otherwise(
             now, best = fits[-1], (k, kept, fits)
     if best is None:
         return selected, confirmed
-    answer = Answer(best[1], selected.answer.declared, best[0].state)
-    again = weighed(selected, best[1], best[2], late.inverses, criteria)
-    return replace(selected, answer=answer), replace(confirmed, added=best[1], fits=best[2], weighed=again)
+    return _instead(selected, confirmed, *best, late, criteria)
+
+
+def in_place_of_two(
+    selected: Selection,
+    confirmed: Confirmed,
+    late: Declared,
+    offer: Offer,
+    criteria: Criteria,
+    progress: Progress,
+) -> tuple[Selection, Confirmed]:
+    """Return both with one law in the place of two of one class at one place, where it leaves no more than these together in either role.
+
+    Two formulas of a class make up for a third one: friction that goes with a root of speed is one of its square, reversed, and a peak.
+    It bears the name of the larger of the two.
+    """
+    pair = _of_one_class(confirmed)
+    if pair is None:
+        return selected, confirmed
+    j, lesser = pair
+    progress(f"asking for one law in the place of {j.candidate.key} and {lesser.candidate.key}")
+    both = confirmed.fits[-1]
+    for k in _laws(selected, j, offer, criteria, progress, beside=lesser):
+        added = [k if a is j else a for a in confirmed.added if a is not lesser]
+        kept, fits = nested_fits(late, added, as_declared(k.state.plant, selected.laws))
+        small = criteria.practical**2
+        if len(kept) == len(added) and all(
+            getattr(fits[-1], r) ** 2 <= getattr(both, r) ** 2 + small for r in (IDENTIFICATION, VALIDATION)
+        ):
+            return _instead(selected, confirmed, k, kept, fits, late, criteria)
+    return selected, confirmed
+
+
+def _of_one_class(confirmed: Confirmed) -> tuple[ScoredCandidate, ScoredCandidate] | None:
+    """Return two additions of one class at one place, the one that takes more first, where the class has another law of that one's name."""
+    sizes = zip(confirmed.added, (w.size(IDENTIFICATION) for w in confirmed.weighed), strict=True)
+    added = [
+        j for j, _ in sorted(sizes, key=lambda x: -x[1]) if j.candidate.kind == ADDITION and not j.candidate.instead
+    ]
+    named = {e.nearest for e in catalogue().values() if not e.traced}
+    of = [(j, (j.candidate.family, j.candidate.at)) for j in added]
+    return next(
+        ((j, k) for n, (j, x) in enumerate(of) for k, y in of[n + 1 :] if x == y and j.candidate.name in named), None
+    )
+
+
+def _instead(
+    selected: Selection,
+    confirmed: Confirmed,
+    best: ScoredCandidate,
+    kept: Sequence[ScoredCandidate],
+    fits: Sequence[Fit],
+    late: Declared,
+    criteria: Criteria,
+) -> tuple[Selection, Confirmed]:
+    """Return both with the additions `kept`, of which `best` is new, and weighed anew. fits: of the declared plant and with one more of these each."""
+    answer = Answer(kept, selected.answer.declared, best.state)
+    again = weighed(selected, kept, fits, late.inverses, criteria)
+    return replace(selected, answer=answer), replace(confirmed, added=kept, fits=fits, weighed=again)
 
 
 def _doubted(w: Weighed, criteria: Criteria) -> bool:
@@ -83,24 +139,32 @@ def _better(fit: Fit, than: Fit, criteria: Criteria, before: Fit | None = None) 
 
 
 def _laws(
-    selected: Selection, j: ScoredCandidate, offer: Offer, criteria: Criteria, progress: Progress
+    selected: Selection,
+    j: ScoredCandidate,
+    offer: Offer,
+    criteria: Criteria,
+    progress: Progress,
+    beside: ScoredCandidate | None = None,
 ) -> list[ScoredCandidate]:
-    """Return the other laws of an addition's class at its place, fitted beside all else that was added, best first."""
+    """Return the other laws of an addition's class at its place, fitted beside all else that was added, best first. beside: another
+    addition, in whose place they would be as well, when those of another spelling alone are asked."""
     last = selected.answer.last
+    plant = without(last.plant, j.candidate, selected.base.plant)
     try:
-        state = State(without(last.plant, j.candidate, selected.base.plant), last.inverses)
+        state = State(without(plant, beside.candidate, selected.base.plant) if beside else plant, last.inverses)
     except NoValue:
         return []
     own = last.plant[j.candidate.key]
     same = [e for e in catalogue().values() if e.name != own.name and e.family == own.family]
-    asked = [e for e in same if e.traced and (offer.only is None or e.name in offer.only)]
-    near = [e for e in same if e.nearest == j.candidate.name]
+    asked = [e for e in same if e.traced and beside is None and (offer.only is None or e.name in offer.only)]
+    near = [e for e in same if e.nearest == j.candidate.name and not e.traced]
     found: list[ScoredCandidate] = []
     if asked or near:
         known = {**offer.stands_for, **{law.key: law.declared for law in selected.laws}}
         offered = replace(offer, only={e.name for e in (*asked, *near)}, own=(*offer.own, *near), stands_for=known)
         found += step(state, progress, offered, criteria)
-    if (family := j.candidate.family) in FREE_FORMS and family != MEMORY and not j.candidate.stands:
+    free = beside is None and not j.candidate.stands
+    if (family := j.candidate.family) in FREE_FORMS and family != MEMORY and free:
         forms = free_forms(state.plant, state.inverses, [family], state.residuals)
         found += [ScoredCandidate(f.candidate, **judged(state, f.candidate, criteria, offer.budget)) for f in forms]
     here = [k for k in found if k.candidate.at == j.candidate.at and k.score.earns and k.theta is not None]

@@ -72,7 +72,7 @@ def simplest_first(judgements: Sequence[ScoredCandidate], criteria: Criteria, st
     judgements = _by_gain(judgements)
     if not judgements:
         return judgements
-    leader = judgements[0]
+    leader = _sound(judgements, criteria, state)
     level = [j for j in judgements if j is leader or (j.refitted and alike(leader, j, criteria, state.power))]
     sound = [j for j in level if not j.refitted or not absurd(j, state)]
     level = sorted(sound or level, key=lambda j: (j.freedom, -j.score.gain, j.score.effect, j.score.at))
@@ -81,6 +81,16 @@ def simplest_first(judgements: Sequence[ScoredCandidate], criteria: Criteria, st
     equal = [j for j in level if j.freedom == first.freedom and j.score.gain >= least]
     simplest = next((j for j in equal if not j.candidate.plant[j.candidate.key].rare), first)
     return [simplest, *(j for j in judgements if j is not simplest)]
+
+
+def _sound(judgements: Sequence[ScoredCandidate], criteria: Criteria, state: State) -> ScoredCandidate:
+    """Return the first judgement, or where it has values that no machine has the best other one that takes `near` of what it does."""
+    first = judgements[0]
+    if not (first.refitted and absurd(first, state)):
+        return first
+    least = criteria.near * first.score.gain
+    others = (j for j in judgements[1:] if j.refitted and j.score.earns and j.score.gain >= least)
+    return next((j for j in others if not absurd(j, state)), first)
 
 
 def _plainest_first(

@@ -23,7 +23,7 @@ from workbench.tracing.evidence import CORRECTION, Evidence
 from workbench.tracing.explainable import explainable
 from workbench.tracing.foreseen import loaded
 from workbench.tracing.judge import STANDARD, Progress, ScoredCandidate
-from workbench.tracing.otherwise import otherwise
+from workbench.tracing.otherwise import in_place_of_two, otherwise
 from workbench.tracing.preparing import Declared, prepared, without_rest
 from workbench.tracing.reporting import Outcome, reported
 from workbench.tracing.result import Trace
@@ -82,7 +82,8 @@ def _decided(late: Declared, selected: Selection, offer: Offer, criteria: Criter
         confirmed = confirm(late, order, selected, criteria, None if first else confirmed.levels)
         if first:
             progress("weighing the evidence")
-            selected, confirmed = otherwise(selected, confirmed, late, offer, criteria, progress)
+            for ask in (otherwise, in_place_of_two):
+                selected, confirmed = ask(selected, confirmed, late, offer, criteria, progress)
             evidence, place = _evidence_of(selected, confirmed, late, inverses, criteria)
         evidence = replace(evidence, added=confirmed.weighed)
         verdict = decide(evidence, criteria)

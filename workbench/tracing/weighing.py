@@ -84,14 +84,15 @@ def weighed(
 
 
 def _bends(w: Weighed, found: Sequence[Weighed]) -> bool:
-    """Whether an addition only bends the law of a larger one: both are of a family of which a place has one curve."""
+    """Whether an addition only bends the law of a larger one: both are of a family of which a place has one curve, or it has values that
+    no machine has (a wave as long as the travel, beside a hose that pulls not quite as a spring does)."""
 
     def family(x: Weighed) -> str:
         return catalogue()[x.effect.partition(" ")[0]].family if x.kind == ADDITION else ""
 
     own = family(w)
     larger = (x for x in found if x is not w and x.at == w.at and x.size(IDENTIFICATION) >= w.size(IDENTIFICATION))
-    return own in ONE_CURVE and any(family(x) == own for x in larger)
+    return bool(own in ONE_CURVE or w.implausible) and any(family(x) == own for x in larger)
 
 
 def _outside(before: Plant, after: Plant, inverses: Sequence[InverseDynamics]) -> dict[str, float]:
