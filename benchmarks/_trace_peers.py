@@ -65,6 +65,13 @@ def scaled(x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return x / np.maximum(np.sqrt(np.mean(x**2, axis=0)), 1e-300), y / np.sqrt(np.mean(y**2))
 
 
+def folded(x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return columns and target of as many rows as there are of both, with the same products: least squares of any choice of
+    columns leaves the same sum of squares, and a search over choices does not go through the samples each time."""
+    triangle = np.linalg.qr(np.column_stack([x, y]), mode="r")
+    return triangle[:, :-1], triangle[:, -1]
+
+
 def named(names: Sequence[str], weights: np.ndarray) -> list[str]:
     """Effects of the terms with a weight, largest first, each once. weights (k,) of columns of rms one."""
     order = np.argsort(-np.abs(weights), kind="stable")
@@ -73,14 +80,15 @@ def named(names: Sequence[str], weights: np.ndarray) -> list[str]:
 
 def greedy(names: Sequence[str], x: np.ndarray, y: np.ndarray) -> list[str]:
     """Forward selection: the term that lowers BIC = n log(rss/n) + k log n most, as long as one does."""
-    x, y = scaled(x, y)
-    n, chosen, best, weights = y.size, [], y.size * np.log(np.mean(y**2)), np.zeros(len(names))
+    n, (x, y) = y.size, folded(*scaled(x, y))
+    chosen, best, weights = [], n * np.log(y @ y / n), np.zeros(len(names))
     while len(chosen) < TERMS:
         tried = []
         for k in (k for k in range(len(names)) if k not in chosen):
             a = x[:, [*chosen, k]]
             w = np.linalg.lstsq(a, y, rcond=None)[0]
-            tried.append((n * np.log(np.mean((y - a @ w) ** 2)) + (len(chosen) + 1) * np.log(n), k, w))
+            left = y - a @ w
+            tried.append((n * np.log(left @ left / n) + (len(chosen) + 1) * np.log(n), k, w))
         bic, k, w = min(tried, key=lambda row: row[0])
         if bic >= best:
             break
@@ -99,10 +107,10 @@ def sparse(names: Sequence[str], x: np.ndarray, y: np.ndarray) -> list[str]:
 
     x, y = scaled(x, y)
     block = np.arange(y.size) * BLOCKS // y.size
-    fitted = block % 2 == 0
+    seen, target = folded(x[block % 2 == 0], y[block % 2 == 0])
 
     def weights(threshold: float) -> np.ndarray:
-        found = ps.STLSQ(threshold=threshold, alpha=1e-6, max_iter=30).fit(x[fitted], y[fitted, None]).coef_[0]
+        found = ps.STLSQ(threshold=threshold, alpha=1e-6, max_iter=30).fit(seen, target[:, None]).coef_[0]
         return np.where(np.isfinite(found), found, 0.0)
 
     def wrong(w: np.ndarray) -> np.ndarray:

@@ -36,7 +36,7 @@ def started(study: Path, out: Path) -> subprocess.Popen:
     )
 
 
-def said_run(study: str, out: str) -> int:
+def said_run(study: str, out: str) -> None:
     """Run a study as the command does, and say every step once it is kept."""
     from workbench import cli, keeping
     from workbench.verbs import progress
@@ -51,7 +51,8 @@ def said_run(study: str, out: str) -> int:
 
     keeping.write = loudly
     progress.QUIET = 1e9
-    return cli.main(["run", study, "--out", out])
+    sys.argv = ["workbench", "run", study, "--out", out]
+    cli.command()
 
 
 def used(group: int) -> float:
@@ -152,5 +153,5 @@ def main(arguments: list[str] = ()) -> int:
 
 if __name__ == "__main__":
     if sys.argv[1:2] == ["--run"]:
-        sys.exit(said_run(*sys.argv[2:]))
+        said_run(*sys.argv[2:])
     sys.exit(main(sys.argv[1:]))

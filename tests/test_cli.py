@@ -1,6 +1,5 @@
 """The command line: verbs, exit codes, sentences."""
 
-import json
 import shutil
 import subprocess
 import sys
@@ -89,32 +88,6 @@ def test_an_internal_error_has_an_exit_code_of_its_own(monkeypatch, capsys):
     monkeypatch.setattr(effects, "do", broken)
     assert main(["effects"]) == 70
     assert "internal error" in capsys.readouterr().err
-
-
-def test_trace_writes_what_the_format_asks_for(tmp_path, capsys):
-    out = tmp_path / "out"
-    assert main(["trace", str(CAMPAIGN), "--out", str(out)]) == 0
-    said = capsys.readouterr().out
-    trace = json.loads((out / "trace.json").read_text())
-    assert trace["verdict"] == "cause" and trace["ranked"][0] == "stribeck_friction" == trace["added"][0]
-    assert trace["sentence"] in said
-    assert set(trace["nrmse"]) == {"identification", "validation"}
-    assert trace["nrmse"]["validation"]["after"] < trace["nrmse"]["validation"]["before"]
-    cause = trace["causes"][0]
-    assert cause["at"] == "axis" and set(cause["parameters"]) == {"drop", "speed"}
-    low, high = cause["parameters"]["speed"]["interval_95"]
-    assert low < cause["parameters"]["speed"]["value"] < high
-    follows = {p["coordinate"]: p["explained"] for p in trace["where"] if p["model"] == "declared" and not p["record"]}
-    assert max(follows, key=follows.get) == "velocity" and follows["velocity"] > 0.5
-    assert trace["calibrations"] == []
-    promised, blind, knowing = trace["closed_loop"]["responses"]
-    assert (blind["tuned_on"], blind["run_on"], knowing["tuned_on"]) == ("declared", "extended", "extended")
-    assert knowing["time_1pct"] < blind["time_1pct"]
-    page = (out / "trace.html").read_text(encoding="utf-8")
-    assert trace["sentence"].split(".")[0] in page and "Where the residual lives" in page
-    assert (out / "trace.pdf").read_bytes().startswith(b"%PDF")
-    for path in trace["predictions"].values():
-        assert (out / path).read_text().startswith("time_s,prediction\n")
 
 
 @pytest.mark.parametrize(("options", "closing"), [((), True), (("--no-close",), False)])

@@ -8,10 +8,11 @@ workbench; 130, 143 stopped by Ctrl-C or by SIGTERM.
 import argparse
 import sys
 from collections.abc import Sequence
+from typing import NoReturn
 
 from workbench import __version__
 from workbench.errors import INTERNAL_ERROR, USER_ERROR, WorkbenchError, mishap
-from workbench.interruption import STOPPED, Stopped, stoppable
+from workbench.interruption import STOPPED, Stopped, is_stop, leave, stoppable
 from workbench.verbs import check, completion, diff, effects, new, plan, replay, response, run, trace, verify
 
 VERBS = {
@@ -74,6 +75,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
         traceback.print_exc()
         return _reported("this is an internal error, a failure of the workbench; please report it.", INTERNAL_ERROR)
+
+
+def command() -> NoReturn:
+    """Run the command that this process was started for, and end with its exit code; at once where it was stopped."""
+    code = main()
+    if is_stop(code):
+        leave(code)
+    sys.exit(code)
 
 
 def _reported(sentence: str, code: int) -> int:

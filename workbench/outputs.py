@@ -4,6 +4,7 @@ A link is followed. Where the place cannot be renamed (a mount point, a folder i
 is written inside it and entries are moved one by one; a run killed meanwhile is put right by the next one (`_sweep`).
 """
 
+import atexit
 import ctypes
 import os
 import shutil
@@ -120,13 +121,36 @@ def whole(place: Path, ours: str) -> Iterator[Path]:
         ) from error
     finally:
         if beside is not None:
-            shutil.rmtree(beside, ignore_errors=True)
-            _writing.discard(beside)
+            _remove(beside)
+
+
+@contextmanager
+def passing(purpose: str) -> Iterator[Path]:
+    """Yield an empty folder for temporary files, which goes with the block. purpose: a word of its name."""
+    folder = Path(tempfile.mkdtemp(prefix=f"workbench-{purpose}-"))
+    _writing.add(folder)
+    try:
+        yield folder
+    finally:
+        _remove(folder)
+
+
+def passing_with_this_process(purpose: str) -> Path:
+    """Return an empty folder for temporary files, which goes with this process."""
+    folder = Path(tempfile.mkdtemp(prefix=f"workbench-{purpose}-"))
+    _writing.add(folder)
+    atexit.register(_remove, folder)
+    return folder
+
+
+def _remove(folder: Path) -> None:
+    shutil.rmtree(folder, ignore_errors=True)
+    _writing.discard(folder)
 
 
 def abandon() -> None:
     """Remove what is being written; for a process that ends here and now."""
-    for beside in _writing:
+    for beside in tuple(_writing):
         shutil.rmtree(beside, ignore_errors=True)
 
 

@@ -85,9 +85,12 @@ def shared(
             yield result
     finally:
         os.close(queue)
-        for fork, pipe in zip(forks, pipes, strict=True):
-            pipe.close()
+        for fork in forks:
             fork.terminate()
+        for fork, pipe in zip(
+            forks, pipes, strict=True
+        ):  # when all of them are ending: each gives back memory of its own
+            pipe.close()
             fork.join()
 
 

@@ -7,6 +7,7 @@ import gzip
 import shutil
 import tomllib
 from collections.abc import Callable
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -31,10 +32,8 @@ class Folder:
                 continue
             raw = file.read_bytes()
             packed = raw[:2] == b"\x1f\x8b"
-            text = (gzip.decompress(raw) if packed else raw).decode()
-            head, _, body = text.partition("\n")
+            head, values = numbers(gzip.decompress(raw) if packed else raw)
             names = head.split(",")
-            values = np.array([row.split(",") for row in body.splitlines()], dtype=float)
             channel = {column: n for n, column in self.columns.items()}
             table = {channel.get(n, n): values[:, k].copy() for k, n in enumerate(names)}
             change(table)
@@ -51,6 +50,13 @@ class Folder:
         assert old in text, old
         file.write_text(text.replace(old, new), encoding="utf-8")
         return self
+
+
+@cache
+def numbers(text: bytes) -> tuple[str, np.ndarray]:
+    """Return the head of a file and its numbers, row by row; the same record is given many faults, and read once."""
+    head, _, body = text.decode().partition("\n")
+    return head, np.loadtxt(body.splitlines(), delimiter=",", ndmin=2)
 
 
 def drive_of(table: Table) -> str:

@@ -4,6 +4,7 @@ import random
 import re
 from bisect import bisect
 from dataclasses import replace
+from functools import cache
 from math import exp, pi
 from pathlib import Path
 
@@ -285,9 +286,12 @@ def turning_points(moves, x0: float, d: float = 1.0) -> np.ndarray:
     return np.array(out)
 
 
+presliding = cache(presliding_hysteresis)  # a build is known again by its step, and every definition makes one
+
+
 def bank(elements: int, x0: float = 1e-3, d: float = 1.0):
     """Return (k, D) of a bank of height one."""
-    effect = presliding_hysteresis(elements)
+    effect = presliding(elements)
     constants = build(effect).constants({"h0": 1.0, "x0": x0, "d": d})
     return np.split(constants[1:], 2)
 
@@ -311,7 +315,7 @@ def test_the_virgin_curve_is_met_within_its_bound(elements, bound):
     """The bound h0/(2 N^2) of equidistributed knots (de Boor 1978)."""
     moves = np.full(40_000, 1e-3 * 10 / 40_000)
     curve = -np.expm1(-np.cumsum(moves) / 1e-3)
-    found = friction(presliding_hysteresis(elements), moves, h0=1.0)
+    found = friction(presliding(elements), moves, h0=1.0)
     assert np.abs(found - curve).max() <= bound
     assert len(knots(elements)) <= elements + 3
 
@@ -322,22 +326,22 @@ def test_masing_wiping_out_and_return_points_over_random_reversals(elements, see
     rng = np.random.default_rng(seed)
     strokes = rng.exponential(1e-3, 60) * np.where(rng.random(60) < 0.2, 4.0, 1.0)
     moves = np.concatenate([way * np.full(40, s / 40) for way, s in zip(np.resize([1, -1], 60), strokes, strict=True)])
-    found = friction(presliding_hysteresis(elements), moves, h0=0.15)
+    found = friction(presliding(elements), moves, h0=0.15)
     expected = 0.15 * turning_points(moves, 1e-3)
     assert np.abs(found - expected).max() <= 3 / elements**2 * 0.15
 
 
 def test_an_inner_loop_is_forgotten_once_it_closes():
     out, back = np.full(100, 2e-5), np.full(30, -2e-5)
-    plain = friction(presliding_hysteresis(), np.concatenate([out, out]), h0=1.0)
-    with_loop = friction(presliding_hysteresis(), np.concatenate([out, back, -back, out]), h0=1.0)
+    plain = friction(presliding(), np.concatenate([out, out]), h0=1.0)
+    with_loop = friction(presliding(), np.concatenate([out, back, -back, out]), h0=1.0)
     np.testing.assert_allclose(with_loop[-100:], plain[-100:], atol=1e-12)
     assert with_loop[159] == pytest.approx(with_loop[99], abs=1e-12)  # the return point
 
 
 def test_after_a_reversal_the_curve_is_stretched_by_two():
     moves = np.concatenate([np.full(100, 3e-5), np.full(200, -3e-5)])
-    found = friction(presliding_hysteresis(), moves, h0=1.0)
+    found = friction(presliding(), moves, h0=1.0)
     virgin = np.concatenate([[0.0], found[:100]])
     np.testing.assert_allclose(found[99] - found[99::2][:101], 2 * virgin[:101], atol=1e-9)
 
@@ -346,8 +350,8 @@ def test_after_a_reversal_the_curve_is_stretched_by_two():
 @given(st.lists(st.floats(-3e-3, 3e-3), min_size=1, max_size=12), st.integers(2, 40))
 def test_only_the_path_counts_not_the_time_it_took(moves, parts):
     slow = np.repeat(np.array(moves) / parts, parts)
-    fast = friction(presliding_hysteresis(), moves, h0=1.0)
-    np.testing.assert_allclose(friction(presliding_hysteresis(), slow, h0=1.0)[parts - 1 :: parts], fast, atol=1e-10)
+    fast = friction(presliding(), moves, h0=1.0)
+    np.testing.assert_allclose(friction(presliding(), slow, h0=1.0)[parts - 1 :: parts], fast, atol=1e-10)
 
 
 @settings(max_examples=40, deadline=None)
@@ -357,7 +361,7 @@ def test_a_closed_cycle_takes_energy(moves, d):
     moves = np.array([*moves, -sum(moves)])
     assume(np.abs(moves).sum() > 0)
     fine = np.tile(np.repeat(moves / 50, 50), 3)
-    force = friction(presliding_hysteresis(), fine, h0=1.0, d=d)
+    force = friction(presliding(), fine, h0=1.0, d=d)
     before = np.concatenate([[0.0], force[:-1]])
     work = (0.5 * (force + before) * fine).reshape(3, -1).sum(axis=1)
     assert work[1] >= -1e-9 and work[2] == pytest.approx(work[1], abs=1e-9)

@@ -114,7 +114,8 @@ def test_outputs_that_were_touched_are_not_taken_for_whole(tmp_path):
 
 @pytest.fixture(scope="module")
 def ran(tmp_path_factory):
-    """The main study's own records with the first chapters only, run once into a folder of its own."""
+    """The main study's own records with the first chapters only, run once into a folder of its own: (Ran, folder, Outcome)."""
+    from workbench.study import standard
     from workbench.study.running import run
 
     top = tmp_path_factory.mktemp("ran")
@@ -124,7 +125,10 @@ def ran(tmp_path_factory):
     (folder / "study.toml").write_text(
         text + '[requirements]\nverdict = { equals = "cause" }\nvalidation_error_after = { at_most = 1e-9 }\n'
     )
-    return run(str(folder)), folder
+    outcomes, steps = [], standard.run
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(standard, "run", lambda *given: outcomes.append(steps(*given)) or outcomes[0])
+        return run(str(folder)), folder, outcomes[0]
 
 
 def test_a_run_writes_report_results_trace_and_predictions(ran):
@@ -148,9 +152,12 @@ def test_a_second_run_with_nothing_changed_computes_nothing(ran):
     assert not again.fresh and again.lines == ran[0].lines and again.passed == ran[0].passed
 
 
-def test_a_requirement_on_a_figure_that_is_not_there_names_the_nearest(study):
+def test_a_requirement_on_a_figure_that_is_not_there_names_the_nearest(study, ran, monkeypatch):
+    """The study has come to what `ran` has: its requirement is looked up, and nothing is written."""
+    from workbench.study import standard
     from workbench.study.running import run
 
+    monkeypatch.setattr(standard, "run", lambda *_: ran[2])
     folder = study(SHORT + "[requirements]\nvalidation_eror_after = { at_most = 1 }\n")
     with pytest.raises(WorkbenchError, match="validation_error_after"):
         run(str(folder))

@@ -3,8 +3,10 @@
 Errors are computed here once more, from the files that a trace writes and the records as measured.
 """
 
+import contextlib
 import csv
 import gzip
+import io
 import json
 import tomllib
 from pathlib import Path
@@ -13,6 +15,7 @@ import numpy as np
 import pytest
 
 from workbench.campaign import load
+from workbench.cli import main
 from workbench.tracing.of_campaign import trace_campaign
 from workbench.tracing.output import write
 
@@ -57,6 +60,11 @@ def validation_error(folder: Path, out: Path) -> float:
 def answered(folder: Path, out: Path) -> tuple[dict, float]:
     """Trace a campaign; return trace.json and the validation error of what was written beside it."""
     write(trace_campaign(load(folder)), out)
+    return read(folder, out)
+
+
+def read(folder: Path, out: Path) -> tuple[dict, float]:
+    """Return trace.json and the validation error of what was written beside it."""
     said = json.loads((out / "trace.json").read_text(encoding="utf-8"))
     error = validation_error(folder, out)
     assert said["nrmse"]["validation"]["after"] == pytest.approx(error, rel=1e-3)
@@ -80,12 +88,45 @@ def test_nothing_is_added_to_a_model_that_lacks_nothing(campaigns, tmp_path):
     assert error <= WITHIN * truth["nrmse_declared"]
 
 
-def test_the_carried_campaign_lacks_stribeck_friction(tmp_path):
+@pytest.fixture(scope="module")
+def carried(tmp_path_factory) -> tuple[Path, str]:
+    """The carried campaign, traced once by the command: its outputs, and what was said."""
+    out = tmp_path_factory.mktemp("carried") / "out"
+    with contextlib.redirect_stdout(io.StringIO()) as said:
+        assert main(["trace", str(CARRIED), "--out", str(out)]) == 0
+    return out, said.getvalue()
+
+
+def test_the_carried_campaign_lacks_stribeck_friction(carried):
     """The truth of the rig that made it: 0.0583 N*m more at rest, gone with exp(-(v/0.6 rad/s)^2); 0.937 % is left."""
-    said, error = answered(CARRIED, tmp_path)
+    said, error = read(CARRIED, carried[0])
     assert said["verdict"] == "cause" and said["ranked"][0] == "stribeck_friction"
     assert said["added"] == ["stribeck_friction"]
     assert error <= WITHIN * 0.00937
     (cause,) = said["causes"]
     assert cause["parameters"]["drop"]["value"] == pytest.approx(0.0583, rel=0.1)
     assert cause["parameters"]["speed"]["value"] == pytest.approx(0.6, rel=0.1)
+
+
+def test_trace_writes_what_the_format_asks_for(carried):
+    out, said = carried
+    trace = json.loads((out / "trace.json").read_text())
+    assert trace["verdict"] == "cause" and trace["ranked"][0] == "stribeck_friction" == trace["added"][0]
+    assert trace["sentence"] in said
+    assert set(trace["nrmse"]) == {"identification", "validation"}
+    assert trace["nrmse"]["validation"]["after"] < trace["nrmse"]["validation"]["before"]
+    cause = trace["causes"][0]
+    assert cause["at"] == "axis" and set(cause["parameters"]) == {"drop", "speed"}
+    low, high = cause["parameters"]["speed"]["interval_95"]
+    assert low < cause["parameters"]["speed"]["value"] < high
+    follows = {p["coordinate"]: p["explained"] for p in trace["where"] if p["model"] == "declared" and not p["record"]}
+    assert max(follows, key=follows.get) == "velocity" and follows["velocity"] > 0.5
+    assert trace["calibrations"] == []
+    promised, blind, knowing = trace["closed_loop"]["responses"]
+    assert (blind["tuned_on"], blind["run_on"], knowing["tuned_on"]) == ("declared", "extended", "extended")
+    assert knowing["time_1pct"] < blind["time_1pct"]
+    page = (out / "trace.html").read_text(encoding="utf-8")
+    assert trace["sentence"].split(".")[0] in page and "Where the residual lives" in page
+    assert (out / "trace.pdf").read_bytes().startswith(b"%PDF")
+    for path in trace["predictions"].values():
+        assert (out / path).read_text().startswith("time_s,prediction\n")

@@ -3,10 +3,9 @@
 import ctypes
 import shutil
 import subprocess
-import tempfile
 from collections.abc import Mapping, Sequence
-from pathlib import Path
 
+from workbench import outputs
 from workbench.errors import WorkbenchError
 
 STRICT = ("-std=c99", "-ffp-contract=off")
@@ -27,8 +26,7 @@ def compiled(files: Mapping[str, str], options: Sequence[str] = ("-O2",)) -> cty
     WorkbenchError, with what the compiler said, where it does not compile without a warning.
     """
     # A loaded library outlives its file, but for systems that do not let go of one: there it stays behind.
-    with tempfile.TemporaryDirectory(prefix="workbench-firmware-", ignore_cleanup_errors=True) as place:
-        folder = Path(place)
+    with outputs.passing("firmware") as folder:
         for name, text in files.items():
             (folder / name).write_text(text, encoding="utf-8")
         out = folder / "firmware.so"

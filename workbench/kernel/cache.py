@@ -4,17 +4,17 @@ A file is named by the hash of its text and of the modules that make instruction
 would run what an older project wrote of the same text.
 """
 
-import atexit
 import contextlib
 import hashlib
 import importlib.util
 import os
-import shutil
 import sys
 import tempfile
 from functools import lru_cache
 from pathlib import Path
 from types import ModuleType
+
+from workbench import outputs
 
 # How a generated kernel is compiled. Of every function numba also makes one that C code may call, and looks for expressions of whole
 # arrays to rewrite: kernels need neither, and are compiled in a seventh less time without.
@@ -62,9 +62,7 @@ def _drop_broken(path: Path) -> None:
 @lru_cache(maxsize=1)
 def _passing() -> Path:
     """A folder for the kernels of this process alone, which goes with it."""
-    folder = Path(tempfile.mkdtemp(prefix="workbench-kernels-"))
-    atexit.register(shutil.rmtree, folder, ignore_errors=True)
-    return folder
+    return outputs.passing_with_this_process("kernels")
 
 
 @lru_cache(maxsize=1)

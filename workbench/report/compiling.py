@@ -6,8 +6,8 @@ from functools import partial
 from importlib.resources import files
 from itertools import chain
 from pathlib import Path
-from tempfile import TemporaryDirectory
 
+from workbench import outputs
 from workbench.report import drawing
 
 TEMPLATE = ("report.typ", "report.css", "report.js")
@@ -22,8 +22,7 @@ LEAST = 0.34  # of that height, that is used on every page
 
 def compiled(data: dict, beside: dict[str, bytes]) -> dict[str, bytes]:
     """Return "html" -> the page and "pdf" -> the paper. data: as JSON holds it. beside: name -> figure or other file."""
-    with TemporaryDirectory() as place:
-        root = Path(place)
+    with outputs.passing("report") as root:
         for name in TEMPLATE:
             (root / name).write_bytes(files("workbench.report").joinpath(name).read_bytes())
         with (root / "report.css").open("a") as style:

@@ -100,7 +100,7 @@ def svg(
         draw(list(axes))
         figure.suptitle(fill(title, LETTERS), parse_math=False, x=0.008, ha="left", fontsize=8.9, fontweight="bold")
         figure.get_layout_engine().execute(figure)  # once, so that `marked` reads what is then saved
-        figure.set_layout_engine("none")
+        figure.set_layout_engine(None)  # with any, one that does nothing too, all is drawn once more before it is saved
         plotted = marked(figure)
         out = BytesIO()
         figure.savefig(out, format="svg", metadata={"Date": None, "Creator": None, "Format": None, "Type": None})
