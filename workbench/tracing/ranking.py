@@ -16,6 +16,7 @@ from workbench.tracing.candidates import ADDITION, WHOLE, Offer
 from workbench.tracing.criteria import Criteria
 from workbench.tracing.judge import STANDARD, Progress, ScoredCandidate, free_of, judged, refitted, refitted_as
 from workbench.tracing.plausible import implausible
+from workbench.tracing.slack import gap_first
 from workbench.tracing.state import Refitted, State
 
 BEHIND = 0.4  # of the best one's gain, below which a candidate is not
@@ -49,7 +50,8 @@ def step(
         if more:
             fit = Refitted(free_of(state, leaders[i]), *more.pop("fit"))
             judgements[judgements.index(leaders[i])] = replace(leaders[i], refitted=fit, **more)
-    judgements = _plainest_first(simplest_first(judgements, criteria, state), criteria, state, offer.budget.leading)
+    judgements = gap_first(simplest_first(judgements, criteria, state), criteria, state)
+    judgements = _plainest_first(judgements, criteria, state, offer.budget.leading)
     if judgements and (first := judgements[0]).refitted:
         judgements[0] = replace(first, state=first.refitted.state)
     return judgements
