@@ -24,8 +24,9 @@ class Criteria:
         left up to 0.44 %, unknown causes 1.4 % and more. Halved, near laws are "unknown"; doubled, weak unknown causes are
         "nothing". Also what an effect with values that no machine has (a wave as long as the travel) takes away at least, to be a
         cause nevertheless.
-    beside: share of the drive's rms that stays explainable beside causes, from which something else is said to be missing.
-        Right causes whose law is only nearly right leave up to 1.6 %. Halved, these are called incomplete.
+    beside: share of the drive's rms that stays explainable beside causes, from which something else is said to be missing; also what a
+        further effect with values that no machine has takes at least, to be a cause beside them. Right causes whose law is only nearly
+        right leave up to 1.6 %. Halved, these are called incomplete, and an overdamped mode or a wave as long as the travel is a cause.
     held: share of the validation record's residual power that the causes must take away. Right ones took 0.68 and more, what
         only dressed an unknown cause up to 0.42. Halved, dressings are causes; doubled, nothing is a cause.
     left: share of the explainable power that may stay where the causes take less than `held` of the validation record, because

@@ -5,7 +5,7 @@
 | does the angle between two encoders say that one is late? | cause, whatever else |
 | do the counts that an encoder lost take more of the drive than any cause, and at least `explainable`? | unknown |
 | a correction within the fixed value's tolerance, or an effect (a correction beyond its tolerance) below the practical size, or below `explainable` with values that no machine has? | refinement |
-| a further one that takes less than `lesser` of what the largest cause takes, on validation less than the practical size, or says the curve that a larger one says? | refinement |
+| a further one that takes less than `lesser` of what the largest cause takes, on validation less than the practical size, less than `beside` with values that no machine has, or says the curve that a larger one says? | refinement |
 | does the error grow on validation, or does the effect explain nearly nothing there? | not borne out |
 | is what they take of a window of the stroke paid for with residual elsewhere? | unknown |
 | does a stiffness of the joint that changes along the stroke, which no effect is, take more of the drive than they do? | unknown |
@@ -116,6 +116,7 @@ def _lesser(added: tuple[Weighed, ...], roles: tuple[str, ...], criteria: Criter
         a.same_curve
         or a.size(IDENTIFICATION) < criteria.lesser * largest
         or (a.size(IDENTIFICATION) < largest and a.size(VALIDATION) < criteria.practical)
+        or (a.implausible and a.size(IDENTIFICATION) < min(largest, criteria.beside))
         for a in added
     )
     return tuple(REFINEMENT if r == CAUSE and s else r for r, s in zip(roles, small, strict=True))
@@ -151,12 +152,7 @@ def _share_of(causes: list[Weighed], evidence: Evidence, role: str) -> float:
 
 
 def _little_left(evidence: Evidence, criteria: Criteria) -> bool:
-    """Whether what was added leaves little of what could be explained, of every kind that is worth it: a cause leaves no line as it was.
-
-    Beside a free virgin curve nothing may be explainable before: then nothing is to be after.
-    """
-    if max(evidence.before.size, evidence.after.size) < criteria.explainable:
-        return True
+    """Whether what was added leaves little of what could be explained, of every kind that is worth it: a cause leaves no line as it was."""
     return (
         all(
             min(before, after) < criteria.explainable or after**2 <= criteria.left * before**2

@@ -123,7 +123,7 @@ def _evidence_of(
     selected: Selection, confirmed: Confirmed, late: Declared, inverses: Sequence[InverseDynamics], criteria: Criteria
 ) -> tuple[Evidence, Unexplained | None]:
     """Return the numbers that decide, and the place that says more than what was added does, if there is one."""
-    answer, base = selected.answer, selected.base
+    answer, base = selected.answer, _before(selected)
     calm = max(answer.last.steady, min(confirmed.levels.values(), default=0.0))
     even = {p.motion.record.name: calm for p in inverses}
     states = [base, answer.last] if answer.added else [base]
@@ -146,6 +146,13 @@ def _evidence_of(
         traded=paid is not None,
     )
     return evidence, Unexplained(place, base.solution.cost**0.5) if place else None
+
+
+def _before(selected: Selection) -> State:
+    """Return the state that what was added is held against: with the free virgin curves, but for a formula that took their place and
+    leaves more than they did; then as declared."""
+    base = selected.base
+    return base if base.errors.total >= selected.answer.last.errors.total else selected.declared
 
 
 def _stays(j: ScoredCandidate, roles: Mapping[str, str]) -> bool:
