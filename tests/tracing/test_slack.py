@@ -29,7 +29,9 @@ def deflected(reach: float):
 def test_the_stiffness_at_rest_is_that_of_all_laws_of_the_joint_together(inner, outer):
     plant = Plant(TWO_MASS) + find("linear_stiffness")(at="joint", stiffness=100.0)
     plant += find("piecewise_stiffness")(at="joint", k1=inner, k2=outer, threshold=1e-3)
-    assert slack.stiffness_at_rest(plant, deflected(4e-3)) == pytest.approx((100.0 + inner) / (100.0 + inner + outer), rel=0.02)
+    assert slack.stiffness_at_rest(plant, deflected(4e-3)) == pytest.approx(
+        (100.0 + inner) / (100.0 + inner + outer), rel=0.02
+    )
 
 
 def judged(name: str, left: float, family: str = "joint stiffness"):
