@@ -82,8 +82,8 @@ def _decided(late: Declared, selected: Selection, offer: Offer, criteria: Criter
         confirmed = confirm(late, order, selected, criteria, None if first else confirmed.levels)
         if first:
             progress("weighing the evidence")
-            for ask in (otherwise, in_place_of_two):
-                selected, confirmed = ask(selected, confirmed, late, offer, criteria, progress)
+            selected, confirmed = otherwise(selected, confirmed, late, offer, criteria, progress)
+            selected, confirmed = in_place_of_two(selected, confirmed, late, offer, criteria, progress)
             evidence, place = _evidence_of(selected, confirmed, late, inverses, criteria)
         evidence = replace(evidence, added=confirmed.weighed)
         verdict = decide(evidence, criteria)
