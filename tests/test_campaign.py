@@ -583,6 +583,20 @@ def test_stamps_that_were_rounded_are_those_of_one_rate_and_a_late_one_is_not(ca
         assert np.allclose(np.diff(c.records[1].time), 1 / 1200.0, rtol=1e-3)
 
 
+def test_ties_may_round_either_way(campaign):
+    table = rows(20.0)
+    instants = 0.7 + np.arange(len(table)) / 800.0  # every other one a tie of the fourth decimal
+    table[:, 0] = (
+        np.where(
+            np.arange(len(table)) < len(table) // 2, np.floor(1e4 * instants + 1e-6), np.ceil(1e4 * instants - 1e-6)
+        )
+        / 1e4
+    )
+    campaign.put("val_moves.csv", table)
+    c = campaign.load()
+    assert c.findings == () and np.allclose(c.records[1].time, instants, rtol=0, atol=6e-5)
+
+
 def test_resampling_is_straight_lines_at_the_median_step_and_is_said(campaign):
     table = np.delete(rows(20.0), [40, 41, 42, 90], axis=0)
     campaign.put("val_moves.csv", table)

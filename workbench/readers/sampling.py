@@ -96,8 +96,13 @@ def unrounded(time: np.ndarray) -> np.ndarray | None:
     if digit is None:
         return None
     number = np.arange(time.size)
-    even = np.polynomial.Polynomial.fit(number, time, 1)(number)
-    return even if np.ptp(time - even) <= 1.01 * digit else None
+    step = float(np.polynomial.Polynomial.fit(number, time, 1).convert().coef[1])
+    # of ties that round up in one half of a record and down in the other a straight line leans; a rate is a round number as a rule
+    for each in (step, 1.0 / float(f"{1.0 / step:.4g}")):
+        off = time - each * number
+        if np.ptp(off) <= 1.01 * digit:
+            return each * number + 0.5 * (off.min() + off.max())
+    return None
 
 
 def _resampled(name, time, channels, step, off):
