@@ -93,12 +93,12 @@ def comes_from(module, home: str, name: str) -> bool:
 
 
 def said(folder: Path) -> tuple:
-    """What a trace says of a campaign, as far as it is compared."""
+    """What a trace says of a campaign, as far as it is compared: the verdict, and of a cause what is added and what leads."""
     from benchmarks._trace_run import traced
     from workbench.campaign import load
 
     found = traced(load(folder))
-    return found["verdict"], tuple(sorted(found["added"])), tuple(found["ranked"][:1])
+    return found["verdict"], tuple(sorted(found["added"])), tuple(found["ranked"][: found["verdict"] == "cause"])
 
 
 @contextmanager

@@ -14,7 +14,7 @@ SETTLED = 1e-5  # relative decrease of the cost at which a fit on whole records 
 # Of what two balances leave, by which it falls plainly; all additions together take that much more than those that stand alone. Of 232 axes
 # five asked so, and took 13 % and more: neither halved nor doubled it changes any
 FALLS = 0.05
-RISEN = 1.05  # of the drive's error, from which it has plainly risen
+RISEN = 0.05  # relative rise of the drive's error from which it has plainly risen
 
 
 def nested_fits(
@@ -64,7 +64,7 @@ def is_confirmed(before: Fit, after: Fit) -> bool:
     if after.identification < before.identification:
         return True
     falls = before.plant.kind == TWO_MASS and after.details["cost"] < (1.0 - FALLS) * before.details["cost"]
-    return falls and after.identification < RISEN * before.identification
+    return falls and after.identification < (1.0 + RISEN) * before.identification
 
 
 def valued(plant: Plant, other: Plant) -> Plant:

@@ -16,10 +16,10 @@ from workbench.tracing.candidates import ADDITION, Candidate
 from workbench.tracing.starts import resolved, starts
 
 ROUGH = 3e-3  # relative decrease of the cost at which a start has shown what it is worth
-LEVEL = 1.002  # cost within which two starts have come to the same fit
+LEVEL = 2e-3  # relative difference of the cost within which two starts have come to the same fit
 SLOWEST = 10.0  # delay or lag over 1/(2 pi) of the evaluation band's shortest period, at most
 HOPELESS = 4e-3  # of the residual's power, that a start must explain or promise to be refined further
-WORSE = 1.0 + 1e-9  # cost over that of the present model from which a start is worse than none
+WORSE = 1e-9  # relative excess of the cost over the present model's from which a start is worse than none
 
 
 def within_reach(plant: Plant, inverses: Sequence[InverseDynamics]) -> Plant:
@@ -59,7 +59,7 @@ def worth(problem: Linearised, options: Sequence[np.ndarray], refined: int) -> l
     """
     costs: list[float] = []
     for theta in options:
-        same = len(costs) == refined and np.isfinite(costs).all() and max(costs) <= WORSE * min(costs)
+        same = len(costs) == refined and np.isfinite(costs).all() and max(costs) <= (1.0 + WORSE) * min(costs)
         if same and problem.beside is None:
             break
         costs.append(problem.cost(theta))
@@ -89,7 +89,7 @@ def fitted(
     if len(options) > 1:
         costs = worth(problem, options, budget.refined)
         best = [i for i in np.argsort(costs, kind="stable")[: budget.refined] if np.isfinite(costs[i])]
-        best = best[:1] + [i for i in best[1:] if costs[i] <= WORSE * solution.cost]
+        best = best[:1] + [i for i in best[1:] if costs[i] <= (1.0 + WORSE) * solution.cost]
         if best and problem.beside is not None and costs[best[0]] > (1.0 - HOPELESS) * solution.cost:
             best, rough = best[:1], 1.0
         options = [options[i] for i in sorted(best)] or options[:1]
@@ -97,4 +97,4 @@ def fitted(
     solutions = [solve(problem, theta, rough, least) for theta in options]
     least = min(s.cost for s in solutions)
     # of equal fits the earlier start: a wave of order k is also the second harmonic of k/2, whose start comes later
-    return problem, next(s for s in solutions if s.cost <= LEVEL * least)
+    return problem, next(s for s in solutions if s.cost <= (1.0 + LEVEL) * least)
