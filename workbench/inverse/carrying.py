@@ -1,4 +1,4 @@
-"""Whether a fit of two masses lets the joint carry anything.
+"""What the joint of two masses carries: whether a fit lets it carry anything, and what holds it away from where it is relaxed.
 
 The load's balance, 0 = inertia and friction there less the joint's torque, has a solution that is always right: no load, and a
 joint without stiffness. Where what is wrong with the measured angle (a clock, a zero, counts) is more than what torque does to
@@ -6,10 +6,12 @@ it, a fit goes there. The drive's balance then is that of one rigid body, and no
 """
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
 from workbench.inverse.dynamics import InverseDynamics
+from workbench.motion import motion
 from workbench.plant import TWO_MASS, Plant
 from workbench.record import IDENTIFICATION
 
@@ -49,3 +51,32 @@ def idle_error(inverses: Sequence[InverseDynamics], plant: Plant) -> float | Non
         return None
     error = load_errors(free, plant).get(IDENTIFICATION, np.inf)
     return None if error < IDLE else error
+
+
+def wound_up(inverses: Sequence[InverseDynamics], plant: Plant) -> tuple[InverseDynamics, ...]:
+    """Return inverse dynamics in which a joint between encoders of separate zeros is deflected by what it carries in the mean.
+
+    Where zeros are free the mean angle of a record was taken for one. A straight joint does not mind: its mean torque closes the load's
+    balance. The law of another one is read about where it is relaxed, and a weight holds it away from there by the mean T/k of the record, T
+    what a fitted plant's load asks for, k its joint's stiffness. What has no such zero, or no straight joint, stays as it is.
+    """
+    springs = [e for e in plant.effects if e.at == "joint" and e.name == "linear_stiffness"]
+    k = sum(e.parameters["stiffness"].value for e in springs)
+    if plant.kind != TWO_MASS or k <= 0.0:
+        return tuple(inverses)
+    return tuple(
+        _wound(p, plant, k) if p.rows(plant) == 2 and p.motion.record.zero is not None else p for p in inverses
+    )
+
+
+def _wound(p: InverseDynamics, plant: Plant, k: float) -> InverseDynamics:
+    record, keep = p.motion.record, p.motion.keep
+    # closing takes what the load asks for in the mean from its balance and gives it to the motor's
+    asked = sum(
+        (e.parameters[n].value if n else 1.0) * c[0, keep].mean() for e, n, c in p.columns(plant) if e.at == "load"
+    )
+    angle = np.mean((record.channels["position"] - record.channels["load_position"])[keep])
+    zero = float(angle - asked / k)
+    channels = {**record.channels, "load_position": record.channels["load_position"] + zero}
+    moved = replace(record, channels=channels, zero=record.zero + zero)
+    return InverseDynamics(motion(moved, p.motion.filter.bandwidth), counts=p.counts)

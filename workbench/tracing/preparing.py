@@ -1,7 +1,7 @@
 """What is asked of a declared model and its records before any effect is tried, in order: each answer may change either.
 
 counts that an encoder lost are put back ─► an axis that sticks does not count at rest ─► a clock that is late between two
-encoders is held ─► whole records are fitted: does the joint then carry anything?
+encoders is held ─► whole records are fitted: does the joint then carry anything? ─► between free zeros it is deflected by its mean torque
 """
 
 from collections.abc import Collection, Sequence
@@ -11,6 +11,7 @@ from functools import cached_property
 from workbench.finding import Finding
 from workbench.identification.fit import end_of_search, fitted_on, identify
 from workbench.identification.result import Fit
+from workbench.inverse.carrying import wound_up
 from workbench.inverse.dynamics import InverseDynamics
 from workbench.inverse.wording import idle
 from workbench.plant import TWO_MASS, Plant
@@ -90,7 +91,10 @@ def _hold_late_clock(d: Declared, only: Only, criteria: Criteria) -> Declared:
 
 def _fitted(d: Declared, only: Only, criteria: Criteria) -> Declared:
     found = _fit(d.plant, d.inverses)
-    return replace(d, fit=found, idle=idle(d.inverses, found.plant) if d.plant.kind == TWO_MASS else None)
+    if d.plant.kind != TWO_MASS:
+        return replace(d, fit=found)
+    empty = idle(d.inverses, found.plant)
+    return replace(d, fit=found, idle=empty, inverses=d.inverses if empty else wound_up(d.inverses, found.plant))
 
 
 def _fit(plant: Plant, inverses: Sequence[InverseDynamics]) -> Fit:
