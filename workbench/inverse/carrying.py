@@ -56,9 +56,10 @@ def idle_error(inverses: Sequence[InverseDynamics], plant: Plant) -> float | Non
 def wound_up(inverses: Sequence[InverseDynamics], plant: Plant) -> tuple[InverseDynamics, ...]:
     """Return inverse dynamics in which a joint between encoders of separate zeros is deflected by what it carries in the mean.
 
-    Where zeros are free the mean angle of a record was taken for one. A straight joint does not mind: its mean torque closes the load's
-    balance. The law of another one is read about where it is relaxed, and a weight holds it away from there by the mean T/k of the record, T
-    what a fitted plant's load asks for, k its joint's stiffness. What has no such zero, or no straight joint, stays as it is.
+    Where zeros are free the mean angle of a record was taken for one, or its first reading. A straight joint does not mind: its mean
+    torque closes the load's balance. The law of another one is read about where it is relaxed, and a weight holds it away from there by
+    T/k, in the mean or where the record begins: T what a fitted plant's load asks for, k its joint's stiffness. What has no such zero, or
+    no straight joint, stays as it is.
     """
     springs = [e for e in plant.effects if e.at == "joint" and e.name == "linear_stiffness"]
     k = sum(e.parameters["stiffness"].value for e in springs)
@@ -71,12 +72,12 @@ def wound_up(inverses: Sequence[InverseDynamics], plant: Plant) -> tuple[Inverse
 
 def _wound(p: InverseDynamics, plant: Plant, k: float) -> InverseDynamics:
     record, keep = p.motion.record, p.motion.keep
-    # closing takes what the load asks for in the mean from its balance and gives it to the motor's
-    asked = sum(
-        (e.parameters[n].value if n else 1.0) * c[0, keep].mean() for e, n, c in p.columns(plant) if e.at == "load"
-    )
-    angle = np.mean((record.channels["position"] - record.channels["load_position"])[keep])
-    zero = float(angle - asked / k)
+    angle = record.channels["position"] - record.channels["load_position"]
+    load = [((e.parameters[n].value if n else 1.0) * c) for e, n, c in p.columns(plant) if e.at == "load"]
+    asked = sum(load, np.zeros((2, angle.size))).sum(axis=0)  # closing gave the mean to the motor's balance
+    begins = abs(angle[0]) <= max(record.resolution.get(n, 0.0) for n in ("position", "load_position"))
+    where = slice(0, 1) if begins else keep
+    zero = float(np.mean(angle[where]) - np.mean(asked[where]) / k)
     channels = {**record.channels, "load_position": record.channels["load_position"] + zero}
     moved = replace(record, channels=channels, zero=record.zero + zero)
     return InverseDynamics(motion(moved, p.motion.filter.bandwidth), counts=p.counts)

@@ -116,6 +116,6 @@ def lighter(judgements: Sequence[ScoredCandidate], chosen: ScoredCandidate | Non
 
 
 def shown(judgements: Sequence[ScoredCandidate]) -> tuple[Smallest, ...]:
-    """Return the smallest effect of each kind that a step could have shown, by name and place."""
-    found = [j.shows for j in judgements if j.shows is not None]
+    """Return the smallest effect of each kind that a step could have shown, by name and place; a law that bears another's name is not one more."""
+    found = [j.shows for j in judgements if j.shows is not None and not j.candidate.plant[j.candidate.key].nearest]
     return tuple(sorted(found, key=lambda s: (s.effect, s.at, s.change)))
