@@ -94,7 +94,10 @@ def _fitted(d: Declared, only: Only, criteria: Criteria) -> Declared:
     if d.plant.kind != TWO_MASS:
         return replace(d, fit=found)
     empty = idle(d.inverses, found.plant)
-    return replace(d, fit=found, idle=empty, inverses=d.inverses if empty else wound_up(d.inverses, found.plant))
+    wound = d.inverses if empty else wound_up(d.inverses, found.plant)
+    if all(a is b for a, b in zip(wound, d.inverses, strict=True)):
+        return replace(d, fit=found, idle=empty)
+    return replace(d, fit=_fit(d.plant, wound), inverses=wound)
 
 
 def _fit(plant: Plant, inverses: Sequence[InverseDynamics]) -> Fit:
