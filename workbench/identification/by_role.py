@@ -15,7 +15,7 @@ def refitted(plant: Plant, inverses: Sequence[InverseDynamics]) -> dict[str, Fit
     fits = {}
     for role in ROLES:
         turned = [
-            InverseDynamics(replace(p.motion, record=replace(p.motion.record, role=IDENTIFICATION)))
+            InverseDynamics(replace(p.motion, record=replace(p.motion.record, role=IDENTIFICATION)), times=p.times)
             for p in inverses
             if p.motion.record.role == role
         ]

@@ -80,4 +80,4 @@ def _wound(p: InverseDynamics, plant: Plant, k: float) -> InverseDynamics:
     zero = float(np.mean(angle[where]) - np.mean(asked[where]) / k)
     channels = {**record.channels, "load_position": record.channels["load_position"] + zero}
     moved = replace(record, channels=channels, zero=record.zero + zero)
-    return InverseDynamics(motion(moved, p.motion.filter.bandwidth), counts=p.counts)
+    return InverseDynamics(motion(moved, p.motion.filter.bandwidth), counts=p.counts, times=p.times)

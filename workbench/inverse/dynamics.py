@@ -15,6 +15,7 @@ from workbench.definition import Effect, catalogue
 from workbench.inverse.bodies import CHANNEL, INCREMENT, POSITION, VELOCITY, Bodies, derivatives_in, path_of, rows
 from workbench.inverse.command import Command, drive_maps
 from workbench.inverse.forces import Ran, forces_of, linear_of, outputs_of, run_forces, summed
+from workbench.inverse.oftener import moved_oftener, to_rate_of
 from workbench.inverse.zeros import closed as with_zero
 from workbench.inverse.zeros import relaxed
 from workbench.motion import Motion, motion
@@ -33,7 +34,8 @@ class InverseDynamics:
     """InverseDynamics over one motion. Methods return arrays that must not be changed.
 
     fine: the same over the same motion at a higher rate, by which operators of its increments are run: where friction turns,
-    the moment counts, and a coarse sample has it wrong by half a step. coarse: takes their outputs (k, fine n) to (k, n).
+    the moment counts, and a coarse sample has it wrong by half a step. coarse: takes their outputs (k, fine n) to (k, n). times: of a
+    log that is too slow for them, by how often their own path is read between two samples.
     counts: (2, n) of bool, where the drive's and the load's balance count in a fit; everywhere where None.
     """
 
@@ -43,9 +45,14 @@ class InverseDynamics:
         fine: "InverseDynamics | None" = None,
         coarse: Callable | None = None,
         counts: np.ndarray | None = None,
+        times: int = 1,
     ):
         self.motion = motion
         self.counts = counts
+        self.times = times
+        if times > 1 and fine is None:
+            fine = InverseDynamics(moved_oftener(motion, times))
+            coarse = to_rate_of(motion.record, fine.motion.record)
         self.fine, self.coarse = fine, coarse
         self._kept: OrderedDict[tuple, np.ndarray] = OrderedDict()
         self.bodies = Bodies(motion, self._keep)

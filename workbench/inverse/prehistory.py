@@ -46,7 +46,7 @@ def _begun(plant: Plant, p: InverseDynamics) -> InverseDynamics:
     best = min(tried, key=lambda h: _left(plant, m, h))
     step = tried[1] - tried[0]
     best = min(best + np.linspace(-step, step, FINE), key=lambda h: _left(plant, m, h))
-    return InverseDynamics(displaced(m, float(best)), counts=p.counts)
+    return InverseDynamics(displaced(m, float(best)), counts=p.counts, times=p.times)
 
 
 def _memory(plant: Plant) -> float:

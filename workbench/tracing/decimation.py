@@ -16,13 +16,13 @@ import numpy as np
 from workbench.definition import FORCE
 from workbench.inverse.bodies import CHANNEL
 from workbench.inverse.dynamics import InverseDynamics
+from workbench.inverse.oftener import CUT, to_rate_of
 from workbench.inverse.shift import Places
 from workbench.motion import LowPass, motion
 from workbench.plant import Plant
 from workbench.record import Record
 
 LEAST = 4.0  # kept rate over the evaluation bandwidth, at least
-CUT = 0.4  # of the low pass, over the kept rate
 FRACTIONS = 12  # largest q of the ratio p/q
 WINDOW = (
     0.05  # s, in which an axis at rest stays within one count: half and twice it change no share at rest by a tenth
@@ -69,16 +69,14 @@ def thin_one(p: InverseDynamics, plant: Plant | None = None, least: float = LEAS
     at_rest = {place: still(p, place, WINDOW) for place in dry(plant)} if plant is not None else {}
     counts = _counting(p, record, at_rest)
     if record is p.motion.record:
-        return p if counts is None else InverseDynamics(p.motion, counts=counts)
-    fine = decimated(p.motion.record, band, max(FINE, least))
-    finer = p if fine is p.motion.record else InverseDynamics(motion(fine, band))
-    low_pass = LowPass(CUT / record.dt, 1 / fine.dt, fine.time.size)
-    places = Places((record.time - fine.time[0]) / fine.dt)
+        return p if counts is None else InverseDynamics(p.motion, p.fine, p.coarse, counts, p.times)
+    finer = p.fine if p.times > 1 else _finer(p, decimated(p.motion.record, band, max(FINE, least)))
+    return InverseDynamics(motion(record, band), finer, to_rate_of(record, finer.motion.record), counts)
 
-    def coarse(outputs: np.ndarray) -> np.ndarray:
-        return np.stack([places.read(x) for x in low_pass(outputs)])
 
-    return InverseDynamics(motion(record, band), finer, coarse, counts)
+def _finer(p: InverseDynamics, fine: Record) -> InverseDynamics:
+    """Return the inverse dynamics over the record at the rate at which operators run."""
+    return p if fine is p.motion.record else InverseDynamics(motion(fine, p.motion.filter.bandwidth))
 
 
 def dry(plant: Plant) -> list[str]:

@@ -45,7 +45,9 @@ def calibrate(plant: Plant, key: str, inverses: Sequence[InverseDynamics], ident
     phases, left, whole = [], 0.0, 0.0
     for p in sorted(inverses, key=lambda p: p.motion.record.name):
         record = p.motion.record
-        fit = identify(model, [InverseDynamics(replace(p.motion, record=replace(record, role=IDENTIFICATION)))])
+        fit = identify(
+            model, [InverseDynamics(replace(p.motion, record=replace(record, role=IDENTIFICATION)), times=p.times)]
+        )
         amplitude, phase = (_estimate(fit, effect, n) for n in (AMPLITUDE, PHASE))
         phases.append(Phase(record.name, record.role, amplitude, phase))
         if record.role == VALIDATION:

@@ -1,6 +1,6 @@
 """What is asked of a declared model and its records before any effect is tried, in order: each answer may change either.
 
-counts that an encoder lost are put back ─► an axis that sticks does not count at rest ─► a clock that is late between two
+counts that an encoder lost are put back ─► a slow log's friction turns between its samples ─► an axis that sticks does not count at rest ─► a clock that is late between two
 encoders is held ─► whole records are fitted: does the joint then carry anything? ─► between free zeros it is deflected by its mean torque
 """
 
@@ -19,6 +19,7 @@ from workbench.tracing.criteria import Criteria
 from workbench.tracing.decimation import decimate
 from workbench.tracing.mending import Mended, mended
 from workbench.tracing.skew import Skew, skew_of
+from workbench.tracing.slow_log import SlowLog, slow_log
 from workbench.tracing.sticking import Sticking, sticking
 
 Only = Collection[str] | None
@@ -30,7 +31,7 @@ class Declared:
     count in all that follows. fit: of that plant on whole records, which every extended one is held against, None until all else is
     known. before: the fit of the declared plant, where there is such a clock. idle: a finding that the fit lets
     the joint carry nothing. lost: counts that an encoder loses, which are put back. sticks: where it does, if that is most of the
-    residual."""
+    residual. slow: where friction turns between the samples of the log."""
 
     declared: Plant
     plant: Plant
@@ -41,6 +42,7 @@ class Declared:
     idle: Finding | None = None
     lost: Mended | None = None
     sticks: Sticking | None = None
+    slow: SlowLog | None = None
 
     @cached_property
     def whole(self) -> Sequence[InverseDynamics]:
@@ -76,6 +78,11 @@ def _put_back(d: Declared, only: Only, criteria: Criteria) -> Declared:
     return replace(d, inverses=lost.inverses, lost=lost) if lost else d
 
 
+def _turn_between(d: Declared, only: Only, criteria: Criteria) -> Declared:
+    found = slow_log(d.plant, d.inverses, criteria.practical)
+    return replace(d, inverses=found.inverses, slow=found) if found else d
+
+
 def _leave_rest_out(d: Declared, only: Only, criteria: Criteria) -> Declared:
     sticks = sticking(d.plant, d.inverses)
     return replace(d, inverses=sticks.inverses, sticks=sticks) if sticks else d
@@ -105,4 +112,4 @@ def _fit(plant: Plant, inverses: Sequence[InverseDynamics]) -> Fit:
     return identify(plant, inverses, end_of_search(plant, fitted_on(inverses)), solved=True)
 
 
-FIRST = (_put_back, _leave_rest_out, _hold_late_clock, _fitted)
+FIRST = (_put_back, _turn_between, _leave_rest_out, _hold_late_clock, _fitted)

@@ -107,7 +107,7 @@ def _findings_of(o: Outcome, causes: Sequence[Cause], phases: Sequence[Calibrati
     """Return what was found of the records before any effect was tried, what stands beside the verdict, and the calibrations."""
     late = o.late
     lost = late.lost.finding if late.lost and o.verdict.verdict != UNKNOWN else None
-    first = [f for f in (late.idle, lost, late.sticks and late.sticks.finding) if f]
+    first = [f for f in (late.idle, lost, late.slow and late.slow.finding, late.sticks and late.sticks.finding) if f]
     beside = findings_of(o.verdict, o.evidence, causes, late.plant, o.criteria)
     return (*first, *beside, *map(belongs_to_one_power_up, phases))
 

@@ -71,7 +71,7 @@ def sticking(plant: Plant, inverses: Sequence[InverseDynamics]) -> Sticking | No
     yielding = _giving_way(plant, decimated)
     if yielding is not None and _held(yielding, decimated, inverses, rest).power <= YIELDS * held.power:
         return None
-    counted = tuple(InverseDynamics(p.motion, counts=~r) for p, r in zip(inverses, rest, strict=True))
+    counted = tuple(InverseDynamics(p.motion, counts=~r, times=p.times) for p, r in zip(inverses, rest, strict=True))
     return Sticking(counted, held.samples / held.count, held.power / held.total)
 
 

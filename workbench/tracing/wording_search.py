@@ -10,6 +10,7 @@ from workbench.encoders.lost_counts import LostCounts
 from workbench.encoders.wording import lost_finding
 from workbench.finding import Finding, capital, title
 
+SLOW = "slow log"
 STICKS = "sticks"
 
 # --- candidates ------------------------------------------------------------------------------------------------------
@@ -42,6 +43,17 @@ def nearly_right(effect: str, at: str, before: float, after: float) -> str:
 
 
 # --- records ---------------------------------------------------------------------------------------------------------
+
+
+def turns_between(rate: float, times: int, before: float, after: float) -> Finding:
+    """Say that friction turns between the samples of a slow log. rate: Hz; before, after: shares of the drive's rms, filtered."""
+    return Finding(
+        SLOW, "",
+        f"The log of {rate:.4g} Hz is slow for its band: friction turns between its samples. Read {times} times as often along the path "
+        f"between them, the declared laws leave {100 * after:.2f} instead of {100 * before:.2f} % of the drive on identification.",
+        {"rate": rate, "times": times, "before": before, "after": after},
+        "Log at sixteen times the evaluation bandwidth or more, where the drive can.",
+    )  # fmt: skip
 
 
 def sticks(samples: float, power: float, beside: bool) -> Finding:

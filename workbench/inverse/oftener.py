@@ -1,0 +1,42 @@
+"""Operators of a motion's increments along the path between the samples of a slow log.
+
+Where friction turns within a sample, an operator that moves from reading to reading has the turn wrong by half a sample. The path
+between them is band-limited, so it is read between them, and what the operators come to along it passes a low pass to the log's rate.
+"""
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+
+from workbench.inverse.shift import Places
+from workbench.motion import LowPass, Motion, motion
+from workbench.record import Record
+
+CUT = 0.4  # of the low pass before a lower rate, over that rate
+
+
+def read_oftener(record: Record, times: int) -> Record:
+    """Return the record with its channels read `times` as often, by interpolation between its samples."""
+    steps = np.arange((record.time.size - 1) * times + 1) / times
+    places = Places(steps)
+    channels = {n: places.read(x) for n, x in record.channels.items()}
+    return replace(record, time=record.time[0] + record.dt * steps, channels=channels)
+
+
+def moved_oftener(m: Motion, times: int) -> Motion:
+    """Return the same motion with its record read `times` as often; its first increment holds what went before."""
+    often = motion(read_oftener(m.record, times), m.filter.bandwidth)
+    before = m.record.history or 0.0
+    return replace(often, dq=np.concatenate([often.dq[:1] + before, often.dq[1:]])) if before else often
+
+
+def to_rate_of(record: Record, fine: Record) -> Callable[[np.ndarray], np.ndarray]:
+    """Return what takes outputs (k, fine n) at the rate of `fine` to (k, n) at that of `record`."""
+    low_pass = LowPass(CUT / record.dt, 1 / fine.dt, fine.time.size)
+    places = Places((record.time - fine.time[0]) / fine.dt)
+
+    def coarse(outputs: np.ndarray) -> np.ndarray:
+        return np.stack([places.read(x) for x in low_pass(outputs)])
+
+    return coarse
