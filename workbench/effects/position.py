@@ -91,7 +91,7 @@ def constant_offset() -> Effect:
 
     return Effect(
         name="constant_offset",
-        cause="offset of the current sensor, or a constant load",
+        cause="offset of the current sensor, a constant load, or of a joint what its encoders' zeros lie apart",
         formula="T = T0",
         source="measurement practice",
         port=FORCE,
@@ -100,5 +100,6 @@ def constant_offset() -> Effect:
         linear=("offset",),
         step=step,
         holds=("conservative",),
-        places=("axis", "motor", "load"),
+        places=("axis", "motor", "load", "joint"),
+        stated=("joint",),  # with one at either body it says the same
     )
