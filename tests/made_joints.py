@@ -34,21 +34,38 @@ def waved(t: np.ndarray, seed: int, derivative: int) -> np.ndarray:
 
 
 def joint(
-    seed: int, *, late=0.0, gains=0.0, motor=False, loop=0.0, zero=0.0, viscous=BL, count=3e-6, name="", seconds=12.0
+    seed: int,
+    *,
+    late=0.0,
+    gains=0.0,
+    motor=False,
+    loop=0.0,
+    zero=0.0,
+    viscous=BL,
+    weight=0.0,
+    count=3e-6,
+    name="",
+    seconds=12.0,
 ) -> Record:
     """One record. late, gains: of the load's clock, or of the motor's (motor). loop: of the joint's deflection, the share that
-    lags behind the torque. zero: of one encoder against the other, rad. viscous: behind the joint."""
+    lags behind the torque. zero: of one encoder against the other, rad. viscous: behind the joint.
+    weight: of the load out of balance, N*m."""
     t = np.arange(round(seconds * RATE)) / RATE
 
+    def passing(t):
+        return JL * waved(t, seed, 2) + viscous * waved(t, seed, 1) + weight * np.sin(waved(t, seed, 0))
+
     def motor_at(t):
-        torque = JL * waved(t, seed, 2) + viscous * waved(t, seed, 1)
+        torque = passing(t)
         lagging = stop_loop(torque, 0.3 * np.abs(torque).max()) if loop else 0.0
         return waved(t, seed, 0) + ((1.0 - loop) * torque + loop * lagging) / K
 
     told = t - late - gains * t
     q, load = motor_at(told if motor else t) + zero, waved(t if motor else told, seed, 0)
-    through = JL * waved(t, seed, 2) + viscous * waved(t, seed, 1)
-    acceleration = waved(t, seed, 2) + (JL * waved(t, seed, 4) + viscous * waved(t, seed, 3)) / K
+    through, at, speed = passing(t), waved(t, seed, 0), waved(t, seed, 1)
+    winding = JL * waved(t, seed, 4) + viscous * waved(t, seed, 3)
+    winding += weight * (np.cos(at) * waved(t, seed, 2) - np.sin(at) * speed**2)
+    acceleration = waved(t, seed, 2) + winding / K
     rng = np.random.default_rng(seed + 1000)
     u = through + JM * acceleration + BM * waved(t, seed, 1) + rng.normal(0.0, 5.0, t.size)
     read = {n: count * np.round(x / count) for n, x in (("position", q), ("load_position", load))}

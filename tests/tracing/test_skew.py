@@ -44,6 +44,11 @@ def test_what_is_no_clock_is_no_candidate(law):
     assert skew_of(inverse_dynamics([joint(1, **law), joint(2, **law)], BAND), jointed()) is None
 
 
+def test_a_weight_that_nobody_declared_is_no_clock():
+    swinging = [joint(1, weight=3000.0), joint(2, weight=3000.0)]
+    assert skew_of(inverse_dynamics(swinging, BAND), jointed(inertia=True)) is None
+
+
 def test_lateness_that_is_worth_no_torque_is_no_cause():
     inverses = inverse_dynamics([joint(1, late=1e-4, count=1e-7), joint(2, late=1e-4, count=1e-7)], BAND)
     assert skew_of(inverses, jointed(**KNOWN)) is not None
