@@ -52,3 +52,20 @@ def test_a_gap_leads_where_the_joint_is_slack_and_the_gap_says_nearly_as_much(mo
     assert found[0].candidate.effect == leads and len(found) == 2
     other = [judged("creep", 0.045, "creep"), judged("backlash", left)]
     assert slack.gap_first(other, Criteria(), state) is other
+
+
+@pytest.mark.parametrize(
+    ("ratio", "beside", "family", "stays"),
+    [
+        (0.1, "softer", "joint stiffness", True),
+        (0.45, "softer", "joint stiffness", False),
+        (0.1, "creep", "creep", False),
+    ],
+)
+def test_a_gap_stays_beside_the_law_that_bends_its_flanks_where_the_joint_is_slack(
+    monkeypatch, ratio, beside, family, stays
+):
+    monkeypatch.setattr(slack, "stiffness_at_rest", lambda plant, inverses: ratio)
+    last = SimpleNamespace(plant=None, inverses=())
+    assert slack.bent_gap(judged("backlash", 0.07), [judged(beside, 0.04, family)], last) is stays
+    assert not slack.bent_gap(judged(beside, 0.04, family), [judged("backlash", 0.07)], last)

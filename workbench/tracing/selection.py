@@ -11,7 +11,9 @@ from workbench.tracing.criteria import Criteria
 from workbench.tracing.greedy import Step, extended, leading
 from workbench.tracing.judge import Progress, ScoredCandidate, lighter
 from workbench.tracing.near_law import SEEN, Law, as_declared, count_at, freed, laws, lengthened
+from workbench.tracing.plausible import implausible
 from workbench.tracing.ranking import step
+from workbench.tracing.slack import bent_gap
 from workbench.tracing.state import State
 
 PROMISE = 0.05  # of the residual's power, from which a candidate is asked again when others are taken out
@@ -195,8 +197,10 @@ def _pruned(
         present = answer.added[i]
         if present.candidate.stands:
             continue  # no formula comes near to a free form: that was asked
-        progress(f"asking again for {present.candidate.key}")
         rest = [j for k, j in enumerate(answer.added) if k != i]
+        if bent_gap(present, rest, answer.last):
+            continue
+        progress(f"asking again for {present.candidate.key}")
         try:
             reduced = State(without(answer.last.plant, present.candidate, declared), answer.last.inverses)
         except NoValue:
@@ -206,6 +210,8 @@ def _pruned(
         looked.append(lighter(judgements, best))
         if best is not None and best.candidate.key == present.candidate.key and present.score.earns:
             continue  # else what it comes to now is its evidence
+        if present.score.earns and _only_by_no_machine(present, rest, answer.last, declared):
+            continue
         if best is not None and best.candidate.key != present.candidate.key and present.score.earns:
             if not _better(best, present, answer.last, criteria):
                 continue
@@ -216,6 +222,18 @@ def _pruned(
         if len(answer.added) <= len(rest):
             return _pruned(answer, declared, looked, progress, offer, criteria)
     return answer
+
+
+def _only_by_no_machine(
+    present: ScoredCandidate, rest: Sequence[ScoredCandidate], last: State, declared: Plant
+) -> bool:
+    """Whether an addition has values that a machine may have, and another one has none: a wave as long as the travel, that is as good
+    as any curve over it, makes no spring needless."""
+
+    def absurd(j: ScoredCandidate) -> bool:
+        return bool(implausible(last.plant[j.candidate.key], last.plant, declared, last.inverses))
+
+    return not absurd(present) and any(absurd(j) for j in rest)
 
 
 def _better(other: ScoredCandidate, present: ScoredCandidate, last: State, criteria: Criteria) -> bool:

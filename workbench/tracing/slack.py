@@ -40,6 +40,19 @@ def gap_first(judgements: list[ScoredCandidate], criteria: Criteria, state: Stat
     return [gap, *(j for j in judgements if j is not gap)]
 
 
+def bent_gap(present: ScoredCandidate, rest: Sequence[ScoredCandidate], last: State) -> bool:
+    """Whether an addition is a gap whose flanks another law of the joint's stiffness bends: that law alone says both, and is no less a gap's.
+
+    rest: the other additions; last: the state with all of them.
+    """
+    if present.candidate.effect != GAP or present.candidate.at != "joint" or not present.score.earns:
+        return False
+    bends = (j.candidate for j in rest if j.candidate.at == "joint")
+    if not any(c.family == present.candidate.family for c in bends):
+        return False
+    return stiffness_at_rest(last.plant, last.inverses) < SLACK
+
+
 def stiffness_at_rest(plant: Plant, inverses: Sequence[InverseDynamics]) -> float:
     """Return dT/dx at x = 0 over the largest dT/dx of a joint's laws of its deflection x alone, within the deflections of the records; no
     unit, 1 where the joint carries nothing."""
