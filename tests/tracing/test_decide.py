@@ -38,6 +38,13 @@ CASES = {
         replace(evidence(weighed("creep", (0.054, 0.0427), (0.16, 0.147))), before=Explainable(exogenous=0.025, joint=0.043)), UNKNOWN,
         (DRESSING,),
     ),
+    "less than what an inertia takes that changes along the stroke only dresses it, too": (
+        replace(evidence(weighed("kinematic_error", (0.11, 0.03), (0.12, 0.03))), before=Explainable(exogenous=0.1, inertia=0.112)), UNKNOWN,
+        (DRESSING,),
+    ),
+    "an inertia that changes along the stroke is no sixth kind of what is explainable": (
+        replace(evidence(), before=Explainable(exogenous=0.004, inertia=0.02)), NOTHING, (),
+    ),
     "more than that is a cause": (
         replace(evidence(weighed("backlash", (0.054, 0.02), (0.16, 0.05))), before=Explainable(exogenous=0.025, joint=0.043)), CAUSE,
         (CAUSE,),

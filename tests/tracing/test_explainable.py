@@ -1,5 +1,5 @@
 """What counts as explainable: a line that a force makes, and not the hum of the mains, which is told apart; a joint whose stiffness
-changes along the stroke."""
+changes along the stroke, and an inertia that does."""
 
 from dataclasses import replace
 
@@ -82,3 +82,26 @@ def test_a_joint_whose_stiffness_changes_along_the_stroke_is_told_as_such():
 @pytest.mark.parametrize("declared", [None, 0.9 * K])
 def test_a_joint_that_is_alike_everywhere_is_not_and_neither_is_one_declared_too_soft(declared):
     assert belt(0.0, declared).joint == 0.0
+
+
+def crank(changes: float, declared: float | None = None) -> Explainable:
+    """Return what is explainable where an inertia changes twice a turn by this share. declared: inertia that is held, free where None."""
+    t = np.arange(6000) / RATE
+    q, v, a = (waved(t, 5, n) for n in (0, 1, 2))
+    inertia, slope = INERTIA * (1.0 + changes * np.cos(2.0 * q)), -2.0 * INERTIA * changes * np.sin(2.0 * q)
+    drive = inertia * a + 0.5 * slope * v**2 + 0.5 * INERTIA * v
+    drive += 0.01 * INERTIA * np.random.default_rng(2).standard_normal(t.size)
+    record = Record("r", IDENTIFICATION, t, {"torque": drive, "position": q}, {}, SOURCE)
+    value = {"inertia": declared or INERTIA, "fixed": declared is not None}
+    plant = Plant(ONE_MASS) + find("inertia")(**value) + find("viscous_friction")
+    return explainable(State(plant, inverse_dynamics([record], JOINT_BAND)), Criteria())
+
+
+def test_an_inertia_that_changes_along_the_stroke_is_told_as_such():
+    found = crank(0.1)
+    assert found.inertia > max(0.03, found.size) and found.kind != "inertia"
+
+
+@pytest.mark.parametrize("declared", [None, 0.8 * INERTIA])
+def test_an_inertia_that_is_alike_everywhere_is_not_and_neither_is_one_declared_too_small(declared):
+    assert crank(0.0, declared).inertia == 0.0

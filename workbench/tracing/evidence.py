@@ -19,7 +19,8 @@ class Explainable:
     time, as a level or as friction. line: one spectral line. burst: moments. joint: of two masses, a stiffness of the joint that changes
     along the stroke. frequency: of the line, Hz. instrument: "reference",
     or "low-passed position" where no reference was logged. hum: a line of the mains, at `mains` Hz; it is none of the five kinds, for the
-    mains are no law of an axis.
+    mains are no law of an axis. inertia: of one mass, an inertia that changes along the stroke, beyond one that is everywhere alike; it is none
+    of them either, for other laws of place look like it.
     """
 
     exogenous: float = 0.0
@@ -31,6 +32,7 @@ class Explainable:
     hum: float = 0.0
     mains: float = 0.0
     joint: float = 0.0
+    inertia: float = 0.0
 
     @property
     def sizes(self) -> tuple[float, ...]:

@@ -11,6 +11,9 @@ bench time (instruments: Young 2011; Janot, Gautier, Brunot 2019). Five kinds ar
 - burst: power of the samples far outside what the residual usually is;
 - joint: of two masses, what the deflection says with a stiffness of the joint from neighbours in place on the stroke. The deflection is
   measured, and noise in it biases a stiffness; but everywhere alike, so that only what differs from place to place counts.
+
+Of one mass it is also asked what an inertia that changes along the stroke would take (`along_stroke`). The acceleration of a swing goes
+with its place, so that other laws of place look like that, too; it is no sixth kind, and is held against what the effects take.
 """
 
 from collections.abc import Sequence
@@ -23,6 +26,7 @@ from workbench.inverse.bodies import POSITION
 from workbench.inverse.dynamics import InverseDynamics
 from workbench.motion import MOTION_BAND, LowPass
 from workbench.plant import TWO_MASS
+from workbench.tracing.along_stroke import by_place
 from workbench.tracing.criteria import Criteria
 from workbench.tracing.evidence import Explainable
 from workbench.tracing.foreseen import BLOCK, FOLDS, LEAST_LEAF, foreseen, numbered
@@ -56,6 +60,7 @@ def explainable(state: State, criteria: Criteria) -> Explainable:
         hum=unit * sqrt(hum.share * whole),
         mains=hum.frequency,
         joint=unit * sqrt(_over_place(state, parts)),
+        inertia=unit * sqrt(_gained(*by_place(state))),
         instrument="reference" if referenced else "low-passed position",
     )
 

@@ -115,6 +115,11 @@ def _unexplained(evidence: Evidence, place: Window | None, displacement: str) ->
         f"Something is missing that no effect of the catalogue explains: {100 * size.size:.1f} % of the drive's rms could be "
         f"predicted from {FROM[size.kind]}"
     )
+    if size.inertia > size.size:
+        return (
+            f"Something is missing that no effect of the catalogue explains: an inertia that changes along the stroke (a crank, a "
+            f"toggle), or a drive's constant that does, would take {100 * size.inertia:.1f} % of the drive's rms."
+        )
     tried = max((*evidence.added, *evidence.refused), key=lambda a: a.size(IDENTIFICATION), default=None)
     if tried is not None and tried.size(IDENTIFICATION) > size.size == 0.0:
         said = (
