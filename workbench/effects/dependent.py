@@ -69,3 +69,38 @@ def friction_drift() -> Effect:
         reads=("t", "dir"),
         step=step,
     )
+
+
+@effect
+def friction_run_in() -> Effect:
+    """T = r (1 - exp(-e age))/e dir: Coulomb friction that goes over to another level after every rest, age the time since the record began.
+
+    A seal's film, or grease in a bearing, builds up at rest and is wiped off in motion; between two records the axis rests. Beside one
+    record it is a drift, under whose name it is traced.
+    """
+
+    def step(s, z, p):
+        age = z.age + s.dt
+        return {"age": age}, -p.rate * expm1(-p.settling * age) / p.settling * s.dir
+
+    return Effect(
+        name="friction_run_in",
+        cause="friction that drifts anew after every rest: a film or grease is wiped off, or spread, as the axis moves",
+        formula="T = r (1 - exp(-e age))/e dir, age the time since the record began",
+        source="Simoni, Beschi, Legnani, Visioli 2015 (friction and temperature); Armstrong-Helouvry, Dupont, Canudas de Wit 1994 (dwell)",
+        port=FORCE,
+        family="friction over time",
+        reduces={"rate": (0.0, "")},
+        parameters={
+            "rate": Parameter(0.0, "F/s", "change of Coulomb friction per time at first"),
+            "settling": Parameter(
+                1e-1, "1/s", "rate at which the change settles", lower=SLOWEST, upper=10.0, scale="settling"
+            ),
+        },
+        linear=("rate",),
+        states={"age": 1},
+        reads=("dt", "dir"),
+        step=step,
+        rare=True,
+        nearest="friction_drift",
+    )
