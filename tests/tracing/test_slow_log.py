@@ -20,7 +20,7 @@ INSIDE, CUT = 20, 35.0  # steps of the axis in a sample; Hz, of the drive's own 
 INERTIA, VISCOUS, COULOMB = 2.0, 40.0, 30.0
 
 
-def recorded(name: str, role: str, period: float, seconds: float = 40.0) -> Record:
+def recorded(name: str, role: str, period: float, seconds: float = 24.0) -> Record:
     """Return a swing whose Coulomb friction steps within a sample; the drive passed a low pass before it was logged."""
     inside = np.arange(int(seconds * RATE) * INSIDE) / (RATE * INSIDE)
     w, u = 2 * np.pi / period, 2 * np.pi / (1.37 * period)

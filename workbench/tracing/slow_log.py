@@ -20,6 +20,9 @@ from workbench.plant import Plant
 from workbench.tracing.decimation import FINE, decimate
 from workbench.tracing.wording_search import turns_between
 
+# Rate over the band below which a log is slow enough to be asked. Halved, the axis that it was made for is not asked; doubled, twice as
+# many logs are, and of 140 none more is read so
+SLOW = 12.0
 # Rate over the band along the path between samples. Halved, a complete model of a swing of Coulomb friction, logged at nine times the band,
 # leaves 1.1 instead of 0.6 %, and a clock is blamed; doubled, 0.4 %
 OFTEN = 64.0
@@ -47,33 +50,44 @@ class SlowLog:
 
 
 def slow_log(plant: Plant, inverses: Sequence[InverseDynamics], practical: float) -> SlowLog | None:
-    """Return operators that run between samples, None where they take less than a practical share of the drive from the declared model."""
+    """Return operators that run between samples, None where they take less than a practical share of the drive from the declared model.
+
+    They are asked at the rate at which operators run in a search, which is cheap, and run at OFTEN where that takes something.
+    """
     if not any(_slow(p) for p in inverses) or not any("dq" in e.reads or "dir" in e.reads for e in plant.effects):
         return None
-    oftener = tuple(InverseDynamics(p.motion, counts=p.counts, times=_times(p)) if _slow(p) else p for p in inverses)
     problem = Problem(plant, decimate(fitted_on(inverses)))
     found = solve(problem)
-    between = Problem(plant, decimate(fitted_on(oftener)))
-    y, phi = between.assemble(found.theta)
-    parts = (problem.drive_part(found.residual), between.drive_part(y - phi @ found.c))
-    before, after = (float(np.sqrt(sum(r @ r for r in part) / _power(problem))) for part in parts)
-    if before**2 - after**2 < max(practical**2, GAINS * before**2):
+    before = _left(problem, found.residual)
+
+    def after(oftener: Sequence[InverseDynamics]) -> float:
+        between = Problem(plant, decimate(fitted_on(oftener)))
+        y, phi = between.assemble(found.theta)
+        return _left(between, y - phi @ found.c)
+
+    if before**2 - after(_oftener(inverses, FINE)) ** 2 < max(practical**2, GAINS * before**2):
         return None
-    slowest = max(inverses, key=lambda p: p.motion.dt)
-    return SlowLog(oftener, 1.0 / slowest.motion.dt, _times(slowest), before, after)
+    oftener, slowest = _oftener(inverses, OFTEN), max(inverses, key=lambda p: p.motion.dt)
+    return SlowLog(oftener, 1.0 / slowest.motion.dt, _times(slowest, OFTEN), before, after(oftener))
+
+
+def _oftener(inverses: Sequence[InverseDynamics], rate: float) -> tuple[InverseDynamics, ...]:
+    """Return the inverse dynamics with the path of slow logs read at `rate` times the band."""
+    return tuple(InverseDynamics(p.motion, counts=p.counts, times=_times(p, rate)) if _slow(p) else p for p in inverses)
 
 
 def _slow(p: InverseDynamics) -> bool:
-    """Return whether a log is slower than operators run in a search."""
-    return FINE * p.motion.filter.bandwidth * p.motion.dt > 1.0 + 1e-9
+    """Return whether friction may turn between the samples of a log."""
+    return SLOW * p.motion.filter.bandwidth * p.motion.dt > 1.0 + 1e-9
 
 
-def _times(p: InverseDynamics) -> int:
-    """Return how often the path is read a sample."""
-    return ceil(OFTEN * p.motion.filter.bandwidth * p.motion.dt - 1e-9)
+def _times(p: InverseDynamics, rate: float) -> int:
+    """Return how often the path is read a sample, for `rate` times the band."""
+    return ceil(rate * p.motion.filter.bandwidth * p.motion.dt - 1e-9)
 
 
-def _power(problem: Problem) -> float:
-    """Return the power of the filtered drive, summed over the samples that count."""
+def _left(problem: Problem, residual: np.ndarray) -> float:
+    """Return the drive's part of a stacked residual, over the rms of the filtered drive."""
     drives = (p.filtered_drive(problem.plant)[0, p.motion.keep] for p in problem.inverses)
-    return float(sum(u @ u for u in drives))
+    power = sum(float(u @ u) for u in drives)
+    return float(np.sqrt(sum(float(r @ r) for r in problem.drive_part(residual)) / max(power, 1e-300)))
