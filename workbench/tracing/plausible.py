@@ -15,8 +15,9 @@ LARGEST_ECCENTRICITY = 0.0175  # rad: a disc that reads a degree wrong would not
 # and less: halved, no change; doubled, one that dresses friction is believed
 STEEPEST = 0.1
 FACTOR = 5.0  # by which a data-sheet value may be off before its unit is to be doubted; `check` allows as much
-# parameters that may stand on their bound as a law of their own (a gap: no stiffness inside; a change that has not begun to settle)
-STANDS = ("k1", "settling")
+# parameters that may stand on their bound as a law of their own (a gap: no stiffness inside; a change that has not begun to settle; all of
+# the inertia behind a contact, or none)
+STANDS = ("k1", "settling", "share")
 
 
 def implausible(effect: Effect, plant: Plant, declared: Plant, inverses: Sequence[InverseDynamics]) -> str:
