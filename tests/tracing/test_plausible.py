@@ -1,0 +1,29 @@
+"""Which values no machine has, and which may stand on their bound because they are a law of their own."""
+
+import numpy as np
+import pytest
+
+from workbench.definition import find
+from workbench.inverse.dynamics import inverse_dynamics
+from workbench.plant import ONE_MASS, Plant
+from workbench.record import IDENTIFICATION, Record
+from workbench.tracing.plausible import implausible
+
+T = 1e-3 * np.arange(4000)
+
+
+@pytest.mark.parametrize(
+    ("name", "values", "machine"),
+    [
+        ("load_dependent_friction", {"mu": 0.2, "share": 1.0}, True),  # all of the inertia lies behind the contact
+        ("load_dependent_friction", {"mu": 0.2, "share": 0.0}, True),
+        ("load_dependent_friction", {"mu": 1.0, "share": 0.5}, False),
+        ("presliding_hysteresis", {"h0": 1.0, "x0": 1.0}, False),  # gives way over a metre, of a travel of 0.2
+        ("presliding_hysteresis", {"h0": 1.0, "x0": 1e-3}, True),
+    ],
+)
+def test_a_share_may_be_all_or_none_and_a_length_no_longer_than_the_travel(name, values, machine):
+    effect = find(name)(**values)
+    plant = Plant(ONE_MASS) + find("inertia") + effect
+    record = Record("r", IDENTIFICATION, T, {"torque": np.sin(T), "position": 0.1 * np.sin(3.0 * T)})
+    assert (implausible(effect, plant, plant, inverse_dynamics([record], 60.0)) == "") is machine
