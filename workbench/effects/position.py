@@ -31,7 +31,7 @@ def gravity() -> Effect:
         reads=("q",),
         step=step,
         holds=("conservative",),
-        places=("axis", "load"),
+        places=("axis", "motor", "load"),
         motions=("rotary",),  # on a linear axis weight is a constant offset
         border=Border(
             parameters={
@@ -67,7 +67,8 @@ def cable_spring() -> Effect:
         reads=("q",),
         step=step,
         holds=("conservative",),
-        places=("axis", "load"),
+        places=("axis", "motor", "load"),
+        stated=("motor",),  # a cable hangs on what moves farthest
         border=Border(
             parameters={
                 "stiffness": Parameter(0.0, "F/x", "stiffness to ground", lower=0.0),

@@ -27,8 +27,8 @@ def linear_stiffness() -> Effect:
         reads=("q",),
         step=step,
         holds=("conservative", "odd"),
-        places=("axis", "joint"),
-        stated=("axis",),
+        places=("axis", "motor", "load", "joint"),
+        stated=("axis", "motor", "load"),
         at="joint",
     )
 

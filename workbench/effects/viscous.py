@@ -70,7 +70,8 @@ def linear_damping() -> Effect:
         reads=("v",),
         step=step,
         holds=("passive", "odd"),
-        places=("joint",),
+        places=("axis", "motor", "load", "joint"),
+        stated=("axis", "motor", "load"),  # viscous friction is traced there
         at="joint",
     )
 
