@@ -105,7 +105,7 @@ def findings_of(verdict: Verdict, evidence: Evidence, causes: Sequence[Cause], p
     yield from not_carried(causes, criteria)
     refused = [(a, NOT_BORNE_OUT) for a in evidence.refused]
     for a, role in (*refused, *zip(evidence.added, verdict.roles, strict=True)):
-        yield from _of_addition(a, role)
+        yield from _of_addition(a, role, max(evidence.before.joint, evidence.before.inertia), criteria)
     if verdict.something_else:
         yield Finding(
             SOMETHING_ELSE, evidence.after.kind,
@@ -116,8 +116,8 @@ def findings_of(verdict: Verdict, evidence: Evidence, causes: Sequence[Cause], p
         )  # fmt: skip
 
 
-def _of_addition(a: Weighed, role: str):
-    """Yield a finding of an addition that stands as no cause."""
+def _of_addition(a: Weighed, role: str, along: float, criteria: Criteria):
+    """Yield a finding of an addition that stands as no cause. along: share of the drive that what changes along the stroke would take."""
     name = f"{capital(title(a.effect))} at the {a.at}"
     if role == NOT_BORNE_OUT:
         yield Finding(
@@ -129,10 +129,23 @@ def _of_addition(a: Weighed, role: str):
     elif role == DRESSING:
         yield Finding(
             DRESSING, a.effect,
-            f"{name} was tried and explains {100 * max(a.share(VALIDATION), 0.0):.0f} % of what validation leaves: too little to be "
-            "the cause of what the residual holds.",
+            f"{name} was tried and explains {100 * max(a.share(VALIDATION), 0.0):.0f} % of what validation leaves: {_why_not(a, along, criteria)}.",
             {"identification": a.share(IDENTIFICATION), "validation": a.share(VALIDATION)},
         )  # fmt: skip
+
+
+def _why_not(a: Weighed, along: float, criteria: Criteria) -> str:
+    """Return why an addition that takes something is no cause, as a clause."""
+    if along > a.size(IDENTIFICATION):
+        return (
+            f"it takes {100 * a.size(IDENTIFICATION):.1f} % of the drive on identification where what changes along the stroke would take "
+            f"{100 * along:.1f} %, so that it only dresses that"
+        )
+    if a.share(VALIDATION) < criteria.held:
+        return "too little to be the cause of what the residual holds"
+    if a.implausible:
+        return f"but {a.implausible}, as no machine's would"
+    return "it leaves what lives in one place where it is, or pays for it elsewhere, so that it only dresses that"
 
 
 def _held(plant: Plant, score: CandidateScore) -> dict[str, float]:
