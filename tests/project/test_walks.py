@@ -42,8 +42,7 @@ MOST = {
     "campaign path to trace.json": 8,
     "Trace to report": 1,
     "plant to controllers": 6,
-    # two of them to ask of rest what presliding would leave there, one whether an effect with values that no machine has makes another needless
-    "records inside trace()": 26,
+    "records inside trace()": 26,  # two of them to ask of rest what presliding would leave there, one whether a law bends a gap
 }
 
 

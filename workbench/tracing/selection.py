@@ -11,7 +11,6 @@ from workbench.tracing.criteria import Criteria
 from workbench.tracing.greedy import Step, extended, leading
 from workbench.tracing.judge import Progress, ScoredCandidate, lighter
 from workbench.tracing.near_law import SEEN, Law, as_declared, count_at, freed, laws, lengthened
-from workbench.tracing.plausible import implausible
 from workbench.tracing.ranking import step
 from workbench.tracing.slack import bent_gap
 from workbench.tracing.state import State
@@ -210,8 +209,8 @@ def _pruned(
         looked.append(lighter(judgements, best))
         if best is not None and best.candidate.key == present.candidate.key and present.score.earns:
             continue  # else what it comes to now is its evidence
-        if present.score.earns and _only_by_no_machine(present, rest, answer.last, declared):
-            continue
+        if best is None and any(j.candidate.key == present.candidate.key and j.score.earns for j in judgements):
+            continue  # what earns its place is not needless, though nothing leads where the simplest of equals earns none
         if best is not None and best.candidate.key != present.candidate.key and present.score.earns:
             if not _better(best, present, answer.last, criteria):
                 continue
@@ -222,18 +221,6 @@ def _pruned(
         if len(answer.added) <= len(rest):
             return _pruned(answer, declared, looked, progress, offer, criteria)
     return answer
-
-
-def _only_by_no_machine(
-    present: ScoredCandidate, rest: Sequence[ScoredCandidate], last: State, declared: Plant
-) -> bool:
-    """Whether an addition has values that a machine may have, and another one has none: a wave as long as the travel, that is as good
-    as any curve over it, makes no spring needless."""
-
-    def absurd(j: ScoredCandidate) -> bool:
-        return bool(implausible(last.plant[j.candidate.key], last.plant, declared, last.inverses))
-
-    return not absurd(present) and any(absurd(j) for j in rest)
 
 
 def _better(other: ScoredCandidate, present: ScoredCandidate, last: State, criteria: Criteria) -> bool:
