@@ -42,6 +42,10 @@ CASES = {
         replace(evidence(weighed("kinematic_error", (0.11, 0.03), (0.12, 0.03))), before=Explainable(exogenous=0.1, inertia=0.112)), UNKNOWN,
         (DRESSING,),
     ),
+    "what takes as much as an inertia does that changes along the stroke stays the cause, for an eccentric encoder is both": (
+        replace(evidence(weighed("encoder_eccentricity", (0.073, 0.005), (0.068, 0.004))), before=Explainable(exogenous=0.07, inertia=0.0735)),
+        CAUSE, (CAUSE,),
+    ),
     "an inertia that changes along the stroke is no sixth kind of what is explainable": (
         replace(evidence(), before=Explainable(exogenous=0.004, inertia=0.02)), NOTHING, (),
     ),

@@ -49,23 +49,14 @@ def friction_drift() -> Effect:
     """
 
     def step(s, z, p):
-        return {}, -p.rate * expm1(-p.settling * s.t) / p.settling * s.dir
+        return {}, _gone_over(s.t, p) * s.dir
 
-    return Effect(
+    return _drifting(
         name="friction_drift",
         cause="friction that drifts while the axis is measured: it warms up, or its grease is spread",
         formula="T = r (1 - exp(-e t))/e dir",
         source="Simoni, Beschi, Legnani, Visioli 2015 (friction and temperature)",
-        port=FORCE,
-        family="friction over time",
-        reduces={"rate": (0.0, "")},
-        parameters={
-            "rate": Parameter(0.0, "F/s", "change of Coulomb friction per time at first"),
-            "settling": Parameter(
-                1e-3, "1/s", "rate at which the change settles", lower=SLOWEST, upper=10.0, scale="settling"
-            ),
-        },
-        linear=("rate",),
+        settling=1e-3,
         reads=("t", "dir"),
         step=step,
     )
@@ -81,26 +72,39 @@ def friction_run_in() -> Effect:
 
     def step(s, z, p):
         age = z.age + s.dt
-        return {"age": age}, -p.rate * expm1(-p.settling * age) / p.settling * s.dir
+        return {"age": age}, _gone_over(age, p) * s.dir
 
-    return Effect(
+    return _drifting(
         name="friction_run_in",
         cause="friction that drifts anew after every rest: a film or grease is wiped off, or spread, as the axis moves",
         formula="T = r (1 - exp(-e age))/e dir, age the time since the record began",
         source="Simoni, Beschi, Legnani, Visioli 2015 (friction and temperature); Armstrong-Helouvry, Dupont, Canudas de Wit 1994 (dwell)",
+        settling=1e-1,
+        states={"age": 1},
+        reads=("dt", "dir"),
+        step=step,
+        rare=True,
+        nearest="friction_drift",
+    )
+
+
+def _gone_over(t, p):
+    """Return r (1 - exp(-e t))/e."""
+    return -p.rate * expm1(-p.settling * t) / p.settling
+
+
+def _drifting(settling: float, **own) -> Effect:
+    """Return the effect of friction that goes over to another level. settling: start of its rate, 1/s. own: what else is its own."""
+    return Effect(
+        **own,
         port=FORCE,
         family="friction over time",
         reduces={"rate": (0.0, "")},
         parameters={
             "rate": Parameter(0.0, "F/s", "change of Coulomb friction per time at first"),
             "settling": Parameter(
-                1e-1, "1/s", "rate at which the change settles", lower=SLOWEST, upper=10.0, scale="settling"
+                settling, "1/s", "rate at which the change settles", lower=SLOWEST, upper=10.0, scale="settling"
             ),
         },
         linear=("rate",),
-        states={"age": 1},
-        reads=("dt", "dir"),
-        step=step,
-        rare=True,
-        nearest="friction_drift",
     )

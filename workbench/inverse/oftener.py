@@ -16,12 +16,16 @@ from workbench.record import Record
 CUT = 0.4  # of the low pass before a lower rate, over that rate
 
 
+def read_at(record: Record, steps: np.ndarray, low_pass: Callable[[np.ndarray], np.ndarray] | None = None) -> Record:
+    """Return the record with its channels read at `steps` (m,), in samples and fractions of one, behind a low pass where they are fewer."""
+    places = Places(steps)
+    channels = {n: places.read(low_pass(x) if low_pass else x) for n, x in record.channels.items()}
+    return replace(record, time=record.time[0] + record.dt * steps, channels=channels)
+
+
 def read_oftener(record: Record, times: int) -> Record:
     """Return the record with its channels read `times` as often, by interpolation between its samples."""
-    steps = np.arange((record.time.size - 1) * times + 1) / times
-    places = Places(steps)
-    channels = {n: places.read(x) for n, x in record.channels.items()}
-    return replace(record, time=record.time[0] + record.dt * steps, channels=channels)
+    return read_at(record, np.arange((record.time.size - 1) * times + 1) / times)
 
 
 def moved_oftener(m: Motion, times: int) -> Motion:

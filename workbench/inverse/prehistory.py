@@ -43,9 +43,9 @@ def _begun(plant: Plant, p: InverseDynamics) -> InverseDynamics:
         return p
     span = SPAN * reach
     tried = np.linspace(-span, span, COARSE)
-    best = min(tried, key=lambda h: _left(plant, m, h))
+    best = min(tried, key=lambda h: _left(plant, p, h))
     step = tried[1] - tried[0]
-    best = min(best + np.linspace(-step, step, FINE), key=lambda h: _left(plant, m, h))
+    best = min(best + np.linspace(-step, step, FINE), key=lambda h: _left(plant, p, h))
     return InverseDynamics(displaced(m, float(best)), counts=p.counts, times=p.times)
 
 
@@ -61,10 +61,10 @@ def _memory(plant: Plant) -> float:
     return float(sum(lengths))
 
 
-def _left(plant: Plant, motion: Motion, h: float) -> float:
+def _left(plant: Plant, p: InverseDynamics, h: float) -> float:
     """Return the power that a plant leaves of the filtered drive where the record was begun by a displacement h."""
-    moved = displaced(motion, h)
-    residual = motion.filter(moved.u - predicted(InverseDynamics(moved), plant))[motion.keep]
+    moved = displaced(p.motion, h)
+    residual = moved.filter(moved.u - predicted(InverseDynamics(moved, times=p.times), plant))[moved.keep]
     return float(residual @ residual)
 
 

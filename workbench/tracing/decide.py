@@ -8,7 +8,7 @@
 | a further one that takes less than `lesser` of what the largest cause takes, on validation less than the practical size, less than `beside` with values that no machine has, or says the curve that a larger one says? | refinement |
 | does the error grow on validation, or does the effect explain nearly nothing there? | not borne out |
 | is what they take of a window of the stroke paid for with residual elsewhere? | unknown |
-| does a stiffness of the joint or an inertia that changes along the stroke, which no effect is, take more of the drive than they do? | unknown |
+| does a stiffness of the joint or an inertia that changes along the stroke, which no effect is, take `explainable` more of the drive than they do? | unknown |
 | has what takes most values that no machine has, and leaves `beside` explainable? | unknown |
 | do the causes take `held` of the validation power, or leave little that is explainable? | cause |
 | is more than `explainable` of the drive predictable from outside the loop? | unknown |
@@ -50,7 +50,7 @@ def decide(evidence: Evidence, criteria: Criteria) -> Verdict:
     roles = _lesser(evidence.added, tuple(_role(a, criteria) for a in evidence.added), criteria)
     causes = [a for a, r in zip(evidence.added, roles, strict=True) if r == CAUSE]
     spread = evidence.traded or (evidence.place_instead and not _little_left(evidence, criteria))
-    spread = spread or _less_than_places(evidence, causes)
+    spread = spread or _less_than_places(evidence, causes, criteria)
     if causes and (spread or _doubtful(evidence, causes, criteria) or not _answers(evidence, causes, criteria)):
         roles = tuple(DRESSING if r == CAUSE else r for r in roles)
         causes = []
@@ -75,12 +75,12 @@ def _lost_most(evidence: Evidence, causes: list[Weighed], criteria: Criteria) ->
     return evidence.lost >= max(criteria.explainable, largest) and not evidence.clock
 
 
-def _less_than_places(evidence: Evidence, causes: list[Weighed]) -> bool:
-    """Whether causes together take less than a stiffness of the joint, or an inertia, that changes along the stroke does, out of sample:
-    theirs are laws of the deflection and of the motion, the same at every place."""
-    return max(evidence.before.joint, evidence.before.inertia) ** 2 > sum(
-        max(a.size(IDENTIFICATION), 0.0) ** 2 for a in causes
-    )
+def _less_than_places(evidence: Evidence, causes: list[Weighed], criteria: Criteria) -> bool:
+    """Whether causes together take plainly less than a stiffness of the joint, or an inertia, that changes along the stroke does, out of
+    sample: theirs are laws of the deflection and of the motion, the same at every place. An eccentric encoder is such an inertia by
+    another name, so that what takes as much stays the cause."""
+    more = max(evidence.before.joint, evidence.before.inertia) ** 2 - criteria.explainable**2
+    return more > sum(max(a.size(IDENTIFICATION), 0.0) ** 2 for a in causes)
 
 
 def _doubtful(evidence: Evidence, causes: list[Weighed], criteria: Criteria) -> bool:

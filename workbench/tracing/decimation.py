@@ -7,7 +7,6 @@ record is right on the decimated one.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 from fractions import Fraction
 from math import ceil
 
@@ -16,8 +15,7 @@ import numpy as np
 from workbench.definition import FORCE
 from workbench.inverse.bodies import CHANNEL
 from workbench.inverse.dynamics import InverseDynamics
-from workbench.inverse.oftener import CUT, to_rate_of
-from workbench.inverse.shift import Places
+from workbench.inverse.oftener import CUT, read_at, to_rate_of
 from workbench.motion import LowPass, motion
 from workbench.plant import Plant
 from workbench.record import Record
@@ -47,9 +45,7 @@ def decimated(record: Record, bandwidth: float, least: float = LEAST) -> Record:
         return record
     low_pass = LowPass(CUT * float(kept) / record.dt, 1 / record.dt, record.time.size)
     steps = np.arange(int((record.time.size - 1) * kept) + 1) * (kept.denominator / kept.numerator)
-    places = Places(steps)
-    channels = {n: places.read(low_pass(x)) for n, x in record.channels.items()}
-    return replace(record, time=record.time[0] + record.dt * steps, channels=channels)
+    return read_at(record, steps, low_pass)
 
 
 def decimate(

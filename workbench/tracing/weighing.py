@@ -23,10 +23,8 @@ from workbench.tracing.result import Refinement
 from workbench.tracing.selection import Selection
 from workbench.tracing.wording_search import nearly_right
 
-ONE_CURVE = (
-    "joint stiffness",
-    "friction with memory",
-)  # families of which a place has one curve, whatever laws make it up
+# families of which a place has one curve, whatever laws make it up
+ONE_CURVE = ("joint stiffness", "friction with memory")
 
 
 @dataclass(frozen=True, eq=False)
