@@ -16,8 +16,9 @@ from functools import cache
 from pathlib import Path
 
 FACTORS = (0.5, 2.0)
-Change = tuple[str, str, float, float]  # module, name, factor, the number times it
-CODES = ("EITHER", "FORWARD", "BACKWARD")  # names of directions
+Number = float | tuple[float, ...]
+Change = tuple[str, str, float, Number]  # module, name, factor, the number times it
+CODES = ("EITHER", "FORWARD", "BACKWARD", "MAINS")  # names of directions, and what the mains give
 PACKAGES = ("workbench.tracing", "workbench.residual")
 BESIDE = ("workbench.identification.cross_validation",)
 # What a description on the page, a plan or a file is made of: no search and no verdict reads it.
@@ -32,8 +33,8 @@ def modules() -> dict[str, str]:
     return {stem: name for stem, name in named.items() if stem not in ("__init__", *DESCRIBES)}
 
 
-def numbers() -> Iterator[tuple[str, str, float]]:
-    """(module, name, value) of every private number of the trace, in the order of their files."""
+def numbers() -> Iterator[tuple[str, str, Number]]:
+    """(module, name, value) of every private number of the trace, and of every few that stand together, in the order of their files."""
     for stem, name in modules().items():
         module = importlib.import_module(name)
         for node in ast.parse(Path(module.__file__).read_text(encoding="utf-8")).body:
@@ -43,17 +44,19 @@ def numbers() -> Iterator[tuple[str, str, float]]:
             ]
             for x in names:
                 value = getattr(module, x.id, None)
-                if (
-                    x.id not in CODES
-                    and x.id.isupper()
-                    and isinstance(value, int | float)
-                    and not isinstance(value, bool)
-                ):
+                if x.id not in CODES and x.id.isupper() and is_number(value):
                     yield stem, x.id, value
 
 
+def is_number(value: object) -> bool:
+    """Whether a constant is a number, or a few of them together."""
+    if isinstance(value, tuple) and value:
+        return all(is_number(x) for x in value)
+    return isinstance(value, int | float) and not isinstance(value, bool)
+
+
 @contextmanager
-def changed(module: str, name: str, value: float) -> Iterator[None]:
+def changed(module: str, name: str, value: Number) -> Iterator[None]:
     """While it lasts the number has another value, in its module and wherever it was imported by that name."""
     home = importlib.import_module(modules()[module])
     before = getattr(home, name)
@@ -157,7 +160,7 @@ def _of_class(function: ast.AST, tree: ast.Module) -> bool:
     return any(function in c.body for c in tree.body if isinstance(c, ast.ClassDef))
 
 
-def read_numbers(seen: set[tuple[str, int]]) -> list[tuple[str, str, float]]:
+def read_numbers(seen: set[tuple[str, int]]) -> list[tuple[str, str, Number]]:
     """Return the private numbers that one of the calls seen reads, or that a module reads as it is imported."""
     return [n for n in numbers() if (reads := readers(n[0], n[1])) is None or reads & seen]
 
@@ -211,8 +214,10 @@ def sweep(folders: Sequence[Path]) -> Iterator[dict]:
         yield {"campaign": folder.name, "numbers": len(found), "traced": 1 + len(answers)}
 
 
-def times(value: float, factor: float) -> float:
-    """Return a number times a factor; a whole one stays whole and above zero."""
+def times(value: Number, factor: float) -> Number:
+    """Return a number times a factor, each of a few; a whole one stays whole and above zero."""
+    if isinstance(value, tuple):
+        return tuple(times(x, factor) for x in value)
     return max(1, round(value * factor)) if isinstance(value, int) else value * factor
 
 

@@ -12,6 +12,7 @@ from workbench.errors import UnsoundRecord
 from workbench.finding import SAMPLING_RATE, Finding
 from workbench.plant import KINDS, TWO_MASS, Plant
 from workbench.readers import declaration
+from workbench.readers.own_unit import in_effort
 from workbench.readers.plant import declared_plant
 from workbench.readers.records import assumptions, channels, records
 from workbench.record import Record
@@ -58,6 +59,7 @@ def load(folder: Path | str, *, resample: bool = False) -> Campaign:
         ("title", "plant", "evaluation_bandwidth", "channels", "records"),
         ("actuator_limit", "speed_limit", "geometry", "initial_condition", "effects", "resample", "tolerance"),
     )
+    top, told = in_effort(top)
     notes = {"initial_condition": top.text("initial_condition")}
     kind = top.choice("plant", KINDS, "plant")
     title, bandwidth = top.text("title"), top.quantity("evaluation_bandwidth", "Hz", above=SLOWEST)
@@ -77,5 +79,12 @@ def load(folder: Path | str, *, resample: bool = False) -> Campaign:
         )
     tolerance = top.number("tolerance", above=0.0) if "tolerance" in top.values else None
     return Campaign(
-        folder, title, plant, frozen, bandwidth, (*assumed, *findings), {k: n for k, n in notes.items() if n}, tolerance
+        folder,
+        title,
+        plant,
+        frozen,
+        bandwidth,
+        (*told, *assumed, *findings),
+        {k: n for k, n in notes.items() if n},
+        tolerance,
     )

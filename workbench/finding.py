@@ -24,6 +24,7 @@ RESPONSE_LIMITS = "response limits"
 SAMPLING_RATE = "sampling rate"
 SENSITIVITY_EXCEEDED = "sensitivity exceeded"
 SOMETHING_ELSE = "something else"
+SLOW_FORCE = "slow force"
 START_TIME = "start time"
 UNSTABLE = "unstable"
 

@@ -249,7 +249,7 @@ FEW = [
     spec(SINGLE, 3, ("transport_delay",), ("linear",)),
     spec(PAIR, 4, ("cogging", "nonlinear_viscous_friction"), ("presliding",)),
     spec(NONE, 5, (), ("stribeck",)),
-    spec(OUTSIDE, 6, ("coarse_torque",), ("presliding",)),
+    spec(OUTSIDE, 6, ("rattle",), ("presliding",)),
 ]
 
 

@@ -66,6 +66,10 @@ CASES = {
         evidence(weighed("inertia", (0.0214, 0.0165), (0.03, 0.029), CORRECTION, changed=0.0119, tolerance=0.01)), UNKNOWN,
         (REFINEMENT,),
     ),
+    "nor is one that a drive's gain, known no better, would make of a value within it": (
+        evidence(weighed(id_=(0.155, 0.03), val=(0.155, 0.058)), weighed("inertia", (0.0296, 0.0256), (0.058, 0.056), CORRECTION, changed=0.0172, tolerance=0.01)),
+        CAUSE, (CAUSE, REFINEMENT),
+    ),
     "less than half a per cent of the drive is a refinement": (
         evidence(weighed(), weighed("lugre_friction", (0.010, 0.0095), (0.010, 0.0095))), CAUSE, (CAUSE, REFINEMENT),
     ),
@@ -97,6 +101,14 @@ CASES = {
     ),
     "what takes most of the identification records is no noise, though validation does not bear it out": (
         evidence(weighed(id_=(0.074, 0.042), val=(0.15, 0.78)), before=0.0), UNKNOWN, (NOT_BORNE_OUT,),
+    ),
+    "but what takes most of a load's small balance, and little of the drive, is a matter of what it does at standstill": (
+        evidence(
+            weighed(
+                "stribeck_friction", (0.022, 0.0156), (0.0203, 0.0179),
+                load_before={"identification": 0.203, "validation": 0.108}, load_after={"identification": 0.136, "validation": 0.132},
+            ), before=0.0065,
+        ), NOTHING, (NOT_BORNE_OUT,),
     ),
     "one place that says more than the effects": (
         evidence(weighed(), before=0.05, after=0.04, place_instead=True), UNKNOWN, (DRESSING,),

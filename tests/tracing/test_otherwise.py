@@ -10,9 +10,11 @@ from workbench.definition import find
 from workbench.inverse.dynamics import inverse_dynamics
 from workbench.plant import ONE_MASS, Plant
 from workbench.record import IDENTIFICATION, VALIDATION, Record, Source
-from workbench.tracing import greedy
-from workbench.tracing.candidates import candidates_of
+from workbench.tracing import free_law, greedy, ranking
+from workbench.tracing.candidates import Offer, candidates_of
+from workbench.tracing.judge import STANDARD
 from workbench.tracing.starts import resonances
+from workbench.tracing.state import State
 from workbench.tracing.tracing import trace
 
 SOURCE = Source(Path("made"), "", "made", {})
@@ -20,15 +22,15 @@ COUNT, DT = 1e-6, 1e-3
 PLANT = Plant(ONE_MASS) + find("inertia")(inertia=0.01) + find("viscous_friction") + find("coulomb_friction")
 
 
-def recorded(name: str, role: str, speed: float, force, seconds: float = 12.0) -> Record:
-    """A record of slow and fast sines, up to about `speed`, whose drive is inertia, friction and force(v), with noise."""
+def recorded(name: str, role: str, speed: float, force, seconds: float = 12.0, over=lambda q: 0.0 * q) -> Record:
+    """A record of slow and fast sines, up to about `speed`, whose drive is inertia, friction, force(v) and over(q), with noise."""
     t = DT * np.arange(round(seconds / DT))
     waves = [(0.6 * speed, 2.1), (0.3 * speed, 7.3), (0.1 * speed, 23.0)]
     q = sum(s / w * np.sin(w * t + k) for k, (s, w) in enumerate(waves))
     v = sum(s * np.cos(w * t + k) for k, (s, w) in enumerate(waves))
     a = sum(-s * w * np.sin(w * t + k) for k, (s, w) in enumerate(waves))
     rng = np.random.default_rng(len(name))
-    drive = 0.01 * a + 0.02 * v + 0.3 * np.sign(v) + force(v) + 0.01 * rng.normal(size=t.size)
+    drive = 0.01 * a + 0.02 * v + 0.3 * np.sign(v) + force(v) + over(q) + 0.01 * rng.normal(size=t.size)
     read = COUNT * np.round(q / COUNT)
     channels = {"torque": drive, "position": read, "reference": q}
     return Record(name, role, t, channels, {}, SOURCE, {"position": COUNT})
@@ -43,6 +45,18 @@ def test_friction_that_levels_off_is_carried_to_speeds_that_were_not_fitted():
     assert (found.verdict, cause.effect, cause.form) == ("cause", "nonlinear_viscous_friction", "power_law_friction")
     assert "Its law is that of power law friction" in cause.sentence and cause.share_validation > 0.9
     assert {e.parameter: e.value for e in cause.parameters}["exponent"] == pytest.approx(0.5, abs=0.1)
+
+
+def test_a_spring_and_a_cogging_are_two_effects_though_one_curve_over_place_takes_both(monkeypatch):
+    over = lambda q: 0.12 * np.sin(40.0 * q + 0.4) + 0.03 * np.sin(80.0 * q) + 0.25 * (q - 0.05)  # noqa: E731
+    records = [recorded(n, IDENTIFICATION, s, lambda v: 0.0 * v, over=over) for n, s in (("a", 1.0), ("bb", 0.7))]
+    state = State(PLANT, inverse_dynamics(records, 50.0))
+    judgements = ranking.step(state, lambda _: None, Offer(only={"cogging", "cable_spring"}))
+    best = judgements[0]
+    assert (best.candidate.effect, free_law.free_law(state, judgements, best, [], STANDARD)) == ("cogging", None)
+    monkeypatch.setattr(free_law, "_two_say_it", lambda *_: False)
+    curve = free_law.free_law(state, judgements, best, [], STANDARD)
+    assert (curve.candidate.effect, curve.candidate.name) == ("force_over_position", "cogging")
 
 
 def test_a_composite_bears_the_name_of_the_part_that_is_missing():

@@ -19,7 +19,7 @@ from workbench.tracing import ranking
 from workbench.tracing.candidates import Candidate, brought, candidates_of, without
 from workbench.tracing.counted import quantisation_bias
 from workbench.tracing.decimation import decimate
-from workbench.tracing.greedy import Step, earned, promised
+from workbench.tracing.greedy import Step, earned, promised, spent
 from workbench.tracing.judge import STANDARD, ScoredCandidate, judged
 from workbench.tracing.ranking import simplest_first
 from workbench.tracing.result import CAUSE, NOTHING, CandidateScore
@@ -79,6 +79,24 @@ def test_provisional_is_a_plain_gain_that_is_not_certain(gain, scatter, state, p
     j = judgement(gain, scatter, state=state)
     assert promised([j, judgement(0.9, 0.1)], STANDARD) is (j if provisional else None)
     assert promised([], STANDARD) is None
+
+
+@pytest.mark.parametrize(
+    ("left", "is_spent"),
+    [(0.0061, True), (0.0076, False), (0.02, False)],  # noise of 0.006: 0.1, 0.47 and 1.9 % of the drive above it
+)
+def test_nothing_further_is_asked_where_less_is_left_than_a_further_cause_takes(left, is_spent):
+    drive, record = np.ones(1000), SimpleNamespace(name="a")
+    motion = SimpleNamespace(record=record, u=drive, keep=slice(0, 1000))
+
+    def state(share: float) -> SimpleNamespace:
+        errors = HeldOut(np.full(10, share**2 * 100.0))
+        return SimpleNamespace(errors=errors, power=1000.0, inverses=[SimpleNamespace(motion=motion)])
+
+    assert spent(state(left), state(0.06), {"a": 0.006}, STANDARD) == is_spent
+    assert not spent(
+        state(left), state(left + 1e-4), {"a": 0.006}, STANDARD
+    )  # little was taken, and its law may be another one
 
 
 def test_what_was_added_on_credit_goes_where_nothing_earns_its_place_after_it():
@@ -229,6 +247,35 @@ def test_of_equals_the_usual_effect_is_named_before_a_rare_one(monkeypatch):
     plainly = candidate("fading_memory", 0.12, 2)
     assert leads(plainly, presliding, lugre) is plainly
     assert leads(fading, lugre) is fading
+
+
+@pytest.mark.parametrize(
+    ("rare", "further", "same"), [(False, 0.006, False), (True, 0.006, True), (True, 0.012, False)]
+)
+def test_a_rare_law_leads_where_it_takes_plainly_more_than_another_one(rare, further, same):
+    """further: rms that the first takes beyond the other, over the drive's."""
+    of = SimpleNamespace(key="k", plant={"k": SimpleNamespace(rare=rare)})
+    power, blocks = 1.0, 8
+    left = np.full(blocks, 1e-4 / blocks)
+    best, other = (
+        SimpleNamespace(candidate=of, errors=HeldOut(e), score=SimpleNamespace(gain=0.9))
+        for e in (left, left + further**2 / blocks)
+    )
+    assert ranking.alike(best, other, STANDARD, power) == same
+
+
+def test_lugre_friction_without_presliding_and_without_a_peak_is_nothing_of_its_own():
+    motion = SimpleNamespace(counts=1e-3, t=np.array([0.0, 10.0]), record=SimpleNamespace(dt=5e-3))
+    state = SimpleNamespace(plant=SimpleNamespace(kind=ONE_MASS), inverses=[SimpleNamespace(motion=motion)])
+
+    def nothing(x0: float, ratio: float) -> bool:
+        plant = Plant(ONE_MASS) + find("lugre_friction")(sigma0=1e3, sigma1=400.0, x0=x0, ratio=ratio, speed=1e-3)
+        candidate = Candidate("lugre_friction", "axis", "addition", plant)
+        return ranking.nothing_of_its_own(
+            SimpleNamespace(candidate=candidate, refitted=SimpleNamespace(plant=plant)), state
+        )
+
+    assert nothing(4e-7, 0.0) and not nothing(4e-7, 0.5) and not nothing(0.02, 0.0)
 
 
 def test_values_that_no_machine_has_lead_only_where_no_plausible_effect_takes_nearly_as_much(monkeypatch):

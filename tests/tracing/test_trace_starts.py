@@ -6,7 +6,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from made_joints import joint, jointed
+from made_joints import JL, RATE, K, joint, jointed, waved
 
 from workbench.definition import find
 from workbench.inverse.bodies import POSITION
@@ -161,6 +161,23 @@ def test_strokes_reach_from_counts_to_what_is_travelled_there(at):
     np.testing.assert_allclose(found[[0, -1]], [4e-4, reach], rtol=0.01)
     assert np.all(np.diff(found) > 0) and found.size <= 6
     assert np.max(found[1:] / found[:-1]) <= 8.0
+
+
+def test_a_gap_of_a_stiff_joint_is_begun_within_what_the_joint_gives_way():
+    """The joint gives way by some 15 um, and a gap of its default half width, 0.1 mm, would hold all of it."""
+    t = np.arange(3000) / RATE
+    load, passing = waved(t, 3, 0), JL * waved(t, 3, 2)
+    motor = load + passing / (100.0 * K)
+    record = Record("r", IDENTIFICATION, t, {"torque": passing, "position": motor, "load_position": load}, {}, SOURCE)
+    found, plant = inverse_dynamics([record], BAND), jointed(inertia=True)
+    gap = find("backlash")
+    begun = [np.exp(s["half_width"]) for s in starts(gap, found, [passing], plant + gap)]
+    gives = np.ptp(motor - load)
+    assert (
+        len(begun) > 1
+        and max(begun) == pytest.approx(0.5 * gives, rel=0.1)
+        and gives < gap.parameters["half_width"].value
+    )
 
 
 def offered(plant: Plant) -> dict[str, Plant]:

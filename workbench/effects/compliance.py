@@ -72,6 +72,7 @@ def multi_body_compliance() -> Effect:
         source="Zhang, Ahmad, Liu 2015",
         port=FORCE,
         family="joint stiffness",
+        rare=True,  # strain-wave gears alone have both compliances; two springs and a cubic are the commoner picture of any joint
         parameters={
             "torque": Parameter(0.0, "F", "T_f: torque at which the flexspline is twice as stiff", lower=0.0),
             "x_f": Parameter(1e-3, "x", "T_f over the flexspline's stiffness", lower=1e-12, scale="stroke"),

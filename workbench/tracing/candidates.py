@@ -104,7 +104,7 @@ def _additions(effect: Effect, place: str, plant: Plant, stands_for: Mapping[str
         return []
     another = effect(at=place)
     known = {e.key for e in (*plant.effects, *stands_for.values())}
-    if another.key in known and _periodic(effect):
+    if another.key in known and periodic(effect):
         another = next((o for o in (_again(effect, place, n) for n in AGAIN) if o.key not in known), another)
     if another.key in known:
         return []
@@ -184,7 +184,7 @@ def _again(effect: Effect, place: str, label: str) -> Effect:
     return effect(at=place, label=label, **{effect.harmonic: int(label) * effect.parameters[effect.harmonic].value})
 
 
-def _periodic(effect: Effect) -> bool:
+def periodic(effect: Effect) -> bool:
     """Whether an effect has an order, or harmonics, so that an axis may have it once more at another one."""
     return bool(effect.harmonic) or any(p.scale == "order" and not p.fixed for p in effect.parameters.values())
 

@@ -41,7 +41,8 @@ class Criteria:
         fits noise is kept; doubled, causes that the validation record excites little are withheld.
     doubted: the same share, below which a finding says that validation does not carry a cause, and another law of its class is asked
         of what takes most. Halved, a joint of two springs stays where a cubic one is; doubled, every cause is asked again.
-    tolerance: relative error of a fixed value, where the campaign states none; a correction within it is a refinement.
+    tolerance: relative error of a fixed value, where the campaign states none; a correction within it is a refinement, and what counts of
+        another one is what it takes beyond twice as much, since a drive's gain is known no better.
     near: share of what a free-form law takes, from which a law of the catalogue says it as well. Halved, a wrong formula of the
         class is named; doubled (1.0 at most), only exact laws are.
     resembles: share of what a free-form law takes, that the nearest formula must take for the free form to bear its name. Halved,

@@ -93,10 +93,10 @@ def _doubtful(evidence: Evidence, causes: list[Weighed], criteria: Criteria) -> 
 def _unborne(evidence: Evidence, roles: tuple[str, ...], criteria: Criteria) -> bool:
     """Whether an effect takes much of the identification records, by `held` and `beside`, and does not hold on validation: it is
     not the cause, but nor is what it takes noise. Where the reference says nothing (an injected torque alone moves the axis),
-    this is all that says so."""
+    this is all that says so. Of the drive alone: what a load does at standstill is a matter of counts, and much of its small balance."""
     out = [a for a, r in zip(evidence.added, roles, strict=True) if r == NOT_BORNE_OUT]
-    much = (a for a in (*out, *evidence.refused) if a.share(IDENTIFICATION) >= criteria.held)
-    return any(a.size(IDENTIFICATION) >= criteria.beside for a in much)
+    sizes = ((a.before[IDENTIFICATION] ** 2, a.after[IDENTIFICATION] ** 2) for a in (*out, *evidence.refused))
+    return any(b - a >= max(criteria.held * b, criteria.beside**2) for b, a in sizes)
 
 
 def _role(a: Weighed, criteria: Criteria) -> str:
@@ -125,9 +125,10 @@ def _lesser(added: tuple[Weighed, ...], roles: tuple[str, ...], criteria: Criter
 
 
 def _beyond(a: Weighed) -> float:
-    """Return what an effect takes away, over the drive's rms; of a correction, what no value within its tolerance takes."""
+    """Return what an effect takes away, over the drive's rms; of a correction, what no value within its tolerance takes beside a drive
+    whose gain is known no better than that value."""
     size = a.size(IDENTIFICATION)
-    return size * (1.0 - a.tolerance / a.changed) if a.kind == CORRECTION and a.changed > 0.0 else size
+    return size * (1.0 - 2.0 * a.tolerance / a.changed) if a.kind == CORRECTION and a.changed > 0.0 else size
 
 
 def _answers(evidence: Evidence, causes: list[Weighed], criteria: Criteria) -> bool:

@@ -16,11 +16,12 @@ class Explainable:
     """How much of a residual anything could predict out of sample, each kind as a share of the drive's rms.
 
     exogenous: from what is outside the loop (the reference, its past, place, direction). time: from its neighbours in bench
-    time, as a level or as friction. line: one spectral line. burst: moments. joint: of two masses, a stiffness of the joint that changes
+    time, as a friction, a damping or a mass. line: one spectral line. burst: moments. joint: of two masses, a stiffness of the joint that changes
     along the stroke. frequency: of the line, Hz. instrument: "reference",
     or "low-passed position" where no reference was logged. hum: a line of the mains, at `mains` Hz; it is none of the five kinds, for the
     mains are no law of an axis. inertia: of one mass, an inertia that changes along the stroke, beyond one that is everywhere alike; it is none
-    of them either, for other laws of place look like it.
+    of them either, for other laws of place look like it. level: a force alone that its neighbours in bench time predict; none of them either, for
+    noise of a low colour inside the loop is one.
     """
 
     exogenous: float = 0.0
@@ -33,6 +34,7 @@ class Explainable:
     mains: float = 0.0
     joint: float = 0.0
     inertia: float = 0.0
+    level: float = 0.0
 
     @property
     def sizes(self) -> tuple[float, ...]:

@@ -11,7 +11,7 @@ from dataclasses import replace
 from workbench.effects.families import FREE_FORMS
 from workbench.processes import shared
 from workbench.tracing.budget import BUDGET, Budget
-from workbench.tracing.candidates import ADDITION
+from workbench.tracing.candidates import ADDITION, WHOLE, periodic
 from workbench.tracing.criteria import Criteria
 from workbench.tracing.free_forms import MEMORY, free_forms
 from workbench.tracing.judge import ScoredCandidate, judged, refitted_as
@@ -30,7 +30,7 @@ def free_law(
 
     added: before it; a formula of the class among them names the free form, which then says it all.
     judgements: of the step, best first. A formula says it as well that takes `near` of what the free form takes, or leaves no
-    more than what is of practical size beside it; it names the class from `resembles` of it on.
+    more than what is of practical size beside it, or so does with another formula of its class; it names the class from `resembles` of it on.
     """
     formulas = [j for j in judgements if j.candidate.kind == ADDITION and j.score.gain > criteria.share]
     asked: dict[tuple[str, str], ScoredCandidate] = {}
@@ -46,6 +46,9 @@ def free_law(
     if own >= criteria.near * most or best.errors.total - free.errors.total <= criteria.practical**2 * state.power:
         return None
     family = free.candidate.family
+    if (best.candidate.family, best.candidate.at) == (family, free.candidate.at):
+        if _two_say_it(state, best, whole - criteria.near * most, criteria, budget):
+            return None
     nearest = asked[(family, free.candidate.at)]
     earlier = [j for j in added if j.candidate.at == free.candidate.at and j.candidate.family == family]
     if earlier:
@@ -56,6 +59,23 @@ def free_law(
         return None
     named = replace(free.candidate, stands=nearest.candidate.effect)
     return refitted_as(state, replace(free, candidate=named), criteria)
+
+
+def _two_say_it(state: State, best: ScoredCandidate, most: float, criteria: Criteria, budget: Budget) -> bool:
+    """Whether a formula with another of its class, one of them periodic and the other not, leaves no more than `most`: a spring and a
+    cogging, which are two effects and no law of one."""
+    if best.candidate.kind != ADDITION or best.refitted is None:
+        return False
+    beside, own = best.refitted.state, periodic(best.candidate.plant[best.candidate.key])
+    others = [
+        c
+        for c in WHOLE.candidates(beside.plant)
+        if (c.kind, c.family, c.at) == (ADDITION, best.candidate.family, best.candidate.at)
+        and not c.instead
+        and periodic(c.plant[c.key]) != own
+    ]
+    found = shared(lambda c: judged(beside, c, criteria, budget), others)
+    return any(one["errors"].total <= most for one in found if one.get("theta") is not None)
 
 
 def _judged_forms(

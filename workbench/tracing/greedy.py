@@ -1,6 +1,6 @@
 """The search: one effect after another, each the one that explains most of what the others leave on data not seen."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from workbench.inverse.dynamics import InverseDynamics
@@ -39,12 +39,14 @@ def extended(
 
     whole: inverse dynamics of the identification records as they are. Near the floor an effect must take away a plain share, and of more than what counts alone would leave. One effect may be added
     provisionally (see `promised`): it stays where a later one earns its place, and `pruned` asks whether it earns its own.
-    freshly: a state with its free virgin curves found anew.
+    freshly: a state with its free virgin curves found anew. Where nothing is left that could be a cause, no further effect is asked.
     """
     found: list[Step] = []
-    quiet = noise_rms(whole, state.plant)
+    first, quiet = state, noise_rms(whole, state.plant)
     provisional: ScoredCandidate | None = None
     for _ in range(criteria.steps):
+        if found and provisional is None and spent(state, first, quiet, criteria):
+            break
         level = with_stationary(quiet, whole, state.steady)
         judgements = step(state, progress, offer, criteria)
         least = criteria.plain if noise_alone(state, level, PLAIN) else 0.0
@@ -67,6 +69,14 @@ def extended(
         state = freshly(best.state)
         quiet = noise_rms(whole, state.plant)
     return earned(found)
+
+
+def spent(state: State, first: State, quiet: Mapping[str, float], criteria: Criteria) -> bool:
+    """Whether what a state leaves on blocks that were not seen, above the noise of the drive and the counts, is less than what a further
+    cause takes: than what is of practical size, and than `lesser` of what was taken of `first`. quiet: record -> rms of that noise."""
+    noise = sum(quiet[m.record.name] ** 2 * m.u[m.keep].size for m in (p.motion for p in state.inverses))
+    taken = first.errors.total - state.errors.total
+    return state.errors.total - noise < min(criteria.practical**2 * state.power, criteria.lesser**2 * taken)
 
 
 def earned(steps: list[Step]) -> list[Step]:

@@ -14,6 +14,7 @@ MAINS = (50.0, 60.0)  # Hz
 # induction motor of a pump or a fan slips by one to five. Halved or doubled, it changes no verdict: of some 290 axes none has another
 # line of 1 % of the drive within 1 % of a multiple
 NEAR = 0.005
+AMONG = 101  # neighbours whose median a line stands out of; lower bins have none farther off than half their frequency
 # bins, from the peak of a line behind a Hann window to the end of its main lobe, in which it has no second line
 LOBE = 2
 
@@ -78,14 +79,23 @@ def _of_mains(f: np.ndarray) -> np.ndarray:
 
 
 def _lines(x: np.ndarray, dt: float, bandwidth: float) -> tuple[np.ndarray, np.ndarray, np.ndarray] | None:
-    """Return (Hz, power, power over the median of 101 neighbours) in the band, or None for a record too short."""
-    from scipy.ndimage import median_filter
-
+    """Return (Hz, power, power over the median of its neighbours) in the band, or None for a record too short."""
     power = np.abs(np.fft.rfft((x - x.mean()) * np.hanning(x.size))) ** 2
     f = np.fft.rfftfreq(x.size, dt)
     power, f = power[f <= bandwidth], f[f <= bandwidth]
     if f.size < 200:
         return None
-    ratio = power / np.maximum(median_filter(power, 101), 1e-300)
+    ratio = power / _median_around(power)
     ratio[f < 1.0] = 0.0  # slow changes are the business of bench time
     return f, power, ratio
+
+
+def _median_around(power: np.ndarray) -> np.ndarray:
+    """Return the median (k,) of a spectrum's neighbours, lower ones' no farther off than half their frequency: noise that falls with
+    frequency is no line at its low end."""
+    from scipy.ndimage import median_filter
+
+    around = median_filter(power, AMONG)
+    for k in range(4 * LOBE, min(AMONG, power.size)):
+        around[k] = np.median(power[k - k // 2 : k + k // 2 + 1])
+    return np.maximum(around, 1e-300)

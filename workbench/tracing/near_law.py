@@ -12,6 +12,7 @@ import numpy as np
 
 from workbench.definition import FORCE, Effect
 from workbench.effects.free_bank import LENGTHS, NAME, bank_beside, hysteresis_bank
+from workbench.effects.table import LEAST
 from workbench.identification.problem import Problem
 from workbench.identification.solve import NoValue, solve
 from workbench.inverse.bodies import CHANNEL
@@ -25,7 +26,6 @@ FIRST, COUNTS, TRAVEL, APART = 0.3, 100.0, 1e-2, 2.1
 # Where the longest element carries more than CARRIES of the height the curve has not ended there: it goes on to FURTHEST of the
 # travel: beyond it lies what a gap or a spring does (a band brake with a gap of 5 % of its travel was taken for a curve).
 CARRIES, FURTHEST = 0.1, 0.03
-LEAST = 3  # elements of a curve
 UNSEEN = 1e-6  # of the travel: stands for a count where none is known
 KEPT = 1e-3  # of the curve's height, below which an element is left out
 SEEN = 2.0  # encoder counts above which a presliding length is the axis' own and not a matter of counts

@@ -198,6 +198,11 @@ def _reduced(j: ScoredCandidate, state: State) -> str | None:
     return _simpler(effect, around, max(counts, 0.5 * NEUTRAL * length))
 
 
+def nothing_of_its_own(j: ScoredCandidate, state: State) -> bool:
+    """Whether a fitted addition has the values of no effect at all: LuGre without presliding and without Stribeck's peak."""
+    return _reduced(j, state) == ""
+
+
 def _early(effect: Effect) -> bool:
     """Whether an effect says that its channel is ahead of the drive: the drive's report is late, and no command acts before it is given."""
     return any(p.value < 0.0 for p in effect.parameters.values() if p.scale == "time")
@@ -211,12 +216,13 @@ def absurd(j: ScoredCandidate, state: State) -> bool:
 
 def alike(best: ScoredCandidate, other: ScoredCandidate, criteria: Criteria, power: float) -> bool:
     """Whether `best` takes away no more of what `other` leaves on held-out blocks than its scatter, or than what is of
-    practical size. power: of the drive.
+    practical size, twice that of a rare one. power: of the drive.
 
     A ratio over blocks, as every gain: a few blocks in which much is left would drown a plain difference in scatter.
     """
     further, scatter = gain(other.errors, best.errors)
-    small = other.errors.total - best.errors.total <= criteria.practical**2 * power
+    plainly = criteria.practical * (2.0 if best.candidate.plant[best.candidate.key].rare else 1.0)
+    small = other.errors.total - best.errors.total <= plainly**2 * power
     level = further <= max(criteria.alike * scatter, criteria.share) or small
     return level and best.score.gain > criteria.share
 

@@ -11,7 +11,7 @@ from workbench.tracing.criteria import Criteria
 from workbench.tracing.greedy import Step, extended, leading
 from workbench.tracing.judge import Progress, ScoredCandidate, lighter
 from workbench.tracing.near_law import SEEN, Law, as_declared, count_at, freed, laws, lengthened
-from workbench.tracing.ranking import step
+from workbench.tracing.ranking import nothing_of_its_own, step
 from workbench.tracing.slack import bent_gap
 from workbench.tracing.state import State
 
@@ -213,7 +213,10 @@ def _pruned(
             continue  # what earns its place is not needless, though nothing leads where the simplest of equals earns none
         if best is not None and best.candidate.key != present.candidate.key and present.score.earns:
             if not _better(best, present, answer.last, criteria):
-                continue
+                own = (j for j in judgements if j.candidate.key == present.candidate.key)
+                if not any(nothing_of_its_own(j, reduced) for j in own):
+                    continue
+                best = None
         if best is None:
             fewer = Answer(rest, answer.declared, reduced)
             return _pruned(fewer, declared, looked, progress, offer, criteria) if len(rest) > 1 else fewer

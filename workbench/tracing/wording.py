@@ -3,13 +3,13 @@
 from collections.abc import Sequence
 
 from workbench.definition import find
-from workbench.finding import BELOW_FLOOR, HUM, SOMETHING_ELSE, Finding, capital, title
+from workbench.finding import BELOW_FLOOR, HUM, SLOW_FORCE, SOMETHING_ELSE, Finding, capital, title
 from workbench.identification.result import Fit
 from workbench.plant import Plant
 from workbench.record import IDENTIFICATION, VALIDATION
 from workbench.tracing.calibration import Calibration
 from workbench.tracing.criteria import Criteria
-from workbench.tracing.decide import DRESSING, NOT_BORNE_OUT, Verdict
+from workbench.tracing.decide import CAUSE, DRESSING, NOT_BORNE_OUT, Verdict
 from workbench.tracing.evidence import ADDITION, CORRECTION, Evidence, Weighed
 from workbench.tracing.headline import FROM
 from workbench.tracing.judge import ScoredCandidate
@@ -101,6 +101,15 @@ def findings_of(verdict: Verdict, evidence: Evidence, causes: Sequence[Cause], p
             "asks for: the supply's and no law of the axis, in the reported drive alone or as a force.",
             {"size": evidence.before.hum, "frequency": evidence.before.mains},
             "look at the earth and the shield of the current sensor and of the drive's set point",
+        )  # fmt: skip
+    left = evidence.after if verdict.verdict == CAUSE else evidence.before
+    if left.level >= criteria.explainable and left.level > left.time:
+        yield Finding(
+            SLOW_FORCE, "",
+            f"Of the drive's rms {100 * left.level:.1f} % is a force that wanders with bench time, whatever the axis does: noise of a low "
+            "colour inside the loop, as of a floor or of other axes, or a drive's zero that drifts; no law of the axis.",
+            {"size": left.level},
+            "log a long record at rest under control: it has the same force",
         )  # fmt: skip
     yield from not_carried(causes, criteria)
     refused = [(a, NOT_BORNE_OUT) for a in evidence.refused]

@@ -1,0 +1,104 @@
+"""A drive logged in amperes with a model in amperes: one ampere stands for one N*m, and it is said; what does not go together is refused."""
+
+import numpy as np
+import pytest
+
+from workbench.campaign import load
+from workbench.errors import WorkbenchError
+from workbench.finding import OTHER_UNIT
+
+TOML = """\
+title = "axis whose torque constant nobody knows"
+plant = "one mass"
+evaluation_bandwidth = { value = 40.0, unit = "Hz" }
+actuator_limit = { value = 7.5, unit = "A" }
+
+[channels.time]
+column = "t"
+unit = "s"
+
+[channels.torque]
+column = "i"
+unit = "A"
+
+[channels.position]
+column = "q"
+unit = "deg"
+
+[[effects]]
+effect = "inertia"
+at = "axis"
+parameters.inertia = { value = 0.6, unit = "A*s^2/rad", fixed = true }
+
+[[effects]]
+effect = "presliding_hysteresis"
+at = "axis"
+parameters.h0 = { value = 800.0, unit = "mA" }
+parameters.a = { value = 9000.0, unit = "1/rad" }
+
+[[records]]
+file = "id.csv"
+role = "identification"
+
+[[records]]
+file = "val.csv"
+role = "validation"
+"""
+
+
+def put(folder, toml: str = TOML):
+    t = 1e-3 * np.arange(300)
+    rows = "\n".join(f"{x:.4f},{np.sin(9 * x):.6f},{20 * np.sin(7 * x):.6f}" for x in t)
+    for name in ("id", "val"):
+        (folder / f"{name}.csv").write_text(f"t,i,q\n{rows}\n", encoding="utf-8")
+    (folder / "campaign.toml").write_text(toml, encoding="utf-8")
+    return folder
+
+
+def refused(folder, toml: str) -> str:
+    with pytest.raises(WorkbenchError) as caught:
+        load(put(folder, toml))
+    return str(caught.value)
+
+
+@pytest.mark.parametrize("unit", ["A", "V", "%"])
+def test_a_model_in_the_drives_own_unit_is_read_one_for_one_and_said_to_be(tmp_path, unit):
+    own = TOML.replace('"mA"', '"A"').replace('"A', f'"{unit}')
+    found = load(put(tmp_path, own))
+    assert found.plant["inertia@axis"].parameters["inertia"].value == pytest.approx(0.6)
+    assert found.plant.limits.drive == pytest.approx(7.5)
+    assert found.records[0].channels["torque"][100] == pytest.approx(np.sin(0.9), abs=1e-6)
+    (said,) = [f for f in found.findings if f.kind == OTHER_UNIT]
+    assert (
+        said.sentence.startswith(f"The drive is logged in '{unit}'") and f"1 {unit} stands for 1 N*m" in said.sentence
+    )
+    assert f'"N*m/{unit}"' in said.remedy
+
+
+def test_another_prefix_of_the_drives_unit_is_turned_into_it(tmp_path):
+    friction = load(put(tmp_path)).plant["presliding_hysteresis@axis"]
+    assert friction.outside["h0"].value == pytest.approx(0.8)
+
+
+def test_a_model_in_kilograms_needs_the_torque_constant(tmp_path):
+    sentence = refused(tmp_path, TOML.replace('"A*s^2/rad"', '"kg*m^2"'))
+    assert (
+        "effect 1 'inertia', parameters.inertia.unit: 'kg*m^2' does not go with a drive that is logged in 'A'"
+        in sentence
+    )
+    assert 'channels.torque.scale, such as { value = 1.0, unit = "N*m/A" }' in sentence
+
+
+def test_a_drive_in_amperes_beside_a_model_in_si_is_asked_for_its_constant(tmp_path):
+    si = TOML.replace('"A*s^2/rad"', '"kg*m^2"').replace('"mA"', '"mN*m"')
+    sentence = refused(tmp_path, si.replace('7.5, unit = "A"', '7.5, unit = "N*m"'))
+    assert "channels.torque.unit: 'A' is no torque" in sentence and 'unit = "N*m/A"' in sentence
+    assert "an inertia in 'A*s^2/rad'" in sentence
+
+
+def test_with_a_scale_units_are_what_they_say(tmp_path):
+    scaled = TOML.replace(
+        'unit = "A"\n\n[channels.position]',
+        'unit = "A"\nscale = { value = 2.0, unit = "N*m/A" }\n\n[channels.position]',
+    )
+    assert "unit 'A' does not fit" in refused(tmp_path, scaled)
