@@ -10,8 +10,8 @@ from dataclasses import replace
 
 from workbench.effects.families import FREE_FORMS
 from workbench.processes import shared
-from workbench.tracing.budget import BUDGET, Budget
-from workbench.tracing.candidates import ADDITION, WHOLE, periodic
+from workbench.tracing.budget import Budget
+from workbench.tracing.candidates import ADDITION, WHOLE, Offer, periodic
 from workbench.tracing.criteria import Criteria
 from workbench.tracing.free_forms import MEMORY, free_forms
 from workbench.tracing.judge import ScoredCandidate, judged, refitted_as
@@ -24,11 +24,11 @@ def free_law(
     best: ScoredCandidate,
     added: Sequence[ScoredCandidate],
     criteria: Criteria,
-    budget: Budget = BUDGET,
+    offer: Offer = WHOLE,
 ) -> ScoredCandidate | None:
     """Return the free-form law that is added in the place of `best`, or None where that formula says it as well.
 
-    added: before it; a formula of the class among them names the free form, which then says it all.
+    offer: what is judged. added: before it; a formula of the class among them names the free form, which then says it all.
     judgements: of the step, best first. A formula says it as well that takes `near` of what the free form takes, or leaves no
     more than what is of practical size beside it, or so does with another formula of its class; it names the class from `resembles` of it on.
     """
@@ -36,8 +36,8 @@ def free_law(
     asked: dict[tuple[str, str], ScoredCandidate] = {}
     for j in formulas:
         asked.setdefault((j.candidate.family, j.candidate.at), j)
-    asked = {k: j for k, j in list(asked.items())[: budget.families] if k[0] in FREE_FORMS and k[0] != MEMORY}
-    forms = _judged_forms(state, asked, criteria, budget)
+    asked = {k: j for k, j in list(asked.items())[: offer.budget.families] if k[0] in FREE_FORMS and k[0] != MEMORY}
+    forms = _judged_forms(state, asked, criteria, offer.budget)
     if not forms:
         return None
     free = min(forms, key=lambda j: (j.errors.total, j.candidate.key))
@@ -47,7 +47,7 @@ def free_law(
         return None
     family = free.candidate.family
     if (best.candidate.family, best.candidate.at) == (family, free.candidate.at):
-        if _two_say_it(state, best, whole - criteria.near * most, criteria, budget):
+        if _two_say_it(state, best, whole - criteria.near * most, criteria, offer):
             return None
     nearest = asked[(family, free.candidate.at)]
     earlier = [j for j in added if j.candidate.at == free.candidate.at and j.candidate.family == family]
@@ -61,7 +61,7 @@ def free_law(
     return refitted_as(state, replace(free, candidate=named), criteria)
 
 
-def _two_say_it(state: State, best: ScoredCandidate, most: float, criteria: Criteria, budget: Budget) -> bool:
+def _two_say_it(state: State, best: ScoredCandidate, most: float, criteria: Criteria, offer: Offer) -> bool:
     """Whether a formula with another of its class, one of them periodic and the other not, leaves no more than `most`: a spring and a
     cogging, which are two effects and no law of one."""
     if best.candidate.kind != ADDITION or best.refitted is None:
@@ -69,12 +69,12 @@ def _two_say_it(state: State, best: ScoredCandidate, most: float, criteria: Crit
     beside, own = best.refitted.state, periodic(best.candidate.plant[best.candidate.key])
     others = [
         c
-        for c in WHOLE.candidates(beside.plant)
+        for c in offer.candidates(beside.plant)
         if (c.kind, c.family, c.at) == (ADDITION, best.candidate.family, best.candidate.at)
         and not c.instead
         and periodic(c.plant[c.key]) != own
     ]
-    found = shared(lambda c: judged(beside, c, criteria, budget), others)
+    found = shared(lambda c: judged(beside, c, criteria, offer.budget), others)
     return any(one["errors"].total <= most for one in found if one.get("theta") is not None)
 
 

@@ -57,8 +57,7 @@ def extended(
                 judgements[0], best = replace(best, score=by_counts(best.score, spurious)), None
         if (
             best is not None
-            and (free := free_law(state, judgements, best, [s.added for s in found], criteria, offer.budget))
-            is not None
+            and (free := free_law(state, judgements, best, [s.added for s in found], criteria, offer)) is not None
         ):
             judgements, best = [free, *judgements], free
         if best is None and provisional is None and not noise_alone(state, level, PLAIN):
