@@ -61,7 +61,7 @@ def refused(folder, toml: str) -> str:
     return str(caught.value)
 
 
-@pytest.mark.parametrize("unit", ["A", "V", "%"])
+@pytest.mark.parametrize("unit", ["A", "V"])
 def test_a_model_in_the_drives_own_unit_is_read_one_for_one_and_said_to_be(tmp_path, unit):
     own = TOML.replace('"mA"', '"A"').replace('"A', f'"{unit}')
     found = load(put(tmp_path, own))
@@ -102,3 +102,20 @@ def test_with_a_scale_units_are_what_they_say(tmp_path):
         'unit = "A"\nscale = { value = 2.0, unit = "N*m/A" }\n\n[channels.position]',
     )
     assert "unit 'A' does not fit" in refused(tmp_path, scaled)
+
+
+@pytest.mark.parametrize("second", ['unit = "N*m"', 'unit = "V"\nscale = { value = 2.0, unit = "N*m/V" }'])
+def test_what_is_injected_is_logged_as_the_drive_is(tmp_path, second):
+    both = TOML.replace("[channels.position]", f'[channels.injected]\ncolumn = "j"\n{second}\n\n[channels.position]')
+    assert "channels.injected.unit" in refused(tmp_path, both)
+
+
+@pytest.mark.parametrize("unit", ["%", "count"])
+def test_what_no_parameter_can_be_written_in_needs_its_constant(tmp_path, unit):
+    si = (
+        TOML.replace('"A*s^2/rad"', '"kg*m^2"')
+        .replace('"mA"', '"mN*m"')
+        .replace('7.5, unit = "A"', '7.5, unit = "N*m"')
+    )
+    sentence = refused(tmp_path, si.replace('unit = "A"', f'unit = "{unit}"'))
+    assert f"'{unit}' is no torque" in sentence and "all parameters" not in sentence

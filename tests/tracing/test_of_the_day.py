@@ -69,10 +69,11 @@ def test_a_force_of_low_colour_is_noise_and_neither_one_that_steps_nor_a_frictio
     assert found.time > 2 * LARGEST and found.kind == "time"
 
 
+@pytest.mark.parametrize("seconds", [6, 10])
 @pytest.mark.parametrize("seed", range(6))
-def test_noise_that_falls_with_frequency_has_no_line_at_its_low_end(seed):
-    brown = coloured(seed, 4.0, 0.5)[: N // 3]
+def test_noise_that_falls_with_frequency_has_no_line_at_its_low_end(seed, seconds):
+    brown = coloured(seed, 4.0, 0.5)[: 1000 * seconds]
     assert np.max(_lines(brown, DT, BAND)[2]) < Criteria().line
-    tone = 2.0 * np.sin(2 * np.pi * 1.7 * T[: N // 3])
+    tone = 2.0 * np.sin(2 * np.pi * 1.7 * T[: 1000 * seconds])
     f, _, ratio = _lines(brown + tone, DT, BAND)
-    assert f[np.argmax(ratio)] == pytest.approx(1.7, abs=0.1) and ratio.max() > Criteria().line
+    assert f[np.argmax(ratio)] == pytest.approx(1.7, abs=0.2) and ratio.max() > Criteria().line

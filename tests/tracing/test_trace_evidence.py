@@ -91,7 +91,7 @@ def test_nothing_further_is_asked_where_less_is_left_than_a_further_cause_takes(
 
     def state(share: float) -> SimpleNamespace:
         errors = HeldOut(np.full(10, share**2 * 100.0))
-        return SimpleNamespace(errors=errors, power=1000.0, inverses=[SimpleNamespace(motion=motion)])
+        return SimpleNamespace(errors=errors, power=1000.0, inverses=[SimpleNamespace(motion=motion, counts=None)])
 
     assert spent(state(left), state(0.06), {"a": 0.006}, STANDARD) == is_spent
     assert not spent(
@@ -266,7 +266,9 @@ def test_a_rare_law_leads_where_it_takes_plainly_more_than_another_one(rare, fur
 
 def test_lugre_friction_without_presliding_and_without_a_peak_is_nothing_of_its_own():
     motion = SimpleNamespace(counts=1e-3, t=np.array([0.0, 10.0]), record=SimpleNamespace(dt=5e-3))
-    state = SimpleNamespace(plant=SimpleNamespace(kind=ONE_MASS), inverses=[SimpleNamespace(motion=motion)])
+    state = SimpleNamespace(
+        plant=SimpleNamespace(kind=ONE_MASS), inverses=[SimpleNamespace(motion=motion, counts=None)]
+    )
 
     def nothing(x0: float, ratio: float) -> bool:
         plant = Plant(ONE_MASS) + find("lugre_friction")(sigma0=1e3, sigma1=400.0, x0=x0, ratio=ratio, speed=1e-3)

@@ -12,7 +12,7 @@ from workbench.finding import OTHER_UNIT, Finding
 from workbench.readers.declaration import Table
 from workbench.units import holds_mass, power_of
 
-OWN = (("A", "mA"), ("V", "mV"), ("percent", "permille"))  # what drives log; of one row any may be written
+OWN = (("A", "mA"), ("V", "mV"))  # what drives log; of one row any may be written
 EFFORT = {"torque": "N*m", "force": "N"}
 
 
@@ -42,8 +42,14 @@ def in_effort(top: Table) -> tuple[Table, tuple[Finding, ...]]:
         q["unit"] = f"({q['unit']})" + by * round(abs(power)) if power else q["unit"]
     for name in (drive, "injected"):
         channel = values["channels"].get(name)
-        if isinstance(channel, dict) and "scale" not in channel and power_of(channel.get("unit", ""), row):
-            channel["scale"] = {"value": 1.0, "unit": f"{effort}/{unit}"}
+        if not isinstance(channel, dict):
+            continue
+        if "scale" in channel or power_of(channel.get("unit", ""), row) != 1.0:
+            raise WorkbenchError(
+                f"{top.file}: channels.{name}.unit: '{channel.get('unit', '')}' does not go with a drive that is logged in '{unit}' and "
+                f"has no scale; log both in '{unit}', or give both a scale."
+            )
+        channel["scale"] = {"value": 1.0, "unit": f"{effort}/{unit}"}
     sentence = f"The drive is logged in '{unit}', and no scale turns it into '{effort}': 1 {unit} stands for 1 {effort} in every number that follows."
     mend = f'Give channels.{drive}.scale, such as {{ value = 1.0, unit = "{effort}/{unit}" }}, and parameters in SI, to have a {drive}.'
     return Table(values, top.file, optional=tuple(values)), (Finding(OTHER_UNIT, drive, sentence, {}, mend),)

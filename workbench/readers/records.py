@@ -12,6 +12,7 @@ from workbench.errors import WorkbenchError
 from workbench.finding import Finding
 from workbench.readers import load, reader, stem, wording
 from workbench.readers.declaration import Table
+from workbench.readers.own_unit import OWN
 from workbench.readers.plausible import HUGE, plausible
 from workbench.readers.sampling import FEWEST, uniform
 from workbench.readers.stated import stated
@@ -31,6 +32,7 @@ CHANNELS = {
     "temperature": "K",
     "normal": "N",
 }
+LOGGED = (*(name for row in OWN for name in row), "percent", "permille", "count")  # what drives log that is no torque
 NAME = re.compile(r"[\w-]+")
 
 
@@ -108,11 +110,11 @@ def _channel(one: Table, si: str) -> Channel:
         if value == 0.0:
             raise WorkbenchError(f"{scale.path('value')} is 0; a scale turns counts or amperes into '{si}'.")
         factor = value if multiplied else 1.0 / value
-    if "scale" not in one and si in ("N*m", "N") and power_of(unit, ("A", "mA", "V", "mV", "percent", "count")) == 1.0:
-        raise WorkbenchError(
-            f"{one.path('unit')}: '{unit}' is no {'torque' if si == 'N*m' else 'force'}; give the constant that makes it one, "
-            f"scale = {{ value = ..., unit = \"{si}/{unit}\" }}, or write all parameters in it, an inertia in '{unit}*s^2/{'rad' if si == 'N*m' else 'm'}'."
-        )
+    if "scale" not in one and si in ("N*m", "N") and power_of(unit, LOGGED) == 1.0:
+        said = f"{one.path('unit')}: '{unit}' is no {'torque' if si == 'N*m' else 'force'}; give the constant that makes it one, "
+        mend = f'scale = {{ value = ..., unit = "{si}/{unit}" }}'
+        whole = f", or write all parameters in it, an inertia in '{unit}*s^2/{'rad' if si == 'N*m' else 'm'}'"
+        raise WorkbenchError(f"{said}{mend}{whole if any(power_of(unit, row) for row in OWN) else ''}.")
     to_si(0.0, text, si, one.path("unit"))
     step = one.number("resolution", 0.0, above=0.0) if "resolution" in one else 0.0
     channel = Channel(column, unit, si, 0.0, text, factor, assumed)

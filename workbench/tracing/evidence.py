@@ -21,7 +21,7 @@ class Explainable:
     or "low-passed position" where no reference was logged. hum: a line of the mains, at `mains` Hz; it is none of the five kinds, for the
     mains are no law of an axis. inertia: of one mass, an inertia that changes along the stroke, beyond one that is everywhere alike; it is none
     of them either, for other laws of place look like it. level: a force alone that its neighbours in bench time predict; none of them either, for
-    noise of a low colour inside the loop is one.
+    low-frequency noise inside the loop is one.
     """
 
     exogenous: float = 0.0

@@ -35,6 +35,7 @@ from workbench.tracing.of_the_day import without_the_days
 from workbench.tracing.state import State
 
 STRETCH = 0.25  # s
+FEWEST = 20  # changes of a level from stretch to stretch, of which few may be said to be steps: five seconds in motion
 SPANS = (0.5, 2.0, 8.0)  # s, widths of the neighbourhood in bench time
 # Of the stroke, widths of the neighbourhood in place. Where a belt's stiffness changes along it, each from 0.01 to 0.1 takes 4.4 to 3.2 %
 # of the drive, and 0.2 takes 2.1; of thirteen complete two-mass axes none takes anything, with any of them
@@ -149,10 +150,10 @@ def _exogenous(parts: Sequence[Part]) -> float:
 
 
 def _over_time(parts: Sequence[Part], least: float) -> tuple[float, float]:
-    """Return the power that neighbours in bench time predict as a friction, a damping or a mass, where no level that they predict takes as
+    """Return the power that neighbours in bench time predict as a friction, a damping or a mass, where no level that they predict over the same span takes as
     much, and that which they predict as a level: each the best of SPANS.
 
-    A force alone that neighbours predict is noise of a low colour inside the loop (pink noise of a floor: 3 to 7 % of the drive on complete
+    A force alone that neighbours predict is low-frequency noise inside the loop (pink noise of a floor: 3 to 7 % of the drive on complete
     models); what of it follows a law is asked as force over time, and pushes are moments. Over one swing a level looks like a friction. A level
     that steps now and then is none: where changes beyond `least` robust standard deviations hold most of what it changes, it counts.
     """
@@ -180,8 +181,10 @@ def _over_time(parts: Sequence[Part], least: float) -> tuple[float, float]:
 
 def _in_steps(changes: np.ndarray, least: float) -> bool:
     """Whether few of a level's changes (n,) from stretch to stretch, beyond `least` robust standard deviations, hold most of their power."""
+    if changes.size < FEWEST:
+        return False
     size = np.abs(changes)
-    few = size > least * 1.4826 * np.median(size) if size.size else np.zeros(0, bool)
+    few = size > least * 1.4826 * np.median(size)
     return float(np.sum(size[few] ** 2)) > 0.5 * float(np.sum(size**2))
 
 

@@ -66,7 +66,7 @@ def _two_say_it(state: State, best: ScoredCandidate, most: float, criteria: Crit
     cogging, which are two effects and no law of one."""
     if best.candidate.kind != ADDITION or best.refitted is None:
         return False
-    beside, own = best.refitted.state, periodic(best.candidate.plant[best.candidate.key])
+    beside, own = best.state or best.refitted.state, periodic(best.candidate.plant[best.candidate.key])
     others = [
         c
         for c in offer.candidates(beside.plant)

@@ -3,6 +3,8 @@
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
+import numpy as np
+
 from workbench.inverse.dynamics import InverseDynamics
 from workbench.residual.noise_floor import noise_rms, with_stationary
 from workbench.tracing.candidates import Offer
@@ -72,10 +74,17 @@ def extended(
 
 def spent(state: State, first: State, quiet: Mapping[str, float], criteria: Criteria) -> bool:
     """Whether what a state leaves on blocks that were not seen, above the noise of the drive and the counts, is less than what a further
-    cause takes: than what is of practical size, and than `lesser` of what was taken of `first`. quiet: record -> rms of that noise."""
-    noise = sum(quiet[m.record.name] ** 2 * m.u[m.keep].size for m in (p.motion for p in state.inverses))
+    cause takes: than what is of practical size, and than `lesser` of what was taken of `first`. quiet: record -> rms of that noise; where it
+    says more than is left it is not what it was read to be, and ends nothing."""
+    kept = {
+        p.motion.record.name: np.ones(p.motion.u.size, bool) if p.counts is None else p.counts[0]
+        for p in state.inverses
+    }
+    noise = sum(
+        quiet[m.record.name] ** 2 * kept[m.record.name][m.keep].sum() for m in (p.motion for p in state.inverses)
+    )
     taken = first.errors.total - state.errors.total
-    return state.errors.total - noise < min(criteria.practical**2 * state.power, criteria.lesser**2 * taken)
+    return 0.0 <= state.errors.total - noise < min(criteria.practical**2 * state.power, criteria.lesser**2 * taken)
 
 
 def earned(steps: list[Step]) -> list[Step]:

@@ -86,6 +86,7 @@ def _lines(x: np.ndarray, dt: float, bandwidth: float) -> tuple[np.ndarray, np.n
     if f.size < 200:
         return None
     ratio = power / _median_around(power)
+    ratio[: 4 * LOBE] = 0.0  # too few neighbours
     ratio[f < 1.0] = 0.0  # slow changes are the business of bench time
     return f, power, ratio
 

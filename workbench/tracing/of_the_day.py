@@ -17,8 +17,8 @@ LEVEL = 0.05
 
 
 def without_the_days(state: State, residual: np.ndarray) -> list[np.ndarray]:
-    """Return the residual of the drive (n,), record by record, without what its own level of friction and of the drive take of it, each up to
-    LEVEL of it.
+    """Return the residual of the drive (n,), record by record, without what its own level of the friction that is free, and of the drive, takes of
+    it, each up to LEVEL.
 
     residual (N,): of all balances, stacked as the state's problem stacks them.
     """
@@ -26,9 +26,10 @@ def without_the_days(state: State, residual: np.ndarray) -> list[np.ndarray]:
     rubs = [i for i, n in enumerate(problem.free_linear) if state.plant[n.key].family.startswith("friction")]
     friction = problem.drive_part(solution.phi[:, rubs] @ solution.c[rubs])
     left, own = problem.drive_part(residual), problem.drive_part(solution.residual)
-    found = []
+    scale, found = problem.command_scale(state.plant), []
     for p, r, f, e in zip(state.inverses, left, friction, own, strict=True):
-        required = p.motion.filter(p.motion.u)[p.motion.keep] - e
+        drive = scale * p.motion.filter(p.motion.u)
+        required = (drive if p.counts is None else np.where(p.counts[0], drive, 0.0))[p.motion.keep] - e
         columns = np.column_stack([f, required])
         room = np.full(2, LEVEL)
         found.append(r - columns @ from_normal(columns.T @ columns, columns.T @ r, -room, room))

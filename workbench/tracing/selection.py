@@ -213,10 +213,10 @@ def _pruned(
             continue  # what earns its place is not needless, though nothing leads where the simplest of equals earns none
         if best is not None and best.candidate.key != present.candidate.key and present.score.earns:
             if not _better(best, present, answer.last, criteria):
-                own = (j for j in judgements if j.candidate.key == present.candidate.key)
-                if not any(nothing_of_its_own(j, reduced) for j in own):
+                again = (j for j in judgements if j.candidate.key == present.candidate.key)
+                if not any(nothing_of_its_own(j, reduced) for j in again):
                     continue
-                best = None
+                best = None  # it is nothing, and what leads in its stead leaves more: neither stays
         if best is None:
             fewer = Answer(rest, answer.declared, reduced)
             return _pruned(fewer, declared, looked, progress, offer, criteria) if len(rest) > 1 else fewer

@@ -64,9 +64,8 @@ def _grid(
     if scale == "speed":
         top = max(float(np.abs(m.v).max()) for m in motions)
         return list(top * np.array([0.003, 0.01, 0.03, 0.07, 0.15, 0.3]))
-    if (
-        scale == "stroke"
-    ):  # of what deflects without the effect: a gap of its default width may hold all that a stiff joint does
+    if scale == "stroke":
+        # of what deflects without the effect: a gap of its default width may hold all that a stiff joint does
         beside = plant.without(effect.key) if effect.key in {e.key for e in plant.effects} else plant
         return strokes(inverses, beside, effect.at, budget.strokes)
     if scale == "time":

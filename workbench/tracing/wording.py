@@ -106,8 +106,8 @@ def findings_of(verdict: Verdict, evidence: Evidence, causes: Sequence[Cause], p
     if left.level >= criteria.explainable and left.level > left.time:
         yield Finding(
             SLOW_FORCE, "",
-            f"Of the drive's rms {100 * left.level:.1f} % is a force that wanders with bench time, whatever the axis does: noise of a low "
-            "colour inside the loop, as of a floor or of other axes, or a drive's zero that drifts; no law of the axis.",
+            f"Of the drive's rms {100 * left.level:.1f} % is a force that wanders with bench time, whatever the axis does: low-frequency "
+            "noise inside the loop, as of a floor or of other axes, or a drive's zero that drifts; no law of the axis.",
             {"size": left.level},
             "log a long record at rest under control: it has the same force",
         )  # fmt: skip
