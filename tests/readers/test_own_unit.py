@@ -61,7 +61,7 @@ def refused(folder, toml: str) -> str:
     return str(caught.value)
 
 
-@pytest.mark.parametrize("unit", ["A", "V"])
+@pytest.mark.parametrize("unit", ["A", "mA", "V"])
 def test_a_model_in_the_drives_own_unit_is_read_one_for_one_and_said_to_be(tmp_path, unit):
     own = TOML.replace('"mA"', '"A"').replace('"A', f'"{unit}')
     found = load(put(tmp_path, own))

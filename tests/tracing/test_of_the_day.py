@@ -28,21 +28,14 @@ def coloured(seed: int, falls: float, least: float) -> np.ndarray:
     return (x - x.mean()) / x.std()
 
 
-def recorded(
-    name: str, w: float, level: np.ndarray | float, force: np.ndarray | float = 0.0, samples: int = N
-) -> Record:
+def recorded(name: str, w: float, level: np.ndarray | float, force: np.ndarray | float = 0.0) -> Record:
     """Return a record of two sines about w, rad/s, whose friction is `level` times COULOMB; force: N*m, besides."""
     q = 0.6 * np.sin(w * T) + 0.2 * np.sin(2.7 * w * T + 0.3)
     v = 0.6 * w * np.cos(w * T) + 0.54 * w * np.cos(2.7 * w * T + 0.3)
     a = -0.6 * w**2 * np.sin(w * T) - 1.458 * w**2 * np.sin(2.7 * w * T + 0.3)
     drive = INERTIA * a + VISCOUS * v + COULOMB * level * np.sign(v) + force
     drive = drive + 1e-3 * np.random.default_rng(len(name)).standard_normal(N)
-    return Record(
-        name,
-        IDENTIFICATION,
-        T[:samples],
-        {n: x[:samples] for n, x in (("torque", drive), ("position", q), ("reference", q))},
-    )
+    return Record(name, IDENTIFICATION, T, {"torque": drive, "position": q, "reference": q})
 
 
 def told(*records: Record) -> Explainable:

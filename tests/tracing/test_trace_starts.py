@@ -164,7 +164,7 @@ def test_strokes_reach_from_counts_to_what_is_travelled_there(at):
 
 
 def test_a_gap_of_a_stiff_joint_is_begun_within_what_the_joint_gives_way():
-    """The joint gives way by some 15 um, and a gap of its default half width, 0.1 mm, would hold all of it."""
+    """The joint gives way by some 10 urad, and a gap of its default half width, 0.1 mrad, would hold all of it."""
     t = np.arange(3000) / RATE
     load, passing = waved(t, 3, 0), JL * waved(t, 3, 2)
     motor = load + passing / (100.0 * K)

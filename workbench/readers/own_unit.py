@@ -1,19 +1,25 @@
 """A drive that is logged in a unit of its own, with a model that is written in it too: friction in A, an inertia in A*s^2/rad.
 
-Where nobody knows the torque constant, or it does not matter, that is what an engineer has. One ampere then stands for one N*m: every
-quantity that holds the unit is multiplied by 1 N*m/A on the way in, and a finding says so.
+Where nobody knows the torque constant, or it does not matter, that is what an engineer has. One ampere then stands for one N*m: on the way
+in it is written so in every quantity that holds it, and a finding says so.
 """
 
+import re
 from collections.abc import Iterator
 from copy import deepcopy
 
 from workbench.errors import WorkbenchError
 from workbench.finding import OTHER_UNIT, Finding
 from workbench.readers.declaration import Table
-from workbench.units import holds_mass, power_of
+from workbench.units import holds_mass
+from workbench.units.registry import tidy
 
-OWN = (("A", "mA"), ("V", "mV"))  # what drives log; of one row any may be written
-EFFORT = {"torque": "N*m", "force": "N"}
+OWN = (
+    ("A", "mA"),
+    ("V", "mV"),
+)  # what drives log: a unit and its thousandth, of which a model may be written in either
+EFFORT = {"torque": ("kN*m", "N*m", "mN*m"), "force": ("kN", "N", "mN")}
+NAME = re.compile(r"[A-Za-z]+")
 
 
 def in_effort(top: Table) -> tuple[Table, tuple[Finding, ...]]:
@@ -24,32 +30,29 @@ def in_effort(top: Table) -> tuple[Table, tuple[Finding, ...]]:
     """
     values = deepcopy(dict(top.values))
     drive, unit = _own(values.get("channels"))
-    row = next((r for r in OWN if power_of(unit, r)), None)
-    if row is None or power_of(unit, row) != 1.0:
+    row = next((r for r in OWN if tidy(unit) in r), ())
+    told = [q for key in ("actuator_limit", "effects", "records") for q in _quantities(values.get(key), key)]
+    if not any(_holds(q["unit"], row) for path, q in told if path.startswith("effect ")):
         return top, ()
-    effort = EFFORT[drive]
-    told = [(path, q) for path, q in _quantities(values) if isinstance(q.get("unit"), str)]
-    if not any(power_of(q["unit"], row) for path, q in told if path.startswith("effect ")):
-        return top, ()
+    efforts = EFFORT[drive]
+    effort, first = efforts[1], 1 - row.index(tidy(unit))
+    written = dict(zip(row, efforts[first:], strict=False))
     for path, q in told:
-        power = power_of(q["unit"], row)
-        if not power and holds_mass(q["unit"]):
+        if not _holds(q["unit"], row) and holds_mass(q["unit"]):
             raise WorkbenchError(
                 f"{top.file}: {path}.unit: '{q['unit']}' does not go with a drive that is logged in '{unit}'; write all "
                 f'parameters in it, or give channels.{drive}.scale, such as {{ value = 1.0, unit = "{effort}/{unit}" }}.'
             )
-        by = f"*({effort})/({unit})" if power > 0.0 else f"*({unit})/({effort})"
-        q["unit"] = f"({q['unit']})" + by * round(abs(power)) if power else q["unit"]
+        q["unit"] = NAME.sub(lambda n: f"({written[n[0]]})" if n[0] in written else n[0], tidy(q["unit"]))
     for name in (drive, "injected"):
-        channel = values["channels"].get(name)
-        if not isinstance(channel, dict):
-            continue
-        if "scale" in channel or power_of(channel.get("unit", ""), row) != 1.0:
-            raise WorkbenchError(
-                f"{top.file}: channels.{name}.unit: '{channel.get('unit', '')}' does not go with a drive that is logged in '{unit}' and "
-                f"has no scale; log both in '{unit}', or give both a scale."
-            )
-        channel["scale"] = {"value": 1.0, "unit": f"{effort}/{unit}"}
+        channel = values["channels"].get(name, {})
+        if isinstance(channel, dict) and channel:
+            if "scale" in channel or tidy(str(channel.get("unit"))) != tidy(unit):
+                raise WorkbenchError(
+                    f"{top.file}: channels.{name}.unit: '{channel.get('unit', '')}' does not go with a drive that is logged in '{unit}' "
+                    f"and has no scale; log both in '{unit}', or give both a scale."
+                )
+            channel["scale"] = {"value": 1.0, "unit": f"{effort}/{unit}"}
     sentence = f"The drive is logged in '{unit}', and no scale turns it into '{effort}': 1 {unit} stands for 1 {effort} in every number that follows."
     mend = f'Give channels.{drive}.scale, such as {{ value = 1.0, unit = "{effort}/{unit}" }}, and parameters in SI, to have a {drive}.'
     return Table(values, top.file, optional=tuple(values)), (Finding(OTHER_UNIT, drive, sentence, {}, mend),)
@@ -64,19 +67,19 @@ def _own(channels: object) -> tuple[str, str]:
     return "", ""
 
 
-def _quantities(values: dict) -> Iterator[tuple[str, dict]]:
-    """Yield (key path, quantity) of every { value, unit } that may hold the drive's unit."""
-    if isinstance(limit := values.get("actuator_limit"), dict):
-        yield "actuator_limit", limit
-    effects = values.get("effects")
-    for k, effect in enumerate(effects if isinstance(effects, list) else [], 1):
-        given = effect.get("parameters") if isinstance(effect, dict) else None
-        for name, q in (given if isinstance(given, dict) else {}).items():
-            if isinstance(q, dict):
-                yield f"effect {k} '{effect.get('effect', '')}', parameters.{name}", q
-    records = values.get("records")
-    for k, record in enumerate(records if isinstance(records, list) else [], 1):
-        given = record.get("payload") if isinstance(record, dict) else None
-        for name, q in (given if isinstance(given, dict) else {}).items():
-            if isinstance(q, dict):
-                yield f"record {k}, payload.{name}", q
+def _holds(unit: str, names: tuple[str, ...]) -> bool:
+    return any(n in names for n in NAME.findall(tidy(unit)))
+
+
+def _quantities(value: object, path: str) -> Iterator[tuple[str, dict]]:
+    """Yield (key path, quantity) of every { value, unit } within what is declared."""
+    if isinstance(value, dict) and isinstance(value.get("unit"), str):
+        yield path, value
+    elif isinstance(value, dict):
+        joint = " " if path.endswith(",") else "."
+        for key, inner in value.items():
+            yield from _quantities(inner, f"{path}{joint}{key}")
+    elif isinstance(value, list):
+        for k, item in enumerate(value, 1):
+            name = (item.get("effect") or item.get("file")) if isinstance(item, dict) else None
+            yield from _quantities(item, f"{path.removesuffix('s')} {k}" + (f" '{name}'," if name else ","))

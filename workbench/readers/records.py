@@ -17,7 +17,8 @@ from workbench.readers.plausible import HUGE, plausible
 from workbench.readers.sampling import FEWEST, uniform
 from workbench.readers.stated import stated
 from workbench.record import IDENTIFICATION, ROLES, VALIDATION, Payload, Record
-from workbench.units import effect_unit, power_of, scaled, to_si
+from workbench.units import effect_unit, scaled, to_si
+from workbench.units.registry import tidy
 
 # Templates as effects state them: F is N*m or N, x is rad or m.
 CHANNELS = {
@@ -110,11 +111,11 @@ def _channel(one: Table, si: str) -> Channel:
         if value == 0.0:
             raise WorkbenchError(f"{scale.path('value')} is 0; a scale turns counts or amperes into '{si}'.")
         factor = value if multiplied else 1.0 / value
-    if "scale" not in one and si in ("N*m", "N") and power_of(unit, LOGGED) == 1.0:
+    if "scale" not in one and si in ("N*m", "N") and tidy(unit) in LOGGED:
         said = f"{one.path('unit')}: '{unit}' is no {'torque' if si == 'N*m' else 'force'}; give the constant that makes it one, "
         mend = f'scale = {{ value = ..., unit = "{si}/{unit}" }}'
         whole = f", or write all parameters in it, an inertia in '{unit}*s^2/{'rad' if si == 'N*m' else 'm'}'"
-        raise WorkbenchError(f"{said}{mend}{whole if any(power_of(unit, row) for row in OWN) else ''}.")
+        raise WorkbenchError(f"{said}{mend}{whole if any(tidy(unit) in row for row in OWN) else ''}.")
     to_si(0.0, text, si, one.path("unit"))
     step = one.number("resolution", 0.0, above=0.0) if "resolution" in one else 0.0
     channel = Channel(column, unit, si, 0.0, text, factor, assumed)

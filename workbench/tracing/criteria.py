@@ -50,6 +50,8 @@ class Criteria:
     line: power of a spectral line over the median about it, from which it is one. White noise of 1e5 samples reaches 20.
     burst: robust standard deviations from which a sample is part of a burst.
     steps: effects added at most.
+    rate: kept rate of the records that a search looks at, over the evaluation bandwidth. Halved, it is the band's Nyquist rate: a gap is two
+        springs (d08) and a lag a delay (d13); doubled, nothing changes but the time.
     """
 
     practical: float = 0.005
@@ -71,10 +73,11 @@ class Criteria:
     line: float = 50.0
     burst: float = 5.0
     steps: int = 4
+    rate: float = 4.0
 
     def __post_init__(self):
         for name, value in asdict(self).items():
-            most = 1.0 if name not in ("certain", "alike", "hint", "line", "burst", "steps") else float("inf")
+            most = 1.0 if name not in ("certain", "alike", "hint", "line", "burst", "steps", "rate") else float("inf")
             if not 0.0 < value <= most:
                 allowed = "above 0" if most == float("inf") else "above 0 and at most 1"
                 raise WorkbenchError(f"criteria: {name} is {value:g}; it must be {allowed}.")

@@ -99,7 +99,7 @@ def _begun(late: Declared, offer: Offer, criteria: Criteria) -> tuple[State, Off
     """Return where a search begins, and what it offers: nothing where the joint carries nothing."""
     loose, told = within_tolerance(late.plant, criteria.tolerance)
     offered = replace(offer, only=() if late.idle else offer.only, stands_for=told)
-    return State(loose, decimate(late.whole, late.plant)), offered
+    return State(loose, decimate(late.whole, late.plant, criteria.rate)), offered
 
 
 def later(added: Sequence[ScoredCandidate], verdict: Verdict) -> list[ScoredCandidate] | None:

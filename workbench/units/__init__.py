@@ -9,6 +9,6 @@ Two things are stricter here than SI itself, since both are silent factors in se
 "^" and "**", "*" and a middle dot are equal. workbench.units.registry lists the units.
 """
 
-from workbench.units.conversion import EXAMPLES, effect_unit, holds_mass, power_of, scaled, to_si
+from workbench.units.conversion import EXAMPLES, effect_unit, holds_mass, scaled, to_si
 
-__all__ = ["EXAMPLES", "effect_unit", "holds_mass", "power_of", "scaled", "to_si"]
+__all__ = ["EXAMPLES", "effect_unit", "holds_mass", "scaled", "to_si"]

@@ -1,7 +1,7 @@
 """Units as they are written, checked against the dimension that a place expects, and turned into SI."""
 
 import re
-from collections.abc import Collection, Mapping
+from collections.abc import Mapping
 
 import numpy as np
 
@@ -87,16 +87,6 @@ def effect_unit(template: str, rotary: bool, powers: Mapping[str, float] | None 
     # A divided effort needs its brackets: 1/F is 1/(N*m).
     text = re.sub(r"/F\b", f"/({effort})" if rotary else f"/{effort}", text)
     return re.sub(r"\bx\b", displacement, re.sub(r"\bF\b", effort, text))
-
-
-def power_of(unit: str, names: Collection[str]) -> float:
-    """Return the power with which units of these names stand in one that is written, 0 where it holds none or cannot be read."""
-    text = tidy(unit) if isinstance(unit, str) else ""
-    if not text or not legible(text):
-        return 0.0
-    units = registry()
-    held = units.Quantity(1.0, units.parse_units(text.replace("^", "**"))).unit_items()
-    return float(sum(power for name, power in held if name in names))
 
 
 def holds_mass(unit: str) -> bool:
