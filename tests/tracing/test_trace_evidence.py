@@ -274,7 +274,7 @@ def test_lugre_friction_without_presliding_and_without_a_peak_is_nothing_of_its_
         plant = Plant(ONE_MASS) + find("lugre_friction")(sigma0=1e3, sigma1=400.0, x0=x0, ratio=ratio, speed=1e-3)
         candidate = Candidate("lugre_friction", "axis", "addition", plant)
         return ranking.nothing_of_its_own(
-            SimpleNamespace(candidate=candidate, refitted=SimpleNamespace(plant=plant)), state
+            SimpleNamespace(candidate=candidate, refitted=SimpleNamespace(plant=plant)), state, STANDARD
         )
 
     assert nothing(4e-7, 0.0) and not nothing(4e-7, 0.5) and not nothing(0.02, 0.0)

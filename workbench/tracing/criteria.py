@@ -45,6 +45,8 @@ class Criteria:
         another one is what it takes beyond twice as much, since a drive's gain is known no better.
     near: share of what a free-form law takes, from which a law of the catalogue says it as well. Halved, a wrong formula of the
         class is named; doubled (1.0 at most), only exact laws are.
+    neutral: relative distance within which a parameter stands at the value of a simpler law, which is then the better answer. Halved, a gap
+        with soft flanks is two springs; doubled, friction that grows with the load is given away for less (d19).
     resembles: share of what a free-form law takes, that the nearest formula must take for the free form to bear its name. Halved,
         friction in a window is called cyclic; doubled, it is `near`.
     line: power of a spectral line over the median about it, from which it is one. White noise of 1e5 samples reaches 20.
@@ -69,6 +71,7 @@ class Criteria:
     doubted: float = 0.5
     tolerance: float = 0.01
     near: float = 0.8
+    neutral: float = 0.1
     resembles: float = 0.5
     line: float = 50.0
     burst: float = 5.0

@@ -20,7 +20,6 @@ from workbench.tracing.slack import gap_first
 from workbench.tracing.state import Refitted, State
 
 BEHIND = 0.4  # of the best one's gain, below which a candidate is not
-NEUTRAL = 0.1  # relative distance within which a parameter stands at the value of a simpler law. Halved, a gap with soft flanks is two springs
 # Orders of one mechanism are those of its shafts and teeth: two stand as small numbers. What lives in position without being
 # periodic is dressed by waves whose orders do not. Halved, orders 5 and 6 of a shaft are strangers; doubled, nearly none are.
 SMALL = 6
@@ -111,7 +110,7 @@ def _plainest_first(
         if _stranger(first):
             judgements = _pushed_back(judgements, criteria, state)
             continue
-        name = _reduced(first, state)
+        name = _reduced(first, state, criteria)
         if name is None:
             break
         said = name == "" or f"{name}@{first.candidate.at}" in {
@@ -172,7 +171,7 @@ def _pushed_back(judgements: Sequence[ScoredCandidate], criteria: Criteria, stat
     return [*simplest_first(rest, criteria, state), replace(first, score=replace(first.score, earns=False))]
 
 
-def _reduced(j: ScoredCandidate, state: State) -> str | None:
+def _reduced(j: ScoredCandidate, state: State, criteria: Criteria) -> str | None:
     """Return the name of the simpler effect that a fitted addition is, "" for none at all, None where it is itself."""
     if not j.refitted or j.candidate.kind != ADDITION:
         return None
@@ -186,7 +185,8 @@ def _reduced(j: ScoredCandidate, state: State) -> str | None:
         for u in {p.unit for p in effect.parameters.values()}
     }
     near = {
-        n: NEUTRAL * (largest[p.unit] if n in effect.linear else abs(p.value)) for n, p in effect.parameters.items()
+        n: criteria.neutral * (largest[p.unit] if n in effect.linear else abs(p.value))
+        for n, p in effect.parameters.items()
     }
     # a clock that over all the records gains less than half a sample keeps pace
     span = max(p.motion.t[-1] for p in state.inverses) - min(p.motion.t[0] for p in state.inverses)
@@ -195,12 +195,12 @@ def _reduced(j: ScoredCandidate, state: State) -> str | None:
     around = {n: (p.value - near[n], p.value + near[n]) for n, p in effect.parameters.items()}
     # nor is a gap a gap that is short beside the presliding length
     length = effect.parameters["x0"].value if "x0" in effect.parameters else 0.0
-    return _simpler(effect, around, max(counts, 0.5 * NEUTRAL * length))
+    return _simpler(effect, around, max(counts, 0.5 * criteria.neutral * length))
 
 
-def nothing_of_its_own(j: ScoredCandidate, state: State) -> bool:
+def nothing_of_its_own(j: ScoredCandidate, state: State, criteria: Criteria) -> bool:
     """Whether a fitted addition has the values of no effect at all: LuGre without presliding and without Stribeck's peak."""
-    return _reduced(j, state) == ""
+    return _reduced(j, state, criteria) == ""
 
 
 def _early(effect: Effect) -> bool:

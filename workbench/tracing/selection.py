@@ -214,7 +214,7 @@ def _pruned(
         if best is not None and best.candidate.key != present.candidate.key and present.score.earns:
             if not _better(best, present, answer.last, criteria):
                 again = (j for j in judgements if j.candidate.key == present.candidate.key)
-                if not any(nothing_of_its_own(j, reduced) for j in again):
+                if not any(nothing_of_its_own(j, reduced, criteria) for j in again):
                     continue
                 best = None  # it is nothing, and what leads in its stead leaves more: neither stays
         if best is None:
