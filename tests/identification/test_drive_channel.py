@@ -1,6 +1,7 @@
 """The drive's channel is a sensor: an offset that moves is taken off what was measured, and put on what is predicted."""
 
 import shutil
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -50,6 +51,30 @@ def test_the_drift_of_a_reported_drive_is_found_in_its_unit(rotary, channel):
     # what is predicted is the reading, with its drift
     m = inverses[0].motion
     assert np.sqrt(np.mean((m.u - predicted(inverses[0], fit.plant))[m.keep] ** 2)) < 1e-2 * np.std(m.u)
+
+
+def test_a_drift_that_settles_is_a_trend_by_its_name_and_by_its_law_what_it_is():
+    """Where it has settled, in the validation record, a straight trend goes astray."""
+    found = []
+    for k, role in enumerate(("identification", "identification", "validation")):
+        r = records(0.0)[1]
+        t = r.time + 6.0 * k - 20.0
+        drive = (
+            r.channels["torque"] + 0.08 * (1.0 - np.exp(-t / 4.0)) + 1e-3 * np.random.default_rng(k).normal(size=t.size)
+        )
+        found.append(
+            replace(
+                r,
+                name=f"r{k}",
+                role=role,
+                time=t,
+                channels={**r.channels, "torque": drive, "reference": r.channels["position"]},
+            )
+        )
+    said = trace(plant(), inverse_dynamics(found, BAND), only=("sensor_trend",))
+    assert said.added == ("sensor_trend",) and said.causes[0].form == "sensor_settling"
+    values = {e.parameter: e.value for e in said.causes[0].parameters}
+    assert values["settling"] == pytest.approx(0.25, rel=0.05) and values["rate"] == pytest.approx(0.02, rel=0.05)
 
 
 def test_behind_a_command_map_the_drift_is_of_the_reading_and_not_of_what_acts():

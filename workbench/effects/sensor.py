@@ -1,6 +1,7 @@
 """What a channel does beside measuring: it drifts, or its clock is another one."""
 
 from workbench.definition import SENSOR, TIME, Effect, effect
+from workbench.effects.elementary import expm1
 from workbench.parameter import Parameter
 
 
@@ -20,6 +21,36 @@ def sensor_trend() -> Effect:
         family="reading over time",
         reduces={"rate": (0.0, "")},
         parameters={"rate": Parameter(0.0, "x/s", "drift of the reading")},
+        reads=("q", "t"),
+        step=step,
+        places=("sensor", "drive"),
+        at="sensor.position",
+    )
+
+
+@effect
+def sensor_settling() -> Effect:
+    """y = q + r (1 - exp(-e t))/e, t on the bench clock: a drift of rate r at first, that settles. With e = 0 it is a `sensor_trend`."""
+
+    def step(s, z, p):
+        return {}, s.q - p.rate * expm1(-p.settling * s.t) / p.settling
+
+    return Effect(
+        name="sensor_settling",
+        cause="a reading that drifts until a mount, a scale or an amplifier is warm",
+        formula="y = q + r (1 - exp(-e t))/e",
+        source="measurement practice; lumped heating of one time constant",
+        port=SENSOR,
+        family="reading over time",
+        traced=False,
+        nearest="sensor_trend",
+        reduces={"rate": (0.0, "")},
+        parameters={
+            "rate": Parameter(0.0, "x/s", "drift of the reading at first"),
+            "settling": Parameter(
+                1e-2, "1/s", "rate at which the drift settles", lower=1e-6, upper=10.0, scale="settling"
+            ),
+        },
         reads=("q", "t"),
         step=step,
         places=("sensor", "drive"),

@@ -3,11 +3,15 @@
 Nature keeps to no formula: viscous friction grows with some power of speed, a warm-up decays. The free-form law of the leading
 families bounds what any of their formulas could take. Where the best formula takes plainly less than that, and yet enough to say
 which class it is, the free form is added in its stead and bears the formula's name.
+
+Where the best formula takes much, and from block to block another share, it bends within what was fitted and goes astray beyond: -v|v|
+stands for friction that levels off. Another spelling of its law, or the free form, may say the same of every block.
 """
 
 from collections.abc import Collection, Sequence
 from dataclasses import replace
 
+from workbench.definition import catalogue
 from workbench.effects.families import FREE_FORMS
 from workbench.processes import shared
 from workbench.tracing.budget import Budget
@@ -15,6 +19,7 @@ from workbench.tracing.candidates import ADDITION, WHOLE, Offer, periodic
 from workbench.tracing.criteria import Criteria
 from workbench.tracing.free_forms import MEMORY, free_forms
 from workbench.tracing.judge import ScoredCandidate, judged, refitted_as
+from workbench.tracing.ranking import alike
 from workbench.tracing.state import State
 
 
@@ -26,12 +31,57 @@ def free_law(
     criteria: Criteria,
     offer: Offer = WHOLE,
 ) -> ScoredCandidate | None:
-    """Return the free-form law that is added in the place of `best`, or None where that formula says it as well.
+    """Return the law that is added in the place of `best`: another spelling of it, or its class' free form; None where `best` says it as well.
 
     offer: what is judged. added: before it; a formula of the class among them names the free form, which then says it all.
-    judgements: of the step, best first. A formula says it as well that takes `near` of what the free form takes, or leaves no
+    judgements: of the step, best first. A formula says it as well that takes `near` of what another law takes, or leaves no
     more than what is of practical size beside it, or so does with another formula of its class; it names the class from `resembles` of it on.
     """
+    spelled = _better_spelled(state, best, criteria, offer)
+    free = _freed(state, judgements, spelled or best, added, criteria, offer)
+    return free or (refitted_as(state, spelled, criteria) if spelled else None)
+
+
+def _better_spelled(state: State, best: ScoredCandidate, criteria: Criteria, offer: Offer) -> ScoredCandidate | None:
+    """Return another spelling of the leading law that takes plainly more, None where there is none.
+
+    Plainly is what tells any two effects apart (`ranking.alike`): a spelling is a law with a number more, no curve that bends to everything.
+    """
+    found = _spelled(state, best, criteria, offer) if best.candidate.kind == ADDITION else []
+    least = min(found, key=lambda j: (j.errors.total, j.candidate.key), default=None)
+    return (
+        least
+        if least and least.errors.total < best.errors.total and not alike(least, best, criteria, state.power)
+        else None
+    )
+
+
+def _as_well(state: State, j: ScoredCandidate, than: ScoredCandidate, criteria: Criteria) -> bool:
+    """Whether a law takes `near` of what another one takes, or leaves no more than what is of practical size beside it."""
+    taken, most = (state.errors.total - k.errors.total for k in (j, than))
+    return taken >= criteria.near * most or most - taken <= criteria.practical**2 * state.power
+
+
+def _spelled(state: State, j: ScoredCandidate, criteria: Criteria, offer: Offer) -> list[ScoredCandidate]:
+    """Return the other spellings of a law at its place (those that name it as their `nearest`) that earn their place, under its name."""
+    family, at, name = j.candidate.family, j.candidate.at, j.candidate.name
+    spelled = [e for e in catalogue().values() if e.nearest == name and e.family == family and not e.traced]
+    offered = replace(offer, only={e.name for e in spelled}, own=(*offer.own, *spelled))
+    asked = [c for c in offered.candidates(state.plant) if c.at == at] if spelled else []
+    found = shared(lambda c: judged(state, c, criteria, offer.budget), asked)
+    scored = [ScoredCandidate(replace(c, part=name), **one) for c, one in zip(asked, found, strict=True)]
+    return [k for k in scored if k.score.earns and k.theta is not None]
+
+
+def _freed(
+    state: State,
+    judgements: Sequence[ScoredCandidate],
+    best: ScoredCandidate,
+    added: Sequence[ScoredCandidate],
+    criteria: Criteria,
+    offer: Offer,
+) -> ScoredCandidate | None:
+    """Return the free-form law that is added in the place of `best`, None where `best` says it as well. Arguments as of `free_law`."""
     formulas = [j for j in judgements if j.candidate.kind == ADDITION and j.score.gain > criteria.share]
     asked: dict[tuple[str, str], ScoredCandidate] = {}
     for j in formulas:
@@ -41,10 +91,10 @@ def free_law(
     if not forms:
         return None
     free = min(forms, key=lambda j: (j.errors.total, j.candidate.key))
-    whole = state.errors.total
-    most, own = whole - free.errors.total, whole - best.errors.total
-    if own >= criteria.near * most or best.errors.total - free.errors.total <= criteria.practical**2 * state.power:
+    if _as_well(state, best, free, criteria):
         return None
+    whole = state.errors.total
+    most = whole - free.errors.total
     family = free.candidate.family
     if (best.candidate.family, best.candidate.at) == (family, free.candidate.at):
         if _two_say_it(state, best, whole - criteria.near * most, criteria, offer):
@@ -59,6 +109,33 @@ def free_law(
         return None
     named = replace(free.candidate, stands=nearest.candidate.effect)
     return refitted_as(state, replace(free, candidate=named), criteria)
+
+
+def steadier(
+    state: State, judgements: Sequence[ScoredCandidate], criteria: Criteria, offer: Offer = WHOLE
+) -> ScoredCandidate | None:
+    """Return another law of the class of what leads without earning its place, which earns it and takes no less; None where there is none.
+
+    judgements: of the step, best first. What takes less than `plain` asks for none. Other spellings of the leading law (those that name it
+    as their `nearest`) are judged, and the free form of its class; a spelling that takes `near` of what the free form takes comes first. A
+    free form bears the leading law's name where a formula takes `resembles` of what it takes, else there is none.
+    """
+    first = judgements[0] if judgements else None
+    if first is None or first.score.earns or first.candidate.kind != ADDITION or first.score.gain <= criteria.plain:
+        return None
+    family, at, name = first.candidate.family, first.candidate.at, first.candidate.name
+    formulas = [j for j in _spelled(state, first, criteria, offer) if j.errors.total <= first.errors.total]
+    free = {(family, at)} if family in FREE_FORMS and family != MEMORY else set()
+    forms = [j for j in _judged_forms(state, free, criteria, offer.budget) if j.errors.total <= first.errors.total]
+    best, form = (min(x, key=lambda j: (j.errors.total, j.candidate.key), default=None) for x in (formulas, forms))
+    whole = state.errors.total
+    most = whole - form.errors.total if form else 0.0
+    if best is not None and whole - best.errors.total >= criteria.near * most:
+        return refitted_as(state, best, criteria)
+    nearest = best or first
+    if form is None or whole - nearest.errors.total < criteria.resembles * most:
+        return None
+    return refitted_as(state, replace(form, candidate=replace(form.candidate, stands=name)), criteria)
 
 
 def _two_say_it(state: State, best: ScoredCandidate, most: float, criteria: Criteria, offer: Offer) -> bool:

@@ -10,7 +10,7 @@ from workbench.residual.noise_floor import noise_rms, with_stationary
 from workbench.tracing.candidates import Offer
 from workbench.tracing.counted import by_counts, quantisation_bias
 from workbench.tracing.criteria import Criteria
-from workbench.tracing.free_law import free_law
+from workbench.tracing.free_law import free_law, steadier
 from workbench.tracing.judge import Progress, ScoredCandidate, lighter
 from workbench.tracing.ranking import step
 from workbench.tracing.state import State
@@ -62,8 +62,11 @@ def extended(
             and (free := free_law(state, judgements, best, [s.added for s in found], criteria, offer)) is not None
         ):
             judgements, best = [free, *judgements], free
-        if best is None and provisional is None and not noise_alone(state, level, PLAIN):
-            best = provisional = promised(judgements, criteria)
+        if best is None and not noise_alone(state, level, PLAIN):
+            if (steady := steadier(state, judgements, criteria, offer)) is not None and steady.state is not None:
+                judgements, best = [steady, *judgements], steady
+            elif provisional is None:
+                best = provisional = promised(judgements, criteria)
         found.append(Step(lighter(judgements, best), best, best is not None and best is provisional))
         if best is None:
             break
