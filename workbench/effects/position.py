@@ -5,7 +5,7 @@ from math import cos as cosine
 from math import sin as sine
 
 from workbench.definition import FORCE, Border, Effect, effect
-from workbench.effects.elementary import cos, sin
+from workbench.effects.elementary import cos, maximum, power, sin
 from workbench.parameter import Parameter
 
 
@@ -80,6 +80,44 @@ def cable_spring() -> Effect:
                 "rest": -i["preload"] / i["stiffness"] if i["stiffness"] else 0.0,
             },
         ),
+    )
+
+
+@effect
+def slack_cable() -> Effect:
+    """T = r ((q - p)+/L)^n - l ((p - q)+/L)^n: a spring of its own on either side of a place p; where one side has none it hangs slack.
+
+    L is a reference and no number of the axis: r and l are the forces at that distance from p.
+    """
+
+    def step(s, z, p):
+        right, left = maximum(s.q - p.place, 0.0), maximum(p.place - s.q, 0.0)
+        taut = p.right * power(right / p.length, p.exponent) - p.left * power(left / p.length, p.exponent)
+        return {}, taut
+
+    return Effect(
+        name="slack_cable",
+        cause="a hose or a cable that hangs slack until a place of the stroke, and is pulled taut beyond",
+        formula="T = r ((q - p)+/L)^n - l ((p - q)+/L)^n",
+        source="unilateral contact, n = 1.5 after Hertz 1882",
+        port=FORCE,
+        family="force over position",
+        parameters={
+            "right": Parameter(0.0, "F", "force at the reference distance above the place", lower=0.0),
+            "left": Parameter(0.0, "F", "force at the reference distance below the place", lower=0.0),
+            "place": Parameter(0.0, "x", "where it comes taut", scale="place"),
+            "exponent": Parameter(1.0, "1", "exponent of the distance", lower=1.0, upper=4.0, scale="number"),
+            "length": Parameter(0.1, "x", "reference distance", lower=1e-9, fixed=True),
+        },
+        linear=("right", "left"),
+        reads=("q",),
+        step=step,
+        holds=("conservative",),
+        places=("axis", "motor", "load"),
+        stated=("motor",),
+        traced=False,
+        nearest="cable_spring",
+        knots=("length",),
     )
 
 

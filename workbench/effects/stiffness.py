@@ -1,7 +1,7 @@
 """Stiffness: of a joint in its deflection, or of a spring to ground in the axis' position."""
 
 from workbench.definition import FORCE, Effect, effect
-from workbench.effects.elementary import clip
+from workbench.effects.elementary import absolute, clip, power, sign0
 from workbench.parameter import Parameter
 
 
@@ -56,6 +56,38 @@ def cubic_stiffness() -> Effect:
         places=("axis", "joint"),
         beside={"axis": "linear_stiffness"},
         at="joint",
+    )
+
+
+@effect
+def power_law_stiffness() -> Effect:
+    """T = T1 (|x|/x1)^n sgn(x), n > 1: hardening by another power than the third; x1 is a reference, T1 the torque there."""
+
+    def step(s, z, p):
+        return {}, p.torque * sign0(s.q) * power(absolute(s.q) / p.deflection, p.exponent)
+
+    return Effect(
+        name="power_law_stiffness",
+        cause="contacts that come to bear one after another: the joint hardens, by a power of its deflection",
+        formula="T = T1 (|x|/x1)^n sgn(x)",
+        source="Hertz 1882 (n = 1.5); Tuttle and Seering 1996 (n = 3)",
+        port=FORCE,
+        family="joint stiffness",
+        parameters={
+            "torque": Parameter(0.0, "F", "torque at the reference deflection", lower=0.0),
+            "deflection": Parameter(1e-3, "x", "reference deflection", lower=1e-12, fixed=True),
+            "exponent": Parameter(2.0, "1", "exponent of the deflection", lower=1.1, upper=7.0, scale="number"),
+        },
+        linear=("torque",),
+        reads=("q",),
+        step=step,
+        holds=("conservative", "odd"),
+        places=("axis", "joint"),
+        beside={"axis": "linear_stiffness"},
+        at="joint",
+        traced=False,
+        nearest="cubic_stiffness",
+        knots=("deflection",),
     )
 
 

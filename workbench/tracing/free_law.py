@@ -11,15 +11,14 @@ stands for friction that levels off. Another spelling of its law, or the free fo
 from collections.abc import Collection, Sequence
 from dataclasses import replace
 
-from workbench.definition import catalogue
 from workbench.effects.families import FREE_FORMS
 from workbench.processes import shared
 from workbench.tracing.budget import Budget
-from workbench.tracing.candidates import ADDITION, WHOLE, Offer, periodic
+from workbench.tracing.candidates import ADDITION, AGAIN, WHOLE, Offer, periodic
 from workbench.tracing.criteria import Criteria
 from workbench.tracing.free_forms import MEMORY, free_forms
 from workbench.tracing.judge import ScoredCandidate, judged, refitted_as
-from workbench.tracing.ranking import alike
+from workbench.tracing.spellings import better_spelled, commoner, spelled
 from workbench.tracing.state import State
 
 
@@ -37,40 +36,15 @@ def free_law(
     judgements: of the step, best first. A formula says it as well that takes `near` of what another law takes, or leaves no
     more than what is of practical size beside it, or so does with another formula of its class; it names the class from `resembles` of it on.
     """
-    spelled = _better_spelled(state, best, criteria, offer)
-    free = _freed(state, judgements, spelled or best, added, criteria, offer)
-    return free or (refitted_as(state, spelled, criteria) if spelled else None)
-
-
-def _better_spelled(state: State, best: ScoredCandidate, criteria: Criteria, offer: Offer) -> ScoredCandidate | None:
-    """Return another spelling of the leading law that takes plainly more, None where there is none.
-
-    Plainly is what tells any two effects apart (`ranking.alike`): a spelling is a law with a number more, no curve that bends to everything.
-    """
-    found = _spelled(state, best, criteria, offer) if best.candidate.kind == ADDITION else []
-    least = min(found, key=lambda j: (j.errors.total, j.candidate.key), default=None)
-    return (
-        least
-        if least and least.errors.total < best.errors.total and not alike(least, best, criteria, state.power)
-        else None
-    )
+    other = commoner(state, judgements, best, criteria, offer) or better_spelled(state, best, criteria, offer)
+    free = _freed(state, judgements, other or best, added, criteria, offer)
+    return free or (refitted_as(state, other, criteria) if other else None)
 
 
 def _as_well(state: State, j: ScoredCandidate, than: ScoredCandidate, criteria: Criteria) -> bool:
     """Whether a law takes `near` of what another one takes, or leaves no more than what is of practical size beside it."""
     taken, most = (state.errors.total - k.errors.total for k in (j, than))
     return taken >= criteria.near * most or most - taken <= criteria.practical**2 * state.power
-
-
-def _spelled(state: State, j: ScoredCandidate, criteria: Criteria, offer: Offer) -> list[ScoredCandidate]:
-    """Return the other spellings of a law at its place (those that name it as their `nearest`) that earn their place, under its name."""
-    family, at, name = j.candidate.family, j.candidate.at, j.candidate.name
-    spelled = [e for e in catalogue().values() if e.nearest == name and e.family == family and not e.traced]
-    offered = replace(offer, only={e.name for e in spelled}, own=(*offer.own, *spelled))
-    asked = [c for c in offered.candidates(state.plant) if c.at == at] if spelled else []
-    found = shared(lambda c: judged(state, c, criteria, offer.budget), asked)
-    scored = [ScoredCandidate(replace(c, part=name), **one) for c, one in zip(asked, found, strict=True)]
-    return [k for k in scored if k.score.earns and k.theta is not None]
 
 
 def _freed(
@@ -105,7 +79,8 @@ def _freed(
         return refitted_as(
             state, replace(free, candidate=replace(free.candidate, stands=earlier[0].candidate.name)), criteria
         )
-    if whole - nearest.errors.total < criteria.resembles * most:
+    named = whole - nearest.errors.total >= criteria.resembles * most
+    if not named and not _orders_say_it(state, nearest, whole - criteria.near * most, criteria, offer):
         return None
     named = replace(free.candidate, stands=nearest.candidate.effect)
     return refitted_as(state, replace(free, candidate=named), criteria)
@@ -124,7 +99,7 @@ def steadier(
     if first is None or first.score.earns or first.candidate.kind != ADDITION or first.score.gain <= criteria.plain:
         return None
     family, at, name = first.candidate.family, first.candidate.at, first.candidate.name
-    formulas = [j for j in _spelled(state, first, criteria, offer) if j.errors.total <= first.errors.total]
+    formulas = [j for j in spelled(state, first, criteria, offer) if j.errors.total <= first.errors.total]
     free = {(family, at)} if family in FREE_FORMS and family != MEMORY else set()
     forms = [j for j in _judged_forms(state, free, criteria, offer.budget) if j.errors.total <= first.errors.total]
     best, form = (min(x, key=lambda j: (j.errors.total, j.candidate.key), default=None) for x in (formulas, forms))
@@ -153,6 +128,25 @@ def _two_say_it(state: State, best: ScoredCandidate, most: float, criteria: Crit
     ]
     found = shared(lambda c: judged(beside, c, criteria, offer.budget), others)
     return any(one["errors"].total <= most for one in found if one.get("theta") is not None)
+
+
+def _orders_say_it(state: State, nearest: ScoredCandidate, most: float, criteria: Criteria, offer: Offer) -> bool:
+    """Whether a periodic formula and further orders of it, as many as a search would add, leave no more than `most`: a wave of several
+    orders, of which none takes much of the whole."""
+    own = nearest.candidate.plant[nearest.candidate.key]
+    if not periodic(own) or nearest.theta is None:
+        return False
+    for _ in AGAIN:
+        nearest = nearest if nearest.refitted else refitted_as(state, nearest, criteria)
+        state = nearest.refitted.state if nearest.refitted else state
+        further = [c for c in offer.candidates(state.plant) if c.kind == ADDITION and c.at == own.at]
+        # one candidate: the same effect at its next order
+        again = [c for c in further if c.plant[c.key].name == own.name and c.key != nearest.candidate.key]
+        found = [ScoredCandidate(c, **judged(state, c, criteria, offer.budget)) for c in again]
+        nearest = min((j for j in found if j.theta is not None), key=lambda j: j.errors.total, default=None)
+        if nearest is None or nearest.errors.total <= most:
+            return nearest is not None
+    return False
 
 
 def _judged_forms(

@@ -59,6 +59,15 @@ class Selection:
         return as_declared(self.answer.last.plant, self.laws)
 
     @property
+    def dry(self) -> Plant:
+        """The same, with declared friction in the place of what has a memory and was added in its stead: where an axis sticks, that dresses rest."""
+        plant = self.answer.last.plant
+        for j in self.answer.added:
+            if j.candidate.instead and "dir" in plant[j.candidate.key].provides:
+                plant = without(plant, j.candidate, self.base.plant)
+        return as_declared(plant, self.laws)
+
+    @property
     def provisional(self) -> set[str]:
         return {s.added.candidate.key for s in self.steps if s.provisional}
 

@@ -68,6 +68,9 @@ def _grid(
         # of what deflects without the effect: a gap of its default width may hold all that a stiff joint does
         beside = plant.without(effect.key) if effect.key in {e.key for e in plant.effects} else plant
         return strokes(inverses, beside, effect.at, budget.strokes)
+    if scale == "place":  # within the stroke that all the records cover
+        low, high = min(float(m.q.min()) for m in motions), max(float(m.q.max()) for m in motions)
+        return list(np.linspace(low, high, budget.strokes + 2)[1:-1])
     if scale == "time":
         return list(min(m.dt for m in motions) * np.array([0.1, 0.5, 1.5, 4.0]))
     if scale == "rate":

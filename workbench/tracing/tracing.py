@@ -64,7 +64,7 @@ def trace(
             "the declared model has no value on these records: a shape parameter lies far from them; check it and its unit."
         ) from None
     selected = select(declared, late.whole, offered, criteria, progress)
-    if selected.answer.added and (moving := without_rest(late, selected.found)) is not None:
+    if selected.answer.added and (moving := without_rest(late, selected.dry)) is not None:
         progress("searching once more, where the axis moves")
         late = moving
         declared, offered = _begun(late, offer, criteria)

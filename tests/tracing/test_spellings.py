@@ -1,0 +1,72 @@
+"""A law by another spelling, under its class' name: a hose that hangs slack, a joint of another power, a wave of many orders."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from test_otherwise import PLANT, recorded
+
+from workbench.definition import find
+from workbench.inverse.dynamics import inverse_dynamics
+from workbench.plant import TWO_MASS, Plant
+from workbench.record import IDENTIFICATION
+from workbench.tracing import free_law, ranking, selection, spellings
+from workbench.tracing.candidates import Offer, candidates_of
+from workbench.tracing.judge import STANDARD
+from workbench.tracing.state import State
+
+
+def asked(over, plant=PLANT, *only: str):
+    """The state of a declared model of which a force over position is missing, and what a round says of these effects."""
+    records = [recorded(n, IDENTIFICATION, s, lambda v: 0.0 * v, 5.0, over) for n, s in (("a", 1.0), ("bb", 0.7))]
+    state = State(plant, inverse_dynamics(records, 50.0))
+    return state, ranking.step(state, lambda _: None, Offer(only=set(only)))
+
+
+def test_a_hose_that_hangs_slack_until_a_place_is_a_cable_spring_by_another_law():
+    state, judgements = asked(lambda q: 3.0 * np.maximum(q - 0.1, 0.0) ** 1.5, PLANT, "cable_spring")
+    taut = spellings.better_spelled(state, judgements[0], STANDARD, Offer())
+    assert (taut.candidate.effect, taut.candidate.name) == ("slack_cable", "cable_spring")
+    values = {
+        n: p.value
+        for n, p in free_law.refitted_as(state, taut, STANDARD).state.plant[taut.candidate.key].parameters.items()
+    }
+    assert values["place"] == pytest.approx(0.1, abs=0.02) and values["exponent"] == pytest.approx(1.5, abs=0.2)
+    assert values["left"] < 0.02 * values["right"]
+
+
+def test_a_straight_spring_needs_no_other_spelling():
+    state, judgements = asked(lambda q: 0.4 * (q - 0.05), PLANT, "cable_spring")
+    assert judgements[0].score.earns and spellings.better_spelled(state, judgements[0], STANDARD, Offer()) is None
+
+
+def test_a_wave_of_many_orders_is_its_class_and_a_bump_at_one_place_is_none():
+    waves = lambda q: 0.08 * (np.sin(24 * q) + np.sin(37 * q + 1.0) + np.sin(61 * q + 2.0) + np.sin(83 * q))  # noqa: E731
+    bump = lambda q: 0.3 * np.exp(-(((q - 0.1) / 0.02) ** 2))  # noqa: E731
+    named = []
+    for over in (waves, bump):
+        state, judgements = asked(over, PLANT, "cogging")
+        wave = next(j for j in judgements if j.candidate.effect == "cogging")
+        named.append(
+            free_law._orders_say_it(state, wave, (1.0 - STANDARD.near) * state.errors.total, STANDARD, Offer())
+        )
+    assert named == [True, False]
+
+
+def test_springs_of_another_power_are_offered_where_the_cubic_one_is():
+    plant = Plant(TWO_MASS)
+    for effect, at in (("inertia", "motor"), ("inertia", "load"), ("linear_stiffness", "joint")):
+        plant = plant + find(effect)(at=at)
+    own = tuple(find(n) for n in ("power_law_stiffness", "slack_cable"))
+    found = {(c.effect, c.at) for c in candidates_of(plant, own) if c.effect in {e.name for e in own}}
+    assert found == {("power_law_stiffness", "joint"), ("slack_cable", "load")}
+    assert not {"power_law_stiffness", "slack_cable"} & {c.effect for c in candidates_of(plant)}
+
+
+def test_rest_is_asked_of_dry_friction_where_a_friction_with_memory_took_its_place():
+    (rigid,) = (c for c in candidates_of(PLANT) if c.effect == "lugre_friction" and c.instead)
+    last = SimpleNamespace(plant=rigid.plant)
+    found = selection.Selection(
+        None, SimpleNamespace(plant=PLANT), selection.Answer([SimpleNamespace(candidate=rigid)], None, last), (), (), ()
+    )
+    assert {e.key for e in found.dry.effects} == {e.key for e in PLANT.effects} != {e.key for e in found.found.effects}

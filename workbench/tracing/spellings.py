@@ -1,0 +1,63 @@
+"""Other spellings of a law: effects that name a traced one as their `nearest`, asked where that one leads, under its name.
+
+Friction goes with a root of speed, a hose comes taut at a place, a joint hardens by another power than the third, a drift settles. Each
+is a law of the class with a number more; offered in every round they would dress what is left, so they are asked of what leads.
+"""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+from workbench.definition import catalogue
+from workbench.processes import shared
+from workbench.tracing.candidates import ADDITION, Offer
+from workbench.tracing.criteria import Criteria
+from workbench.tracing.judge import ScoredCandidate, judged
+from workbench.tracing.ranking import alike
+from workbench.tracing.state import State
+
+
+def spelled(state: State, j: ScoredCandidate, criteria: Criteria, offer: Offer) -> list[ScoredCandidate]:
+    """Return the other spellings of a law at its place (those that name it as their `nearest`) that earn their place, under its name."""
+    family, at, name = j.candidate.family, j.candidate.at, j.candidate.name
+    others = [e for e in catalogue().values() if e.nearest == name and e.family == family and not e.traced]
+    offered = replace(offer, only={e.name for e in others}, own=(*offer.own, *others))
+    asked = [c for c in offered.candidates(state.plant) if c.at == at] if others else []
+    found = shared(lambda c: judged(state, c, criteria, offer.budget), asked)
+    scored = [ScoredCandidate(replace(c, part=name), **one) for c, one in zip(asked, found, strict=True)]
+    return [k for k in scored if k.score.earns and k.theta is not None]
+
+
+def better_spelled(state: State, best: ScoredCandidate, criteria: Criteria, offer: Offer) -> ScoredCandidate | None:
+    """Return another spelling of the leading law that takes plainly more, None where there is none.
+
+    Plainly is what tells any two effects apart (`ranking.alike`): a spelling is a law with a number more, no curve that bends to everything.
+    """
+    found = spelled(state, best, criteria, offer) if best.candidate.kind == ADDITION else []
+    least = min(found, key=lambda j: (j.errors.total, j.candidate.key), default=None)
+    if least is None or least.errors.total >= best.errors.total:
+        return None
+    return None if alike(least, best, criteria, state.power) else least
+
+
+def commoner(
+    state: State, judgements: Sequence[ScoredCandidate], best: ScoredCandidate, criteria: Criteria, offer: Offer
+) -> ScoredCandidate | None:
+    """Return another spelling of a common law that takes as much as a rare one that leads, None where there is none: the law of the
+    common one's formula alone leaves more, and takes `near` of what the rare one takes."""
+    if not _rare(best):
+        return None
+    same = [
+        j
+        for j in judgements
+        if j.candidate.kind == ADDITION
+        and (j.candidate.family, j.candidate.at) == (best.candidate.family, best.candidate.at)
+        and not _rare(j)
+        and j.theta is not None
+        and state.errors.total - j.errors.total >= criteria.near * (state.errors.total - best.errors.total)
+    ]
+    found = [k for j in same for k in spelled(state, j, criteria, offer) if alike(best, k, criteria, state.power)]
+    return min(found, key=lambda j: (j.errors.total, j.candidate.key), default=None)
+
+
+def _rare(j: ScoredCandidate) -> bool:
+    return j.candidate.plant[j.candidate.key].rare
