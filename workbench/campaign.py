@@ -12,7 +12,7 @@ from workbench.errors import UnsoundRecord
 from workbench.finding import SAMPLING_RATE, Finding
 from workbench.plant import KINDS, TWO_MASS, Plant
 from workbench.readers import declaration
-from workbench.readers.own_unit import in_effort
+from workbench.readers.own_unit import in_effort, in_own_words
 from workbench.readers.plant import declared_plant
 from workbench.readers.records import assumptions, channels, records
 from workbench.record import Record
@@ -65,7 +65,8 @@ def load(folder: Path | str, *, resample: bool = False) -> Campaign:
     title, bandwidth = top.text("title"), top.quantity("evaluation_bandwidth", "Hz", above=SLOWEST)
     measured = channels(top, kind == TWO_MASS, notes)
     assumed, resample = assumptions(measured), resample or top.flag("resample")
-    plant = declared_plant(top, kind, "torque" in measured, notes)
+    with in_own_words(told):
+        plant = declared_plant(top, kind, "torque" in measured, notes)
     frozen, findings = records(top, folder, measured, resample)
     if not notes["initial_condition"]:
         frozen = tuple(replace(r, history=None) for r in frozen)

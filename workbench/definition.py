@@ -54,7 +54,7 @@ class Effect:
     (neutral value, name of the simpler effect that it then is, "" for none): a number, or TWO_COUNTS for a length of no more
     than that. parts: names of the simpler effects that a composite joins. knots: parameters that are held by definition, as
     where a table has its values; no data sheet gave them, so none is wrong. nearest: traced effect of its class in whose place, and
-    under whose name, a law is asked where validation does not carry that one's formula; one that is traced itself bears that name, too.
+    under whose name, a law is asked where that one leads or validation does not carry it; one that is traced itself bears that name, too.
     counted_in: effect whose data-sheet value counts this one in: it is offered where that is declared and fixed.
     """
 

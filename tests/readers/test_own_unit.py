@@ -119,3 +119,9 @@ def test_what_no_parameter_can_be_written_in_needs_its_constant(tmp_path, unit):
     )
     sentence = refused(tmp_path, si.replace('unit = "A"', f'unit = "{unit}"'))
     assert f"'{unit}' is no torque" in sentence and "all parameters" not in sentence
+
+
+def test_a_unit_that_does_not_fit_is_refused_with_what_stands_for_what(tmp_path):
+    wrong = refused(tmp_path, TOML.replace('unit = "A*s^2/rad"', 'unit = "A*s"'))
+    assert "parameters.inertia.unit" in wrong and wrong.endswith("1 A stands for 1 N*m here.")
+    assert "stands for" not in refused(tmp_path, TOML.replace("9000.0", "-9000.0"))

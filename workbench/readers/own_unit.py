@@ -5,7 +5,8 @@ in it is written so in every quantity that holds it, and a finding says so.
 """
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from copy import deepcopy
 
 from workbench.errors import WorkbenchError
@@ -56,6 +57,17 @@ def in_effort(top: Table) -> tuple[Table, tuple[Finding, ...]]:
     sentence = f"The drive is logged in '{unit}', and no scale turns it into '{effort}': 1 {unit} stands for 1 {effort} in every number that follows."
     mend = f'Give channels.{drive}.scale, such as {{ value = 1.0, unit = "{effort}/{unit}" }}, and parameters in SI, to have a {drive}.'
     return Table(values, top.file, optional=tuple(values)), (Finding(OTHER_UNIT, drive, sentence, {}, mend),)
+
+
+@contextmanager
+def in_own_words(told: Sequence[Finding]) -> Iterator[None]:
+    """While it lasts an error that quotes a unit as it was written in effort says what stands for what. told: as `in_effort` returned it."""
+    try:
+        yield
+    except WorkbenchError as wrong:
+        if not told or not any(f"{effort}" in str(wrong) for row in EFFORT.values() for effort in row):
+            raise
+        raise WorkbenchError(f"{wrong} {told[0].sentence.partition(': ')[2].partition(' in every')[0]} here.") from None
 
 
 def _own(channels: object) -> tuple[str, str]:
