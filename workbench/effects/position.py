@@ -35,7 +35,7 @@ def gravity() -> Effect:
         motions=("rotary",),  # on a linear axis weight is a constant offset
         border=Border(
             parameters={
-                "mgl": Parameter(0.0, "F", "weight times lever", lower=0.0),
+                "mgl": Parameter(0.0, "F", "weight times lever; below 0 it is the phase that is turned by pi"),
                 "phase": Parameter(0.0, "rad", "phase"),
             },
             inward=lambda o: {"sine": o["mgl"] * cosine(o["phase"]), "cosine": o["mgl"] * sine(o["phase"])},
@@ -106,7 +106,7 @@ def slack_cable() -> Effect:
             "right": Parameter(0.0, "F", "force at the reference distance above the place", lower=0.0),
             "left": Parameter(0.0, "F", "force at the reference distance below the place", lower=0.0),
             "place": Parameter(0.0, "x", "where it comes taut", scale="place"),
-            "exponent": Parameter(1.0, "1", "exponent of the distance", lower=1.0, upper=4.0, scale="number"),
+            "exponent": Parameter(1.0, "1", "exponent of the distance", lower=1.0, upper=4.0, scale="exponent"),
             "length": Parameter(0.1, "x", "reference distance", lower=1e-9, fixed=True),
         },
         linear=("right", "left"),

@@ -58,7 +58,7 @@ def power_law_friction() -> Effect:
         parameters={
             "level": Parameter(0.0, "F", "friction at the reference speed", lower=0.0),
             "speed": Parameter(0.1, "x/s", "reference speed", lower=1e-9, fixed=True),
-            "exponent": Parameter(0.5, "1", "exponent of speed", lower=0.1, upper=3.0, scale="number"),
+            "exponent": Parameter(0.5, "1", "exponent of speed", lower=0.1, upper=3.0, scale="exponent"),
         },
         linear=("level",),
         reads=("v",),

@@ -76,7 +76,7 @@ def power_law_stiffness() -> Effect:
         parameters={
             "torque": Parameter(0.0, "F", "torque at the reference deflection", lower=0.0),
             "deflection": Parameter(1e-3, "x", "reference deflection", lower=1e-12, fixed=True),
-            "exponent": Parameter(2.0, "1", "exponent of the deflection", lower=1.1, upper=7.0, scale="number"),
+            "exponent": Parameter(2.0, "1", "exponent of the deflection", lower=1.1, upper=7.0, scale="exponent"),
         },
         linear=("torque",),
         reads=("q",),

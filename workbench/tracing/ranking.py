@@ -215,14 +215,18 @@ def absurd(j: ScoredCandidate, state: State) -> bool:
 
 
 def alike(best: ScoredCandidate, other: ScoredCandidate, criteria: Criteria, power: float) -> bool:
-    """Whether `best` takes away no more of what `other` leaves on held-out blocks than its scatter, or than what is of
-    practical size, twice that of a rare one. power: of the drive.
+    """Whether `best` takes away no more of what `other` leaves on held-out blocks than its scatter, than what is of
+    practical size, twice that of a rare one, or than `lesser` of what `other` takes, in rms. power: of the drive.
 
     A ratio over blocks, as every gain: a few blocks in which much is left would drown a plain difference in scatter.
     """
     further, scatter = gain(other.errors, best.errors)
     plainly = criteria.practical * (2.0 if best.candidate.plant[best.candidate.key].rare else 1.0)
-    small = other.errors.total - best.errors.total <= plainly**2 * power
+    more = other.errors.total - best.errors.total
+    taken = (
+        other.score.gain * other.errors.total / max(1.0 - other.score.gain, 1e-300)
+    )  # by the other, of the present residual
+    small = more <= max(plainly**2 * power, criteria.lesser**2 * taken)
     level = further <= max(criteria.alike * scatter, criteria.share) or small
     return level and best.score.gain > criteria.share
 
