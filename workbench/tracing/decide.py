@@ -104,7 +104,9 @@ def _role(a: Weighed, criteria: Criteria) -> str:
     if a.kind == CORRECTION and a.changed <= a.tolerance:
         return REFINEMENT
     # without a validation record both are NaN, and say nothing
-    if a.size(VALIDATION) < 0.0 or a.share(VALIDATION) < criteria.carried * a.share(IDENTIFICATION):
+    out = a.size(VALIDATION) < 0.0 or a.share(VALIDATION) < criteria.carried * a.share(IDENTIFICATION)
+    # what a load does at standstill may be most of its balance there: the drive may bear out what shows a little more behind the joint
+    if out and not (a.behind and a.of_drive(VALIDATION) >= criteria.held):
         return NOT_BORNE_OUT
     if _beyond(a) < (criteria.explainable if a.implausible else criteria.practical):
         return REFINEMENT

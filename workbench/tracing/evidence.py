@@ -102,6 +102,10 @@ class Weighed:
         less = before**2 - after**2
         return copysign(sqrt(abs(less)), less)
 
+    def of_drive(self, role: str) -> float:
+        """Return the share of the drive's residual power that it takes away, wherever it shows most."""
+        return self._share(self.before, self.after, role)
+
     def share(self, role: str) -> float:
         """Return the share of the residual's power that it takes away there."""
         before, after = self.errors(role)
