@@ -510,3 +510,10 @@ def test_names_are_drawn_at_random_from_the_catalogue_and_composed():
                 plant = plant + e
             totals.append(required(passes, plant))
         np.testing.assert_allclose(totals[0], totals[1], rtol=1e-9, atol=1e-12)
+
+
+def test_a_weight_with_its_sign_turned_is_one_half_a_turn_away():
+    border = find("gravity").border
+    assert border.parameters["mgl"].at(-0.3).value == -0.3
+    turned, plain = (border.inward({"mgl": m, "phase": p}) for m, p in ((-0.3, 0.7), (0.3, 0.7 - pi)))
+    assert turned == pytest.approx(plain) and border.outward(turned)["mgl"] == pytest.approx(0.3)
