@@ -2,7 +2,6 @@
 changes along the stroke, and an inertia that does."""
 
 from dataclasses import replace
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -15,7 +14,7 @@ from workbench.plant import ONE_MASS, Plant
 from workbench.record import IDENTIFICATION, Record
 from workbench.tracing.criteria import Criteria
 from workbench.tracing.evidence import Explainable
-from workbench.tracing.explainable import _bursts, explainable
+from workbench.tracing.explainable import explainable
 from workbench.tracing.state import State
 
 DT, N, INERTIA, BAND = 1e-3, 20000, 0.02, 90.0
@@ -106,13 +105,3 @@ def test_an_inertia_that_changes_along_the_stroke_is_told_as_such():
 @pytest.mark.parametrize("declared", [None, 0.8 * INERTIA])
 def test_an_inertia_that_is_alike_everywhere_is_not_and_neither_is_one_declared_too_small(declared):
     assert crank(0.0, declared).inertia == 0.0
-
-
-def test_a_level_that_wanders_is_no_burst_and_a_push_is():
-    """Of 2 s each the samples far from their median count, not those far from zero."""
-    rng = np.random.default_rng(3)
-    wander = 0.04 * np.sin(0.2 * T) + 1e-3 * rng.standard_normal(N)
-    pushed = wander + np.where(np.abs(T - 7.0) < 0.02, 0.05, 0.0)
-    parts = [SimpleNamespace(residual=r, moves=np.ones(N, bool), dt=DT) for r in (wander, pushed)]
-    assert _bursts(parts[:1], 5.0) < 1e-4 * float(wander @ wander)
-    assert _bursts(parts[1:], 5.0) == pytest.approx(40 * 0.05**2, rel=0.3)

@@ -227,7 +227,6 @@ def _bursts(parts: Sequence[Part], least: float) -> float:
         for r, moves in zip(np.array_split(p.residual, count), np.array_split(p.moves, count), strict=True):
             x = r[moves]
             if x.size >= LEAST_LEAF:
-                away = x - np.median(x)  # a level that wanders is slow noise, however far from zero
-                usual = 1.4826 * np.median(np.abs(away))
-                power += float(np.sum(away[np.abs(away) > least * usual] ** 2))
+                usual = 1.4826 * np.median(np.abs(x - np.median(x)))
+                power += float(np.sum(x[np.abs(x) > least * usual] ** 2))
     return power
