@@ -2,6 +2,7 @@
 changes along the stroke, and an inertia that does."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -14,7 +15,7 @@ from workbench.plant import ONE_MASS, Plant
 from workbench.record import IDENTIFICATION, Record
 from workbench.tracing.criteria import Criteria
 from workbench.tracing.evidence import Explainable
-from workbench.tracing.explainable import explainable
+from workbench.tracing.explainable import _bursts, explainable
 from workbench.tracing.state import State
 
 DT, N, INERTIA, BAND = 1e-3, 20000, 0.02, 90.0
@@ -105,3 +106,13 @@ def test_an_inertia_that_changes_along_the_stroke_is_told_as_such():
 @pytest.mark.parametrize("declared", [None, 0.8 * INERTIA])
 def test_an_inertia_that_is_alike_everywhere_is_not_and_neither_is_one_declared_too_small(declared):
     assert crank(0.0, declared).inertia == 0.0
+
+
+def test_neither_a_level_that_wanders_nor_one_that_changes_sign_is_a_burst_and_a_push_is():
+    """Of 2 s each, what is far from zero beside what is usual there."""
+    rng = np.random.default_rng(3)
+    noise = 1e-3 * rng.standard_normal(N)
+    wanders, turns, pushed = 0.04 * np.sin(0.2 * T), 0.02 * np.sign(np.sin(3.0 * T)), 0.05 * (np.abs(T - 7.0) < 0.02)
+    parts = [SimpleNamespace(residual=noise + r, moves=np.ones(N, bool), dt=DT) for r in (wanders, turns, pushed)]
+    assert [_bursts([p], 5.0) < 1e-2 * float(p.residual @ p.residual) for p in parts[:2]] == [True, True]
+    assert _bursts(parts[2:], 5.0) == pytest.approx(40 * 0.05**2, rel=0.1)

@@ -227,6 +227,7 @@ def _bursts(parts: Sequence[Part], least: float) -> float:
         for r, moves in zip(np.array_split(p.residual, count), np.array_split(p.moves, count), strict=True):
             x = r[moves]
             if x.size >= LEAST_LEAF:
-                usual = 1.4826 * np.median(np.abs(x - np.median(x)))
+                # about zero, where a fit leaves it: a level that wanders is usual, and so is a friction that changes sign
+                usual = 1.4826 * np.median(np.abs(x))
                 power += float(np.sum(x[np.abs(x) > least * usual] ** 2))
     return power
