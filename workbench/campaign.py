@@ -65,7 +65,7 @@ def load(folder: Path | str, *, resample: bool = False) -> Campaign:
     title, bandwidth = top.text("title"), top.quantity("evaluation_bandwidth", "Hz", above=SLOWEST)
     measured = channels(top, kind == TWO_MASS, notes)
     assumed, resample = assumptions(measured), resample or top.flag("resample")
-    with in_own_words(told):
+    with in_own_words(top, told):
         plant = declared_plant(top, kind, "torque" in measured, notes)
     frozen, findings = records(top, folder, measured, resample)
     if not notes["initial_condition"]:

@@ -1,10 +1,9 @@
 """Dry friction that depends on something beside the motion: on the load, and on time."""
 
 from workbench.definition import FORCE, Effect, effect
-from workbench.effects.elementary import absolute, expm1
+from workbench.effects.elementary import absolute
+from workbench.effects.settling import going_over, gone_over
 from workbench.parameter import Parameter
-
-SLOWEST = 1e-5  # 1/s: over an hour 2 % from a steady change
 
 
 @effect
@@ -49,7 +48,7 @@ def friction_drift() -> Effect:
     """
 
     def step(s, z, p):
-        return {}, _gone_over(s.t, p) * s.dir
+        return {}, gone_over(s.t, p) * s.dir
 
     return _drifting(
         name="friction_drift",
@@ -72,7 +71,7 @@ def friction_run_in() -> Effect:
 
     def step(s, z, p):
         age = z.age + s.dt
-        return {"age": age}, _gone_over(age, p) * s.dir
+        return {"age": age}, gone_over(age, p) * s.dir
 
     return _drifting(
         name="friction_run_in",
@@ -88,11 +87,6 @@ def friction_run_in() -> Effect:
     )
 
 
-def _gone_over(t, p):
-    """Return r (1 - exp(-e t))/e."""
-    return -p.rate * expm1(-p.settling * t) / p.settling
-
-
 def _drifting(settling: float, **own) -> Effect:
     """Return the effect of friction that goes over to another level. settling: start of its rate, 1/s. own: what else is its own."""
     return Effect(
@@ -100,11 +94,6 @@ def _drifting(settling: float, **own) -> Effect:
         port=FORCE,
         family="friction over time",
         reduces={"rate": (0.0, "")},
-        parameters={
-            "rate": Parameter(0.0, "F/s", "change of Coulomb friction per time at first"),
-            "settling": Parameter(
-                settling, "1/s", "rate at which the change settles", lower=SLOWEST, upper=10.0, scale="settling"
-            ),
-        },
+        parameters=going_over("F/s", "change of Coulomb friction per time at first", settling),
         linear=("rate",),
     )

@@ -1,7 +1,7 @@
 """What a channel does beside measuring: it drifts, or its clock is another one."""
 
 from workbench.definition import SENSOR, TIME, Effect, effect
-from workbench.effects.elementary import expm1
+from workbench.effects.settling import going_over, gone_over
 from workbench.parameter import Parameter
 
 
@@ -33,7 +33,7 @@ def sensor_settling() -> Effect:
     """y = q + r (1 - exp(-e t))/e, t on the bench clock: a drift of rate r at first, that settles. With e = 0 it is a `sensor_trend`."""
 
     def step(s, z, p):
-        return {}, s.q - p.rate * expm1(-p.settling * s.t) / p.settling
+        return {}, s.q + gone_over(s.t, p)
 
     return Effect(
         name="sensor_settling",
@@ -45,12 +45,7 @@ def sensor_settling() -> Effect:
         traced=False,
         nearest="sensor_trend",
         reduces={"rate": (0.0, "")},
-        parameters={
-            "rate": Parameter(0.0, "x/s", "drift of the reading at first"),
-            "settling": Parameter(
-                1e-2, "1/s", "rate at which the drift settles", lower=1e-6, upper=10.0, scale="settling"
-            ),
-        },
+        parameters=going_over("x/s", "drift of the reading at first", 1e-2),
         reads=("q", "t"),
         step=step,
         places=("sensor", "drive"),

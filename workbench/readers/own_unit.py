@@ -21,6 +21,7 @@ OWN = (
 )  # what drives log: a unit and its thousandth, of which a model may be written in either
 EFFORT = {"torque": ("kN*m", "N*m", "mN*m"), "force": ("kN", "N", "mN")}
 NAME = re.compile(r"[A-Za-z]+")
+QUOTED = re.compile(r"'[^' ]*\b[km]?N\b[^' ]*'")  # a unit with a force in it, within a sentence
 
 
 def in_effort(top: Table) -> tuple[Table, tuple[Finding, ...]]:
@@ -54,20 +55,25 @@ def in_effort(top: Table) -> tuple[Table, tuple[Finding, ...]]:
                     f"and has no scale; log both in '{unit}', or give both a scale."
                 )
             channel["scale"] = {"value": 1.0, "unit": f"{effort}/{unit}"}
-    sentence = f"The drive is logged in '{unit}', and no scale turns it into '{effort}': 1 {unit} stands for 1 {effort} in every number that follows."
+    sentence = f"The drive is logged in '{unit}', and no scale turns it into '{effort}': {_stands(unit, effort)} in every number that follows."
     mend = f'Give channels.{drive}.scale, such as {{ value = 1.0, unit = "{effort}/{unit}" }}, and parameters in SI, to have a {drive}.'
     return Table(values, top.file, optional=tuple(values)), (Finding(OTHER_UNIT, drive, sentence, {}, mend),)
 
 
 @contextmanager
-def in_own_words(told: Sequence[Finding]) -> Iterator[None]:
-    """While it lasts an error that quotes a unit as it was written in effort says what stands for what. told: as `in_effort` returned it."""
+def in_own_words(top: Table, told: Sequence[Finding]) -> Iterator[None]:
+    """While it lasts an error that quotes a unit as `in_effort` wrote it says what stands for what. top, told: as that returned them."""
     try:
         yield
     except WorkbenchError as wrong:
-        if not told or not any(f"{effort}" in str(wrong) for row in EFFORT.values() for effort in row):
+        if not told or not QUOTED.search(str(wrong)):
             raise
-        raise WorkbenchError(f"{wrong} {told[0].sentence.partition(': ')[2].partition(' in every')[0]} here.") from None
+        effort, _, unit = top.values["channels"][told[0].subject]["scale"]["unit"].rpartition("/")
+        raise WorkbenchError(f"{wrong} {_stands(unit, effort)} here.") from None
+
+
+def _stands(unit: str, effort: str) -> str:
+    return f"1 {unit} stands for 1 {effort}"
 
 
 def _own(channels: object) -> tuple[str, str]:

@@ -22,6 +22,7 @@ from workbench.tracing.near_law import as_declared
 from workbench.tracing.preparing import Declared
 from workbench.tracing.ranking import step
 from workbench.tracing.selection import Answer, Selection
+from workbench.tracing.spellings import spellings_of
 from workbench.tracing.state import State
 from workbench.tracing.weighing import Confirmed, weighed
 
@@ -157,7 +158,7 @@ def _laws(
     own = last.plant[j.candidate.key]
     same = [e for e in catalogue().values() if e.name != own.name and e.family == own.family]
     asked = [e for e in same if e.traced and beside is None and (offer.only is None or e.name in offer.only)]
-    near = [e for e in same if e.nearest == j.candidate.name and not e.traced]
+    near = [e for e in spellings_of(j.candidate) if e.name != own.name]
     found: list[ScoredCandidate] = []
     if asked or near:
         known = {**offer.stands_for, **{law.key: law.declared for law in selected.laws}}

@@ -223,9 +223,8 @@ def alike(best: ScoredCandidate, other: ScoredCandidate, criteria: Criteria, pow
     further, scatter = gain(other.errors, best.errors)
     plainly = criteria.practical * (2.0 if best.candidate.plant[best.candidate.key].rare else 1.0)
     more = other.errors.total - best.errors.total
-    taken = (
-        other.score.gain * other.errors.total / max(1.0 - other.score.gain, 1e-300)
-    )  # by the other, of the present residual
+    # what the other takes of the present residual, by its gain and what it leaves
+    taken = other.errors.total * other.score.gain / max(1.0 - other.score.gain, 1e-300)
     small = more <= max(plainly**2 * power, criteria.lesser**2 * taken)
     level = further <= max(criteria.alike * scatter, criteria.share) or small
     return level and best.score.gain > criteria.share

@@ -7,23 +7,29 @@ is a law of the class with a number more; offered in every round they would dres
 from collections.abc import Sequence
 from dataclasses import replace
 
-from workbench.definition import catalogue
+from workbench.definition import Effect, catalogue
 from workbench.processes import shared
-from workbench.tracing.candidates import ADDITION, Offer
+from workbench.tracing.candidates import ADDITION, Candidate, Offer
 from workbench.tracing.criteria import Criteria
 from workbench.tracing.judge import ScoredCandidate, judged
 from workbench.tracing.ranking import alike
 from workbench.tracing.state import State
 
 
+def spellings_of(candidate: Candidate) -> list[Effect]:
+    """Return the effects that are another spelling of a candidate's law, by the name that it bears."""
+    return [
+        e for e in catalogue().values() if not e.traced and (e.nearest, e.family) == (candidate.name, candidate.family)
+    ]
+
+
 def spelled(state: State, j: ScoredCandidate, criteria: Criteria, offer: Offer) -> list[ScoredCandidate]:
     """Return the other spellings of a law at its place (those that name it as their `nearest`) that earn their place, under its name."""
-    family, at, name = j.candidate.family, j.candidate.at, j.candidate.name
-    others = [e for e in catalogue().values() if e.nearest == name and e.family == family and not e.traced]
+    others = spellings_of(j.candidate)
     offered = replace(offer, only={e.name for e in others}, own=(*offer.own, *others))
-    asked = [c for c in offered.candidates(state.plant) if c.at == at] if others else []
+    asked = [c for c in offered.candidates(state.plant) if c.at == j.candidate.at] if others else []
     found = shared(lambda c: judged(state, c, criteria, offer.budget), asked)
-    scored = [ScoredCandidate(replace(c, part=name), **one) for c, one in zip(asked, found, strict=True)]
+    scored = [ScoredCandidate(replace(c, part=j.candidate.name), **one) for c, one in zip(asked, found, strict=True)]
     return [k for k in scored if k.score.earns and k.theta is not None]
 
 

@@ -81,9 +81,8 @@ def _grid(
     if scale == "settling":  # from hardly within all the records to within a third of one
         span = max(float(m.t[-1]) for m in motions) - min(float(m.t[0]) for m in motions)
         return list(np.array([0.3, 1.0, 3.0, 10.0]) / span)
-    if (
-        scale == "exponent"
-    ):  # either side of what is straight: from the wrong one a law that pushes one way alone takes nothing
+    if scale == "exponent":
+        # either side of what is straight: from the wrong one a law that pushes one way alone takes nothing
         return [0.5, 1.5, 2.5]
     if scale == "order":
         travel = max(float(np.ptp(m.q)) for m in motions)

@@ -1,0 +1,21 @@
+"""What goes over to another level in time: r (1 - exp(-e t))/e, at first with the rate r, at last r/e; e -> 0 is a steady change."""
+
+from workbench.effects.elementary import expm1
+from workbench.parameter import Parameter
+
+SLOWEST = 1e-5  # 1/s: over an hour 2 % from a steady change
+
+
+def gone_over(t, p):
+    """Return r (1 - exp(-e t))/e of the parameters `rate` and `settling`."""
+    return -p.rate * expm1(-p.settling * t) / p.settling
+
+
+def going_over(unit: str, meaning: str, settling: float) -> dict[str, Parameter]:
+    """Return both parameters. unit, meaning: of the rate; settling: start of e, 1/s."""
+    return {
+        "rate": Parameter(0.0, unit, meaning),
+        "settling": Parameter(
+            settling, "1/s", "rate at which the change settles", lower=SLOWEST, upper=10.0, scale="settling"
+        ),
+    }
