@@ -6,6 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from workbench.definition import find
+from workbench.identification.cross_validation import from_normal
 from workbench.identification.linearised import Linearised
 from workbench.identification.problem import Problem
 from workbench.identification.solve import bounded, solve, solved_at
@@ -137,3 +138,16 @@ def test_places_whose_weights_are_kept_read_the_bits_of_interpolation():
     places = Places(steps)
     for x in rng.normal(size=(2, 300)):
         np.testing.assert_array_equal(places.read(x), between(x, steps))
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_what_a_bounded_fit_does_not_determine_stays_small_beside_parameters_at_their_bounds(seed):
+    """Of 38 parameters 25 have a direction that nothing determines, as the knots of a curve beside a constant; an active set sent it to 1e13."""
+    rng, n = np.random.default_rng(seed), 38
+    nothing = np.concatenate([rng.normal(size=25), np.zeros(n - 25)])
+    vectors = np.linalg.qr(np.column_stack([nothing, rng.normal(size=(n, n - 1))]))[0]
+    values = np.concatenate([[0.0, 2e-6, 2e-4], np.geomspace(0.1, 3.0, n - 3)])
+    gram, moment = (vectors * values) @ vectors.T, vectors @ (np.sqrt(values) * rng.normal(size=n))
+    lower, upper = np.where((np.arange(n) == 34) | (np.arange(n) == 35), 0.0, -np.inf), np.full(n, np.inf)
+    c = from_normal((gram + gram.T) / 2, moment, lower, upper)
+    assert np.all(c >= lower) and np.linalg.norm(c) < 1e4

@@ -16,6 +16,9 @@ TRUSTED = 0.5  # of what the linear model promised, that a step must bring for t
 LOADS = 8  # times a load is found anew: each leaves mu times the error of the one before
 FOLLOWING = 2  # steps at a load found anew, which is near the last one
 CARRIED = 1e-6  # of the drive, by which a fit may still move with its load
+# Of the largest singular value, with which a bounded fit holds a direction that its rows do not determine: far below what counts
+# as determined (3e-5 in a fold), far above rounding (1e-16 over its square is what rounding may move)
+LEAST_NORM = 1e-7
 LARGEST = 1.0  # largest step of a shape parameter on its logarithmic scale
 
 
@@ -90,13 +93,17 @@ def bounded(
 
 
 def bounded_small(r: np.ndarray, b: np.ndarray, lower: np.ndarray, upper: np.ndarray) -> np.ndarray:
-    """The bounded problem on a small square matrix."""
+    """The bounded problem on a small matrix, which may have fewer rows than columns; what these do not determine takes the least norm."""
     c = np.linalg.lstsq(r, b, rcond=1e-9)[0]
     if np.all(c >= lower) and np.all(c <= upper):
         return c
     from scipy.optimize import lsq_linear
 
-    c = lsq_linear(r, b, bounds=(lower, upper), method="bvls", tol=1e-12).x
+    # an active set has no least norm, and lets such a direction go anywhere (to 1e14); weak rows of its own hold it
+    weak = LEAST_NORM * max(float(np.linalg.norm(r, 2)), 1e-300) * np.eye(r.shape[1])
+    c = lsq_linear(
+        np.vstack([r, weak]), np.concatenate([b, np.zeros(r.shape[1])]), bounds=(lower, upper), method="bvls", tol=1e-12
+    ).x
     return np.clip(c, lower, upper)
 
 
