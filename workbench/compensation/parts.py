@@ -8,10 +8,9 @@ import numpy as np
 from workbench.compensation.compensator import READ, REFERENCE
 from workbench.compensation.structure import PREFIX, Structure, names
 from workbench.definition import ANGLE, Effect, namespace
-from workbench.effects.direction import CONTACT
+from workbench.effects.direction import CONTACT, DIRECTION
 from workbench.effects.elementary import clip, expm1, maximum
 from workbench.kernel.step import apply
-from workbench.simulation.dynamics import DIRECTION
 
 LEAST = 1e-12  # width of a direction where a position is not quantised, as in a simulation
 SOLVED = 8  # fixed-point steps of an angle map's inverse: the slope of a gear's error is below a tenth, so 1e-8 is left

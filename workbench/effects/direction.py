@@ -13,6 +13,7 @@ from workbench.definition import FORCE, Effect, namespace
 from workbench.effects.elementary import clip
 from workbench.parameter import Parameter
 
+DIRECTION = "direction"  # the effect that gives `dir` where the plant has no hysteresis
 CONTACT = "contact"  # state of a direction of one's own
 
 
@@ -24,7 +25,7 @@ def stop_direction(width: float) -> Effect:
         return {"x": x}, ca.SX(0), {"dir": x / p.width}
 
     return Effect(
-        name="direction",
+        name=DIRECTION,
         cause="direction of motion",
         formula="x <- clip(x + dq, -w, w), dir = x/w",
         source="stop operator, Krasnosel'skii and Pokrovskii 1989",
@@ -44,8 +45,14 @@ def in_parallel(forces: Sequence[Effect], width: float) -> list[Effect]:
     A second friction that followed the hysteresis' direction would be the same force once more. What is declared beside it
     is another contact, a seal beside the bearings: its direction is a stop operator that saturates after `width`.
     """
+    own = {e.key for e in beside_memory(forces)}
+    return [_of_its_own(e, width) if e.key in own else e for e in forces]
+
+
+def beside_memory(forces: list[Effect]) -> list[Effect]:
+    """Return the forces of one place that read `dir` alone and stand beside friction with memory: contacts of their own."""
     memory = any(e.linear and "dir" in e.provides for e in forces)
-    return [_of_its_own(e, width) if memory and e.reads == ("dir",) else e for e in forces]
+    return [e for e in forces if memory and e.reads == ("dir",)]
 
 
 def _of_its_own(effect: Effect, width: float) -> Effect:

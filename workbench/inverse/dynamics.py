@@ -12,10 +12,12 @@ import numpy as np
 
 from workbench import definition as fx
 from workbench.definition import Effect, catalogue
+from workbench.effects.direction import DIRECTION
 from workbench.inverse.bodies import CHANNEL, INCREMENT, POSITION, VELOCITY, Bodies, derivatives_in, path_of, rows
 from workbench.inverse.command import Command, drive_maps
 from workbench.inverse.forces import Ran, forces_of, linear_of, outputs_of, run_forces, summed
 from workbench.inverse.oftener import moved_oftener, to_rate_of
+from workbench.inverse.turning import turned
 from workbench.inverse.zeros import closed as with_zero
 from workbench.inverse.zeros import relaxed
 from workbench.motion import Motion, motion
@@ -166,10 +168,19 @@ class InverseDynamics:
         return signals, path
 
     def _run(self, e: Effect, signals: dict, plant: Plant, place: str) -> np.ndarray:
-        """Return the outputs (columns, n) of a force; of an operator of the motion's increments at the finer rate."""
-        if self.fine is not None and e.states and "dq" in e.reads and not {"dir", "tau", "u"} & set(e.reads):
-            return self.coarse(outputs_of(e, self.fine._signals(plant, place, derivatives_in(e.reads))[0]))
-        return outputs_of(e, signals)
+        """Return the outputs (columns, n) of a force; of an operator of the motion's increments at the finer rate.
+
+        A direction turns where the speed passes zero.
+        """
+        oftener = self.fine is not None and e.states and "dq" in e.reads and not {"dir", "tau", "u"} & set(e.reads)
+        direction = e.name == DIRECTION
+        if oftener:
+            signals = self.fine._signals(plant, place, 1 if direction else derivatives_in(e.reads))[0]
+        outputs = outputs_of(e, signals)
+        if direction:
+            force, way = outputs
+            outputs = np.stack([force, turned(way, signals["v"])])
+        return self.coarse(outputs) if oftener else outputs
 
     def _at(self, plant: Plant, place: str, forces: list[Effect]):
         # once a body is made, its speed costs little more, and most forces want it: so it is the same body for nearly all of them

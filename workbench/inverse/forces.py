@@ -6,7 +6,7 @@ import numpy as np
 
 from workbench import definition as fx
 from workbench.definition import Effect
-from workbench.effects.direction import in_parallel, stop_direction
+from workbench.effects.direction import DIRECTION, beside_memory, stop_direction
 from workbench.errors import WorkbenchError
 from workbench.kernel.step import build
 from workbench.plant import ONE_MASS, Plant, carried, reads_load
@@ -51,27 +51,30 @@ def run_forces(
     that have run, and their key. without: what lacks a signal that is missing, as a clause.
     """
     place, paths = forces[0].at, dict.fromkeys(("q", "dq", "v", "a"), path)
-    forces = in_parallel(forces, width)
     givers = [e for e in forces if e.provides]
-    takers = [e for e in forces if not e.provides]
-    if not givers and any("dir" in e.reads for e in takers):
-        givers = [stop_direction(width)]
+    takers = sorted((e for e in forces if not e.provides), key=reads_load)
+    contacts = beside_memory(
+        forces
+    )  # of their own, which follow the motion's direction: asked before it is given by a memory
+    if contacts or (not givers and any("dir" in e.reads for e in takers)):
+        takers = [e for e in takers if e.key not in {c.key for c in contacts}]
+        givers = [stop_direction(width), *contacts, *givers]
     ran: dict[str, tuple] = {}
-    for e in (*givers, *sorted(takers, key=reads_load)):
+    for e in (*givers, *takers):
         if reads_load(e) and "tau" not in signals:
             (signals["tau"], signals["tau_inertia"]), key = carry(ran)
             paths |= {"tau": key, "tau_inertia": key}
         _check(e, signals, without)
         values = tuple(e.parameters[n].value for n in e.shape)
         # the stop operator is made anew for every record, so by its name; others by their definition
-        own = e.name if e.name == "direction" else e.step
+        own = e.name if e.name == DIRECTION else e.step
         key = (own, place, values, *dict.fromkeys(paths[r] for r in e.reads if r in paths))
         outputs = run(e, signals, key)
         count = len(e.linear or ("",))
         for i, given in enumerate(e.provides):
             signals[given] = outputs[count + i]
             paths[given] = key
-        if e.name == "direction":
+        if e.name == DIRECTION:
             continue
         ran[e.key] = outputs[:count], key
         yield e, outputs[:count], key

@@ -10,7 +10,7 @@ from workbench.simulation.design import Design, Piece
 from workbench.simulation.sampled import followed
 from workbench.simulation.scenario import ScenarioArrays
 
-REST = 60  # fixed-point steps to the motor's position at rest
+REST = 60  # fixed-point steps to the motor's position at rest, at most: a step that moves no bit of it is the last
 NEVER = -2.0  # k_settled before anything is settled; -1 is the sample before the first
 
 
@@ -28,8 +28,13 @@ def evaluated(piece: Piece, values: dict) -> tuple:
 
 def _at(made: Piece, values: dict, rows: dict):
     """Return name -> value of a piece at these rows; rows that are not named are zero."""
+    return _after(made, evaluated(made, values), rows)
+
+
+def _after(made: Piece, constants: tuple, rows: dict):
+    """Return what `_at` does, of a piece whose constants have been evaluated."""
     given = [rows.get(n, 0.0) for n in made.rows]
-    return dict(zip(made.outputs, arrays.evaluate(made.after, given, evaluated(made, values))[0], strict=True))
+    return dict(zip(made.outputs, arrays.evaluate(made.after, given, constants)[0], strict=True))
 
 
 def at_rest(made: Design, values: dict, scenarios: ScenarioArrays) -> dict:
@@ -40,14 +45,17 @@ def at_rest(made: Design, values: dict, scenarios: ScenarioArrays) -> dict:
     if made.joint is None:
         return {"q": scenarios.start, "v": scenarios.speed}
     rows = {"q": scenarios.start, "load.q": scenarios.start}
+    constants = evaluated(made.joint, values)
     for _ in range(REST):
-        x = _at(made.joint, values, rows)[LAST]
-        rows["q"] = rows["q"] - x
+        x = _after(made.joint, constants, rows)[LAST]
+        before, rows["q"] = rows["q"], rows["q"] - x
+        if np.array_equal(before, rows["q"]):
+            break
     if not np.max(np.abs(x)) < 1e-9:
         raise WorkbenchError(
             "the joint has no deflection of zero near a scenario's start: the slope of its angle maps is too large."
         )
-    return rows | {LAST: _at(made.joint, values, rows)[LAST], "v": scenarios.speed, "load.v": scenarios.speed}
+    return rows | {LAST: _after(made.joint, constants, rows)[LAST], "v": scenarios.speed, "load.v": scenarios.speed}
 
 
 def per_mass(made: Design, values: dict, rest: dict, scenarios: ScenarioArrays) -> dict:

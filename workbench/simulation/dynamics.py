@@ -8,12 +8,10 @@ import numpy as np
 
 from workbench import definition as fx
 from workbench.definition import Effect, namespace
-from workbench.effects.direction import CONTACT, in_parallel, stop_direction
+from workbench.effects.direction import CONTACT, DIRECTION, in_parallel, stop_direction
 from workbench.errors import WorkbenchError
 from workbench.kernel.step import apply, view
 from workbench.plant import Plant
-
-DIRECTION = "direction"  # the effect that gives `dir` where the plant has no hysteresis
 
 
 @dataclass
