@@ -20,7 +20,7 @@ from workbench.inverse.oftener import moved_oftener, to_rate_of
 from workbench.inverse.turning import turned
 from workbench.inverse.zeros import closed as with_zero
 from workbench.inverse.zeros import relaxed
-from workbench.motion import Motion, motion
+from workbench.motion import MOTION_BAND, Motion, motion
 from workbench.plant import PLACES, TWO_MASS, Plant, carried, reads_load
 from workbench.record import Record
 
@@ -170,7 +170,7 @@ class InverseDynamics:
     def _run(self, e: Effect, signals: dict, plant: Plant, place: str) -> np.ndarray:
         """Return the outputs (columns, n) of a force; of an operator of the motion's increments at the finer rate.
 
-        A direction turns where the speed passes zero.
+        A direction turns where the body does.
         """
         oftener = self.fine is not None and e.states and "dq" in e.reads and not {"dir", "tau", "u"} & set(e.reads)
         direction = e.name == DIRECTION
@@ -178,8 +178,9 @@ class InverseDynamics:
             signals = self.fine._signals(plant, place, 1 if direction else derivatives_in(e.reads))[0]
         outputs = outputs_of(e, signals)
         if direction:
-            force, way = outputs
-            outputs = np.stack([force, turned(way, signals["v"])])
+            m, (force, way) = (self.fine if oftener else self).motion, outputs
+            time = 1.0 / (MOTION_BAND * m.filter.bandwidth * m.dt)
+            outputs = np.stack([force, turned(way, signals["q"], signals["v"], time)])
         return self.coarse(outputs) if oftener else outputs
 
     def _at(self, plant: Plant, place: str, forces: list[Effect]):
