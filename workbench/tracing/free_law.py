@@ -18,7 +18,7 @@ from workbench.tracing.candidates import ADDITION, AGAIN, WHOLE, Offer, periodic
 from workbench.tracing.criteria import Criteria
 from workbench.tracing.free_forms import MEMORY, free_forms
 from workbench.tracing.judge import ScoredCandidate, judged, refitted_as
-from workbench.tracing.spellings import better_spelled, commoner, spelled
+from workbench.tracing.spellings import better_spelled, commoner, spelled, spellings_in
 from workbench.tracing.state import State
 
 
@@ -115,13 +115,14 @@ def steadier(
 
 def _two_say_it(state: State, best: ScoredCandidate, most: float, criteria: Criteria, offer: Offer) -> bool:
     """Whether a formula with another of its class, one of them periodic and the other not, leaves no more than `most`: a spring and a
-    cogging, which are two effects and no law of one."""
+    cogging, which are two effects and no law of one. Of the other one every spelling is asked."""
     if best.candidate.kind != ADDITION or best.refitted is None:
         return False
     beside, own = best.state or best.refitted.state, periodic(best.candidate.plant[best.candidate.key])
+    offered = replace(offer, own=(*offer.own, *spellings_in(best.candidate.family)))
     others = [
         c
-        for c in offer.candidates(beside.plant)
+        for c in offered.candidates(beside.plant)
         if (c.kind, c.family, c.at) == (ADDITION, best.candidate.family, best.candidate.at)
         and not c.instead
         and periodic(c.plant[c.key]) != own

@@ -63,7 +63,9 @@ def extended(
         ):
             judgements, best = [free, *judgements], free
         if best is None and not noise_alone(state, level, PLAIN):
-            if (steady := steadier(state, judgements, criteria, offer)) is not None and steady.state is not None:
+            if (
+                steady := steadier(state, _most_first(judgements), criteria, offer)
+            ) is not None and steady.state is not None:
                 judgements, best = [steady, *judgements], steady
             elif provisional is None:
                 best = provisional = promised(judgements, criteria)
@@ -109,6 +111,12 @@ def promised(judgements: Sequence[ScoredCandidate], criteria: Criteria) -> Score
     c = best.score if best else None
     plain = best is not None and best.state is not None and c.gain > max(criteria.plain, criteria.hint * c.scatter)
     return best if plain else None
+
+
+def _most_first(judgements: Sequence[ScoredCandidate]) -> list[ScoredCandidate]:
+    """Return judgements of which none leads by the gain of those fitted with everything free: what earns its place and does not lead is
+    nothing of its own."""
+    return sorted(judgements, key=lambda j: (j.refitted is None, -j.score.gain, j.candidate.key))
 
 
 def leading(judgements: Sequence[ScoredCandidate], least: float = 0.0) -> ScoredCandidate | None:

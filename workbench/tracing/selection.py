@@ -13,6 +13,7 @@ from workbench.tracing.judge import Progress, ScoredCandidate, lighter
 from workbench.tracing.near_law import SEEN, Law, as_declared, count_at, freed, laws, lengthened
 from workbench.tracing.ranking import nothing_of_its_own, step
 from workbench.tracing.slack import bent_gap
+from workbench.tracing.spellings import called_as, with_spelling
 from workbench.tracing.state import State
 
 PROMISE = 0.05  # of the residual's power, from which a candidate is asked again when others are taken out
@@ -213,7 +214,8 @@ def _pruned(
             reduced = State(without(answer.last.plant, present.candidate, declared), answer.last.inverses)
         except NoValue:
             continue
-        judgements = step(reduced, progress, replace(offer, only=_promising(looked)), criteria)
+        judgements = step(reduced, progress, with_spelling(present, replace(offer, only=_promising(looked))), criteria)
+        judgements = [called_as(j, present) for j in judgements]
         best = leading(judgements)
         looked.append(lighter(judgements, best))
         if best is not None and best.candidate.key == present.candidate.key and present.score.earns:

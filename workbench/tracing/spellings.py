@@ -23,6 +23,25 @@ def spellings_of(candidate: Candidate) -> list[Effect]:
     ]
 
 
+def spellings_in(family: str) -> list[Effect]:
+    """Return the effects that are other spellings of traced laws of a class."""
+    return [e for e in catalogue().values() if not e.traced and e.nearest and e.family == family]
+
+
+def with_spelling(j: ScoredCandidate, offer: Offer) -> Offer:
+    """Return an offer that holds a candidate's law, too, where that is another spelling: no offer of the catalogue's has it."""
+    law = catalogue().get(j.candidate.effect)
+    if law is None or law.traced or j.candidate.part != law.nearest:
+        return offer
+    return replace(offer, only=None if offer.only is None else {*offer.only, law.name}, own=(*offer.own, law))
+
+
+def called_as(j: ScoredCandidate, known: ScoredCandidate) -> ScoredCandidate:
+    """Return a judgement under the name that another one of the same effect bears."""
+    same = j.candidate.key == known.candidate.key
+    return replace(j, candidate=replace(j.candidate, part=known.candidate.part)) if same else j
+
+
 def spelled(state: State, j: ScoredCandidate, criteria: Criteria, offer: Offer) -> list[ScoredCandidate]:
     """Return the other spellings of a law at its place (those that name it as their `nearest`) that earn their place, under its name."""
     others = spellings_of(j.candidate)
