@@ -18,7 +18,7 @@ from workbench.tracing.candidates import ADDITION, AGAIN, WHOLE, Offer, periodic
 from workbench.tracing.criteria import Criteria
 from workbench.tracing.free_forms import MEMORY, free_forms
 from workbench.tracing.judge import ScoredCandidate, judged, refitted_as
-from workbench.tracing.spellings import better_spelled, commoner, spelled, spellings_in
+from workbench.tracing.spellings import better_spelled, commoner, no_wave, spelled, spellings_in
 from workbench.tracing.state import State
 
 
@@ -32,11 +32,16 @@ def free_law(
 ) -> ScoredCandidate | None:
     """Return the law that is added in the place of `best`: another spelling of it, or its class' free form; None where `best` says it as well.
 
-    offer: what is judged. added: before it; a formula of the class among them names the free form, which then says it all.
+    offer: what is judged. added: before it; a formula of the class among them names the free form, which then says it all. A wave that
+    hardly returns gives way to a law that may be any curve.
     judgements: of the step, best first. A formula says it as well that takes `near` of what another law takes, or leaves no
     more than what is of practical size beside it, or so does with another formula of its class; it names the class from `resembles` of it on.
     """
     other = commoner(state, judgements, best, criteria, offer) or better_spelled(state, best, criteria, offer)
+    judgements = no_wave(state, judgements, best, criteria)
+    if other is None and best not in judgements:
+        same = (best.candidate.family, best.candidate.at)
+        other = next(j for j in judgements if (j.candidate.family, j.candidate.at) == same)
     free = _freed(state, judgements, other or best, added, criteria, offer)
     return free or (refitted_as(state, other, criteria) if other else None)
 

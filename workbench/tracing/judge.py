@@ -57,18 +57,18 @@ def judged(state: State, candidate: Candidate, criteria: Criteria, budget: Budge
         hopeless = CandidateScore(
             candidate.effect, candidate.at, candidate.kind, 0.0, 0.0, whole, whole, False, no_value(candidate.effect)
         )
-        return {"score": hopeless, "errors": state.errors, "freedom": _freedom(candidate.plant)}
+        return {"score": hopeless, "errors": state.errors, "freedom": freedom(candidate.plant)}
     errors = held_out(problem, solution, state.solution.cost, LOST)
     return {
-        "score": _scored(state, candidate, errors, solution.cost, criteria),
+        "score": scored(state, candidate, errors, solution.cost, criteria),
         "errors": errors,
-        "freedom": _freedom(candidate.plant),
+        "freedom": freedom(candidate.plant),
         "theta": problem.free_start(solution),
         "shows": smallest(candidate.key, candidate.kind != ADDITION, problem, solution, state.absorbed, criteria.share),
     }
 
 
-def _freedom(plant: Plant) -> int:
+def freedom(plant: Plant) -> int:
     """Return the free parameters of a plant; a free virgin curve counts as the one law that it stands for."""
     return sum(1 if e.name == FREE_CURVE else sum(not p.fixed for p in e.parameters.values()) for e in plant.effects)
 
@@ -81,7 +81,7 @@ def refitted(state: State, j: ScoredCandidate, criteria: Criteria) -> dict:
         )
     except NoValue:
         return {}
-    score = _scored(state, j.candidate, after.errors, after.solution.cost, criteria)
+    score = scored(state, j.candidate, after.errors, after.solution.cost, criteria)
     return {"score": score, "errors": after.errors, "fit": (after.solution.theta, after.solution.c)}
 
 
@@ -99,7 +99,7 @@ def free_of(state: State, j: ScoredCandidate) -> Problem:
     return problem_with(j.candidate, state.problem, state.solution).free
 
 
-def _scored(state: State, candidate: Candidate, errors: HeldOut, cost: float, criteria: Criteria) -> CandidateScore:
+def scored(state: State, candidate: Candidate, errors: HeldOut, cost: float, criteria: Criteria) -> CandidateScore:
     """Return the score of a candidate, by its held-out errors against those of the present state."""
     g, scatter = gain(state.errors, errors)
     return CandidateScore(

@@ -7,6 +7,7 @@ from workbench.identification.solve import NoValue
 from workbench.inverse.dynamics import InverseDynamics
 from workbench.plant import Plant
 from workbench.tracing.candidates import Offer, without
+from workbench.tracing.composing import composed
 from workbench.tracing.criteria import Criteria
 from workbench.tracing.greedy import Step, extended, leading
 from workbench.tracing.judge import Progress, ScoredCandidate, lighter
@@ -96,7 +97,7 @@ def select(
     if len(answer.added) > 1:
         answer = _pruned(answer, base.plant, looked, progress, offer, criteria)
     answer, refined = _of_declared_laws(answer, known, looked, progress, offer, criteria)
-    return Selection(declared, base, answer, steps, looked, known, refined)
+    return Selection(declared, base, composed(answer, base.plant, criteria, offer), steps, looked, known, refined)
 
 
 def curved(state: State, known: Sequence[Law], criteria: Criteria) -> State:
@@ -156,7 +157,7 @@ def _of_declared_laws(
         )
         judgements = step(plain, progress, offered, criteria)
         looked.append(judgements)
-        formulas = [j for j in judgements if j.candidate.at == law.declared.at and j.candidate.instead and j.refitted]
+        formulas = [j for j in judgements if j.candidate.at == law.declared.at and j.refitted]
         best = _commonest(formulas, criteria.practical**2 * last.power)
         near = best is not None and _taken(plain, best) >= criteria.near * (plain.errors.total - last.errors.total)
         if near and _length(best) > SEEN * count_at(law.declared.at, last.inverses):

@@ -7,13 +7,18 @@ is a law of the class with a number more; offered in every round they would dres
 from collections.abc import Sequence
 from dataclasses import replace
 
-from workbench.definition import Effect, catalogue
+import numpy as np
+
+from workbench.definition import FORCE, Effect, catalogue
 from workbench.processes import shared
 from workbench.tracing.candidates import ADDITION, Candidate, Offer
 from workbench.tracing.criteria import Criteria
 from workbench.tracing.judge import ScoredCandidate, judged
 from workbench.tracing.ranking import alike
 from workbench.tracing.state import State
+
+# Periods of a wave within the travel, below which it is not seen to return: a hose taut at one end of the stroke was a cogging of 1.7
+RETURNS = 2.0
 
 
 def spellings_of(candidate: Candidate) -> list[Effect]:
@@ -82,6 +87,36 @@ def commoner(
     ]
     found = [k for j in same for k in spelled(state, j, criteria, offer) if alike(best, k, criteria, state.power)]
     return min(found, key=lambda j: (j.errors.total, j.candidate.key), default=None)
+
+
+def no_wave(
+    state: State, judgements: Sequence[ScoredCandidate], best: ScoredCandidate, criteria: Criteria
+) -> list[ScoredCandidate]:
+    """Return judgements without the waves of the leading law's class that hardly return within the travel, where another law of that
+    class takes `resembles` of what leads; all of them else. What is not seen to return may be any curve."""
+    here = [
+        j
+        for j in judgements
+        if (j.candidate.kind, j.candidate.family, j.candidate.at)
+        == (ADDITION, best.candidate.family, best.candidate.at)
+    ]
+    waves = {j.candidate.key for j in here if _hardly_returns(j, state)}
+    taken = criteria.resembles * (state.errors.total - best.errors.total)
+    others = any(j.candidate.key not in waves and state.errors.total - j.errors.total >= taken for j in here)
+    return (
+        [j for j in judgements if j.candidate.key not in waves]
+        if best.candidate.key in waves and others
+        else [*judgements]
+    )
+
+
+def _hardly_returns(j: ScoredCandidate, state: State) -> bool:
+    """Whether a fitted force in position is a wave of which the travel holds less than RETURNS periods."""
+    effect = j.refitted.plant[j.candidate.key] if j.refitted else None
+    if effect is None or effect.port != FORCE or "order" not in effect.parameters:
+        return False
+    travel = max(float(np.ptp(p.motion.q)) for p in state.inverses)
+    return effect.parameters["order"].value * travel < RETURNS * 2.0 * np.pi
 
 
 def _rare(j: ScoredCandidate) -> bool:

@@ -1,0 +1,82 @@
+"""One composite in the place of its parts: LuGre friction is presliding, Stribeck's peak and a damping of the bristles in one law.
+
+The search finds the parts one after another, each in its own shape. Begun where they came out, the composite may say the same as both;
+then it is the simpler answer, and its name the cause's.
+"""
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from workbench.definition import Effect, catalogue
+from workbench.identification.solve import NoValue
+from workbench.plant import Plant
+from workbench.tracing.candidates import ADDITION, Offer, without
+from workbench.tracing.criteria import Criteria
+from workbench.tracing.judge import ScoredCandidate, freedom, scored
+from workbench.tracing.state import Refitted, State
+
+if TYPE_CHECKING:
+    from workbench.tracing.selection import Answer
+
+
+def composed(answer: "Answer", declared: Plant, criteria: Criteria, offer: Offer) -> "Answer":
+    """Return the answer with a composite of the catalogue in the place of all of its parts, where it leaves no more than what is of
+    practical size beside them; the answer itself where none does. declared: what the search began with."""
+    for composite in catalogue().values():
+        for parts in _whole(composite, answer):
+            one = _in_place(composite, parts, answer, declared, criteria, offer)
+            if one is not None:
+                first = next(i for i, j in enumerate(answer.added) if j in parts)
+                rest = [j for j in answer.added if j not in parts]
+                return replace(answer, added=[*rest[:first], one, *rest[first:]], pruned=one.state)
+    return answer
+
+
+def _whole(composite: Effect, answer: "Answer") -> list[list[ScoredCandidate]]:
+    """Return, place by place, the additions that are together all parts of a composite."""
+    if not composite.traced or len(composite.parts) < 2:
+        return []
+    found = []
+    for place in sorted({j.candidate.at for j in answer.added}):
+        here = [j for j in answer.added if (j.candidate.kind, j.candidate.at) == (ADDITION, place)]
+        parts = [j for j in here if j.candidate.effect in composite.parts]
+        if {j.candidate.effect for j in parts} == set(composite.parts):
+            found.append(parts)
+    return found
+
+
+def _in_place(
+    composite: Effect,
+    parts: list[ScoredCandidate],
+    answer: "Answer",
+    declared: Plant,
+    criteria: Criteria,
+    offer: Offer,
+) -> ScoredCandidate | None:
+    """Return the composite fitted in the place of its parts, begun at their values; None where it leaves plainly more."""
+    last, place = answer.last, parts[0].candidate.at
+    rest = last.plant
+    for j in parts:
+        rest = without(rest, j.candidate, declared)
+    asked = replace(offer, only={composite.name}).candidates(rest)
+    instead = {k for j in parts for k in j.candidate.instead}
+    same = [c for c in asked if (c.effect, c.at) == (composite.name, place)]
+    candidate = min(same, key=lambda c: set(c.instead) != instead, default=None)
+    if candidate is None:
+        return None
+    known = {n: p.value for j in parts for n, p in last.plant[j.candidate.key].parameters.items()}
+    begun = candidate.plant[candidate.key]
+    begun = begun(**{n: known[n] for n, p in begun.parameters.items() if n in known and n not in begun.linear})
+    candidate = replace(candidate, plant=candidate.plant.swap(begun))
+    try:
+        before, after = State(rest, last.inverses), State(candidate.plant, last.inverses)
+    except NoValue:
+        return None
+    if after.errors.total > last.errors.total + criteria.practical**2 * last.power:
+        return None
+    fit = Refitted(after.problem, after.solution.theta, after.solution.c)
+    score = scored(before, candidate, after.errors, after.solution.cost, criteria)
+    found = ScoredCandidate(
+        candidate, score, after.errors, freedom(candidate.plant), after.solution.theta, refitted=fit, state=after
+    )
+    return found if score.earns else None
