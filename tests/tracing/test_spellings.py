@@ -1,5 +1,6 @@
 """A law by another spelling, under its class' name: a hose that hangs slack, a joint of another power, a wave of many orders."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -10,7 +11,7 @@ from workbench.definition import find
 from workbench.inverse.dynamics import inverse_dynamics
 from workbench.plant import TWO_MASS, Plant
 from workbench.record import IDENTIFICATION
-from workbench.tracing import free_law, ranking, selection, spellings
+from workbench.tracing import free_law, greedy, ranking, selection, spellings
 from workbench.tracing.candidates import Offer, candidates_of
 from workbench.tracing.judge import STANDARD
 from workbench.tracing.state import State
@@ -70,3 +71,30 @@ def test_rest_is_asked_of_dry_friction_where_a_friction_with_memory_took_its_pla
         None, SimpleNamespace(plant=PLANT), selection.Answer([SimpleNamespace(candidate=rigid)], None, last), (), (), ()
     )
     assert {e.key for e in found.dry.effects} == {e.key for e in PLANT.effects} != {e.key for e in found.found.effects}
+
+
+def test_a_spelled_law_is_asked_again_as_itself_and_keeps_its_name():
+    state, judgements = asked(lambda q: 3.0 * np.maximum(q - 0.1, 0.0) ** 1.5, PLANT, "cable_spring")
+    taut = spellings.better_spelled(state, judgements[0], STANDARD, Offer())
+    offer = spellings.with_spelling(taut, Offer(only={"cogging"}))
+    assert set(offer.only) == {"cogging", "slack_cable"} and [e.name for e in offer.own] == ["slack_cable"]
+    assert spellings.with_spelling(judgements[0], Offer()) == Offer()
+    bare = replace(taut, candidate=replace(taut.candidate, part=""))
+    assert spellings.called_as(bare, taut).candidate.name == "cable_spring"
+
+
+def test_a_wave_that_hardly_returns_gives_way_to_a_hose_that_pulls_at_one_end():
+    over = lambda q: 0.6 * (1.0 - np.exp(-((np.maximum(q - 0.08, 0.0) / 0.06) ** 1.5)))  # noqa: E731
+    state, judgements = asked(over, PLANT, "cable_spring", "cogging")
+    waves = [j for j in judgements if j.candidate.effect == "cogging"]
+    wide = [replace(w, refitted=SimpleNamespace(plant=w.candidate.plant.swap(w.candidate.plant[w.candidate.key](order=9.0)))) for w in waves]  # fmt: skip
+    narrow = [replace(w, refitted=SimpleNamespace(plant=w.candidate.plant.swap(w.candidate.plant[w.candidate.key](order=90.0)))) for w in waves]  # fmt: skip
+    others = [j for j in judgements if j.candidate.effect != "cogging"]
+    assert spellings.no_wave(state, [*wide, *others], wide[0], STANDARD) == others
+    assert spellings.no_wave(state, [*narrow, *others], narrow[0], STANDARD) == [*narrow, *others]
+
+
+def test_what_leads_by_gain_and_not_by_certainty_is_asked_for_a_steadier_law():
+    first, sure = (SimpleNamespace(refitted=True, score=SimpleNamespace(gain=g), candidate=SimpleNamespace(key=k)) for g, k in ((0.25, "b"), (0.07, "a")))  # fmt: skip
+    alone = SimpleNamespace(refitted=None, score=SimpleNamespace(gain=0.9), candidate=SimpleNamespace(key="c"))
+    assert greedy._most_first([sure, alone, first]) == [first, sure, alone]
