@@ -23,9 +23,9 @@ COUNT, DT = 1e-6, 1e-3
 PLANT = Plant(ONE_MASS) + find("inertia")(inertia=0.01) + find("viscous_friction") + find("coulomb_friction")
 
 
-def recorded(name: str, role: str, speed: float, force, seconds: float = 12.0, over=lambda q: 0.0 * q, dt=DT) -> Record:
+def recorded(name: str, role: str, speed: float, force, seconds: float = 12.0, over=lambda q: 0.0 * q) -> Record:
     """A record of slow and fast sines, up to about `speed`, whose drive is inertia, friction, force(v) and over(q), with noise."""
-    t = dt * np.arange(round(seconds / dt))
+    t = DT * np.arange(round(seconds / DT))
     waves = [(0.6 * speed, 2.1), (0.3 * speed, 7.3), (0.1 * speed, 23.0)]
     q = sum(s / w * np.sin(w * t + k) for k, (s, w) in enumerate(waves))
     v = sum(s * np.cos(w * t + k) for k, (s, w) in enumerate(waves))
@@ -38,14 +38,9 @@ def recorded(name: str, role: str, speed: float, force, seconds: float = 12.0, o
 
 
 def test_friction_that_levels_off_is_carried_to_speeds_that_were_not_fitted():
-    """-v|v| bends as it does where it was fitted and turns to a drive beyond; a power of speed goes on.
-
-    Logged at 10 kHz: friction turns within a sample, and at twenty samples a period of the band that bends the exponent by a tenth.
-    """
+    """-v|v| bends as it does where it was fitted and turns to a drive beyond; a power of speed goes on."""
     levels = lambda v: 0.5 * np.sign(v) * np.abs(v) ** 0.5  # noqa: E731
-    records = [
-        recorded(n, r, s, levels, 6.0, dt=1e-4) for n, r, s in (("a", IDENTIFICATION, 1.0), ("bb", VALIDATION, 2.5))
-    ]
+    records = [recorded(n, r, s, levels, 6.0) for n, r, s in (("a", IDENTIFICATION, 1.0), ("bb", VALIDATION, 2.5))]
     found = trace(PLANT, inverse_dynamics(records, 50.0))
     cause = found.causes[0]
     assert (found.verdict, cause.effect, cause.form) == ("cause", "nonlinear_viscous_friction", "power_law_friction")
