@@ -52,6 +52,9 @@ class Explainable:
         return max(KINDS, key=lambda n: getattr(self, n))
 
 
+MOTOR_ALONE = ("motor", "command", "sensor.torque", "sensor.force")  # places that the load's balance does not hold
+
+
 @dataclass(frozen=True)
 class Weighed:
     """One effect that the search added, or one fixed value that it set free, as whole records have it.
@@ -83,7 +86,10 @@ class Weighed:
 
     @property
     def behind(self) -> bool:
-        """Whether it shows in the load's balance rather than in the drive."""
+        """Whether it shows in the load's balance rather than in the drive. A force at the motor, or what maps its command, enters no
+        balance of the load: there it shows by what else is fitted anew."""
+        if self.at in MOTOR_ALONE:
+            return False
         known = {"identification", "validation"} <= {*self.load_before} & {*self.load_after}
         return known and self._share(self.load_before, self.load_after) > max(0.0, self._share(self.before, self.after))
 

@@ -14,7 +14,7 @@ from workbench.processes import shared
 from workbench.tracing.candidates import ADDITION, Candidate, Offer
 from workbench.tracing.criteria import Criteria
 from workbench.tracing.judge import ScoredCandidate, judged
-from workbench.tracing.ranking import alike
+from workbench.tracing.ranking import absurd, alike
 from workbench.tracing.state import State
 
 # Periods of a wave within the travel, below which it is not seen to return: a hose taut at one end of the stroke was a cogging of 1.7
@@ -73,17 +73,23 @@ def commoner(
     state: State, judgements: Sequence[ScoredCandidate], best: ScoredCandidate, criteria: Criteria, offer: Offer
 ) -> ScoredCandidate | None:
     """Return another spelling of a common law that takes as much as a rare one that leads, None where there is none: the law of the
-    common one's formula alone leaves more, and takes `near` of what the rare one takes."""
-    if not _rare(best):
+    common one's formula alone leaves more, and takes `near` of what the rare one takes.
+
+    In the place of values that no machine has any law stands whose formula takes `resembles` of what they take.
+    """
+    rare, odd = _rare(best), best.refitted is not None and absurd(best, state)
+    if not (rare or odd):
         return None
+    taken = (criteria.resembles if odd else criteria.near) * (state.errors.total - best.errors.total)
     same = [
         j
         for j in judgements
         if j.candidate.kind == ADDITION
-        and (j.candidate.family, j.candidate.at) == (best.candidate.family, best.candidate.at)
+        and (odd or (j.candidate.family, j.candidate.at) == (best.candidate.family, best.candidate.at))
+        and j is not best
         and not _rare(j)
         and j.theta is not None
-        and state.errors.total - j.errors.total >= criteria.near * (state.errors.total - best.errors.total)
+        and state.errors.total - j.errors.total >= taken
     ]
     found = [k for j in same for k in spelled(state, j, criteria, offer) if alike(best, k, criteria, state.power)]
     return min(found, key=lambda j: (j.errors.total, j.candidate.key), default=None)
