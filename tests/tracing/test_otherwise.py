@@ -49,7 +49,7 @@ def test_friction_that_levels_off_is_carried_to_speeds_that_were_not_fitted():
 
 
 def test_a_spring_and_a_cogging_are_two_effects_though_one_curve_over_place_takes_both(monkeypatch):
-    over = lambda q: 0.12 * np.sin(40.0 * q + 0.4) + 0.03 * np.sin(80.0 * q) + 0.25 * (q - 0.05)  # noqa: E731
+    over = lambda q: 0.12 * np.sin(40.0 * q + 0.4) + 0.03 * np.sin(80.0 * q) + 0.4 * (q - 0.05)  # noqa: E731
     records = [recorded(n, IDENTIFICATION, s, lambda v: 0.0 * v, over=over) for n, s in (("a", 1.0), ("bb", 0.7))]
     state = State(PLANT, inverse_dynamics(records, 50.0))
     judgements = ranking.step(state, lambda _: None, Offer(only={"cogging", "cable_spring"}))

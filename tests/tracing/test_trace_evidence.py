@@ -209,15 +209,15 @@ def test_a_fold_follows_a_step_only_as_far_as_its_own_data_bear_it_out(tmp_path)
 # --- what dresses two effects ---------------------------------------------------------------------------------------------
 
 
-def test_a_wave_as_long_as_the_travel_is_taken_out_again_once_both_effects_are_in(tmp_path):
-    """It ends at its bound, the travel; a motion read again in counts travels a little less, and is judged all the same."""
+def test_a_wave_as_long_as_the_travel_is_none_where_gravity_takes_as_much(tmp_path):
+    """It ends at its bound, the travel, and is not seen to return."""
     campaign = made(
         tmp_path, 303059, "encoder_eccentricity", "gravity", noise=1.0591513196445384e-3, memory=0.014612415926384362,
         ratio=50.0,
     )  # fmt: skip
     offered = ("cogging", "gravity", "encoder_eccentricity")
     found = trace(campaign.plant, inverse_dynamics(campaign.records, campaign.bandwidth), only=offered)
-    assert found.steps[0][0].effect == "cogging"
+    assert found.steps[0][0].effect == "gravity"
     assert set(found.added) == {"encoder_eccentricity", "gravity"}
 
 
