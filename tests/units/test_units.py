@@ -5,7 +5,7 @@ import sys
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from workbench.errors import WorkbenchError
@@ -187,6 +187,7 @@ FACTORS = [(name, factor, root) for root, group in DERIVED.items() for name, fac
     st.sampled_from(FACTORS),
     st.integers(1, 3) | st.floats(0.3, 2.0).map(lambda x: round(x, 3)),
 )
+@settings(suppress_health_check=[HealthCheck.too_slow])  # of a machine that is busy
 def test_there_and_back_again(value, one, power):
     name, factor, root = one
     unit, expected = f"1/{name}^{power}", f"1/({root or 1})".replace("**", "^")

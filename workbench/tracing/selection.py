@@ -150,14 +150,13 @@ def _of_declared_laws(
             answer = replace(answer, pruned=plain)
             continue
         progress(f"asking what the virgin curve at the {law.declared.at} is")
-        offered = replace(
-            offer,
-            only={"presliding_hysteresis", "fading_memory"},
-            stands_for={k: e for k, e in offer.stands_for.items() if k == e.key},
-        )
+        own = {k: e for k, e in offer.stands_for.items() if k == e.key}
+        offered = replace(offer, only={"presliding_hysteresis", "fading_memory"}, stands_for=own)
         judgements = step(plain, progress, offered, criteria)
         looked.append(judgements)
-        formulas = [j for j in judgements if j.candidate.at == law.declared.at and j.refitted]
+        much = criteria.held * plain.errors.total  # beside the declared law: less may be friction smooth in speed
+        here = [j for j in judgements if j.candidate.at == law.declared.at and j.refitted]
+        formulas = [j for j in here if j.candidate.instead or _taken(plain, j) >= much]
         best = _commonest(formulas, criteria.practical**2 * last.power)
         near = best is not None and _taken(plain, best) >= criteria.near * (plain.errors.total - last.errors.total)
         if near and _length(best) > SEEN * count_at(law.declared.at, last.inverses):
