@@ -9,6 +9,7 @@ from workbench.inverse.dynamics import inverse_dynamics
 from workbench.kernel.step import build
 from workbench.plant import ONE_MASS, Plant
 from workbench.record import IDENTIFICATION, VALIDATION, Record
+from workbench.tracing import sticking as sticking_module
 from workbench.tracing.sticking import sticking
 from workbench.tracing.tracing import trace
 
@@ -111,3 +112,25 @@ def test_what_is_missing_may_hide_that_an_axis_sticks_and_a_search_begins_anew_b
     stuck = [f for f in found.findings if f.kind == "sticks"]
     assert len(stuck) == 1 and "found beside it" in stuck[0].sentence
     assert found.after.identification < 0.01
+
+
+@pytest.mark.parametrize(
+    ("fitted", "validation", "sticks"),
+    [
+        ((0.9, 8.0), (0.1, 8.0), True),
+        ((0.3, 8.0), (0.9, 8.0), True),  # moves rest more than what was fitted
+        ((0.3, 8.0), (0.3, 8.0), False),
+        ((0.9, 3.2), (0.9, 5.3), False),  # an encoder so coarse that rest is motion
+        ((0.3, 8.0), (0.9, 3.2), False),
+    ],
+)
+def test_rest_counts_no_more_where_it_is_most_of_either_roles_residual(monkeypatch, fitted, validation, sticks):
+    def held(problem, found, rest, inverses):
+        share, density = validation if problem.inverses[0].motion.record.role == VALIDATION else fitted
+        moving = (1.0 - share) * 100
+        return sticking_module._Held(share, 1.0, 100, 100 + round(density * moving / share))
+
+    monkeypatch.setattr(sticking_module, "_held", held)
+    monkeypatch.setattr(sticking_module, "_giving_way", lambda *_: None)
+    inverses = inverse_dynamics([recorded("a", IDENTIFICATION, 0.6), recorded("b", VALIDATION, 0.8)], BAND)
+    assert (sticking(declared(), inverses) is not None) is sticks

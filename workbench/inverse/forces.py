@@ -53,9 +53,8 @@ def run_forces(
     place, paths = forces[0].at, dict.fromkeys(("q", "dq", "v", "a"), path)
     givers = [e for e in forces if e.provides]
     takers = sorted((e for e in forces if not e.provides), key=reads_load)
-    contacts = beside_memory(
-        forces
-    )  # of their own, which follow the motion's direction: asked before it is given by a memory
+    # of their own, which follow the motion's direction: asked before a memory gives it
+    contacts = beside_memory(forces)
     if contacts or (not givers and any("dir" in e.reads for e in takers)):
         takers = [e for e in takers if e.key not in {c.key for c in contacts}]
         givers = [stop_direction(width), *contacts, *givers]

@@ -34,11 +34,8 @@ def turned(direction: np.ndarray, q: np.ndarray, v: np.ndarray, filter_time: flo
 def _turned(x, q, v, longest, full):
     """Return what `turned` does."""
     result = x.copy()
-    old, since, last = (
-        0.0,
-        0,
-        0,
-    )  # the way of a body that slides, where it turned to it, and where it was last seen to go it
+    # the way of a body that slides, where it turned to it, and where it was last seen to go it
+    old, since, last = 0.0, 0, 0
     for j in range(x.size):
         if abs(x[j]) < full:
             continue
