@@ -6,21 +6,53 @@ from test_near_law import PLANT, inverses, stops
 
 from workbench.definition import find
 from workbench.inverse.balances import predicted
-from workbench.tracing.criteria import Criteria
+from workbench.tracing.candidates import Offer, candidates_of
+from workbench.tracing.composing import composed
+from workbench.tracing.judge import STANDARD, ScoredCandidate, judged, refitted_as
+from workbench.tracing.selection import Answer
+from workbench.tracing.state import State
 from workbench.tracing.tracing import trace
 
-LUGRE = {"sigma0": 0.3 / 4e-4, "sigma1": 0.3, "x0": 4e-4, "ratio": 0.6, "speed": 0.15}
+BARE = PLANT.without("coulomb_friction")
+LUGRE = find("lugre_friction")(sigma0=0.3 / 4e-4, sigma1=0.3, x0=4e-4, ratio=0.6, speed=0.15)
+PARTS = (
+    find("presliding_hysteresis")(h0=0.3, x0=4e-3, d=0.5),
+    find("stribeck_friction")(drop=0.3, speed=0.15),
+)
 
 
-def test_presliding_and_a_peak_that_are_lugre_friction_bear_its_name():
-    (bare,) = inverses(lambda t, q, way: 0.0 * t)
-    whole = predicted(bare, PLANT.without("coulomb_friction") + find("lugre_friction")(**LUGRE))
-    smooth = predicted(bare, PLANT.without("coulomb_friction"))
-    noise = 0.002 * np.random.default_rng(3).standard_normal(whole.size)
-    seen = inverses(lambda t, q, way: whole - smooth + noise)
-    found = trace(PLANT, seen)
-    assert [c.effect for c in found.causes] == ["lugre_friction"]
-    assert found.after.plant["lugre_friction"].parameters["x0"].value == pytest.approx(4e-4, rel=0.1)
+def found_in_parts(*law):
+    """The answer of a search that found presliding, then Stribeck's peak, where this friction is."""
+    (still,) = inverses(lambda t, q, way: 0.0 * t)
+    plant = BARE
+    for effect in law:
+        plant = plant + effect
+    force = predicted(still, plant) - predicted(still, BARE)
+    noise = 0.002 * np.random.default_rng(3).standard_normal(force.size)
+    declared = state = State(PLANT, inverses(lambda t, q, way: force + noise))
+    added = []
+    for name in ("presliding_hysteresis", "stribeck_friction"):
+        candidate = next(c for c in candidates_of(state.plant) if c.effect == name and c.at == "axis")
+        j = ScoredCandidate(candidate, **judged(state, candidate, STANDARD))
+        added.append(refitted_as(state, j, STANDARD))
+        state = added[-1].state
+    return Answer(added, declared)
+
+
+def test_presliding_and_a_peak_that_bristles_say_in_one_law_are_lugre_friction():
+    answer = found_in_parts(LUGRE)
+    one = composed(answer, PLANT, STANDARD, Offer())
+    assert [j.candidate.name for j in one.added] == ["lugre_friction"]
+    assert one.last.errors.total <= answer.last.errors.total + STANDARD.practical**2 * answer.last.power
+    assert {e.key for e in one.last.plant.effects} == {e.key for e in (BARE + LUGRE).effects}
+    assert one.last.plant["lugre_friction"].parameters["x0"].value == pytest.approx(4e-4, rel=0.1)
+
+
+def test_parts_that_no_bristles_of_one_length_say_stay_two():
+    answer = found_in_parts(*PARTS)
+    assert composed(answer, PLANT, STANDARD, Offer()) is answer
+    alone = Answer(answer.added[:1], answer.declared)
+    assert composed(alone, PLANT, STANDARD, Offer()) is alone
 
 
 def test_a_length_beside_ideal_coulomb_friction_is_presliding_and_no_near_law():
@@ -28,4 +60,3 @@ def test_a_length_beside_ideal_coulomb_friction_is_presliding_and_no_near_law():
     found = trace(PLANT, seen)
     assert [c.effect for c in found.causes] == ["presliding_hysteresis"]
     assert found.after.plant["coulomb_friction"].parameters["coulomb"].value == pytest.approx(0.5, rel=0.05)
-    assert Criteria().near == 0.8

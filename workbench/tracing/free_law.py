@@ -40,10 +40,15 @@ def free_law(
     other = commoner(state, judgements, best, criteria, offer) or better_spelled(state, best, criteria, offer)
     judgements = no_wave(state, judgements, best, criteria)
     if other is None and best not in judgements:
-        same = (best.candidate.family, best.candidate.at)
-        other = next(j for j in judgements if (j.candidate.family, j.candidate.at) == same)
+        other = min((j for j in judgements if _of_class(j, best)), key=lambda j: (j.errors.total, j.candidate.key))
     free = _freed(state, judgements, other or best, added, criteria, offer)
     return free or (refitted_as(state, other, criteria) if other else None)
+
+
+def _of_class(j: ScoredCandidate, best: ScoredCandidate) -> bool:
+    """Whether a judgement is an addition of another one's class at its place."""
+    a, b = j.candidate, best.candidate
+    return (a.kind, a.family, a.at) == (ADDITION, b.family, b.at)
 
 
 def _as_well(state: State, j: ScoredCandidate, than: ScoredCandidate, criteria: Criteria) -> bool:
