@@ -8,12 +8,13 @@ import pytest
 from test_otherwise import PLANT, recorded
 
 from workbench.definition import find
+from workbench.effects import free_maps
 from workbench.inverse.dynamics import inverse_dynamics
-from workbench.plant import TWO_MASS, Plant
+from workbench.plant import TWO_MASS, Geometry, Plant
 from workbench.record import IDENTIFICATION
 from workbench.tracing import free_law, greedy, ranking, selection, spellings
-from workbench.tracing.candidates import Offer, candidates_of
-from workbench.tracing.judge import STANDARD
+from workbench.tracing.candidates import ADDITION, Candidate, Offer, candidates_of
+from workbench.tracing.judge import STANDARD, ScoredCandidate
 from workbench.tracing.state import State
 
 
@@ -92,6 +93,29 @@ def test_a_wave_that_hardly_returns_gives_way_to_a_hose_that_pulls_at_one_end():
     others = [j for j in judgements if j.candidate.effect != "cogging"]
     assert spellings.no_wave(state, [*wide, *others], wide[0], STANDARD) == others
     assert spellings.no_wave(state, [*narrow, *others], narrow[0], STANDARD) == [*narrow, *others]
+
+
+def test_a_hose_that_pushes_alike_at_both_ends_is_no_wave_of_less_than_two_periods():
+    """A wave of one period takes most of it, and may be any curve: that curve is named, as what is no wave."""
+    state, judgements = asked(lambda q: 0.5 * np.cos(10.0 * q) + 0.3 * np.exp(-q), PLANT, "cogging")
+    best = greedy.leading(judgements)
+    assert best.candidate.effect == "cogging" and spellings.hardly_returns(best, state)
+    free = free_law.free_law(state, judgements, best, [], STANDARD)
+    assert (free.candidate.effect, free.candidate.name) == ("force_over_position", "cable_spring")
+    assert free.errors.total < (1.0 - STANDARD.near) * state.errors.total
+
+
+@pytest.mark.parametrize(("order", "named"), [(1.0, "encoder_eccentricity"), (16.0, "kinematic_error")])
+def test_waves_of_an_encoder_over_one_turn_of_its_axis_are_its_eccentricity(order, named):
+    """What shows most in the acceleration is their second harmonic, so that the nearest formula is a kinematic error of order 2."""
+    plant = replace(PLANT, geometry=Geometry(gear_ratio=order))
+    state, judgements = asked(lambda q: 0.0 * q, plant, "kinematic_error", "encoder_eccentricity")
+    waves = free_maps.angle_over_angle(order, 2, "sensor.position")
+    j = ScoredCandidate(
+        Candidate(waves.name, waves.at, ADDITION, plant + waves), judgements[0].score, judgements[0].errors, 4
+    )
+    fitted = replace(j, refitted=SimpleNamespace(plant=plant + waves))
+    assert (ranking.reduced_to(fitted, state, STANDARD) or "kinematic_error") == named
 
 
 def test_what_leads_by_gain_and_not_by_certainty_is_asked_for_a_steadier_law():

@@ -45,6 +45,7 @@ def angle_over_angle(order: float, harmonics: int = 4, at: str = "joint") -> Eff
         source="Fourier series; Ghorbel, Gandhi, Alpeter 2001",
         port=ANGLE,
         family="angle over angle",
+        reduces={"order": (1.0, "encoder_eccentricity")},
         parameters=terms | {"order": Parameter(order, "1/x", "base order", lower=1e-9, fixed=True, scale="order")},
         reads=("q", "motor_q"),
         step=_of_angle(harmonics),

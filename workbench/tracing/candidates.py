@@ -1,16 +1,17 @@
 """What a declared model may lack: undeclared effects of the catalogue where they can act, and fixed values that are wrong."""
 
 from collections.abc import Collection, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from types import MappingProxyType
 
 from workbench.definition import Effect, catalogue
 from workbench.effects.families import family_of
 from workbench.effects.free_bank import NAME as FREE_CURVE
-from workbench.plant import Plant, places
+from workbench.plant import TWO_MASS, Plant, places
 from workbench.tracing.budget import BUDGET, Budget
 from workbench.tracing.data_sheet import from_data_sheet
 from workbench.tracing.evidence import ADDITION, CORRECTION
+from workbench.tracing.same_columns import once
 
 __all__ = ["ADDITION", "CORRECTION"]
 # labels of a periodic effect's further orders; more of them would dress anything that lives in position
@@ -69,7 +70,6 @@ class Offer:
         return [s for s in found if self.only is None or {s.effect, s.effect.partition(" ")[0]} & set(self.only)]
 
 
-ZERO = "zero"  # parameter of a map of the angle between two encoders
 WHOLE = Offer()  # all of the catalogue, and nothing else
 
 
@@ -91,6 +91,8 @@ def candidates_of(
         if motion in effect.motions:
             for place in places(plant.kind, effect, plant.rotary):
                 found += _additions(effect, place, plant, stands_for)
+                if (there := _on_the_motor(effect, place, plant)) is not None:
+                    found += _additions(there, place, plant, stands_for)
     found += _corrections(plant, declared, stands_for)
     return sorted(found, key=lambda s: (s.effect, s.at, s.kind, not s.instead))
 
@@ -108,7 +110,7 @@ def _additions(effect: Effect, place: str, plant: Plant, stands_for: Mapping[str
         another = next((o for o in (_again(effect, place, n) for n in AGAIN) if o.key not in known), another)
     if another.key in known:
         return []
-    another = _sharing_zero(another, plant)
+    another = once(another, plant)
     same = needless(another, plant)
     rest = plant
     for key in same:
@@ -125,6 +127,15 @@ def _additions(effect: Effect, place: str, plant: Plant, stands_for: Mapping[str
         # the same beside what it may take the place of: two contacts
         found.append(Candidate(another.named, place, ADDITION, plant + another))
     return found
+
+
+def _on_the_motor(effect: Effect, place: str, plant: Plant) -> Effect | None:
+    """Return an effect of an encoder's disc for one that turns with the motor, in front of a gear; None where there is no other encoder
+    that says what the gear adds: of one mass the two are the same wave."""
+    ratio = plant.geometry.gear_ratio
+    if not effect.harmonic or plant.kind != TWO_MASS or place != "sensor.position" or ratio == 1.0:
+        return None
+    return effect(**{effect.harmonic: ratio * effect.parameters[effect.harmonic].value})
 
 
 def _held_by_data_sheet(key: str, plant: Plant, stands_for: Mapping[str, Effect]) -> bool:
@@ -168,13 +179,6 @@ def _missing_part(effect: Effect, replaced: Collection[Effect]) -> str:
     classes = {e.family for e in replaced}
     left = [c for c in (catalogue()[n] for n in effect.parts) if "dir" not in c.provides and c.family not in classes]
     return left[0].name if replaced and len(left) == 1 else ""
-
-
-def _sharing_zero(effect: Effect, plant: Plant) -> Effect:
-    """Return an effect with its zero held where another's is free: two encoders have one zero, and a second would be the same column."""
-    zero = effect.parameters.get(ZERO)
-    shared = zero is not None and any(ZERO in e.parameters and not e.parameters[ZERO].fixed for e in plant.effects)
-    return replace(effect, parameters={**effect.parameters, ZERO: replace(zero, fixed=True)}) if shared else effect
 
 
 def _again(effect: Effect, place: str, label: str) -> Effect:

@@ -31,19 +31,13 @@ from workbench.tracing.criteria import Criteria
 from workbench.tracing.evidence import Explainable
 from workbench.tracing.foreseen import BLOCK, FOLDS, LEAST_LEAF, foreseen, numbered
 from workbench.tracing.lines import Part, strongest_lines
+from workbench.tracing.neighbours import STRETCH, gained, of_neighbours, over_time
 from workbench.tracing.of_the_day import without_the_days
 from workbench.tracing.state import State
 
-STRETCH = 0.25  # s
-# Changes of a level from stretch to stretch that are enough to call few of them steps, and of their power what these hold then. Of eight
-# complete axes, three of them with low-frequency noise, steps hold nothing; of a joint that slips (33 changes), of pushes and an air jet 0.57
-# to 0.96, of a brake that drags 0.49, of what wanders 0.21 to 0.36. Each halved or doubled, noise stays noise and a slip a slip
-FEWEST, STEPPED = 10, 0.25
-SPANS = (0.5, 2.0, 8.0)  # s, widths of the neighbourhood in bench time
 # Of the stroke, widths of the neighbourhood in place. Where a belt's stiffness changes along it, each from 0.01 to 0.1 takes 4.4 to 3.2 %
 # of the drive, and 0.2 takes 2.1; of thirteen complete two-mass axes none takes anything, with any of them
 NEARBY = (0.02, 0.05, 0.1)
-CERTAIN = 3.0  # standard errors over blocks by which a share must differ from zero
 STILL, TURNING = 0.05, 0.06  # of the speed's rms, and s after a reversal, that are standstill
 HEAVY = 20.0  # evaluation bandwidth over that of the position's low pass, where no reference was logged
 
@@ -56,7 +50,7 @@ def explainable(state: State, criteria: Criteria) -> Explainable:
     unit = 1.0 / sqrt(state.power) if state.power > 0.0 else 0.0
     referenced = all("reference" in p.motion.record.channels for p in state.inverses)
     line, hum = strongest_lines(parts, criteria.line)
-    time, level = _over_time(parts, criteria.burst)
+    time, level = over_time(parts, criteria.burst)
     return Explainable(
         exogenous=unit * sqrt(_exogenous(parts)),
         time=unit * sqrt(time),
@@ -66,7 +60,7 @@ def explainable(state: State, criteria: Criteria) -> Explainable:
         hum=unit * sqrt(hum.share * whole),
         mains=hum.frequency,
         joint=unit * sqrt(_over_place(state, parts)),
-        inertia=unit * sqrt(_gained(*by_place(state))),
+        inertia=unit * sqrt(gained(*by_place(state))),
         level=unit * sqrt(level),
         instrument="reference" if referenced else "low-passed position",
     )
@@ -132,16 +126,6 @@ def _moving(v: np.ndarray, dt: float, keep: slice) -> np.ndarray:
     return moves & (turned == before)
 
 
-def _gained(before: np.ndarray, after: np.ndarray) -> float:
-    """Return the power taken away over blocks, 0 where it does not differ from zero by CERTAIN standard errors of the share."""
-    whole = float(before.sum())
-    g = 1.0 - float(after.sum()) / whole if whole > 0.0 else 0.0
-    spread = (before - after) - g * before
-    n = before.size
-    scatter = np.sqrt(n / max(n - 1, 1) * (spread @ spread)) / whole if whole > 0.0 else np.inf
-    return g * whole if g > CERTAIN * scatter else 0.0
-
-
 def _exogenous(parts: Sequence[Part]) -> float:
     """Return the power that the reference's motion predicts out of sample, standstill left out; records weigh alike."""
     y, moves = np.concatenate([p.residual for p in parts]), np.concatenate([p.moves for p in parts])
@@ -149,46 +133,7 @@ def _exogenous(parts: Sequence[Part]) -> float:
     told = np.isfinite(found)
     before = np.bincount(block[told], y[told] ** 2, block[-1] + 1)
     after = np.bincount(block[told], (y[told] - found[told]) ** 2, block[-1] + 1)
-    return _gained(before, after)
-
-
-def _over_time(parts: Sequence[Part], least: float) -> tuple[float, float]:
-    """Return the power that neighbours in bench time predict as a friction, a damping or a mass, where no level that they predict over the same span takes as
-    much, and that which they predict as a level: each the best of SPANS.
-
-    A force alone that neighbours predict is low-frequency noise inside the loop (pink noise of a floor: 3 to 7 % of the drive on complete
-    models); what of it follows a law is asked as force over time, and pushes are moments. Over one swing a level looks like a friction. A level
-    that steps now and then is none: where changes beyond `least` robust standard deviations hold a good part of what it changes, it counts.
-    """
-    sums, changes = [], []
-    for p in parts:
-        stretch = np.floor((p.time - p.time[0]) / STRETCH).astype(int)
-        r = np.where(p.moves, p.residual, 0.0)
-        along = [np.where(p.moves, x, 0.0) for x in (np.ones(r.size), p.way, *p.outside.T[1:3])]
-        at = p.time[0] + (np.arange(stretch[-1] + 1) + 0.5) * STRETCH
-        power, *found = (np.bincount(stretch, w) for w in (r**2, *(r * x for x in along), *(x**2 for x in along)))
-        sums.append(np.stack([at, power, *found]))
-        full = found[4] > 0.5 * found[4].max()
-        changes.append(np.diff(found[0] / np.maximum(found[4], 1e-300))[full[1:] & full[:-1]])
-    at, power, *pairs = np.concatenate(sums, axis=1)
-    best, most = 0.0, 0.0
-    for span in SPANS:
-        level, *ways = (
-            _gained(power, power - 2.0 * mean * total + mean**2 * weight)
-            for total, weight in zip(pairs[:4], pairs[4:], strict=True)
-            for mean in [_of_neighbours(at, span, total, weight)]
-        )
-        best, most = max([best, *(x for x in ways if x > level)]), max(most, level)
-    return max(best, most) if _in_steps(np.concatenate(changes), least) else best, most
-
-
-def _in_steps(changes: np.ndarray, least: float) -> bool:
-    """Whether few of a level's changes (n,) from stretch to stretch, beyond `least` robust standard deviations, hold STEPPED of their power."""
-    if changes.size < FEWEST:
-        return False
-    size = np.abs(changes)
-    few = size > least * 1.4826 * np.median(size)
-    return float(np.sum(size[few] ** 2)) > STEPPED * float(np.sum(size**2))
+    return gained(before, after)
 
 
 def _over_place(state: State, parts: Sequence[Part]) -> float:
@@ -207,16 +152,9 @@ def _over_place(state: State, parts: Sequence[Part]) -> float:
     power, total = power - 2.0 * alike * total + alike**2 * weight, total - alike * weight
     best = 0.0
     for width in NEARBY:
-        mean = _of_neighbours(place, width * max(float(np.ptp(place)), 1e-300), total, weight)
-        best = max(best, _gained(power, power - 2.0 * mean * total + mean**2 * weight))
+        mean = of_neighbours(place, width * max(float(np.ptp(place)), 1e-300), total, weight)
+        best = max(best, gained(power, power - 2.0 * mean * total + mean**2 * weight))
     return best
-
-
-def _of_neighbours(at: np.ndarray, width: float, total: np.ndarray, weight: np.ndarray) -> np.ndarray:
-    """Return the coefficient (n,) that the others say, nearer ones more: total over weight, by a Gaussian of this width over `at`."""
-    near = np.exp(-0.5 * ((at[:, None] - at) / width) ** 2)
-    np.fill_diagonal(near, 0.0)
-    return near @ total / np.maximum(near @ weight, 1e-300)
 
 
 def _bursts(parts: Sequence[Part], least: float) -> float:

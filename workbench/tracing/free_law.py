@@ -18,7 +18,8 @@ from workbench.tracing.candidates import ADDITION, AGAIN, WHOLE, Offer, periodic
 from workbench.tracing.criteria import Criteria
 from workbench.tracing.free_forms import MEMORY, free_forms
 from workbench.tracing.judge import ScoredCandidate, judged, refitted_as
-from workbench.tracing.spellings import better_spelled, commoner, no_wave, spelled, spellings_in
+from workbench.tracing.ranking import reduced_to
+from workbench.tracing.spellings import better_spelled, commoner, hardly_returns, no_wave, spelled, spellings_in
 from workbench.tracing.state import State
 
 
@@ -35,7 +36,8 @@ def free_law(
     offer: what is judged. added: before it; a formula of the class among them names the free form, which then says it all. A wave that
     hardly returns gives way to a law that may be any curve.
     judgements: of the step, best first. A formula says it as well that takes `near` of what another law takes, or leaves no
-    more than what is of practical size beside it, or so does with another formula of its class; it names the class from `resembles` of it on.
+    more than what is of practical size beside it, or so does with another formula of its class; it names the class from `resembles` of it on,
+    or what the free form is by its values (waves of one turn of the axis are its encoder's).
     """
     other = commoner(state, judgements, best, criteria, offer) or better_spelled(state, best, criteria, offer)
     judgements = no_wave(state, judgements, best, criteria)
@@ -65,7 +67,11 @@ def _freed(
     criteria: Criteria,
     offer: Offer,
 ) -> ScoredCandidate | None:
-    """Return the free-form law that is added in the place of `best`, None where `best` says it as well. Arguments as of `free_law`."""
+    """Return the free-form law that is added in the place of `best`, None where `best` says it as well. Arguments as of `free_law`.
+
+    A wave that hardly returns within the travel, and in whose place no formula stands, may be any curve: the free form of its class that
+    takes `near` of what it takes says so, under the name of the law that any curve of the class is nearest to.
+    """
     formulas = [j for j in judgements if j.candidate.kind == ADDITION and j.score.gain > criteria.share]
     asked: dict[tuple[str, str], ScoredCandidate] = {}
     for j in formulas:
@@ -74,13 +80,17 @@ def _freed(
     forms = _judged_forms(state, asked, criteria, offer.budget)
     if not forms:
         return None
-    free = min(forms, key=lambda j: (j.errors.total, j.candidate.key))
-    if _as_well(state, best, free, criteria):
+    wave = hardly_returns(best, state)
+    forms = [j for j in forms if _of_class(j, best)] if wave else forms
+    free = min(forms, key=lambda j: (j.errors.total, j.candidate.key), default=None)
+    if free is None or (not wave and _as_well(state, best, free, criteria)):
         return None
     whole = state.errors.total
     most = whole - free.errors.total
+    if wave and most < criteria.near * (whole - best.errors.total):
+        return None
     family = free.candidate.family
-    if (best.candidate.family, best.candidate.at) == (family, free.candidate.at):
+    if not wave and (best.candidate.family, best.candidate.at) == (family, free.candidate.at):
         if _two_say_it(state, best, whole - criteria.near * most, criteria, offer):
             return None
     nearest = asked[(family, free.candidate.at)]
@@ -89,11 +99,15 @@ def _freed(
         return refitted_as(
             state, replace(free, candidate=replace(free.candidate, stands=earlier[0].candidate.name)), criteria
         )
+    if wave and nearest.candidate.key == best.candidate.key:
+        name = FREE_FORMS[family].any or nearest.candidate.effect
+        return refitted_as(state, replace(free, candidate=replace(free.candidate, stands=name)), criteria)
     named = whole - nearest.errors.total >= criteria.resembles * most
     if not named and not _orders_say_it(state, nearest, whole - criteria.near * most, criteria, offer):
         return None
-    named = replace(free.candidate, stands=nearest.candidate.effect)
-    return refitted_as(state, replace(free, candidate=named), criteria)
+    fitted = refitted_as(state, free, criteria)
+    name = reduced_to(fitted, state, criteria) or nearest.candidate.effect
+    return replace(fitted, candidate=replace(fitted.candidate, stands=name))
 
 
 def steadier(

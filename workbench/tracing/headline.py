@@ -18,7 +18,7 @@ UNSEEN = 1e-4  # of the drive, a floor below which the records show no noise tha
 # what each kind of what is explainable could be predicted from
 FROM = {
     "exogenous": "what is outside the loop: the reference's place, speed and direction",
-    "time": "bench time: a friction, a damping or a mass that changes",
+    "time": "bench time: a friction, a damping or a mass that changes, or a force that comes and goes",
     "line": "a line of the spectrum",
     "burst": "moments far outside what is usual",
     "joint": "the joint's deflection: its stiffness is another one elsewhere on the stroke",

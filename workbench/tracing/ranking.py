@@ -16,6 +16,7 @@ from workbench.tracing.candidates import ADDITION, WHOLE, Offer
 from workbench.tracing.criteria import Criteria
 from workbench.tracing.judge import STANDARD, Progress, ScoredCandidate, free_of, judged, refitted, refitted_as
 from workbench.tracing.plausible import implausible
+from workbench.tracing.same_columns import in_all
 from workbench.tracing.slack import gap_first
 from workbench.tracing.state import Refitted, State
 
@@ -100,7 +101,8 @@ def _plainest_first(
     """Let a simpler effect lead in the place of one that it then is: a parameter stands where the law is another one's.
 
     LuGre without presliding is Stribeck's friction, a kinematic error of order 1 an eccentricity. The simpler one leads where it
-    takes `near` of what the other takes; where it does not, what the other takes more is a matter of counts. What is nothing of its own does not lead (LuGre without presliding and without Stribeck's
+    takes `near` of what the other takes; where it does not, what the other takes more is a matter of counts. By a value of 0 that is
+    no matter of counts it is the simpler one where that takes `resembles`, too: the rest of a joint may hold what its own spring does not. What is nothing of its own does not lead (LuGre without presliding and without Stribeck's
     peak is Coulomb friction), nor what is nothing but a virgin curve where a free curve stands in the present model.
     """
     curved = {e.at for e in state.plant.effects if e.name == FREE_CURVE}
@@ -110,7 +112,7 @@ def _plainest_first(
         if _stranger(first):
             judgements = _pushed_back(judgements, criteria, state)
             continue
-        name = _reduced(first, state, criteria)
+        name = reduced_to(first, state, criteria)
         if name is None:
             break
         said = name == "" or f"{name}@{first.candidate.at}" in {
@@ -124,8 +126,10 @@ def _plainest_first(
         other = next((j for j in judgements if j.candidate.effect == name and j.theta is not None), None)
         if other is None:
             break
-        whole = state.errors.total
-        if other.score.earns and whole - other.errors.total >= criteria.near * (whole - first.errors.total):
+        whole, taken = state.errors.total, state.errors.total - first.errors.total
+        if not _counts(first, name) and whole - other.errors.total < criteria.resembles * taken:
+            break
+        if other.score.earns and whole - other.errors.total >= criteria.near * taken:
             other = _as_simple(
                 other if other.refitted else refitted_as(state, other, criteria), judgements, criteria, state
             )
@@ -133,6 +137,11 @@ def _plainest_first(
             break
         judgements = _pushed_back(judgements, criteria, state)
     return judgements
+
+
+def _counts(j: ScoredCandidate, simpler: str) -> bool:
+    """Whether an effect is a simpler one by a length of counts."""
+    return any(at == TWO_COUNTS for at, name in j.candidate.plant[j.candidate.key].reduces.values() if name == simpler)
 
 
 def _as_simple(
@@ -171,7 +180,7 @@ def _pushed_back(judgements: Sequence[ScoredCandidate], criteria: Criteria, stat
     return [*simplest_first(rest, criteria, state), replace(first, score=replace(first.score, earns=False))]
 
 
-def _reduced(j: ScoredCandidate, state: State, criteria: Criteria) -> str | None:
+def reduced_to(j: ScoredCandidate, state: State, criteria: Criteria) -> str | None:
     """Return the name of the simpler effect that a fitted addition is, "" for none at all, None where it is itself."""
     if not j.refitted or j.candidate.kind != ADDITION:
         return None
@@ -192,7 +201,8 @@ def _reduced(j: ScoredCandidate, state: State, criteria: Criteria) -> str | None
     span = max(p.motion.t[-1] for p in state.inverses) - min(p.motion.t[0] for p in state.inverses)
     step = min(p.motion.record.dt for p in state.inverses)
     near |= {n: 0.5 * step / span for n, p in effect.parameters.items() if p.scale == "drift"}
-    around = {n: (p.value - near[n], p.value + near[n]) for n, p in effect.parameters.items()}
+    values = {n: in_all(effect, n, j.refitted.plant) for n in effect.parameters}
+    around = {n: (x - near[n], x + near[n]) for n, x in values.items()}
     # nor is a gap a gap that is short beside the presliding length
     length = effect.parameters["x0"].value if "x0" in effect.parameters else 0.0
     return _simpler(effect, around, max(counts, 0.5 * criteria.neutral * length))
@@ -200,7 +210,7 @@ def _reduced(j: ScoredCandidate, state: State, criteria: Criteria) -> str | None
 
 def nothing_of_its_own(j: ScoredCandidate, state: State, criteria: Criteria) -> bool:
     """Whether a fitted addition has the values of no effect at all: LuGre without presliding and without Stribeck's peak."""
-    return _reduced(j, state, criteria) == ""
+    return reduced_to(j, state, criteria) == ""
 
 
 def _early(effect: Effect) -> bool:

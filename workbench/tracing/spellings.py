@@ -107,7 +107,7 @@ def no_wave(
         if (j.candidate.kind, j.candidate.family, j.candidate.at)
         == (ADDITION, best.candidate.family, best.candidate.at)
     ]
-    waves = {j.candidate.key for j in here if _hardly_returns(j, state)}
+    waves = {j.candidate.key for j in here if hardly_returns(j, state)}
     taken = criteria.resembles * (state.errors.total - best.errors.total)
     if best.candidate.key not in waves or not any(
         j.candidate.key not in waves and state.errors.total - j.errors.total >= taken for j in here
@@ -116,7 +116,7 @@ def no_wave(
     return [j for j in judgements if j.candidate.key not in waves]
 
 
-def _hardly_returns(j: ScoredCandidate, state: State) -> bool:
+def hardly_returns(j: ScoredCandidate, state: State) -> bool:
     """Whether a fitted force in position is a wave of which the travel holds less than RETURNS periods."""
     effect = j.refitted.plant[j.candidate.key] if j.refitted else None
     if effect is None or effect.port != FORCE or "order" not in effect.parameters:
