@@ -29,7 +29,7 @@ from workbench.record import Record, Source
 from workbench.simulation import Loop, Scenario, simulate
 from workbench.tracing.candidates import CORRECTION, candidates_of
 from workbench.tracing.free_forms import free_forms
-from workbench.tracing.ranking import _simpler
+from workbench.tracing.reducing import simpler
 
 DT, BAND, COUNT = 1e-3, 60.0, 1e-6
 ARCHITECTURE = Path(__file__).resolve().parents[2] / "docs" / "architecture"
@@ -446,12 +446,12 @@ def test_what_an_effect_reduces_to_is_in_the_catalogue():
     ],
 )
 def test_an_effect_at_a_neutral_value_is_a_simpler_one(name, intervals, left):
-    assert _simpler(find(name), intervals, COUNT) == left
+    assert simpler(find(name), intervals, COUNT) == left
 
 
 def test_a_composite_of_which_every_part_is_gone_is_none_at_all():
     gone = {"ratio": (0.0, 0.0), "x0": (0.0, COUNT)}
-    assert _simpler(find("lugre_friction"), gone, COUNT) == ""
+    assert simpler(find("lugre_friction"), gone, COUNT) == ""
 
 
 def test_at_its_neutral_value_a_composite_is_what_it_reduces_to():

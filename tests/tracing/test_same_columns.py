@@ -67,6 +67,27 @@ def test_a_motors_encoder_in_front_of_a_gear_turns_as_often_as_the_motor():
     assert turns(Plant(ONE_MASS, geometry=Geometry(gear_ratio=80.0))) == {("sensor.position", 1.0)}
 
 
+def test_an_eccentricity_of_the_motors_encoder_leads_only_where_the_gear_does_not_say_as_much(monkeypatch):
+    """Once a motor turn both are the same deflection; they part by what the motor's inertia feels of a reading that is wrong."""
+    plant = joint(1.0, ratio=80.0)
+    (motors,) = (c for c in candidates_of(plant) if c.yields)
+    gears = next(c for c in candidates_of(plant) if c.effect == "kinematic_error")
+
+    def first(gear: float) -> str:
+        judged = [
+            SimpleNamespace(candidate=c, refitted=None, freedom=n, errors=SimpleNamespace(total=1.0 - g),
+                            score=SimpleNamespace(effect=c.effect, at=c.at, gain=g, scatter=0.01, earns=True))
+            for c, n, g in ((motors, 2, 0.8), (gears, 4, gear))
+        ]  # fmt: skip
+        for j in judged:
+            j.refitted = SimpleNamespace(plant=j.candidate.plant)
+        monkeypatch.setattr(ranking, "absurd", lambda j, state: False)
+        monkeypatch.setattr(ranking, "alike", lambda a, b, *_: abs(a.score.gain - b.score.gain) < 0.01)
+        return ranking.simplest_first(judged, STANDARD, SimpleNamespace(power=1.0))[0].candidate.effect
+
+    assert (first(0.799), first(0.6)) == ("kinematic_error", "encoder_eccentricity")
+
+
 def level_of(level) -> float:
     """What a residual that is a level over bench time, beside white noise of a tenth of it, could be predicted to in rms."""
     dt = 5e-3

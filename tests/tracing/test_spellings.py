@@ -12,7 +12,7 @@ from workbench.effects import free_maps
 from workbench.inverse.dynamics import inverse_dynamics
 from workbench.plant import TWO_MASS, Geometry, Plant
 from workbench.record import IDENTIFICATION
-from workbench.tracing import free_law, greedy, ranking, selection, spellings
+from workbench.tracing import free_law, greedy, ranking, reducing, selection, spellings
 from workbench.tracing.candidates import ADDITION, Candidate, Offer, candidates_of
 from workbench.tracing.judge import STANDARD, ScoredCandidate
 from workbench.tracing.state import State
@@ -115,7 +115,7 @@ def test_waves_of_an_encoder_over_one_turn_of_its_axis_are_its_eccentricity(orde
         Candidate(waves.name, waves.at, ADDITION, plant + waves), judgements[0].score, judgements[0].errors, 4
     )
     fitted = replace(j, refitted=SimpleNamespace(plant=plant + waves))
-    assert (ranking.reduced_to(fitted, state, STANDARD) or "kinematic_error") == named
+    assert (reducing.reduced_to(fitted, state, STANDARD) or "kinematic_error") == named
 
 
 def test_what_leads_by_gain_and_not_by_certainty_is_asked_for_a_steadier_law():

@@ -15,7 +15,7 @@ from workbench.identification.fit import fitted_on
 from workbench.identification.problem import Problem
 from workbench.inverse.dynamics import InverseDynamics, inverse_dynamics
 from workbench.plant import ONE_MASS, Plant
-from workbench.tracing import ranking
+from workbench.tracing import ranking, reducing
 from workbench.tracing.candidates import Candidate, brought, candidates_of, without
 from workbench.tracing.counted import quantisation_bias
 from workbench.tracing.decimation import decimate
@@ -230,7 +230,9 @@ def test_of_equals_the_usual_effect_is_named_before_a_rare_one(monkeypatch):
 
     def candidate(name: str, gain: float, freedom: int) -> ScoredCandidate:
         c = CandidateScore(name, "axis", "addition", gain, 0.03, 0.1, 0.1, True, "")
-        of = SimpleNamespace(key=name, plant={name: SimpleNamespace(rare=name == "fading_memory")})
+        of = SimpleNamespace(
+            key=name, plant={name: SimpleNamespace(rare=name == "fading_memory")}, family="", yields=False
+        )
         return ScoredCandidate(of, c, errors, freedom, refitted=object())
 
     fading, presliding, lugre = (
@@ -273,7 +275,7 @@ def test_lugre_friction_without_presliding_and_without_a_peak_is_nothing_of_its_
     def nothing(x0: float, ratio: float) -> bool:
         plant = Plant(ONE_MASS) + find("lugre_friction")(sigma0=1e3, sigma1=400.0, x0=x0, ratio=ratio, speed=1e-3)
         candidate = Candidate("lugre_friction", "axis", "addition", plant)
-        return ranking.nothing_of_its_own(
+        return reducing.nothing_of_its_own(
             SimpleNamespace(candidate=candidate, refitted=SimpleNamespace(plant=plant)), state, STANDARD
         )
 

@@ -1,7 +1,7 @@
 """What a declared model may lack: undeclared effects of the catalogue where they can act, and fixed values that are wrong."""
 
 from collections.abc import Collection, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 
 from workbench.definition import Effect, catalogue
@@ -24,7 +24,8 @@ class Candidate:
 
     instead: keys of declared effects that an addition takes the place of. restored: keys of declared laws that it brings back in the
     place of their free virgin curve. stands: name of the nearest formula, of a free form. part: name that it bears else: of a
-    composite of which the rest is declared, the part that is missing; of another law of a class, that class' traced effect.
+    composite of which the rest is declared, the part that is missing; of another law of a class, that class' traced effect. yields: whether
+    it leads only where no other of its class explains as much, simpler or not: a motor's encoder and its gear err alike once a turn.
     """
 
     effect: str
@@ -35,6 +36,7 @@ class Candidate:
     stands: str = ""
     restored: tuple[str, ...] = ()
     part: str = ""
+    yields: bool = False
 
     @property
     def name(self) -> str:
@@ -92,7 +94,7 @@ def candidates_of(
             for place in places(plant.kind, effect, plant.rotary):
                 found += _additions(effect, place, plant, stands_for)
                 if (there := _on_the_motor(effect, place, plant)) is not None:
-                    found += _additions(there, place, plant, stands_for)
+                    found += [replace(c, yields=True) for c in _additions(there, place, plant, stands_for)]
     found += _corrections(plant, declared, stands_for)
     return sorted(found, key=lambda s: (s.effect, s.at, s.kind, not s.instead))
 

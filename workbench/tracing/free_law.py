@@ -18,7 +18,7 @@ from workbench.tracing.candidates import ADDITION, AGAIN, WHOLE, Offer, periodic
 from workbench.tracing.criteria import Criteria
 from workbench.tracing.free_forms import MEMORY, free_forms
 from workbench.tracing.judge import ScoredCandidate, judged, refitted_as
-from workbench.tracing.ranking import reduced_to
+from workbench.tracing.reducing import reduced_to
 from workbench.tracing.spellings import better_spelled, commoner, hardly_returns, no_wave, spelled, spellings_in
 from workbench.tracing.state import State
 

@@ -12,7 +12,8 @@ from workbench.tracing.criteria import Criteria
 from workbench.tracing.greedy import Step, extended, leading
 from workbench.tracing.judge import Progress, ScoredCandidate, lighter
 from workbench.tracing.near_law import SEEN, Law, as_declared, count_at, freed, laws, lengthened
-from workbench.tracing.ranking import nothing_of_its_own, step
+from workbench.tracing.ranking import step
+from workbench.tracing.reducing import nothing_of_its_own
 from workbench.tracing.slack import bent_gap
 from workbench.tracing.spellings import called_as, with_spelling
 from workbench.tracing.state import State

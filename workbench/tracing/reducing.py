@@ -1,0 +1,72 @@
+"""What effect a fitted one is by its values: LuGre without presliding is Stribeck's friction, a kinematic error of order 1 an eccentricity."""
+
+from collections.abc import Mapping
+
+from workbench.definition import TIME, TWO_COUNTS, Effect
+from workbench.plant import TWO_MASS
+from workbench.tracing.candidates import ADDITION
+from workbench.tracing.criteria import Criteria
+from workbench.tracing.judge import ScoredCandidate
+from workbench.tracing.same_columns import in_all
+from workbench.tracing.state import State
+
+
+def reduced_to(j: ScoredCandidate, state: State, criteria: Criteria) -> str | None:
+    """Return the name of the simpler effect that a fitted addition is, "" for none at all, None where it is itself."""
+    if not j.refitted or j.candidate.kind != ADDITION:
+        return None
+    effect = j.refitted.plant[j.candidate.key]
+    if effect.port == TIME and (state.plant.kind == TWO_MASS or _early(effect)):
+        return None  # a clock of one of two encoders is no delay of the drive, nor is one that is ahead of it
+    counts = max(p.motion.counts for p in state.inverses)
+    # a stiffness is nothing beside a stiffness: what is small is so beside what has its unit
+    largest = {
+        u: max(abs(p.value) for p in effect.parameters.values() if p.unit == u)
+        for u in {p.unit for p in effect.parameters.values()}
+    }
+    near = {
+        n: criteria.neutral * (largest[p.unit] if n in effect.linear else abs(p.value))
+        for n, p in effect.parameters.items()
+    }
+    # a clock that over all the records gains less than half a sample keeps pace
+    span = max(p.motion.t[-1] for p in state.inverses) - min(p.motion.t[0] for p in state.inverses)
+    step = min(p.motion.record.dt for p in state.inverses)
+    near |= {n: 0.5 * step / span for n, p in effect.parameters.items() if p.scale == "drift"}
+    values = {n: in_all(effect, n, j.refitted.plant) for n in effect.parameters}
+    around = {n: (x - near[n], x + near[n]) for n, x in values.items()}
+    # nor is a gap a gap that is short beside the presliding length
+    length = effect.parameters["x0"].value if "x0" in effect.parameters else 0.0
+    return simpler(effect, around, max(counts, 0.5 * criteria.neutral * length))
+
+
+def nothing_of_its_own(j: ScoredCandidate, state: State, criteria: Criteria) -> bool:
+    """Whether a fitted addition has the values of no effect at all: LuGre without presliding and without Stribeck's peak."""
+    return reduced_to(j, state, criteria) == ""
+
+
+def _early(effect: Effect) -> bool:
+    """Whether an effect says that its channel is ahead of the drive: the drive's report is late, and no command acts before it is given."""
+    return any(p.value < 0.0 for p in effect.parameters.values() if p.scale == "time")
+
+
+def by_counts_alone(j: ScoredCandidate, simpler: str) -> bool:
+    """Whether an effect is a simpler one by a length of counts."""
+    return any(at == TWO_COUNTS for at, name in j.candidate.plant[j.candidate.key].reduces.values() if name == simpler)
+
+
+def simpler(effect: Effect, intervals: Mapping[str, tuple[float, float]], counts: float) -> str | None:
+    """Return the name of the simpler effect that this one is, "" where it is none at all, None where it is itself.
+
+    intervals: inside parameter -> (low, high), SI; a parameter without one stands at its value. counts: the encoder's step, SI.
+    A parameter is neutral where its interval holds the neutral value or, of TWO_COUNTS, reaches down to two counts. A composite
+    of which every part is gone is none at all.
+    """
+    found = []
+    for name, (neutral, left) in effect.reduces.items():
+        value = effect.parameters[name].value
+        low, high = intervals.get(name, (value, value))
+        if low <= 2.0 * counts if neutral == TWO_COUNTS else low <= neutral <= high:
+            found.append(left)
+    if not found:
+        return None
+    return "" if len(effect.parts) > 1 and len(found) == len(effect.parts) else found[0]
