@@ -10,7 +10,8 @@ from workbench.identification.fit import identify
 from workbench.inverse.dynamics import inverse_dynamics
 from workbench.plant import ONE_MASS, Plant
 from workbench.record import IDENTIFICATION, Record, Source
-from workbench.tracing.candidates import CORRECTION, candidates_of
+from workbench.tracing import selection
+from workbench.tracing.candidates import CORRECTION, Offer, candidates_of
 from workbench.tracing.criteria import Criteria
 from workbench.tracing.data_sheet import within_tolerance
 from workbench.tracing.decide import Verdict
@@ -91,3 +92,17 @@ def test_what_is_not_borne_out_is_asked_again_behind_the_others():
     assert later([one, two], Verdict("cause", not_borne)) == [two, one]
     assert later([one, two], Verdict("cause", ("cause", "not borne out"))) is None
     assert later([one], cause) is None
+
+
+@pytest.mark.parametrize("odd", [False, True])
+def test_a_formula_of_values_that_no_machine_has_is_not_what_a_curve_is(monkeypatch, odd):
+    """A friction that forgets over kilometres in the place of a presliding curve: then the declared law is nearly right, and no more is said."""
+    seen = inverses(lambda t, q, way: stops(q, 1e-3, 0.5))
+    declared = State(PLANT, seen)
+    known = laws(declared.plant, seen)
+    there = curved(declared, known, Criteria())
+    monkeypatch.setattr(selection, "absurd", lambda j, state: odd)
+    answer, refined = selection._of_declared_laws(
+        selection.Answer([], there), known, [], lambda _: None, Offer(), Criteria()
+    )
+    assert (len(answer.added), [law.key for law in refined]) == ((0, [known[0].key]) if odd else (1, []))

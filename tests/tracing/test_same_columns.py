@@ -83,9 +83,28 @@ def test_an_eccentricity_of_the_motors_encoder_leads_only_where_the_gear_does_no
             j.refitted = SimpleNamespace(plant=j.candidate.plant)
         monkeypatch.setattr(ranking, "absurd", lambda j, state: False)
         monkeypatch.setattr(ranking, "alike", lambda a, b, *_: abs(a.score.gain - b.score.gain) < 0.01)
-        return ranking.simplest_first(judged, STANDARD, SimpleNamespace(power=1.0))[0].candidate.effect
+        state = SimpleNamespace(power=1.0, errors=SimpleNamespace(total=1.0))
+        return ranking.simplest_first(judged, STANDARD, state)[0].candidate.effect
 
     assert (first(0.799), first(0.6)) == ("kinematic_error", "encoder_eccentricity")
+
+
+@pytest.mark.parametrize(("corrected", "leads"), [(0.73, "correction"), (0.5, "addition")])
+def test_a_wrong_value_that_takes_nearly_what_a_law_of_more_values_takes_leads(monkeypatch, corrected, leads):
+    """A damper of a joint that is declared too weak looks like a part that swings (0.77 of the residual, with three values of its own)."""
+    def of(kind):
+        return SimpleNamespace(
+            kind=kind, yields=False, family=kind, key=kind, plant={kind: SimpleNamespace(rare=False)}
+        )  # noqa: E731
+    judged = [
+        SimpleNamespace(candidate=of(kind), refitted=object(), freedom=n, errors=SimpleNamespace(total=1.0 - g),
+                        score=SimpleNamespace(effect=kind, at="joint", gain=g, scatter=0.01, earns=True))
+        for kind, n, g in (("addition", 11, 0.77), ("correction", 8, corrected))
+    ]  # fmt: skip
+    monkeypatch.setattr(ranking, "absurd", lambda j, state: False)
+    monkeypatch.setattr(ranking, "alike", lambda a, b, *_: a is b)
+    state = SimpleNamespace(power=1.0, errors=SimpleNamespace(total=1.0))
+    assert ranking.simplest_first(judged, STANDARD, state)[0].score.effect == leads
 
 
 def level_of(level) -> float:

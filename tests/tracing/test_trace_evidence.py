@@ -231,7 +231,11 @@ def test_of_equals_the_usual_effect_is_named_before_a_rare_one(monkeypatch):
     def candidate(name: str, gain: float, freedom: int) -> ScoredCandidate:
         c = CandidateScore(name, "axis", "addition", gain, 0.03, 0.1, 0.1, True, "")
         of = SimpleNamespace(
-            key=name, plant={name: SimpleNamespace(rare=name == "fading_memory")}, family="", yields=False
+            key=name,
+            plant={name: SimpleNamespace(rare=name == "fading_memory")},
+            family="",
+            yields=False,
+            kind="addition",
         )
         return ScoredCandidate(of, c, errors, freedom, refitted=object())
 
@@ -240,7 +244,7 @@ def test_of_equals_the_usual_effect_is_named_before_a_rare_one(monkeypatch):
         for x in (("fading_memory", 0.101, 2), ("presliding_hysteresis", 0.1, 2), ("lugre_friction", 0.11, 4))
     )
     monkeypatch.setattr(ranking, "absurd", lambda j, state: False)
-    state = SimpleNamespace(power=1.0)
+    state = SimpleNamespace(power=1.0, errors=HeldOut(np.full(8, 0.2)))
 
     def leads(*judgements: ScoredCandidate) -> ScoredCandidate:
         return simplest_first(judgements, STANDARD, state)[0]

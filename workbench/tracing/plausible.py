@@ -16,7 +16,7 @@ LARGEST_ECCENTRICITY = 0.0175  # rad: a disc that reads a degree wrong would not
 STEEPEST = 0.1
 FACTOR = 5.0  # by which a data-sheet value may be off before its unit is to be doubted; `check` allows as much
 # parameters that may stand on their bound as a law of their own (a gap: no stiffness inside; a change that has not begun to settle; all of
-# the inertia behind a contact, or none)
+# the inertia behind a contact, or none); so may an exponent at 1, which is a straight line
 STANDS = ("k1", "settling", "share")
 
 
@@ -32,7 +32,8 @@ def implausible(effect: Effect, plant: Plant, declared: Plant, inverses: Sequenc
         if p.scale == "stroke" and effect.at != "joint" and p.value > travel:
             return f"its {p.meaning} of {p.value:.3g} is longer than the travel"
         bounded = p.upper - p.lower > 0.0 and (p.value != 0.0 or name in effect.linear)
-        if bounded and name not in STANDS and on_bound(p.value, p.lower, p.upper):
+        straight = name == "exponent" and p.lower == 1.0 and p.value < 0.5 * (p.lower + p.upper)
+        if bounded and not straight and name not in STANDS and on_bound(p.value, p.lower, p.upper):
             if name in effect.linear and len(effect.linear) > 1:
                 continue  # one part of it is not needed
             return f"its {p.meaning} stands on its bound"

@@ -73,7 +73,7 @@ def simplest_first(judgements: Sequence[ScoredCandidate], criteria: Criteria, st
     judgements = _by_gain(judgements)
     if not judgements:
         return judgements
-    leader = _sound(judgements, criteria, state)
+    leader = _told(_sound(judgements, criteria, state), judgements, criteria, state)
     level = [j for j in judgements if j is leader or (j.refitted and alike(leader, j, criteria, state.power))]
     firm = {j.candidate.family for j in level if not j.candidate.yields}
     level = [j for j in level if not (j.candidate.yields and j.candidate.family in firm)]
@@ -94,6 +94,26 @@ def _sound(judgements: Sequence[ScoredCandidate], criteria: Criteria, state: Sta
     least = criteria.near * first.score.gain
     others = (j for j in judgements[1:] if j.refitted and j.score.earns and j.score.gain >= least)
     return next((j for j in others if not absurd(j, state)), first)
+
+
+def _told(
+    leader: ScoredCandidate, judgements: Sequence[ScoredCandidate], criteria: Criteria, state: State
+) -> ScoredCandidate:
+    """Return the correction of a data sheet's value that takes `near` of what an addition of more parameters does, or the leader.
+
+    A wrong value is the commoner fault, and what a law with values of its own takes beyond it dresses what else is only nearly right. Of
+    175 campaigns two had such a correction beside a leading addition, and it was the cause of both.
+    """
+    if leader.candidate.kind != ADDITION or not leader.score.earns:
+        return leader
+    least = criteria.near * (state.errors.total - leader.errors.total)
+    corrected = (
+        j
+        for j in judgements
+        if j.candidate.kind != ADDITION and j.refitted and j.score.earns and j.freedom < leader.freedom
+        if state.errors.total - j.errors.total >= least and not absurd(j, state)
+    )
+    return next(corrected, leader)
 
 
 def _plainest_first(

@@ -12,7 +12,7 @@ from workbench.tracing.criteria import Criteria
 from workbench.tracing.greedy import Step, extended, leading
 from workbench.tracing.judge import Progress, ScoredCandidate, lighter
 from workbench.tracing.near_law import SEEN, Law, as_declared, count_at, freed, laws, lengthened
-from workbench.tracing.ranking import step
+from workbench.tracing.ranking import absurd, step
 from workbench.tracing.reducing import nothing_of_its_own
 from workbench.tracing.slack import bent_gap
 from workbench.tracing.spellings import called_as, with_spelling
@@ -156,7 +156,7 @@ def _of_declared_laws(
         judgements = step(plain, progress, offered, criteria)
         looked.append(judgements)
         much = criteria.held * plain.errors.total  # beside the declared law: less may be friction smooth in speed
-        here = [j for j in judgements if j.candidate.at == law.declared.at and j.refitted]
+        here = [j for j in judgements if j.candidate.at == law.declared.at and j.refitted and not absurd(j, plain)]
         formulas = [j for j in here if j.candidate.instead or _taken(plain, j) >= much]
         best = _commonest(formulas, criteria.practical**2 * last.power)
         near = best is not None and _taken(plain, best) >= criteria.near * (plain.errors.total - last.errors.total)
