@@ -92,10 +92,12 @@ def test_an_eccentricity_of_the_motors_encoder_leads_only_where_the_gear_does_no
 @pytest.mark.parametrize(("corrected", "leads"), [(0.73, "correction"), (0.5, "addition")])
 def test_a_wrong_value_that_takes_nearly_what_a_law_of_more_values_takes_leads(monkeypatch, corrected, leads):
     """A damper of a joint that is declared too weak looks like a part that swings (0.77 of the residual, with three values of its own)."""
+
     def of(kind):
         return SimpleNamespace(
             kind=kind, yields=False, family=kind, key=kind, plant={kind: SimpleNamespace(rare=False)}
-        )  # noqa: E731
+        )
+
     judged = [
         SimpleNamespace(candidate=of(kind), refitted=object(), freedom=n, errors=SimpleNamespace(total=1.0 - g),
                         score=SimpleNamespace(effect=kind, at="joint", gain=g, scatter=0.01, earns=True))
