@@ -1,7 +1,8 @@
 """Families of campaigns whose answers are known, each traced and judged alike.
 
 c: the folder campaigns under WORKBENCH_DATA with its truth.json; d, and any other letter or word X: campaigns_X, of an author each;
-measured: its axes, judged by a table of their own; rig: the rig's older campaigns; bench: its benches.
+measured: its axes, judged by a table of their own; carried: campaigns of other authors that brought a rule, benchmarks/carried; rig: the
+rig's older campaigns; bench: its benches.
 """
 
 import json
@@ -18,9 +19,10 @@ from benchmarks._trace_run import one as one_of_rig
 from benchmarks._trace_run import place_right, ranges, seen, traced
 
 FOLDERS = {"c": "campaigns", "measured": "measured"}
+CARRIED = Path(__file__).parent / "carried"
 AUTHOR = "campaigns_"  # and a name, of any other author's folder
 DRAWN = ("rig", "bench")
-FAMILIES = ("c", "d", *DRAWN, "measured")
+FAMILIES = ("c", "d", "carried", *DRAWN, "measured")
 BELOW = 0.9  # of the stated floor: an error below this is an alarm. Halving asks for nothing; doubling alarms at every good fit
 
 
@@ -39,6 +41,8 @@ class Case:
 
 def folder(family: str) -> Path | None:
     """Return the folder of a family that is not drawn; None where it is not here."""
+    if family == CARRIED.name:
+        return CARRIED
     root = os.environ.get("WORKBENCH_DATA")
     found = Path(root) / FOLDERS.get(family, AUTHOR + family) if root else None
     return found if found is not None and found.is_dir() else None

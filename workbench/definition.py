@@ -55,8 +55,7 @@ class Effect:
     than that. parts: names of the simpler effects that a composite joins. knots: parameters that are held by definition, as
     where a table has its values; no data sheet gave them, so none is wrong. nearest: traced effect of its class in whose place, and
     under whose name, a law is asked where that one leads or validation does not carry it; one that is traced itself bears that name, too.
-    counted_in: effect whose data-sheet value counts this one in: it is offered where that is declared and fixed. same_as: linear
-    parameter -> effect whose one linear parameter enters alike; where that stands free at the place this one is held at 0.
+    counted_in: effect whose data-sheet value counts this one in: it is offered where that is declared and fixed.
     """
 
     name: str
@@ -90,7 +89,6 @@ class Effect:
     reduces: Mapping[str, tuple[float | str, str]] = field(default_factory=dict)
     parts: tuple[str, ...] = ()
     knots: tuple[str, ...] = ()
-    same_as: Mapping[str, str] = field(default_factory=dict)
 
     def __post_init__(self):
         if not re.fullmatch(r"[\w-]*", self.label):

@@ -109,7 +109,6 @@ def piecewise_stiffness() -> Effect:
         port=FORCE,
         family="joint stiffness",
         reduces={"k1": (0.0, "backlash"), "k2": (0.0, "linear_stiffness")},
-        same_as={"k1": "linear_stiffness"},
         parameters={
             "k1": Parameter(0.0, "F/x", "stiffness about zero", lower=0.0),
             "k2": Parameter(0.0, "F/x", "what the stiffness is more outside the threshold"),

@@ -11,7 +11,6 @@ from workbench.plant import TWO_MASS, Plant, places
 from workbench.tracing.budget import BUDGET, Budget
 from workbench.tracing.data_sheet import from_data_sheet
 from workbench.tracing.evidence import ADDITION, CORRECTION
-from workbench.tracing.same_columns import once
 
 __all__ = ["ADDITION", "CORRECTION"]
 # labels of a periodic effect's further orders; more of them would dress anything that lives in position
@@ -72,6 +71,7 @@ class Offer:
         return [s for s in found if self.only is None or {s.effect, s.effect.partition(" ")[0]} & set(self.only)]
 
 
+ZERO = "zero"  # parameter of a map of the angle between two encoders
 WHOLE = Offer()  # all of the catalogue, and nothing else
 
 
@@ -112,7 +112,7 @@ def _additions(effect: Effect, place: str, plant: Plant, stands_for: Mapping[str
         another = next((o for o in (_again(effect, place, n) for n in AGAIN) if o.key not in known), another)
     if another.key in known:
         return []
-    another = once(another, plant)
+    another = _sharing_zero(another, plant)
     same = needless(another, plant)
     rest = plant
     for key in same:
@@ -181,6 +181,13 @@ def _missing_part(effect: Effect, replaced: Collection[Effect]) -> str:
     classes = {e.family for e in replaced}
     left = [c for c in (catalogue()[n] for n in effect.parts) if "dir" not in c.provides and c.family not in classes]
     return left[0].name if replaced and len(left) == 1 else ""
+
+
+def _sharing_zero(effect: Effect, plant: Plant) -> Effect:
+    """Return an effect with its zero held where another's is free: two encoders have one zero, and a second would be the same column."""
+    zero = effect.parameters.get(ZERO)
+    shared = zero is not None and any(ZERO in e.parameters and not e.parameters[ZERO].fixed for e in plant.effects)
+    return replace(effect, parameters={**effect.parameters, ZERO: replace(zero, fixed=True)}) if shared else effect
 
 
 def _again(effect: Effect, place: str, label: str) -> Effect:

@@ -15,7 +15,7 @@ from workbench.tracing.candidates import ADDITION, WHOLE, Offer
 from workbench.tracing.criteria import Criteria
 from workbench.tracing.judge import STANDARD, Progress, ScoredCandidate, free_of, judged, refitted, refitted_as
 from workbench.tracing.plausible import implausible
-from workbench.tracing.reducing import by_counts_alone, reduced_to
+from workbench.tracing.reducing import reduced_to
 from workbench.tracing.slack import gap_first
 from workbench.tracing.state import Refitted, State
 
@@ -122,8 +122,7 @@ def _plainest_first(
     """Let a simpler effect lead in the place of one that it then is: a parameter stands where the law is another one's.
 
     LuGre without presliding is Stribeck's friction, a kinematic error of order 1 an eccentricity. The simpler one leads where it
-    takes `near` of what the other takes; where it does not, what the other takes more is a matter of counts. By a value of 0 that is
-    no matter of counts it is the simpler one where that takes `resembles`, too: the rest of a joint may hold what its own spring does not. What is nothing of its own does not lead (LuGre without presliding and without Stribeck's
+    takes `near` of what the other takes; where it does not, what the other takes more is a matter of counts. What is nothing of its own does not lead (LuGre without presliding and without Stribeck's
     peak is Coulomb friction), nor what is nothing but a virgin curve where a free curve stands in the present model.
     """
     curved = {e.at for e in state.plant.effects if e.name == FREE_CURVE}
@@ -147,10 +146,8 @@ def _plainest_first(
         other = next((j for j in judgements if j.candidate.effect == name and j.theta is not None), None)
         if other is None:
             break
-        whole, taken = state.errors.total, state.errors.total - first.errors.total
-        if not by_counts_alone(first, name) and whole - other.errors.total < criteria.resembles * taken:
-            break
-        if other.score.earns and whole - other.errors.total >= criteria.near * taken:
+        whole = state.errors.total
+        if other.score.earns and whole - other.errors.total >= criteria.near * (whole - first.errors.total):
             other = _as_simple(
                 other if other.refitted else refitted_as(state, other, criteria), judgements, criteria, state
             )

@@ -7,7 +7,6 @@ from workbench.plant import TWO_MASS
 from workbench.tracing.candidates import ADDITION
 from workbench.tracing.criteria import Criteria
 from workbench.tracing.judge import ScoredCandidate
-from workbench.tracing.same_columns import in_all
 from workbench.tracing.state import State
 
 
@@ -32,8 +31,7 @@ def reduced_to(j: ScoredCandidate, state: State, criteria: Criteria) -> str | No
     span = max(p.motion.t[-1] for p in state.inverses) - min(p.motion.t[0] for p in state.inverses)
     step = min(p.motion.record.dt for p in state.inverses)
     near |= {n: 0.5 * step / span for n, p in effect.parameters.items() if p.scale == "drift"}
-    values = {n: in_all(effect, n, j.refitted.plant) for n in effect.parameters}
-    around = {n: (x - near[n], x + near[n]) for n, x in values.items()}
+    around = {n: (p.value - near[n], p.value + near[n]) for n, p in effect.parameters.items()}
     # nor is a gap a gap that is short beside the presliding length
     length = effect.parameters["x0"].value if "x0" in effect.parameters else 0.0
     return simpler(effect, around, max(counts, 0.5 * criteria.neutral * length))
@@ -47,11 +45,6 @@ def nothing_of_its_own(j: ScoredCandidate, state: State, criteria: Criteria) -> 
 def _early(effect: Effect) -> bool:
     """Whether an effect says that its channel is ahead of the drive: the drive's report is late, and no command acts before it is given."""
     return any(p.value < 0.0 for p in effect.parameters.values() if p.scale == "time")
-
-
-def by_counts_alone(j: ScoredCandidate, simpler: str) -> bool:
-    """Whether an effect is a simpler one by a length of counts."""
-    return any(at == TWO_COUNTS for at, name in j.candidate.plant[j.candidate.key].reduces.values() if name == simpler)
 
 
 def simpler(effect: Effect, intervals: Mapping[str, tuple[float, float]], counts: float) -> str | None:

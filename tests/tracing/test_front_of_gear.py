@@ -1,4 +1,4 @@
-"""Parameters that two effects have alike, encoders in front of a gear, and levels that no noise has."""
+"""Encoders in front of a gear, wrong values beside laws of more values, and levels that no noise has."""
 
 from types import SimpleNamespace
 
@@ -8,11 +8,10 @@ import pytest
 from workbench.definition import find
 from workbench.plant import ONE_MASS, TWO_MASS, Geometry, Plant
 from workbench.tracing import ranking
-from workbench.tracing.candidates import ADDITION, Candidate, candidates_of
+from workbench.tracing.candidates import candidates_of
 from workbench.tracing.judge import STANDARD
 from workbench.tracing.lines import Part
 from workbench.tracing.neighbours import STRETCH, over_time
-from workbench.tracing.same_columns import in_all, once
 
 
 def joint(stiffness: float, fixed: bool = False, ratio: float = 1.0) -> Plant:
@@ -20,42 +19,6 @@ def joint(stiffness: float, fixed: bool = False, ratio: float = 1.0) -> Plant:
     for effect in (find("inertia")(at="motor"), find("inertia")(at="load"), find("linear_stiffness")(at="joint", stiffness=stiffness, fixed=fixed)):  # fmt: skip
         plant = plant + effect
     return plant
-
-
-def test_a_second_stiffness_about_zero_is_held_beside_a_free_one_and_free_beside_a_data_sheets():
-    knee = find("piecewise_stiffness")(at="joint")
-    assert once(knee, joint(5.0)).parameters["k1"].fixed
-    assert not once(knee, joint(5.0, fixed=True)).parameters["k1"].fixed
-    assert not once(knee, Plant(TWO_MASS)).parameters["k1"].fixed
-
-
-def test_what_a_joint_has_about_zero_is_the_sum_of_both():
-    plant = joint(5.0) + find("piecewise_stiffness")(at="joint", k1=2.0, k2=1.0)
-    knee = plant["piecewise_stiffness@joint"]
-    assert in_all(knee, "k1", plant) == 7.0 and in_all(knee, "k2", plant) == 1.0
-
-
-def step_of(taken: dict[str, float], **values: float) -> list[str]:
-    """The order in which a round puts a knee, fitted with these values, and what it reduces to. taken: effect -> share of the residual."""
-    plant = joint(0.0) + find("piecewise_stiffness")(at="joint", **values)
-    judged = []
-    for name, share in taken.items():
-        whole = plant if name == "piecewise_stiffness" else joint(0.0) + find(name)(at="joint")
-        judged.append(ranking.ScoredCandidate(
-            Candidate(name, "joint", ADDITION, whole),
-            SimpleNamespace(earns=True, gain=share, scatter=0.01, effect=name, at="joint"),
-            SimpleNamespace(total=1.0 - share), theta=np.zeros(1), refitted=SimpleNamespace(plant=whole, state=None), freedom=2,
-        ))  # fmt: skip
-    motion = SimpleNamespace(counts=1e-9, t=np.array([0.0, 1.0]), record=SimpleNamespace(dt=1e-3))
-    state = SimpleNamespace(plant=joint(0.0), inverses=[SimpleNamespace(motion=motion)], errors=SimpleNamespace(total=1.0), power=1.0)  # fmt: skip
-    return [j.candidate.effect for j in ranking._plainest_first(judged, STANDARD, state, 3) if j.score.earns]
-
-
-@pytest.mark.parametrize(("gap", "leads"), [(0.93, "backlash"), (0.3, "piecewise_stiffness")])
-def test_a_knee_without_stiffness_about_zero_is_a_gap_only_where_a_gap_says_so(monkeypatch, gap, leads):
-    """The rest of a joint (a virgin curve of its hysteresis) may hold what its own spring does not."""
-    monkeypatch.setattr(ranking, "_as_simple", lambda first, *_: first)
-    assert step_of({"piecewise_stiffness": 0.95, "backlash": gap}, k1=0.0, k2=1e4, threshold=1e-3)[0] == leads
 
 
 def test_a_motors_encoder_in_front_of_a_gear_turns_as_often_as_the_motor():
