@@ -255,6 +255,26 @@ def test_of_equals_the_usual_effect_is_named_before_a_rare_one(monkeypatch):
     assert leads(fading, lugre) is fading
 
 
+@pytest.mark.parametrize(("corrected", "leads"), [(0.73, "correction"), (0.5, "addition")])
+def test_a_wrong_value_that_takes_nearly_what_a_law_of_more_values_takes_leads(monkeypatch, corrected, leads):
+    """A damper of a joint that is declared too weak looks like a part that swings (0.77 of the residual, with three values of its own)."""
+
+    def of(kind):
+        return SimpleNamespace(
+            kind=kind, yields=False, family=kind, key=kind, plant={kind: SimpleNamespace(rare=False)}
+        )
+
+    judged = [
+        SimpleNamespace(candidate=of(kind), refitted=object(), freedom=n, errors=SimpleNamespace(total=1.0 - g),
+                        score=SimpleNamespace(effect=kind, at="joint", gain=g, scatter=0.01, earns=True))
+        for kind, n, g in (("addition", 11, 0.77), ("correction", 8, corrected))
+    ]  # fmt: skip
+    monkeypatch.setattr(ranking, "absurd", lambda j, state: False)
+    monkeypatch.setattr(ranking, "alike", lambda a, b, *_: a is b)
+    state = SimpleNamespace(power=1.0, errors=SimpleNamespace(total=1.0))
+    assert simplest_first(judged, STANDARD, state)[0].score.effect == leads
+
+
 @pytest.mark.parametrize(
     ("rare", "further", "same"), [(False, 0.006, False), (True, 0.006, True), (True, 0.012, False)]
 )

@@ -25,7 +25,7 @@ class FreeForm:
     spacing, count: of the knots, for `knots_of`. "log" where laws change by factors (a Stribeck velocity may lie anywhere over
     three decades), "even" where they change by distance. Of twelve knots over speed, what is left of a law is at most 3 % of
     Stribeck's or a film's and 15 % of a quadratic one; of six, 20 % and 53 %; of 24, 1 % and 3 %, at twice the time and with
-    levels that 40 s of record no longer tell apart. any: traced law whose name a curve of the class bears that is no wave and no formula.
+    levels that 40 s of record no longer tell apart. nearest: traced law whose name a curve of the class bears that is no wave and no formula.
     """
 
     make: Callable[[Sequence[float], Sequence[Effect], str], Effect]
@@ -34,7 +34,7 @@ class FreeForm:
     spacing: str
     count: int
     at: str = "axis"
-    any: str = ""
+    nearest: str = ""
 
 
 def _command(knots, declared, at):
@@ -55,7 +55,7 @@ FREE_FORMS: dict[str, FreeForm] = {
     "friction over time": FreeForm(curves.friction_over_time, "t", False, "even", 8),
     "friction over load": FreeForm(curves.friction_over_load, "tau", True, "even", 6),
     "friction over position": FreeForm(curves.friction_over_position, "q", False, "even", 16),
-    "force over position": FreeForm(curves.force_over_position, "q", False, "even", 24, any="cable_spring"),
+    "force over position": FreeForm(curves.force_over_position, "q", False, "even", 24, nearest="cable_spring"),
     "force over time": FreeForm(curves.force_over_time, "t", False, "even", 16),
     "joint stiffness": FreeForm(curves.force_over_position, "q", False, "even", 13),
     "angle over angle": FreeForm(_angle, "motor_q", False, "order", 1, "joint"),

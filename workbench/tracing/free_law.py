@@ -43,7 +43,11 @@ def free_law(
     judgements = no_wave(state, judgements, best, criteria)
     if other is None and best not in judgements:
         other = min((j for j in judgements if _of_class(j, best)), key=lambda j: (j.errors.total, j.candidate.key))
-    free = _freed(state, judgements, other or best, added, criteria, offer)
+    leads = other or best
+    if hardly_returns(leads, state):
+        free = _curve_of(state, leads, added, criteria, offer)
+    else:
+        free = _freed(state, judgements, leads, added, criteria, offer)
     return free or (refitted_as(state, other, criteria) if other else None)
 
 
@@ -67,11 +71,7 @@ def _freed(
     criteria: Criteria,
     offer: Offer,
 ) -> ScoredCandidate | None:
-    """Return the free-form law that is added in the place of `best`, None where `best` says it as well. Arguments as of `free_law`.
-
-    A wave that hardly returns within the travel, and in whose place no formula stands, may be any curve: the free form of its class that
-    takes `near` of what it takes says so, under the name of the law that any curve of the class is nearest to.
-    """
+    """Return the free-form law that is added in the place of `best`, None where `best` says it as well. Arguments as of `free_law`."""
     formulas = [j for j in judgements if j.candidate.kind == ADDITION and j.score.gain > criteria.share]
     asked: dict[tuple[str, str], ScoredCandidate] = {}
     for j in formulas:
@@ -80,34 +80,50 @@ def _freed(
     forms = _judged_forms(state, asked, criteria, offer.budget)
     if not forms:
         return None
-    wave = hardly_returns(best, state)
-    forms = [j for j in forms if _of_class(j, best)] if wave else forms
-    free = min(forms, key=lambda j: (j.errors.total, j.candidate.key), default=None)
-    if free is None or (not wave and _as_well(state, best, free, criteria)):
+    free = min(forms, key=lambda j: (j.errors.total, j.candidate.key))
+    if _as_well(state, best, free, criteria):
         return None
     whole = state.errors.total
     most = whole - free.errors.total
-    if wave and most < criteria.near * (whole - best.errors.total):
-        return None
     family = free.candidate.family
-    if not wave and (best.candidate.family, best.candidate.at) == (family, free.candidate.at):
+    if (best.candidate.family, best.candidate.at) == (family, free.candidate.at):
         if _two_say_it(state, best, whole - criteria.near * most, criteria, offer):
             return None
     nearest = asked[(family, free.candidate.at)]
-    earlier = [j for j in added if j.candidate.at == free.candidate.at and j.candidate.family == family]
-    if earlier:
-        return refitted_as(
-            state, replace(free, candidate=replace(free.candidate, stands=earlier[0].candidate.name)), criteria
-        )
-    if wave and nearest.candidate.key == best.candidate.key:
-        name = FREE_FORMS[family].any or nearest.candidate.effect
-        return refitted_as(state, replace(free, candidate=replace(free.candidate, stands=name)), criteria)
+    if earlier := _named_before(free, added):
+        return _bearing(earlier, free, state, criteria)
     named = whole - nearest.errors.total >= criteria.resembles * most
     if not named and not _orders_say_it(state, nearest, whole - criteria.near * most, criteria, offer):
         return None
     fitted = refitted_as(state, free, criteria)
     name = reduced_to(fitted, state, criteria) or nearest.candidate.effect
     return replace(fitted, candidate=replace(fitted.candidate, stands=name))
+
+
+def _curve_of(
+    state: State, wave: ScoredCandidate, added: Sequence[ScoredCandidate], criteria: Criteria, offer: Offer
+) -> ScoredCandidate | None:
+    """Return the free form of a wave's class that takes `near` of what the wave takes, which hardly returns within the travel and may be
+    any curve; None where there is none. It bears the name of what was found of the class before, else of the law that a curve is nearest to."""
+    family, at = wave.candidate.family, wave.candidate.at
+    asked = {(family, at)} if family in FREE_FORMS else set()
+    forms = _judged_forms(state, asked, criteria, offer.budget)
+    free = min(forms, key=lambda j: (j.errors.total, j.candidate.key), default=None)
+    whole = state.errors.total
+    if free is None or whole - free.errors.total < criteria.near * (whole - wave.errors.total):
+        return None
+    name = _named_before(free, added) or FREE_FORMS[family].nearest or wave.candidate.effect
+    return _bearing(name, free, state, criteria)
+
+
+def _named_before(free: ScoredCandidate, added: Sequence[ScoredCandidate]) -> str:
+    """Return the name of what was added of a free form's class at its place, "" where nothing was."""
+    return next((j.candidate.name for j in added if _of_class(free, j)), "")
+
+
+def _bearing(name: str, free: ScoredCandidate, state: State, criteria: Criteria) -> ScoredCandidate:
+    """Return a free form under a name, fitted with everything free."""
+    return refitted_as(state, replace(free, candidate=replace(free.candidate, stands=name)), criteria)
 
 
 def steadier(

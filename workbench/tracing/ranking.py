@@ -102,7 +102,7 @@ def _told(
     """Return the correction of a data sheet's value that takes `near` of what an addition of more parameters does, or the leader.
 
     A wrong value is the commoner fault, and what a law with values of its own takes beyond it dresses what else is only nearly right. Of
-    175 campaigns two had such a correction beside a leading addition, and it was the cause of both.
+    194 campaigns one has such a correction behind an addition (0.94 of what that takes), and it is the cause.
     """
     if leader.candidate.kind != ADDITION or not leader.score.earns:
         return leader

@@ -1,0 +1,37 @@
+"""What neighbours in bench time say of a residual: levels that no noise has."""
+
+import numpy as np
+
+from workbench.tracing.judge import STANDARD
+from workbench.tracing.lines import Part
+from workbench.tracing.neighbours import over_time
+
+
+def level_of(level) -> float:
+    """What a residual that is a level over bench time, beside white noise of a tenth of it, could be predicted to in rms."""
+    dt = 5e-3
+    t = np.arange(round(40.0 / dt)) * dt
+    r = level(t) + 0.1 * np.random.default_rng(3).standard_normal(t.size)
+    outside = np.random.default_rng(4).standard_normal((t.size, 10))
+    way = np.sign(np.sin(1.3 * t))
+    part = Part(r, outside, np.ones(t.size, bool), way, t, dt, r, outside[:, 0], 50.0)
+    return float(np.sqrt(over_time([part], STANDARD.burst)[0] / t.size))
+
+
+def wandering(t: np.ndarray) -> np.ndarray:
+    """First-order noise of 0.3 Hz."""
+    rng, x, a = np.random.default_rng(5), np.zeros(t.size), np.exp(-2 * np.pi * 0.3 * (t[1] - t[0]))
+    for i, e in enumerate(rng.standard_normal(t.size - 1)):
+        x[i + 1] = a * x[i] + np.sqrt(1 - a * a) * e
+    return x
+
+
+def test_a_level_that_leaks_away_and_is_recharged_is_no_noise_and_one_that_wanders_is():
+    ends = np.cumsum(np.random.default_rng(6).uniform(1.3, 2.9, 40))
+
+    def recharged(t):
+        k = np.searchsorted(ends, t)
+        start = np.concatenate([[0.0], ends])[k]
+        return 1.7 * ((t - start) / (ends[k] - start) - 0.5)
+
+    assert level_of(recharged) > 0.2 and level_of(wandering) < 0.05
