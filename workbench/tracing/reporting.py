@@ -214,7 +214,9 @@ def _ranked(o: Outcome) -> tuple[CandidateScore, ...]:
     """Return the candidates of the first step as they were judged there, the causes ahead of the others."""
     clock = [_candidate_of(o.late.skew, o.fits[0])] if o.late.skew else []
     first = [_named_as(j) for j in o.selected.steps[0].judgements]
-    judged = {(c.effect, c.at): c for c in first}
+    judged: dict[tuple[str, str], CandidateScore] = {}
+    for c in first:  # a free form stands before the formula whose name it bears: what was added is what counts
+        judged.setdefault((c.effect, c.at), c)
     added = [*clock, *(_named_as(j) for j in o.by_size)]
     ahead = {(c.effect, c.at): judged.get((c.effect, c.at), c) for c in added}
     return (*ahead.values(), *(c for key, c in judged.items() if key not in ahead))
