@@ -175,14 +175,15 @@ def test_a_record_that_repeats_is_told_from_one_that_does_not(periodic, period):
     assert period_of(u + 0.05 * rng.standard_normal(4000) + np.linspace(0, 3, 4000)) == period
 
 
+@pytest.mark.parametrize("straightened", [True, False])
 @pytest.mark.parametrize(("size", "count"), [(256, 3000), (255, 3000), (64, 64), (8, 21)])
-def test_spectral_densities_are_those_of_scipy(size, count):
+def test_spectral_densities_are_those_of_scipy(size, count, straightened):
     from scipy import signal
 
     rng = np.random.default_rng(3)
     x, y = rng.normal(size=(2, count)) + np.linspace(0.0, 5.0, count)
-    f, auto, other, cross = densities(x, y, 500.0, size)
-    known = {"fs": 500.0, "window": "hann", "nperseg": size, "detrend": "linear"}
+    f, auto, other, cross = densities(x, y, 500.0, size, straightened=straightened)
+    known = {"fs": 500.0, "window": "hann", "nperseg": size, "detrend": "linear" if straightened else False}
     np.testing.assert_allclose(f, signal.welch(x, **known)[0])
     for found, pair in ((auto, (x, x)), (other, (y, y)), (cross, (x, y))):
         theirs = signal.csd(*pair, **known)[1]

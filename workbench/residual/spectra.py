@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from workbench.frequency.spectra import densities
 from workbench.inverse.dynamics import InverseDynamics
 from workbench.residual.orders import order_spectrum, peaks
 
@@ -41,15 +42,13 @@ def _split(inverses: Sequence[InverseDynamics], residual: np.ndarray) -> list[np
 
 def over_frequency(inverses: Sequence[InverseDynamics], residual: np.ndarray) -> Spectrum:
     """Return the density of a residual (n,) over frequency, the records weighed by their lengths (Welch 1967)."""
-    from scipy.signal import welch
-
     band = max(p.motion.filter.bandwidth for p in inverses)
     at = np.linspace(0.0, HIGHEST * band, POINTS)
     total, weight = np.zeros(POINTS), 0.0
     for p, r in zip(inverses, _split(inverses, residual), strict=True):
         rate = 1 / p.motion.dt
         segment = min(r.size, int(rate / band * LINES))
-        f, density = welch(r, rate, nperseg=segment, detrend=False)
+        f, density, *_ = densities(r, r, rate, segment, straightened=False)
         total, weight = total + r.size * np.interp(at, f, density), weight + r.size
     power = total / weight
     return Spectrum("frequency", "Hz", at, np.sqrt(power), band=half(at, power))

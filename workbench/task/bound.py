@@ -3,7 +3,6 @@
 from dataclasses import replace
 
 import numpy as np
-from scipy.integrate import cumulative_trapezoid
 
 from workbench.description.friction import friction_of
 from workbench.inverse.forces import force_along
@@ -54,6 +53,8 @@ def time_optimal(
     if np.any(speeding <= 0.0):
         v = v[: np.argmax(speeding <= 0.0)]
         speeding, braking = speeding[: v.size], braking[: v.size]
+    from scipy.integrate import cumulative_trapezoid  # an eighth of the time that the package takes to load
+
     # from rest to each speed: the distance is the integral of v/a dv, the time that of 1/a dv
     run_up, run_down, time_up, time_down = (
         cumulative_trapezoid(y, v, initial=0.0) for y in (v / speeding, v / braking, 1.0 / speeding, 1.0 / braking)

@@ -10,7 +10,7 @@ from workbench.definition import catalogue
 from workbench.effects.free_bank import NAME as FREE_CURVE
 from workbench.identification.cross_validation import gain
 from workbench.processes import shared
-from workbench.tracing import foreseen, starts
+from workbench.tracing import foreseen
 from workbench.tracing.candidates import ADDITION, WHOLE, Offer
 from workbench.tracing.criteria import Criteria
 from workbench.tracing.judge import STANDARD, Progress, ScoredCandidate, free_of, judged, refitted, refitted_as
@@ -32,8 +32,7 @@ def step(
 ) -> list[ScoredCandidate]:
     """Judge every candidate that is offered; return them best first, those that lead fitted with everything free."""
     candidates = offer.candidates(state.plant)
-    # loaded and made here, else by every process for itself
-    starts.loaded()
+    # made here, else by every process for itself
     _ = state.power, state.residuals, state.absorbed, state.solution.columns, state.solution.gram
     judgements = []
     for candidate, found in zip(

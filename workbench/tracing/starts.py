@@ -11,6 +11,7 @@ import numpy as np
 
 from workbench.definition import TIME, Effect
 from workbench.encoders.deflection import deflection_of
+from workbench.frequency.spectra import densities
 from workbench.identification.problem import to_search
 from workbench.inverse.bodies import POSITION
 from workbench.inverse.dynamics import InverseDynamics
@@ -99,11 +100,6 @@ def _grid(
     return []
 
 
-def loaded() -> None:
-    """Load what starts are found with, before processes share them: each would take 0.4 s for it."""
-    import scipy.signal  # noqa: F401
-
-
 def resonances(
     inverses: Sequence[InverseDynamics], residuals: Sequence[np.ndarray], many: int = BUDGET.resonances
 ) -> list[float]:
@@ -112,17 +108,14 @@ def resonances(
     |S_ra|^2/S_aa, the power of a residual that a linear answer to acceleration explains at a frequency (Welch's segments of half
     overlap), below the evaluation bandwidth. A swinging part shows there, within a segment's resolution; beside them WIDE even ones.
     """
-    from scipy.signal import csd
-
     motions = [p.motion for p in inverses]
     band = min(m.filter.bandwidth for m in motions)
     found = []
     for m, r in zip(motions, residuals, strict=True):
         size = min(max(int(SEGMENT / m.dt), 16), m.a.size)
         rate = 1.0 / m.dt
-        f, cross = csd(r, m.a, rate, nperseg=size)
-        _, own = csd(m.a, m.a, rate, nperseg=size)
-        power = np.abs(cross) ** 2 / np.maximum(own.real, 1e-12 * own.real.max(initial=1e-300)) * r.size
+        f, own, _, cross = densities(m.a, r, rate, size)
+        power = np.abs(cross) ** 2 / np.maximum(own, 1e-12 * own.max(initial=1e-300)) * r.size
         inside = np.flatnonzero(
             (power[1:-1] > power[:-2]) & (power[1:-1] >= power[2:]) & (f[1:-1] > 2.0 / (size * m.dt)) & (f[1:-1] < band)
         )
