@@ -87,14 +87,17 @@ def _encoder_noise(inverses: InverseDynamics, plant: Plant) -> float:
     """Return the rms change of the filtered required drive when motion between counts is read in counts.
 
     All encoders at once, through the derivative filter and through operators with memory alike: what the fit would be
-    left with on a drive without noise.
+    left with on a drive without noise. Where the drive's balance counts: at a rest that does not, friction that turns within a
+    count has it flicker by its whole level.
     """
     records = read_again(inverses)
     if records is None:
         return 0.0
     m = inverses.motion
     true, read = (m.filter(required(InverseDynamics(motion(r, m.filter.bandwidth)), plant)) for r in records)
-    return float(np.sqrt(np.mean((read - true)[m.keep] ** 2)))
+    left = (read - true)[m.keep]
+    left = left if inverses.counts is None else left[inverses.counts[0, m.keep]]
+    return float(np.sqrt(np.mean(left**2))) if left.size else 0.0
 
 
 def _coloured(inverses: Sequence[InverseDynamics]) -> bool:

@@ -1,0 +1,48 @@
+"""What noise of the drive and counts of the encoder would leave of a right model."""
+
+import numpy as np
+import pytest
+
+from workbench.definition import find
+from workbench.inverse.dynamics import InverseDynamics, inverse_dynamics
+from workbench.plant import ONE_MASS, Plant
+from workbench.record import IDENTIFICATION, Record
+from workbench.residual.noise_floor import noise_rms
+
+DT, BAND, COUNT = 1e-3, 50.0, 1e-6
+NOISE, LEVEL = 0.1, 30.0  # N, of the drive and of friction
+RESTS = 0.5  # s, of every one and a half
+
+
+def moves_with_rests() -> tuple[Record, np.ndarray]:
+    """Return moves to and fro with rests between, and where (n,) the axis moves. At rest it trembles by a count."""
+    t = DT * np.arange(12_000)
+    period, run = 1.5, 1.5 - RESTS
+    k, s = np.divmod(t, period)
+    s = np.clip(s / run, 0.0, 1.0)
+    way = np.where(k % 2 == 0, 1.0, -1.0)
+    q = 0.05 * np.where(k % 2 == 0, 1.0 - np.cos(np.pi * s), 1.0 + np.cos(np.pi * s)) / 2.0
+    a = way * 0.025 * (np.pi / run) ** 2 * np.cos(np.pi * s) * (s < 1.0)
+    rng = np.random.default_rng(1)
+    drive = a + NOISE * rng.standard_normal(t.size)
+    trembling = np.round(0.7 * np.sin(2 * np.pi * 4.0 * t)) * (s >= 1.0)  # counts
+    read = COUNT * (np.round(q / COUNT) + trembling)
+    record = Record("moves", IDENTIFICATION, t, {"force": drive, "position": read}, resolution={"position": COUNT})
+    return record, s < 1.0
+
+
+def test_white_noise_of_the_drive_is_read_above_the_band():
+    record, _ = moves_with_rests()
+    (inverse,) = inverse_dynamics([record], BAND)
+    inside = inverse.motion.filter(NOISE * np.random.default_rng(2).standard_normal(record.time.size))
+    found = noise_rms([inverse], Plant(ONE_MASS, rotary=False) + find("inertia")(inertia=1.0))["moves"]
+    assert found == pytest.approx(np.std(inside), rel=0.1)
+
+
+def test_friction_that_flickers_within_a_count_at_a_rest_that_does_not_count_is_no_noise():
+    record, moves = moves_with_rests()
+    (everywhere,) = inverse_dynamics([record], BAND)
+    moving = InverseDynamics(everywhere.motion, counts=np.tile(moves, (2, 1)))
+    friction = find("presliding_hysteresis")(h0=LEVEL, x0=COUNT / 3.0)
+    steep = Plant(ONE_MASS, rotary=False) + find("inertia")(inertia=1.0) + friction
+    assert noise_rms([moving], steep)["moves"] < 0.1 * noise_rms([everywhere], steep)["moves"]
