@@ -12,6 +12,7 @@ import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, fields, replace
 from functools import cache, cached_property
+from math import inf
 from types import MappingProxyType, SimpleNamespace
 
 from workbench.errors import WorkbenchError, nearest
@@ -47,7 +48,7 @@ class Effect:
     offered as what a model may lack (False: another spelling of an effect that is, or one that a study has to offer). stated: places at
     which it is declared and not offered, because another effect is traced there that says the same. beside: place -> effect beside
     which alone it is offered there. free_at: parameter -> places at which it may be free; elsewhere it is held, because it changes
-    nothing there. harmonic: parameter of which a second effect of this name at its place has twice the value. rare: where it explains
+    nothing there. signed_at: parameter -> places at which it may be negative; elsewhere it may not. harmonic: parameter of which a second effect of this name at its place has twice the value. rare: where it explains
     no more than another effect as simple, a trace names the other one. label: tells effects of one name at one place apart, as two
     resonances. An effect that can be at a joint and at a sensor is the same map of both, and takes its port from `at`.
     family: class of causes, of which the law is a second question (docs/architecture/ has the list). reduces: parameter ->
@@ -82,6 +83,7 @@ class Effect:
     stated: tuple[str, ...] = ()
     beside: Mapping[str, str] = field(default_factory=dict)
     free_at: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+    signed_at: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     harmonic: str = ""
     rare: bool = False
     label: str = ""
@@ -101,8 +103,10 @@ class Effect:
         held = {
             n: replace(self.parameters[n], fixed=True) for n, places in self.free_at.items() if self.at not in places
         }
-        object.__setattr__(self, "parameters", {**self.parameters, **held})
-        for name in ("parameters", "states", "beside", "free_at", "reduces"):
+        lowest = {n: -inf if self.at in places else 0.0 for n, places in self.signed_at.items()}
+        signed = {n: replace(self.parameters[n], lower=low) for n, low in lowest.items()}
+        object.__setattr__(self, "parameters", {**self.parameters, **held, **signed})
+        for name in ("parameters", "states", "beside", "free_at", "signed_at", "reduces"):
             object.__setattr__(self, name, MappingProxyType(dict(getattr(self, name))))
         if self.port not in PORTS:
             raise WorkbenchError(f"effect '{self.name}': unknown port '{self.port}'; {nearest(self.port, PORTS)}")
@@ -148,14 +152,13 @@ class Effect:
         self, *, at: str | None = None, fixed: bool | None = None, label: str | None = None, **values: float
     ) -> "Effect":
         """Return this effect with inside values set (with fixed=, all of those held or freed), at another place, labelled."""
-        parameters = dict(self.parameters)
+        there = self if at is None else replace(self, at=at)
+        parameters = dict(there.parameters)
         for name, value in values.items():
             if name not in parameters:
                 raise WorkbenchError(f"effect '{self.name}': unknown parameter '{name}'; {nearest(name, parameters)}")
             parameters[name] = parameters[name].at(value, fixed=fixed, where=f"{self.name}.{name}")
-        return replace(
-            self, parameters=parameters, at=self.at if at is None else at, label=self.label if label is None else label
-        )
+        return replace(there, parameters=parameters, label=self.label if label is None else label)
 
     def free(self, *names: str) -> "Effect":
         """Return this effect with the named inside parameters no longer fixed."""

@@ -1,9 +1,14 @@
 """Where engineers declare springs, dampers, weights and offsets of two masses, and what of it a trace offers by itself."""
 
+import numpy as np
 import pytest
 
 from workbench.definition import find
+from workbench.errors import WorkbenchError
+from workbench.identification.fit import identify
+from workbench.inverse.dynamics import inverse_dynamics
 from workbench.plant import ONE_MASS, TWO_MASS, Plant
+from workbench.record import IDENTIFICATION, Record
 from workbench.tracing.candidates import candidates_of
 
 
@@ -37,3 +42,27 @@ def test_a_damper_of_one_mass_is_viscous_friction_and_is_declared_by_either_name
         (c.effect, c.at) for c in candidates_of(Plant(ONE_MASS) + find("inertia"))
     }
     assert plant.effects[-1].at == "axis"
+
+
+@pytest.mark.parametrize(("name", "value"), [("linear_stiffness", "stiffness"), ("cubic_stiffness", "k3")])
+def test_a_joint_holds_together_and_a_magnet_draws_away_from_the_middle(name, value):
+    with pytest.raises(WorkbenchError, match=f"{name}.{value} is -5, outside its physical bounds 0 to inf"):
+        find(name)(**{value: -5.0})
+    there = find(name)(at="axis", **{value: -5.0})
+    assert there.parameters[value].value == -5.0
+    assert there(at="joint").parameters[value].lower == 0.0
+
+
+def test_the_stiffness_of_a_magnetic_bearing_is_identified_with_its_sign():
+    t = 1e-3 * np.arange(4000)
+    q, w = np.zeros(t.size), np.zeros(t.size)
+    for f in (0.7, 3.1, 9.0):
+        q, w = q + 1e-3 / f * np.sin(2 * np.pi * f * t), w - 1e-3 / f * (2 * np.pi * f) ** 2 * np.sin(2 * np.pi * f * t)
+    force = 1.5 * w - 1154.0 * q - 5e8 * q**3
+    record = Record("a", IDENTIFICATION, t, {"force": force, "position": q}, resolution={"position": 1e-9})
+    plant = Plant(ONE_MASS, rotary=False)
+    for effect in (find("inertia"), find("linear_stiffness")(at="axis"), find("cubic_stiffness")(at="axis")):
+        plant += effect
+    found = identify(plant, inverse_dynamics([record], 60.0)).plant
+    assert found["linear_stiffness@axis"].parameters["stiffness"].value == pytest.approx(-1154.0, rel=0.01)
+    assert found["cubic_stiffness@axis"].parameters["k3"].value == pytest.approx(-5e8, rel=0.03)

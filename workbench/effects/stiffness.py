@@ -9,7 +9,7 @@ from workbench.parameter import Parameter
 def linear_stiffness() -> Effect:
     """T = k x: x the joint's deflection; of one mass its position, against a spring to ground that is relaxed at zero.
 
-    On one mass a trace offers `cable_spring`, which is the same with a rest position.
+    A joint holds together, k >= 0; to ground k < 0 too: a magnet that draws the body away from the middle. On one mass a trace offers `cable_spring`, which is the same with a rest position.
     """
 
     def step(s, z, p):
@@ -17,7 +17,7 @@ def linear_stiffness() -> Effect:
 
     return Effect(
         name="linear_stiffness",
-        cause="elastic wind-up of the flexspline, coupling or belt; on one mass a spring to ground",
+        cause="elastic wind-up of the flexspline, coupling or belt; on one mass a spring to ground, or a magnet (k < 0)",
         formula="T = k x",
         source="Hooke's law",
         port=FORCE,
@@ -29,13 +29,15 @@ def linear_stiffness() -> Effect:
         holds=("conservative", "odd"),
         places=("axis", "motor", "load", "joint"),
         stated=("axis", "motor", "load"),
+        signed_at={"stiffness": ("axis", "motor", "load")},
         at="joint",
     )
 
 
 @effect
 def cubic_stiffness() -> Effect:
-    """T = k3 x^3, k3 >= 0: hardening; of a joint in its deflection, of one mass beside a declared spring to ground."""
+    """T = k3 x^3, k3 >= 0: hardening; of a joint in its deflection, of one mass beside a declared spring to ground, where a
+    magnet's has k3 < 0: its pull grows faster than the way."""
 
     def step(s, z, p):
         return {}, p.k3 * (s.q * s.q * s.q)
@@ -54,6 +56,7 @@ def cubic_stiffness() -> Effect:
         step=step,
         holds=("conservative", "odd"),
         places=("axis", "joint"),
+        signed_at={"k3": ("axis",)},
         beside={"axis": "linear_stiffness"},
         at="joint",
     )
