@@ -8,10 +8,12 @@ import numpy as np
 import pytest
 
 from workbench.control.notched import behind
+from workbench.definition import find
 from workbench.description import Equivalent
 from workbench.errors import WorkbenchError
+from workbench.plant import ONE_MASS, Plant
 from workbench.threads import one_thread
-from workbench.tuning import TuningGoal, response, sampled, tune
+from workbench.tuning import TuningGoal, response, sampled, tune, tuned_axis
 from workbench.tuning.axis import Axis
 from workbench.tuning.curve import clenshaw, curve
 from workbench.tuning.problem import solver
@@ -317,3 +319,11 @@ def test_an_axis_or_loop_that_is_none_is_refused(arguments, sentence):
 def test_a_goal_out_of_range_is_refused_by_name(wrong):
     with pytest.raises(WorkbenchError, match=next(iter(wrong))):
         TuningGoal(**wrong)
+
+
+def test_an_axis_that_a_magnet_draws_away_from_the_middle_is_refused_with_what_would_mend_it():
+    magnet = find("linear_stiffness")(at="axis", stiffness=-860.0)
+    plant = Plant(ONE_MASS, rotary=False) + find("inertia")(inertia=3.0) + magnet
+    stiff = find("cubic_stiffness")(at="axis", k3=4e12)  # from 17 um on the flexure holds it
+    with pytest.raises(WorkbenchError, match=r"At amplitude 1e-05 m .* with 560 N/m.*docs/compensation.md"):
+        tuned_axis(plant + stiff, np.array([1e-5, 1e-4]), TuningGoal(), loop())

@@ -54,6 +54,19 @@ def equivalent_from(amplitudes: Sequence[float], force: np.ndarray) -> Equivalen
     return Equivalent(a, np.maximum(stiffness, 0.0), np.maximum(loss, 0.0))
 
 
+def drawn_away(plant: Plant, amplitudes: Sequence[float]) -> np.ndarray:
+    """Return -k_e (n,), N*m/rad or N/m, of a plant's springs at amplitudes (n,) where they draw away from the middle; 0 where they hold."""
+    springs = plant
+    for e in plant.effects:
+        if not e.signed_at:
+            springs = springs.without(e.key)
+    if not springs.effects:
+        return np.zeros(len(amplitudes))
+    phase = 2 * np.pi * np.arange(SAMPLES) / SAMPLES
+    force = cycles_of(springs, amplitudes, np.ones(len(amplitudes)), counts=0.0)
+    return np.maximum([-2 * np.mean(f * np.cos(phase)) / x for f, x in zip(force, amplitudes, strict=True)], 0.0)
+
+
 def cycles_of(plant: Plant, amplitudes: Sequence[float], omegas: Sequence[float], counts: float) -> np.ndarray:
     """Return the forces (n, SAMPLES), N*m or N, along settled cycles q = A cos(f); arguments as of equivalent_of."""
     out = np.empty((len(amplitudes), SAMPLES))

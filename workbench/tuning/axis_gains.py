@@ -6,7 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from workbench.description import Equivalent, equivalent_of, friction_of
-from workbench.description.friction import RigidAxis
+from workbench.description.friction import RigidAxis, drawn_away
+from workbench.errors import WorkbenchError
 from workbench.frequency import Response
 from workbench.plant import Plant
 from workbench.tuning.gains import Gains
@@ -47,9 +48,18 @@ def tuned_axis(
     """Return the equivalent friction of a plant of one mass and the gains tuned to it, at amplitudes (n,), rad or m.
 
     loop: sample_time, delay, velocity_filter (s), resolution. response: a measured frequency response whose modes limit the gains too.
-    Margins are asked of the schedule that comes of the gains, not of these.
+    Margins are asked of the schedule that comes of the gains, not of these. WorkbenchError: no gains keep the goal (OutOfReach), or
+    the plant's springs draw the axis away from the middle.
     """
     rigid = friction_of(plant)
+    pull = drawn_away(rigid.friction, amplitudes)
+    if pull.any():
+        i, place = int(np.argmax(pull)), "rad" if plant.rotary else "m"
+        raise WorkbenchError(
+            f"At amplitude {amplitudes[i]:.3g} {place} the plant's springs draw the axis away from the middle with {pull[i]:.3g} {plant.effort}/{place}, and PD"
+            " gains are tuned to axes that stay where they are left; take the springs out of the plant and add their force to the command"
+            " (docs/compensation.md)."
+        )
     omega = np.minimum(np.sqrt(goal.drive / (amplitudes * rigid.inertia)), FASTEST / loop.sample_time)
     for _ in range(ROUNDS):
         equivalent = equivalent_of(rigid.friction, amplitudes, omega, loop.resolution)
