@@ -103,8 +103,10 @@ class Effect:
         held = {
             n: replace(self.parameters[n], fixed=True) for n, places in self.free_at.items() if self.at not in places
         }
-        lowest = {n: -inf if self.at in places else 0.0 for n, places in self.signed_at.items()}
-        signed = {n: replace(self.parameters[n], lower=low) for n, low in lowest.items()}
+        lowest = {n: (0.0, -inf) if self.at in places else (-inf, 0.0) for n, places in self.signed_at.items()}
+        signed = {  # a bound that a search has drawn closer stays
+            n: replace(self.parameters[n], lower=to) for n, (of, to) in lowest.items() if self.parameters[n].lower == of
+        }
         object.__setattr__(self, "parameters", {**self.parameters, **held, **signed})
         for name in ("parameters", "states", "beside", "free_at", "signed_at", "reduces"):
             object.__setattr__(self, name, MappingProxyType(dict(getattr(self, name))))

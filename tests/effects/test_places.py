@@ -1,5 +1,7 @@
 """Where engineers declare springs, dampers, weights and offsets of two masses, and what of it a trace offers by itself."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -51,6 +53,8 @@ def test_a_joint_holds_together_and_a_magnet_draws_away_from_the_middle(name, va
     there = find(name)(at="axis", **{value: -5.0})
     assert there.parameters[value].value == -5.0
     assert there(at="joint").parameters[value].lower == 0.0
+    closer = replace(find(name).parameters[value], lower=3.0)
+    assert replace(there, at="joint", parameters={value: closer}).parameters[value].lower == 3.0
 
 
 def test_the_stiffness_of_a_magnetic_bearing_is_identified_with_its_sign():

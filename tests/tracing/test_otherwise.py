@@ -11,7 +11,7 @@ from workbench.definition import find
 from workbench.inverse.dynamics import inverse_dynamics
 from workbench.plant import ONE_MASS, Plant
 from workbench.record import IDENTIFICATION, VALIDATION, Record, Source
-from workbench.tracing import free_law, greedy, ranking
+from workbench.tracing import free_law, greedy, ranking, tracing
 from workbench.tracing.candidates import Offer, candidates_of
 from workbench.tracing.judge import STANDARD
 from workbench.tracing.starts import resonances
@@ -76,6 +76,33 @@ def test_friction_over_a_root_of_speed_is_no_two_laws(monkeypatch):
     found = trace(PLANT, inverse_dynamics(records, 50.0), only=("nonlinear_viscous_friction", "stribeck_friction"))
     assert found.added == ("nonlinear_viscous_friction",)
     assert found.causes[0].form == "power_law_friction" and found.after.validation < 0.05
+
+
+def limited(name: str, role: str, seconds: float, scale: float) -> Record:
+    """A record of heavy motion whose drive gives a quarter of what it is asked for beyond a knee."""
+    t = DT * np.arange(round(seconds / DT))
+    waves = [(0.6 * scale, 3.1, 0.5), (0.5 * scale, 9.0, 1.0), (0.3 * scale, 23.0, 2.0)]
+    q = sum(s / w * np.sin(w * t + k * len(name)) for s, w, k in waves)
+    v = sum(s * np.cos(w * t + k * len(name)) for s, w, k in waves)
+    a = sum(-s * w * np.sin(w * t + k * len(name)) for s, w, k in waves)
+    acts = 0.01 * a + 0.02 * v + 0.03 * np.sign(v)
+    asked = np.sign(acts) * (np.abs(acts) + 3.0 * np.maximum(np.abs(acts) - 0.095, 0.0))
+    drive = asked + 0.002 * np.random.default_rng(len(name)).normal(size=t.size)
+    channels = {"torque": drive, "position": COUNT * np.round(q / COUNT), "reference": q}
+    return Record(name, role, t, channels, {}, SOURCE, {"position": COUNT})
+
+
+def test_what_a_formula_leaves_of_its_law_is_taken_by_the_curve_of_its_class(monkeypatch):
+    """A drive with a knee saturates by no power of the command: the formula names it and leaves a tenth."""
+    rows = (("a", IDENTIFICATION, 8.0, 1.0), ("bb", IDENTIFICATION, 8.0, 0.7), ("ccc", VALIDATION, 6.0, 0.9))
+    inverses = inverse_dynamics([limited(*row) for row in rows], 50.0)
+    plant = PLANT.swap(find("inertia")(inertia=0.01, fixed=True))
+    curve = trace(plant, inverses)
+    monkeypatch.setattr(tracing, "as_a_curve", lambda selected, confirmed, *_: (selected, confirmed))
+    formula = trace(plant, inverses)
+    named = [[(c.effect, c.form) for c in found.causes] for found in (curve, formula)]
+    assert named == [[("torque_constant_saturation", "drive_over_command")], [("torque_constant_saturation", "")]]
+    assert curve.extended.validation < 0.03 < 0.1 < formula.extended.validation
 
 
 def test_a_body_on_a_spring_may_be_counted_in_a_mass_from_a_data_sheet():

@@ -91,6 +91,52 @@ def in_place_of_two(
     return selected, confirmed
 
 
+def as_a_curve(
+    selected: Selection,
+    confirmed: Confirmed,
+    late: Declared,
+    offer: Offer,
+    criteria: Criteria,
+    progress: Progress,
+) -> tuple[Selection, Confirmed]:
+    """Return both with the free form of its class in the place of the addition that takes most, where it leaves less in either role, by
+    `beside` of the drive.
+
+    A formula that takes `near` of what its class can take names the cause, and may leave much of it: of a drive that saturates,
+    a tenth; what comes near to that dresses it then.
+    """
+    if not confirmed.added or confirmed.fits[-1].identification < criteria.beside:
+        return selected, confirmed
+    j = max(zip(confirmed.added, confirmed.weighed, strict=True), key=lambda x: x[1].size(IDENTIFICATION))[0]
+    if j.candidate.kind != ADDITION or j.candidate.instead:
+        return selected, confirmed
+    progress(f"asking what {j.candidate.key} leaves of its law")
+    now = confirmed.fits[-1]
+    for k in _free(selected, j, offer, criteria):
+        added = [k if a is j else a for a in confirmed.added]
+        kept, fits = nested_fits(late, added, as_declared(k.state.plant, selected.laws))
+        left = (getattr(now, r) ** 2 - getattr(fits[-1], r) ** 2 for r in (IDENTIFICATION, VALIDATION))
+        if len(kept) == len(added) and all(x >= criteria.beside**2 for x in left):
+            return _instead(selected, confirmed, k, kept, fits, late, criteria)
+    return selected, confirmed
+
+
+def _free(selected: Selection, j: ScoredCandidate, offer: Offer, criteria: Criteria) -> list[ScoredCandidate]:
+    """Return the free form of an addition's class in its place, beside all else that was added, under its name; none where there is none."""
+    if j.candidate.family not in FREE_FORMS or j.candidate.family == MEMORY or j.candidate.stands:
+        return []
+    last = selected.answer.last
+    try:
+        state = State(without(last.plant, j.candidate, selected.base.plant), last.inverses)
+    except NoValue:
+        return []
+    forms = free_forms(state.plant, state.inverses, [j.candidate.family], state.residuals)
+    found = [ScoredCandidate(f.candidate, **judged(state, f.candidate, criteria, offer.budget)) for f in forms]
+    here = [k for k in found if k.candidate.at == j.candidate.at and k.score.earns and k.theta is not None]
+    fitted = (refitted_as(state, k, criteria) for k in here)
+    return [_called(k, j, ()) for k in fitted if k.state]
+
+
 def _of_one_class(confirmed: Confirmed) -> tuple[ScoredCandidate, ScoredCandidate] | None:
     """Return two additions of one class at one place, the one that takes more first, where the class has another law of that one's name."""
     sizes = zip(confirmed.added, (w.size(IDENTIFICATION) for w in confirmed.weighed), strict=True)

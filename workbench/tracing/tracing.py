@@ -23,7 +23,7 @@ from workbench.tracing.evidence import CORRECTION, Evidence
 from workbench.tracing.explainable import explainable
 from workbench.tracing.foreseen import loaded
 from workbench.tracing.judge import STANDARD, Progress, ScoredCandidate
-from workbench.tracing.otherwise import in_place_of_two, otherwise
+from workbench.tracing.otherwise import as_a_curve, in_place_of_two, otherwise
 from workbench.tracing.preparing import Declared, prepared, without_rest
 from workbench.tracing.reporting import Outcome, reported
 from workbench.tracing.result import Trace
@@ -83,6 +83,7 @@ def _decided(late: Declared, selected: Selection, offer: Offer, criteria: Criter
         if first:
             progress("weighing the evidence")
             selected, confirmed = otherwise(selected, confirmed, late, offer, criteria, progress)
+            selected, confirmed = as_a_curve(selected, confirmed, late, offer, criteria, progress)
             selected, confirmed = in_place_of_two(selected, confirmed, late, offer, criteria, progress)
             evidence, place = _evidence_of(selected, confirmed, late, inverses, criteria)
         evidence = replace(evidence, added=confirmed.weighed)
