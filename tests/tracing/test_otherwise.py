@@ -102,7 +102,7 @@ def test_what_a_formula_leaves_of_its_law_is_taken_by_the_curve_of_its_class(mon
     formula = trace(plant, inverses)
     named = [[(c.effect, c.form) for c in found.causes] for found in (curve, formula)]
     assert named == [[("torque_constant_saturation", "drive_over_command")], [("torque_constant_saturation", "")]]
-    assert curve.extended.validation < 0.03 < 0.1 < formula.extended.validation
+    assert curve.extended.validation < 0.07 < 0.1 < formula.extended.validation
 
 
 def test_a_body_on_a_spring_may_be_counted_in_a_mass_from_a_data_sheet():

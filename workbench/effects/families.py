@@ -25,8 +25,8 @@ class FreeForm:
     spacing, count: of the knots, for `knots_of`. "log" where laws change by factors (a Stribeck velocity may lie anywhere over
     three decades), "even" where they change by distance. Of twelve knots over speed, what is left of a law is at most 3 % of
     Stribeck's or a film's and 15 % of a quadratic one; of six, 20 % and 53 %; of 24, 1 % and 3 %, at twice the time and with
-    levels that 40 s of record no longer tell apart. A drive that gives a quarter of what it is asked for beyond a knee leaves 2.4 % of
-    nine knots over the command, 6.3 % of five. nearest: traced law whose name a curve of the class bears that is no wave and no formula.
+    levels that 40 s of record no longer tell apart. A drive that gives a quarter of what it is asked for beyond a knee leaves 6.3 % of
+    five knots over the command, and 2.4 % of nine, with which a damper of dry friction behind a gap (BRFD) is a drive that saturates. nearest: traced law whose name a curve of the class bears that is no wave and no formula.
     """
 
     make: Callable[[Sequence[float], Sequence[Effect], str], Effect]
@@ -60,7 +60,7 @@ FREE_FORMS: dict[str, FreeForm] = {
     "force over time": FreeForm(curves.force_over_time, "t", False, "even", 16),
     "joint stiffness": FreeForm(curves.force_over_position, "q", False, "even", 13),
     "angle over angle": FreeForm(_angle, "motor_q", False, "order", 1, "joint"),
-    "drive over command": FreeForm(_command, "u", True, "even", 9, "command"),
+    "drive over command": FreeForm(_command, "u", True, "even", 5, "command"),
     "creep": FreeForm(_creep, "dt", False, "log", 8),
 }
 WITHOUT = (
