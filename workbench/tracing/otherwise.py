@@ -111,30 +111,15 @@ def as_a_curve(
     if j.candidate.kind != ADDITION or j.candidate.instead:
         return selected, confirmed
     progress(f"asking what {j.candidate.key} leaves of its law")
-    now = confirmed.fits[-1]
-    for k in _free(selected, j, offer, criteria):
+    now, state = confirmed.fits[-1], _less(selected, j)
+    curves = _curves(state, j, offer, criteria) if state else []
+    for k in _fitted(state, curves, j, (), offer, criteria) if state else ():
         added = [k if a is j else a for a in confirmed.added]
         kept, fits = nested_fits(late, added, as_declared(k.state.plant, selected.laws))
         left = (getattr(now, r) ** 2 - getattr(fits[-1], r) ** 2 for r in (IDENTIFICATION, VALIDATION))
         if len(kept) == len(added) and all(x >= criteria.beside**2 for x in left):
             return _instead(selected, confirmed, k, kept, fits, late, criteria)
     return selected, confirmed
-
-
-def _free(selected: Selection, j: ScoredCandidate, offer: Offer, criteria: Criteria) -> list[ScoredCandidate]:
-    """Return the free form of an addition's class in its place, beside all else that was added, under its name; none where there is none."""
-    if j.candidate.family not in FREE_FORMS or j.candidate.family == MEMORY or j.candidate.stands:
-        return []
-    last = selected.answer.last
-    try:
-        state = State(without(last.plant, j.candidate, selected.base.plant), last.inverses)
-    except NoValue:
-        return []
-    forms = free_forms(state.plant, state.inverses, [j.candidate.family], state.residuals)
-    found = [ScoredCandidate(f.candidate, **judged(state, f.candidate, criteria, offer.budget)) for f in forms]
-    here = [k for k in found if k.candidate.at == j.candidate.at and k.score.earns and k.theta is not None]
-    fitted = (refitted_as(state, k, criteria) for k in here)
-    return [_called(k, j, ()) for k in fitted if k.state]
 
 
 def _of_one_class(confirmed: Confirmed) -> tuple[ScoredCandidate, ScoredCandidate] | None:
@@ -195,13 +180,10 @@ def _laws(
 ) -> list[ScoredCandidate]:
     """Return the other laws of an addition's class at its place, fitted beside all else that was added, best first. beside: another
     addition, in whose place they would be as well, when those of another spelling alone are asked."""
-    last = selected.answer.last
-    plant = without(last.plant, j.candidate, selected.base.plant)
-    try:
-        state = State(without(plant, beside.candidate, selected.base.plant) if beside else plant, last.inverses)
-    except NoValue:
+    state = _less(selected, j, beside)
+    if state is None:
         return []
-    own = last.plant[j.candidate.key]
+    own = selected.answer.last.plant[j.candidate.key]
     same = [e for e in catalogue().values() if e.name != own.name and e.family == own.family]
     asked = [e for e in same if e.traced and beside is None and (offer.only is None or e.name in offer.only)]
     near = [e for e in spellings_of(j.candidate) if e.name != own.name]
@@ -210,14 +192,43 @@ def _laws(
         known = {**offer.stands_for, **{law.key: law.declared for law in selected.laws}}
         offered = replace(offer, only={e.name for e in (*asked, *near)}, own=(*offer.own, *near), stands_for=known)
         found += step(state, progress, offered, criteria)
-    free = beside is None and not j.candidate.stands
-    if (family := j.candidate.family) in FREE_FORMS and family != MEMORY and free:
-        forms = free_forms(state.plant, state.inverses, [family], state.residuals)
-        found += [ScoredCandidate(f.candidate, **judged(state, f.candidate, criteria, offer.budget)) for f in forms]
+    if beside is None:
+        found += _curves(state, j, offer, criteria)
+    return _fitted(state, found, j, {e.name for e in asked}, offer, criteria)
+
+
+def _less(selected: Selection, j: ScoredCandidate, beside: ScoredCandidate | None = None) -> State | None:
+    """Return the state without an addition, and without another one `beside` it; None where it has no value."""
+    last = selected.answer.last
+    plant = without(last.plant, j.candidate, selected.base.plant)
+    try:
+        return State(without(plant, beside.candidate, selected.base.plant) if beside else plant, last.inverses)
+    except NoValue:
+        return None
+
+
+def _curves(state: State, j: ScoredCandidate, offer: Offer, criteria: Criteria) -> list[ScoredCandidate]:
+    """Return the free form of an addition's class, judged; none where it stands for it already, or there is none."""
+    family = j.candidate.family
+    if family not in FREE_FORMS or family == MEMORY or j.candidate.stands:
+        return []
+    forms = free_forms(state.plant, state.inverses, [family], state.residuals)
+    return [ScoredCandidate(f.candidate, **judged(state, f.candidate, criteria, offer.budget)) for f in forms]
+
+
+def _fitted(
+    state: State,
+    found: Sequence[ScoredCandidate],
+    j: ScoredCandidate,
+    named: Collection[str],
+    offer: Offer,
+    criteria: Criteria,
+) -> list[ScoredCandidate]:
+    """Return what of judged laws earns its place where an addition is, with everything free, best first. named: as `_called` takes them."""
     here = [k for k in found if k.candidate.at == j.candidate.at and k.score.earns and k.theta is not None]
     best = sorted(here, key=lambda k: (k.errors.total, k.candidate.key))[: offer.budget.laws]
     fitted = (k if k.state else refitted_as(state, k, criteria) for k in best)
-    return [_called(k, j, {e.name for e in asked}) for k in fitted if k.state]
+    return [_called(k, j, named) for k in fitted if k.state]
 
 
 def _called(k: ScoredCandidate, j: ScoredCandidate, named: Collection[str]) -> ScoredCandidate:
