@@ -122,6 +122,37 @@ def slack_cable() -> Effect:
 
 
 @effect
+def hardening_cable() -> Effect:
+    """T = k (q - rest) + k3 (q - rest)^3, k3 >= 0: a cable or a flexure that pulls the harder, the farther it is bent."""
+
+    def step(s, z, p):
+        x = s.q - p.rest
+        return {}, p.stiffness * x + p.cubic * (x * x * x)
+
+    return Effect(
+        name="hardening_cable",
+        cause="a cable wrap, a hose or a flexure that stiffens as it is bent, about a rest position",
+        formula="T = k (q - rest) + k3 (q - rest)^3",
+        source="Duffing 1918",
+        port=FORCE,
+        family="force over position",
+        parameters={
+            "stiffness": Parameter(0.0, "F/x", "stiffness at rest", lower=0.0),
+            "cubic": Parameter(0.0, "F/x^3", "cubic stiffness", lower=0.0),
+            "rest": Parameter(0.0, "x", "rest position", scale="place"),
+        },
+        linear=("stiffness", "cubic"),
+        reads=("q",),
+        step=step,
+        holds=("conservative",),
+        places=("axis", "motor", "load"),
+        stated=("motor",),
+        traced=False,
+        nearest="cable_spring",
+    )
+
+
+@effect
 def constant_offset() -> Effect:
     """T = offset."""
 

@@ -130,9 +130,9 @@ def _of_one_class(confirmed: Confirmed) -> tuple[ScoredCandidate, ScoredCandidat
     ]
     named = {e.nearest for e in catalogue().values() if not e.traced}
     of = [(j, (j.candidate.family, j.candidate.at)) for j in added]
-    return next(
-        ((j, k) for n, (j, x) in enumerate(of) for k, y in of[n + 1 :] if x == y and j.candidate.name in named), None
-    )
+    pairs = ((j, k) for n, (j, x) in enumerate(of) for k, y in of[n + 1 :] if x == y)
+    asked = (p for j, k in pairs for p in ((j, k), (k, j)) if p[0].candidate.name in named)
+    return next(asked, None)
 
 
 def _instead(
