@@ -22,10 +22,12 @@ T = 1e-3 * np.arange(4000)
         ("presliding_hysteresis", {"h0": 1.0, "x0": 1e-3}, True),
         ("slack_cable", {"right": 1.0, "left": 1.0, "place": 0.0, "exponent": 1.0}, True),  # two straight springs
         ("slack_cable", {"right": 1.0, "left": 1.0, "place": 0.0, "exponent": 4.0}, False),
+        ("kinematic_error", {"sine": 1e-4, "cosine": 1e-4, "order": 50.0}, False),  # 1.6 periods
+        ("kinematic_error", {"sine": 1e-4, "cosine": 1e-4, "order": 80.0}, True),  # 2.5
     ],
 )
-def test_a_share_may_be_all_or_none_and_a_length_no_longer_than_the_travel(name, values, machine):
-    effect = find(name)(**values)
+def test_a_share_may_be_all_or_none_and_a_length_or_a_wave_no_longer_than_the_travel(name, values, machine):
+    effect = find(name)(**values, at="axis" if "axis" in find(name).places else "sensor.position")
     plant = Plant(ONE_MASS) + find("inertia") + effect
     record = Record("r", IDENTIFICATION, T, {"torque": np.sin(T), "position": 0.1 * np.sin(3.0 * T)})
     assert (implausible(effect, plant, plant, inverse_dynamics([record], 60.0)) == "") is machine

@@ -14,6 +14,9 @@ LARGEST_ECCENTRICITY = 0.0175  # rad: a disc that reads a degree wrong would not
 # Slope of a wave in an angle or a scale: gears and discs stay below a few per cent. Of 232 axes one wave had 0.13, one 0.29, the others 0.04
 # and less: halved, no change; doubled, one that dresses friction is believed
 STEEPEST = 0.1
+# Periods of a wave within the travel, below which it is not seen to return: a hose taut at one end of the stroke was a cogging of 1.7. Halved,
+# it is again; doubled, nothing changes: of thirteen cogging forces that were missing the travel held 5.2 and more
+RETURNS = 2.0
 FACTOR = 5.0  # by which a data-sheet value may be off before its unit is to be doubted; `check` allows as much
 # parameters that may stand on their bound as a law of their own (a gap: no stiffness inside; a change that has not begun to settle; all of
 # the inertia behind a contact, or none); so may an exponent at 1, which is a straight line
@@ -44,6 +47,8 @@ def implausible(effect: Effect, plant: Plant, declared: Plant, inverses: Sequenc
             return "an eccentricity of degrees would not have been mounted"
         if effect.name == "kinematic_error" and size * values["order"].value > STEEPEST:
             return f"with it the axis would run {100 * size * values['order'].value:.0f} % too fast in places"
+        if effect.name == "kinematic_error" and not returns(effect, inverses):
+            return f"the travel holds fewer than {RETURNS:g} of its periods, and does not show it to return"
     known = {e.key: e for e in declared.effects}
     if effect.key in known:
         for name, p in known[effect.key].parameters.items():
@@ -51,3 +56,9 @@ def implausible(effect: Effect, plant: Plant, declared: Plant, inverses: Sequenc
             if p.fixed and p.value != 0.0 and not 1.0 / FACTOR < new / p.value < FACTOR:
                 return f"its {p.meaning} would be {new / p.value:.3g} times the declared value"
     return ""
+
+
+def returns(wave: Effect, inverses: Sequence[InverseDynamics]) -> bool:
+    """Whether the travel shows an effect with an `order` to return: it holds RETURNS of its periods."""
+    travel = max(float(np.ptp(p.motion.q)) for p in inverses)
+    return wave.parameters["order"].value * travel >= RETURNS * 2.0 * np.pi

@@ -7,19 +7,14 @@ is a law of the class with a number more; offered in every round they would dres
 from collections.abc import Sequence
 from dataclasses import replace
 
-import numpy as np
-
 from workbench.definition import FORCE, Effect, catalogue
 from workbench.processes import shared
 from workbench.tracing.candidates import ADDITION, Candidate, Offer
 from workbench.tracing.criteria import Criteria
 from workbench.tracing.judge import ScoredCandidate, judged
+from workbench.tracing.plausible import returns
 from workbench.tracing.ranking import absurd, alike
 from workbench.tracing.state import State
-
-# Periods of a wave within the travel, below which it is not seen to return: a hose taut at one end of the stroke was a cogging of 1.7. Halved,
-# it is again; doubled, nothing changes: of thirteen cogging forces that were missing the travel held 5.2 and more
-RETURNS = 2.0
 
 
 def spellings_of(candidate: Candidate) -> list[Effect]:
@@ -117,12 +112,11 @@ def no_wave(
 
 
 def hardly_returns(j: ScoredCandidate, state: State) -> bool:
-    """Whether a fitted force in position is a wave of which the travel holds less than RETURNS periods."""
+    """Whether a fitted force in position is a wave that the travel does not show to return."""
     effect = j.refitted.plant[j.candidate.key] if j.refitted else None
     if effect is None or effect.port != FORCE or "order" not in effect.parameters:
         return False
-    travel = max(float(np.ptp(p.motion.q)) for p in state.inverses)
-    return effect.parameters["order"].value * travel < RETURNS * 2.0 * np.pi
+    return not returns(effect, state.inverses)
 
 
 def _rare(j: ScoredCandidate) -> bool:

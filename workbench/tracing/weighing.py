@@ -7,7 +7,7 @@ from workbench.definition import catalogue
 from workbench.identification.result import Fit
 from workbench.inverse.carrying import load_errors
 from workbench.inverse.dynamics import InverseDynamics
-from workbench.plant import TWO_MASS, Plant
+from workbench.plant import ONE_MASS, TWO_MASS, Plant
 from workbench.record import IDENTIFICATION, ROLES, VALIDATION
 from workbench.residual.noise_floor import noise_rms
 from workbench.tracing.criteria import Criteria
@@ -81,19 +81,25 @@ def weighed(
             **_outside(fits[i].plant, fits[i + 1].plant, selected.declared.inverses),
         )
         found.append(_phased(w, fits[i + 1], key, inverses) if present else w)
-    return tuple(replace(w, same_curve=_bends(w, found)) for w in found)
+    return tuple(replace(w, same_curve=bends(w, found, declared.kind)) for w in found)
 
 
-def _bends(w: Weighed, found: Sequence[Weighed]) -> bool:
+def bends(w: Weighed, found: Sequence[Weighed], kind: str) -> bool:
     """Whether an addition only bends the law of a larger one: both are of a family of which a place has one curve, or it has values that
-    no machine has (a wave as long as the travel, beside a hose that pulls not quite as a spring does)."""
+    no machine has (a wave as long as the travel, beside a hose that pulls not quite as a spring does). Of one mass what is late is one
+    thing, wherever: an actuator of two time constants is no lag beside a late encoder. kind: of the plant."""
 
     def family(x: Weighed) -> str:
         return catalogue()[x.effect.partition(" ")[0]].family if x.kind == ADDITION else ""
 
     own = family(w)
-    larger = (x for x in found if x is not w and x.at == w.at and x.size(IDENTIFICATION) >= w.size(IDENTIFICATION))
-    return bool(own in ONE_CURVE or w.implausible) and any(family(x) == own for x in larger)
+    anywhere = kind == ONE_MASS and own == "time"
+    larger = (
+        x
+        for x in found
+        if x is not w and (anywhere or x.at == w.at) and x.size(IDENTIFICATION) >= w.size(IDENTIFICATION)
+    )
+    return bool(anywhere or own in ONE_CURVE or w.implausible) and any(family(x) == own for x in larger)
 
 
 def _outside(before: Plant, after: Plant, inverses: Sequence[InverseDynamics]) -> dict[str, float]:
