@@ -117,3 +117,13 @@ def test_what_comes_and_goes_with_the_motion_is_no_jump_of_the_level():
     known = samples(rng)
     residual, model = residual_of(np.sin(3 * known.q + 1) * known.q, known, rng)
     assert change_windows(residual, known, model) is None
+
+
+def test_a_level_that_jumps_after_the_last_sample_jumps_nowhere():
+    t = 1e-2 * np.arange(400)
+    residual = np.where(t < 2.0, 1.0, -1.0) + 0.1 * np.random.default_rng(1).standard_normal(t.size)
+    model = Linear(np.sin(t)[:, None])
+    drive = np.ones(t.size, bool)
+    left = with_change_points(residual, t, drive, model, [2.0, t[-1] + 1.0])
+    np.testing.assert_array_equal(left, with_change_points(residual, t, drive, model, [2.0]))
+    assert np.std(left) < 0.2

@@ -51,6 +51,15 @@ CASES = {
         replace(evidence(weighed("encoder_eccentricity", (0.073, 0.005), (0.068, 0.004))), before=Explainable(exogenous=0.07, inertia=0.0735)),
         CAUSE, (CAUSE,),
     ),
+    "it is there though the reference foretells nothing of it, and what no machine has takes as much": (
+        replace(
+            evidence(
+                weighed("inertia", (0.23, 0.168), (0.17, 0.143), CORRECTION, changed=0.15, tolerance=0.01),
+                weighed("kinematic_error", (0.168, 0.094), (0.143, 0.085), implausible="its order stands on its bound"), before=0.0,
+            ),
+            before=Explainable(inertia=0.16),
+        ), UNKNOWN, (DRESSING, DRESSING),
+    ),
     "an inertia that changes along the stroke is no sixth kind of what is explainable": (
         replace(evidence(), before=Explainable(exogenous=0.004, inertia=0.02)), NOTHING, (),
     ),

@@ -68,10 +68,11 @@ def _records(t: np.ndarray, drive: np.ndarray) -> tuple[np.ndarray, list[int]]:
 def with_change_points(
     residual: np.ndarray, t: np.ndarray, drive: np.ndarray, model: Deviations, times: Sequence[float]
 ) -> np.ndarray:
-    """Return what a model leaves of a residual (N,) where its level may jump at these times, s, and from record to record."""
+    """Return what a model leaves of a residual (N,) where its level may jump at these times, s, and from record to record; after
+    the last sample nothing jumps."""
     rows, starts = _records(t, drive)
     at = np.searchsorted(t[rows], times)
-    return PiecewiseOffset(residual, drive, model).fitted(rows[np.unique([*starts, *at])])[0]
+    return PiecewiseOffset(residual, drive, model).fitted(rows[np.unique([*starts, *at[at < rows.size]])])[0]
 
 
 class PiecewiseOffset:
