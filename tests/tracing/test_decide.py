@@ -124,6 +124,23 @@ CASES = {
             ), before=0.0065,
         ), NOTHING, (NOT_BORNE_OUT,),
     ),
+    "a declared friction behind the joint is only nearly right where the drive shows little of its memory": (
+        evidence(
+            weighed("piecewise_stiffness", (0.085, 0.0113), (0.069, 0.0078)),
+            weighed(
+                "fading_memory", (0.0115, 0.0113), (0.008, 0.0077), of_declared=True,
+                load_before={"identification": 0.047, "validation": 0.032}, load_after={"identification": 0.029, "validation": 0.018},
+            ),
+        ), CAUSE, (CAUSE, REFINEMENT),
+    ),
+    "where the drive shows it, its memory is missing": (
+        evidence(
+            weighed(
+                "presliding_hysteresis", (0.117, 0.0108), (0.123, 0.0095), of_declared=True,
+                load_before={"identification": 0.56, "validation": 0.57}, load_after={"identification": 0.016, "validation": 0.015},
+            ),
+        ), CAUSE, (CAUSE,),
+    ),
     "one place that says more than the effects": (
         evidence(weighed(), before=0.05, after=0.04, place_instead=True), UNKNOWN, (DRESSING,),
     ),

@@ -65,7 +65,8 @@ class Weighed:
     what acts behind the joint shows there, and need not show in the drive. outside, outside_error: its multiplier by what is outside
     the loop, and that one's standard error (`outside.multiplier`). power_up: whether its phase on validation is one of its
     own, with which `after` is then. same_curve: whether a larger addition says the same curve (a joint has one of torque over
-    angle; a wave that no machine has beside a spring), so that this one only bends its law.
+    angle; a wave that no machine has beside a spring), so that this one only bends its law. of_declared: whether it is a memory of the dry
+    friction that is declared at its place.
     """
 
     effect: str
@@ -81,6 +82,7 @@ class Weighed:
     load_after: Mapping[str, float] = field(default_factory=dict)
     power_up: bool = False
     same_curve: bool = False
+    of_declared: bool = False
     outside: float = float("nan")
     outside_error: float = float("inf")
 
@@ -107,6 +109,10 @@ class Weighed:
         before, after = self.errors(role)
         less = before**2 - after**2
         return copysign(sqrt(abs(less)), less)
+
+    def in_drive(self, role: str) -> float:
+        """Return what it takes away over the rms of the drive, wherever it shows most; 0 where the error grows."""
+        return sqrt(max(self.before[role] ** 2 - self.after[role] ** 2, 0.0))
 
     def of_drive(self, role: str) -> float:
         """Return the share of the drive's residual power that it takes away, wherever it shows most."""

@@ -12,6 +12,7 @@ from workbench.record import IDENTIFICATION, ROLES, VALIDATION
 from workbench.residual.noise_floor import noise_rms
 from workbench.tracing.criteria import Criteria
 from workbench.tracing.evidence import ADDITION, CORRECTION, Weighed
+from workbench.tracing.free_forms import MEMORY
 from workbench.tracing.full_rate import nested_fits
 from workbench.tracing.judge import ScoredCandidate
 from workbench.tracing.near_law import NAME
@@ -75,6 +76,7 @@ def weighed(
             changed=_change(declared, fits[-1], key) if j.candidate.kind == CORRECTION and present else 0.0,
             tolerance=criteria.tolerance,
             law="free form" if j.candidate.stands else "catalogue",
+            of_declared=_memory_of(j, declared),
             implausible=implausible(last[key], last, declared, selected.declared.inverses) if present else "",
             load_before=load[i],
             load_after=load[i + 1],
@@ -82,6 +84,14 @@ def weighed(
         )
         found.append(_phased(w, fits[i + 1], key, inverses) if present else w)
     return tuple(replace(w, same_curve=bends(w, found, declared.kind)) for w in found)
+
+
+def _memory_of(j: ScoredCandidate, declared: Plant) -> bool:
+    """Whether an addition is friction with memory where dry friction is declared."""
+    at = j.candidate.at
+    return j.candidate.family == MEMORY and any(
+        e.at == at and {"dir"} & {*e.reads, *e.provides} for e in declared.effects
+    )
 
 
 def bends(w: Weighed, found: Sequence[Weighed], kind: str) -> bool:
