@@ -69,6 +69,27 @@ def test_a_joint_is_identified_whatever_the_zeros_of_its_encoders(apart):
         assert said == [] and relaxed(records, BAND) == tuple(records)
 
 
+def counted(record: Record, first: int) -> Record:
+    """Return a record from a sample on, with encoders of a microradian."""
+    channels = {n: x[first:] for n, x in record.channels.items()}
+    return replace(
+        record,
+        time=record.time[first:],
+        channels=channels,
+        resolution=dict.fromkeys(("position", "load_position"), 1e-6),
+    )
+
+
+def test_a_record_that_begins_with_its_joint_wound_up_has_its_encoders_zeros_nevertheless():
+    """Friction holds a coupling at an edge of its gap: what the encoders read at first is no zero, if the motion does not say so, too."""
+    records = recorded(elastic(), 0.0, 0.0, 0.0)
+    apart = [np.abs(r.channels["position"] - r.channels["load_position"]) for r in records]
+    wound = [counted(r, int(np.argmax(x[:4000]))) for r, x in zip(records, apart, strict=True)]
+    assert relaxed(wound, BAND) == tuple(wound)
+    begun = [counted(r, 0) for r in recorded(elastic(), 1e-4, -1e-4, 2e-4)]
+    assert [r.zero for r in relaxed(begun, BAND)] == pytest.approx([1e-4, -1e-4, 2e-4], abs=2e-6)
+
+
 def clamped(zero: float) -> Record:
     """Return a record of the same motor whose load is held; what the load encoder reads there is where it was set to zero."""
     t = DT * np.arange(8000)
