@@ -2,18 +2,21 @@
 
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from scipy.signal import lfilter
 
 from workbench.definition import find
+from workbench.identification.fit import identify
 from workbench.inverse.dynamics import inverse_dynamics
 from workbench.plant import ONE_MASS, Plant
 from workbench.record import IDENTIFICATION, VALIDATION, Record, Source
-from workbench.tracing import free_law, greedy, ranking, tracing
+from workbench.tracing import free_law, greedy, otherwise, ranking, tracing
 from workbench.tracing.candidates import Offer, candidates_of
 from workbench.tracing.judge import STANDARD
+from workbench.tracing.spellings import spellings_of
 from workbench.tracing.starts import resonances
 from workbench.tracing.state import State
 from workbench.tracing.tracing import trace
@@ -141,3 +144,24 @@ def test_a_law_that_goes_astray_from_block_to_block_gives_way_to_one_of_its_clas
     assert steady.state is not None
     little = replace(first, score=replace(first.score, gain=STANDARD.plain))
     assert [free_law.steadier(state, js, STANDARD) for js in ([], judgements, [little])] == [None, None, None]
+
+
+def test_a_weight_beside_a_cable_is_asked_whether_it_is_what_a_cable_stiffens_by():
+    """The larger of two laws of one class need have no other spelling: the lesser one's is asked in the place of both."""
+    plant = PLANT + find("gravity") + find("cable_spring")
+    here = {c.effect: c for c in candidates_of(PLANT)}
+    added = [SimpleNamespace(candidate=here[n]) for n in ("gravity", "cable_spring")]
+    weighed = [SimpleNamespace(size=lambda _, s=s: s) for s in (0.08, 0.02)]
+    larger, lesser = added
+    assert otherwise._of_one_class(SimpleNamespace(added=added, weighed=weighed)) == (lesser, larger)
+    assert "hardening_cable" in {e.name for e in spellings_of(lesser.candidate)}
+    hardens = lambda q: 0.8 * (q - 0.1) + 12.0 * (q - 0.1) ** 3  # noqa: E731
+    records = [
+        recorded(n, r, s, lambda v: 0.0 * v, over=hardens)
+        for n, r, s in (("a", IDENTIFICATION, 1.0), ("bb", VALIDATION, 0.8))
+    ]
+    inverses = inverse_dynamics(records, 50.0)
+    alone = identify(PLANT + find("hardening_cable")(rest=0.05), inverses)
+    assert alone.validation < 1.02 * identify(plant, inverses).validation
+    rest = alone.plant["hardening_cable@axis"].parameters
+    assert (rest["rest"].value, rest["cubic"].value) == (pytest.approx(0.1, abs=0.01), pytest.approx(12.0, rel=0.05))
