@@ -60,6 +60,12 @@ CASES = {
             before=Explainable(inertia=0.16),
         ), UNKNOWN, (DRESSING, DRESSING),
     ),
+    "an eccentricity of degrees that takes as much as an inertia along the stroke stays the cause, too": (
+        replace(
+            evidence(weighed("encoder_eccentricity", (0.042, 0.007), (0.049, 0.01), implausible="an eccentricity of degrees"), before=0.0),
+            before=Explainable(inertia=0.037),
+        ), CAUSE, (CAUSE,),
+    ),
     "an inertia that changes along the stroke is no sixth kind of what is explainable": (
         replace(evidence(), before=Explainable(exogenous=0.004, inertia=0.02)), NOTHING, (),
     ),

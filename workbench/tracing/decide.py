@@ -82,9 +82,11 @@ def _lost_most(evidence: Evidence, causes: list[Weighed], criteria: Criteria) ->
 def _less_than_places(evidence: Evidence, causes: list[Weighed], criteria: Criteria) -> bool:
     """Whether causes together take plainly less than a stiffness of the joint, or an inertia, that changes along the stroke does, out of
     sample: theirs are laws of the deflection and of the motion, the same at every place. An eccentric encoder is such an inertia by
-    another name, so that what takes as much stays the cause; values that no machine has say nothing against it."""
+    another name, so that what takes as much stays the cause; beside what takes most, values that no machine has say nothing against it."""
     more = max(evidence.before.joint, evidence.before.inertia) ** 2 - criteria.explainable**2
-    return more > sum(max(a.size(IDENTIFICATION), 0.0) ** 2 for a in causes if not a.implausible)
+    most = max((a.size(IDENTIFICATION) for a in causes), default=0.0)
+    counted = (a.size(IDENTIFICATION) for a in causes if not a.implausible or a.size(IDENTIFICATION) == most)
+    return more > sum(max(size, 0.0) ** 2 for size in counted)
 
 
 def _doubtful(evidence: Evidence, causes: list[Weighed], criteria: Criteria) -> bool:
