@@ -48,8 +48,8 @@ class Effect:
     offered as what a model may lack (False: another spelling of an effect that is, or one that a study has to offer). stated: places at
     which it is declared and not offered, because another effect is traced there that says the same. beside: place -> effect beside
     which alone it is offered there. free_at: parameter -> places at which it may be free; elsewhere it is held, because it changes
-    nothing there. signed_at: parameter -> places at which it may be negative; elsewhere it may not. harmonic: parameter of which a second effect of this name at its place has twice the value. rare: where it explains
-    no more than another effect as simple, a trace names the other one. label: tells effects of one name at one place apart, as two
+    nothing there. signed_at: parameter -> places at which it may be negative; elsewhere it may not. harmonic: parameter of which a
+    second effect of this name at its place has twice the value. rare: where it explains no more than another effect as simple, a trace names the other one. label: tells effects of one name at one place apart, as two
     resonances. An effect that can be at a joint and at a sensor is the same map of both, and takes its port from `at`.
     family: class of causes, of which the law is a second question (docs/architecture/ has the list). reduces: parameter ->
     (neutral value, name of the simpler effect that it then is, "" for none): a number, or TWO_COUNTS for a length of no more

@@ -9,7 +9,8 @@ from workbench.parameter import Parameter
 def linear_stiffness() -> Effect:
     """T = k x: x the joint's deflection; of one mass its position, against a spring to ground that is relaxed at zero.
 
-    A joint holds together, k >= 0; to ground k < 0 too: a magnet that draws the body away from the middle. On one mass a trace offers `cable_spring`, which is the same with a rest position.
+    A joint holds together, k >= 0; to ground k < 0 too: a magnet that draws the body away from the middle. On one mass a trace
+    offers `cable_spring`, which is the same with a rest position.
     """
 
     def step(s, z, p):

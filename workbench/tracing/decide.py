@@ -114,10 +114,9 @@ def _role(a: Weighed, criteria: Criteria) -> str:
     # what a load does at standstill may be most of its balance there: the drive may bear out what shows a little more behind the joint
     if out and not (a.behind and a.of_drive(VALIDATION) >= criteria.held):
         return NOT_BORNE_OUT
+    # a declared friction is only nearly right at standstill, where a load's small balance shows it
     if a.of_declared and a.behind and a.in_drive(IDENTIFICATION) < criteria.explainable:
-        return (
-            REFINEMENT  # a declared friction is only nearly right at standstill, where a load's small balance shows it
-        )
+        return REFINEMENT
     if _beyond(a) < (criteria.explainable if a.implausible else criteria.practical):
         return REFINEMENT
     return CAUSE

@@ -112,8 +112,9 @@ def as_a_curve(
         return selected, confirmed
     progress(f"asking what {j.candidate.key} leaves of its law")
     now, state = confirmed.fits[-1], _less(selected, j)
-    curves = _curves(state, j, offer, criteria) if state else []
-    for k in _fitted(state, curves, j, (), offer, criteria) if state else ():
+    if state is None:
+        return selected, confirmed
+    for k in _fitted(state, _curves(state, j, offer, criteria), j, (), offer, criteria):
         added = [k if a is j else a for a in confirmed.added]
         kept, fits = nested_fits(late, added, as_declared(k.state.plant, selected.laws))
         left = (getattr(now, r) ** 2 - getattr(fits[-1], r) ** 2 for r in (IDENTIFICATION, VALIDATION))
