@@ -122,3 +122,15 @@ def test_what_leads_by_gain_and_not_by_certainty_is_asked_for_a_steadier_law():
     first, sure = (SimpleNamespace(refitted=True, score=SimpleNamespace(gain=g), candidate=SimpleNamespace(key=k)) for g, k in ((0.25, "b"), (0.07, "a")))  # fmt: skip
     alone = SimpleNamespace(refitted=None, score=SimpleNamespace(gain=0.9), candidate=SimpleNamespace(key="c"))
     assert greedy._most_first([sure, alone, first]) == [first, sure, alone]
+
+
+def test_a_spring_that_stiffens_to_many_times_its_stiffness_leads_by_its_other_spelling():
+    """Of straight springs none comes near to what friction behind a gap takes of it; a cubic one takes all of it."""
+    over = lambda q: 100.0 * q**3  # noqa: E731
+    state, judgements = asked(over, PLANT, "cable_spring", "friction_behind_gap")
+    gap, straight = judgements[0], next(j for j in judgements if j.candidate.effect == "cable_spring")
+    assert gap.candidate.effect == "friction_behind_gap" and straight.score.gain < STANDARD.near * gap.score.gain
+    assert spellings.better_spelled(state, gap, STANDARD, Offer()) is None
+    found = spellings.better_spelled(state, gap, STANDARD, Offer(), judgements)
+    assert (found.candidate.effect, found.candidate.name) == ("hardening_cable", "cable_spring")
+    assert found.score.gain > 0.99

@@ -39,7 +39,8 @@ def free_law(
     more than what is of practical size beside it, or so does with another formula of its class; it names the class from `resembles` of it on,
     or what the free form is by its values (waves of one turn of the axis are its encoder's).
     """
-    other = commoner(state, judgements, best, criteria, offer) or better_spelled(state, best, criteria, offer)
+    other = commoner(state, judgements, best, criteria, offer)
+    other = other or better_spelled(state, best, criteria, offer, judgements)
     judgements = no_wave(state, judgements, best, criteria)
     if other is None and best not in judgements:
         other = min((j for j in judgements if _of_class(j, best)), key=lambda j: (j.errors.total, j.candidate.key))
@@ -139,7 +140,7 @@ def steadier(
     if first is None or first.score.earns or first.candidate.kind != ADDITION or first.score.gain <= criteria.plain:
         return None
     family, at, name = first.candidate.family, first.candidate.at, first.candidate.name
-    formulas = [j for j in spelled(state, first, criteria, offer) if j.errors.total <= first.errors.total]
+    formulas = [j for j in spelled(state, [first], criteria, offer) if j.errors.total <= first.errors.total]
     free = {(family, at)} if family in FREE_FORMS and family != MEMORY else set()
     forms = [j for j in _judged_forms(state, free, criteria, offer.budget) if j.errors.total <= first.errors.total]
     best, form = (min(x, key=lambda j: (j.errors.total, j.candidate.key), default=None) for x in (formulas, forms))

@@ -43,22 +43,37 @@ def called_as(j: ScoredCandidate, known: ScoredCandidate) -> ScoredCandidate:
     return replace(j, candidate=replace(j.candidate, part=known.candidate.part)) if same else j
 
 
-def spelled(state: State, j: ScoredCandidate, criteria: Criteria, offer: Offer) -> list[ScoredCandidate]:
-    """Return the other spellings of a law at its place (those that name it as their `nearest`) that earn their place, under its name."""
-    others = spellings_of(j.candidate)
-    offered = replace(offer, only={e.name for e in others}, own=(*offer.own, *others))
-    asked = [c for c in offered.candidates(state.plant) if c.at == j.candidate.at] if others else []
-    found = shared(lambda c: judged(state, c, criteria, offer.budget), asked)
-    scored = [ScoredCandidate(replace(c, part=j.candidate.name), **one) for c, one in zip(asked, found, strict=True)]
+def spelled(state: State, laws: Sequence[ScoredCandidate], criteria: Criteria, offer: Offer) -> list[ScoredCandidate]:
+    """Return the other spellings of laws at their places (those that name one as their `nearest`) that earn their place, under its name."""
+    asked: dict[tuple[str, str], Candidate] = {}
+    for j in laws:
+        others = spellings_of(j.candidate)
+        offered = replace(offer, only={e.name for e in others}, own=(*offer.own, *others))
+        here = [c for c in offered.candidates(state.plant) if c.at == j.candidate.at] if others else []
+        asked |= {(c.effect, c.at): replace(c, part=j.candidate.name) for c in here}
+    found = shared(lambda c: judged(state, c, criteria, offer.budget), [*asked.values()])
+    scored = [ScoredCandidate(c, **one) for c, one in zip(asked.values(), found, strict=True)]
     return [k for k in scored if k.score.earns and k.theta is not None]
 
 
-def better_spelled(state: State, best: ScoredCandidate, criteria: Criteria, offer: Offer) -> ScoredCandidate | None:
-    """Return another spelling of the leading law that takes plainly more, None where there is none.
+def better_spelled(
+    state: State,
+    best: ScoredCandidate,
+    criteria: Criteria,
+    offer: Offer,
+    judgements: Sequence[ScoredCandidate] = (),
+) -> ScoredCandidate | None:
+    """Return another spelling of the leading law, or of one of the `judgements` that takes `resembles` of what it takes, that takes plainly
+    more; None where there is none.
 
     Plainly is what tells any two effects apart (`ranking.alike`): a spelling is a law with a number more, no curve that bends to everything.
+    A flexure that stiffens to many times its stiffness at rest is a spring's law by another spelling, and friction behind a gap by what
+    leads: of straight springs none comes near to it.
     """
-    found = spelled(state, best, criteria, offer) if best.candidate.kind == ADDITION else []
+    least_taken = criteria.resembles * (state.errors.total - best.errors.total)
+    others = [j for j in judgements if j is not best and j.theta is not None]
+    laws = [best, *(j for j in others if state.errors.total - j.errors.total >= least_taken)]
+    found = spelled(state, [j for j in laws if j.candidate.kind == ADDITION], criteria, offer)
     least = min(found, key=lambda j: (j.errors.total, j.candidate.key), default=None)
     if least is None or least.errors.total >= best.errors.total:
         return None
@@ -87,7 +102,7 @@ def commoner(
         and j.theta is not None
         and state.errors.total - j.errors.total >= taken
     ]
-    found = [k for j in same for k in spelled(state, j, criteria, offer) if alike(best, k, criteria, state.power)]
+    found = [k for k in spelled(state, same, criteria, offer) if alike(best, k, criteria, state.power)]
     return min(found, key=lambda j: (j.errors.total, j.candidate.key), default=None)
 
 
