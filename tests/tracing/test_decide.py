@@ -23,8 +23,18 @@ def evidence(*added: Weighed, before=0.03, after=0.0, **more) -> Evidence:
     return Evidence(first, floor, Explainable(exogenous=before), Explainable(exogenous=after), added, **more)
 
 
+def left_of(identification: float, validation: float, floor: float = 1e-3) -> Evidence:
+    """Evidence of a declared model that leaves so much of the drive, of which nothing is foretold."""
+    declared = {"identification": identification, "validation": validation}
+    return Evidence(declared, dict.fromkeys(declared, floor), Explainable(), Explainable())
+
+
 CASES = {
-    "noise that nothing predicts is nothing missing, however large": (evidence(before=0.0), NOTHING, ()),
+    "noise that nothing predicts is nothing missing": (evidence(before=0.0), NOTHING, ()),
+    "where it is more than anybody would call noise it is unknown": (left_of(0.18, 0.16), UNKNOWN, ()),
+    "not where one role has less of it": (left_of(0.18, 0.06), NOTHING, ()),
+    "nor where counts alone would leave as much": (left_of(0.18, 0.18, floor=0.12), NOTHING, ()),
+    "without a validation record it is asked of the one role": (left_of(0.18, float("nan")), UNKNOWN, ()),
     "a near law leaves a little": (evidence(before=0.0044), NOTHING, ()),
     "something that no effect takes is unknown": (evidence(before=0.0143), UNKNOWN, ()),
     "an effect that takes it on validation is the cause": (evidence(weighed()), CAUSE, (CAUSE,)),

@@ -14,6 +14,7 @@
 | do the causes take `held` of the validation power, or leave little that is explainable? | cause |
 | is more than `explainable` of the drive predictable from outside the loop? | unknown |
 | does an effect take `held` of the identification power, more than `beside` of the drive, and is not borne out? | unknown |
+| does more than `unaccounted` of the drive stay beyond the noise floor, in every role? | unknown |
 | else | nothing missing |
 """
 
@@ -70,6 +71,7 @@ def decide(evidence: Evidence, criteria: Criteria) -> Verdict:
         return Verdict(CAUSE, roles, more, _alarms(evidence, roles), tuple(dict.fromkeys(names)))
     # what only dresses a change along the stroke was borne out: something is there, though the reference may foretell none of it
     missing = evidence.before.size >= criteria.explainable or along or _unborne(evidence, roles, criteria)
+    missing = missing or evidence.unaccounted >= criteria.unaccounted
     return Verdict(UNKNOWN if missing else NOTHING, roles, False, _alarms(evidence, roles))
 
 

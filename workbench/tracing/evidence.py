@@ -5,7 +5,7 @@ Sizes are rms over the rms of the filtered drive: identification records pooled,
 
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
-from math import copysign, sqrt
+from math import copysign, isfinite, sqrt
 
 ADDITION, CORRECTION = "addition", "correction"
 KINDS = ("exogenous", "time", "line", "burst", "joint")  # of what is explainable
@@ -143,6 +143,12 @@ class Evidence:
     refused: tuple[Weighed, ...] = ()
     lost: float = 0.0
     traded: bool = False
+
+    @property
+    def unaccounted(self) -> float:
+        """What the declared model leaves beyond the floor, over the drive's rms, in the role in which that is least."""
+        known = [r for r, e in self.declared.items() if isfinite(e)]
+        return min((sqrt(max(self.declared[r] ** 2 - self.floor[r] ** 2, 0.0)) for r in known), default=0.0)
 
     def as_dict(self) -> dict[str, object]:
         """Return plain data, from which `evidence_of` makes it again."""

@@ -108,6 +108,10 @@ def _caused(causes: Sequence[Cause], before: Fit, after: Fit, evidence: Evidence
     )
 
 
+def _foretold(size: Explainable) -> str:
+    return "nothing" if size.size == 0.0 else f"no more than {100 * size.size:.2f} %"
+
+
 def _unexplained(evidence: Evidence, place: Window | None, displacement: str) -> str:
     """Return how much of the drive no effect explains, from what it could be predicted, and where it lives."""
     size = evidence.before
@@ -121,11 +125,16 @@ def _unexplained(evidence: Evidence, place: Window | None, displacement: str) ->
             f"toggle), or a drive's constant that does, would take {100 * size.inertia:.1f} % of the drive's rms."
         )
     tried = max((*evidence.added, *evidence.refused), key=lambda a: a.size(IDENTIFICATION), default=None)
-    if tried is not None and tried.size(IDENTIFICATION) > size.size == 0.0:
+    taken = tried.size(IDENTIFICATION) if tried is not None else 0.0
+    if evidence.unaccounted > 2.0 * max(size.size, taken):
+        said = (
+            f"Something is missing that no effect of the catalogue explains: {100 * evidence.unaccounted:.1f} % of the drive's rms stays "
+            f"beyond the noise floor, and {_foretold(size)} of it could be predicted from outside the loop"
+        )
+    elif taken > size.size == 0.0:
         said = (
             f"Something is missing that no effect of the catalogue explains: {title(tried.effect)} takes away "
-            f"{100 * tried.size(IDENTIFICATION):.1f} % of the drive's rms on the identification records, but validation does "
-            "not bear it out"
+            f"{100 * taken:.1f} % of the drive's rms on the identification records, but validation does not bear it out"
         )
     if size.kind == "line":
         said = f"{said} of {size.frequency:.3g} Hz"
@@ -161,6 +170,5 @@ def verdict_sentence(
         return _unexplained(evidence, lives_in.place if lives_in else None, before.plant.displacement)
     return (
         f"Nothing is missing: the declared model leaves {100 * before.identification:.2f} % of the drive on identification, and "
-        f"{'nothing' if size.size == 0.0 else f'no more than {100 * size.size:.2f} %'} of it could be predicted from "
-        f"outside the loop; {_humming(size)}the rest is noise and disturbance."
+        f"{_foretold(size)} of it could be predicted from outside the loop; {_humming(size)}the rest is noise and disturbance."
     )
