@@ -12,9 +12,10 @@ from workbench.errors import UnsoundRecord
 from workbench.finding import SAMPLING_RATE, Finding
 from workbench.plant import KINDS, TWO_MASS, Plant
 from workbench.readers import declaration
+from workbench.readers.channels import assumptions, channels
 from workbench.readers.own_unit import in_effort, in_own_words
 from workbench.readers.plant import declared_plant
-from workbench.readers.records import assumptions, channels, records
+from workbench.readers.records import records
 from workbench.record import Record
 
 FILE = "campaign.toml"

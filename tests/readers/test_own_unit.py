@@ -125,3 +125,27 @@ def test_a_unit_that_does_not_fit_is_refused_with_what_stands_for_what(tmp_path)
     wrong = refused(tmp_path, TOML.replace('unit = "A*s^2/rad"', 'unit = "A*s"'))
     assert "parameters.inertia.unit" in wrong and wrong.endswith("1 A stands for 1 N*m here.")
     assert "stands for" not in refused(tmp_path, TOML.replace("9000.0", "-9000.0"))
+
+
+def test_a_scale_that_is_a_number_multiplies_a_column_whose_unit_is_stated(tmp_path):
+    """A drive in volts times N*m per volt, with the unit of the product: as a table, or as a number alone."""
+    inside = TOML.replace("A*s^2/rad", "kg*m^2").replace('"mA"', '"N*m"').replace('unit = "A" }', 'unit = "N*m" }')
+    table = inside.replace(
+        'column = "i"\nunit = "A"', 'column = "i"\nunit = "A"\nscale = { value = 0.5, unit = "N*m/A" }'
+    )
+    number = inside.replace('column = "i"\nunit = "A"', 'column = "i"\nunit = "N*m"\nscale = 0.5')
+    found = []
+    for name, toml in (("table", table), ("number", number)):
+        (folder := tmp_path / name).mkdir()
+        found.append(load(put(folder, toml)).records[0].channels["torque"])
+    np.testing.assert_array_equal(*found)
+    assert np.any(found[0])
+
+
+def test_a_scale_that_is_a_number_says_what_a_column_in_amperes_needs(tmp_path):
+    toml = TOML.replace('column = "i"\nunit = "A"', 'column = "i"\nunit = "A"\nscale = 0.5')
+    with pytest.raises(
+        WorkbenchError,
+        match=r"channels\.torque\.scale is a number, and 'A' is no unit of 'N\*m'; .* \{ value = 0\.5, unit = \"N\*m/A\" \}",
+    ):
+        load(put(tmp_path, toml))

@@ -345,7 +345,8 @@ def test_dates_are_seconds(tmp_path):
 @pytest.mark.parametrize(("written_unit", "count"), [("kN", 1), ("N", 0), ("mm", 1), ("Nm", 0), ("counts", 0), ("", 0)])
 def test_a_unit_of_the_file_that_is_not_the_declared_one_is_said(tmp_path, written_unit, count):
     from workbench.readers import declaration
-    from workbench.readers.records import channels, records
+    from workbench.readers.channels import channels
+    from workbench.readers.records import records
 
     text = "t;F;x\n" + f"s;{written_unit};m\n" + "".join(f"{k};1;2\n" for k in range(120))
     write(tmp_path, text.encode(), "a.csv")
