@@ -149,6 +149,9 @@ CASES = {
             ),
         ), CAUSE, (CAUSE, REFINEMENT),
     ),
+    "and where slow records alone show it": (
+        evidence(weighed("presliding_hysteresis", (0.01298, 0.0081), (0.0093, 0.0082), of_declared=True), before=0.004), NOTHING, (REFINEMENT,),
+    ),
     "where the drive shows it, its memory is missing": (
         evidence(
             weighed(

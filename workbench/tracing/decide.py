@@ -5,7 +5,7 @@
 | does the angle between two encoders say that one is late? | cause, whatever else |
 | do the counts that an encoder lost take more of the drive than any cause, and at least `explainable`? | unknown |
 | a correction within the fixed value's tolerance, or an effect (a correction beyond its tolerance) below the practical size, or below `explainable` with values that no machine has? | refinement |
-| a memory of the friction that is declared behind the joint, of which the drive shows less than `explainable`? | refinement |
+| a memory of the friction that is declared, of which the drive shows less than the practical size on validation, or less than `explainable` behind the joint? | refinement |
 | a further one that takes less than `lesser` of what the largest cause takes, on validation less than the practical size, less than `beside` with values that no machine has, or says the curve that a larger one says? | refinement |
 | does the error grow on validation, or does the effect explain nearly nothing there? | not borne out |
 | is what they take of a window of the stroke paid for with residual elsewhere? | unknown |
@@ -116,8 +116,9 @@ def _role(a: Weighed, criteria: Criteria) -> str:
     # what a load does at standstill may be most of its balance there: the drive may bear out what shows a little more behind the joint
     if out and not (a.behind and a.of_drive(VALIDATION) >= criteria.held):
         return NOT_BORNE_OUT
-    # a declared friction is only nearly right at standstill, where a load's small balance shows it
-    if a.of_declared and a.behind and a.in_drive(IDENTIFICATION) < criteria.explainable:
+    # a declared friction is only nearly right at standstill: a load's small balance shows it, or slow records that nothing else has
+    little = a.behind and a.in_drive(IDENTIFICATION) < criteria.explainable
+    if a.of_declared and (little or a.in_drive(VALIDATION) < criteria.practical):
         return REFINEMENT
     if _beyond(a) < (criteria.explainable if a.implausible else criteria.practical):
         return REFINEMENT
