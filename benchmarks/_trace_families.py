@@ -2,7 +2,7 @@
 
 c: the folder campaigns under WORKBENCH_DATA with its truth.json; d, and any other letter or word X: campaigns_X, of an author each;
 measured: its axes, judged by a table of their own; carried: campaigns of other authors that brought a rule, benchmarks/carried; rig: the
-rig's older campaigns; bench: its benches.
+rig's older campaigns; bench: its benches. X:half, X:noise and X:swapped are copies of a folder's campaigns (`_trace_copies`).
 """
 
 import json
@@ -13,6 +13,7 @@ from hashlib import sha256
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
+from benchmarks._trace_copies import COPIES, copied
 from benchmarks._trace_draw import NONE, OUTSIDE, PAIR, SINGLE, Spec, specs
 from benchmarks._trace_measured import AXES, judged_axis
 from benchmarks._trace_run import one as one_of_rig
@@ -40,7 +41,10 @@ class Case:
 
 
 def folder(family: str) -> Path | None:
-    """Return the folder of a family that is not drawn; None where it is not here."""
+    """Return the folder of a family that is not drawn, or of its copies; None where it is not here."""
+    family, _, how = family.partition(":")
+    if how and (how not in COPIES or family == "measured"):
+        return None
     if family == CARRIED.name:
         return CARRIED
     root = os.environ.get("WORKBENCH_DATA")
@@ -112,7 +116,7 @@ def read(case: Case, path: Path, truth: dict) -> dict:
     """Trace the campaign of a folder and judge it."""
     from workbench.campaign import load
 
-    campaign = load(path)
+    campaign = copied(load(path), case.family.partition(":")[2])
     said = traced(campaign)
     if case.family == "measured":
         return {"said": said, "judged": judged_axis(case.name, said), "truth": {}}

@@ -9,8 +9,9 @@ import numpy as np
 import pytest
 
 from benchmarks import trace as bench
+from benchmarks._trace_copies import COPIES, NOISE
 from benchmarks._trace_draw import NONE, OUTSIDE, PAIR, SINGLE, clash, spec, specs
-from benchmarks._trace_families import cases
+from benchmarks._trace_families import cases, folder
 from benchmarks._trace_families import judged as of_family
 from benchmarks._trace_ledger import ledger
 from benchmarks._trace_measured import judged_axis
@@ -22,6 +23,7 @@ from benchmarks._trace_sweep import sweep as sweep_of
 from benchmarks._trace_sweep import varied
 from benchmarks._trace_table import interval, table
 from benchmarks.trace import read
+from workbench.record import Record
 
 # --- drawing ------------------------------------------------------------------------------------------------------------
 
@@ -323,3 +325,30 @@ def test_a_flank_pushes_and_lets_go_and_nothing_is_felt_within_the_play():
     assert (forward >= 0.0).all()
     empty = np.count_nonzero(backward == 0.0) * 0.05
     assert abs(empty - 2.0 * half) < 0.2
+
+
+# --- copies ---------------------------------------------------------------------------------------------------------------
+
+
+def test_a_copy_is_of_half_the_rate_noisier_or_its_records_have_changed_roles():
+    t = 1e-3 * np.arange(400)
+    channels = {"torque": np.sin(9.0 * t), "position": np.sin(3.0 * t)}
+    whole = [
+        Record(n, r, t, dict(channels))
+        for n, r in (("a", "identification"), ("b", "identification"), ("c", "validation"))
+    ]
+    half, noisy, swapped = (COPIES[how](whole) for how in ("half", "noise", "swapped"))
+    assert all(np.array_equal(r.channels["torque"], channels["torque"][::2]) and r.time[1] == 2e-3 for r in half)
+    apart = noisy[1].channels["torque"] - channels["torque"]
+    assert np.std(apart) == pytest.approx(NOISE * np.sqrt(np.mean(channels["torque"] ** 2)), rel=0.2)
+    assert np.array_equal(noisy[1].channels["position"], channels["position"])
+    assert [r.role for r in swapped] == ["identification", "validation", "identification"]
+    assert [r.role for r in COPIES["swapped"](whole[1:])] == ["validation", "identification"]
+
+
+def test_copies_of_a_folder_are_families(monkeypatch, tmp_path):
+    (tmp_path / "campaigns_q" / "q1").mkdir(parents=True)
+    (tmp_path / "campaigns_q" / "q1" / "campaign.toml").touch()
+    monkeypatch.setenv("WORKBENCH_DATA", str(tmp_path))
+    assert [(c.family, c.name) for c in cases(["q:half"], 1, 1)] == [("q:half", "q1")]
+    assert folder("q:mirrored") is None and folder("measured:half") is None
