@@ -52,6 +52,16 @@ def folder(family: str) -> Path | None:
     return found if found is not None and found.is_dir() else None
 
 
+def known(family: str) -> bool:
+    """Whether there is such a family, here or on another machine."""
+    of, _, how = family.partition(":")
+    return (
+        family in FAMILIES
+        or (of in FAMILIES and of not in (*DRAWN, "measured") and how in COPIES)
+        or folder(family) is not None
+    )
+
+
 def cases(families: Sequence[str], campaigns: int, seed: int) -> list[Case]:
     """The campaigns of these families; campaigns: how many are drawn of a family that is drawn. A family that is not here has none."""
     found: list[Case] = []

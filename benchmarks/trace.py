@@ -15,7 +15,7 @@ from hashlib import sha256
 from pathlib import Path
 
 from benchmarks._trace_draw import Spec, specs
-from benchmarks._trace_families import FAMILIES, Case, cases, folder
+from benchmarks._trace_families import FAMILIES, Case, cases, known
 
 ROOT = Path(__file__).resolve().parent.parent
 KEPT = ROOT / "reports" / "bench_trace"
@@ -158,7 +158,7 @@ def asked() -> argparse.Namespace:
     parser.add_argument("--again", metavar="KEY", help="do one campaign of the kept results once more, and print it")
     given = parser.parse_args()
     given.families = given.families.split(",")
-    if unknown := [f for f in given.families if f not in FAMILIES and folder(f) is None]:
+    if unknown := [f for f in given.families if not known(f)]:
         parser.error(f"there is no family '{unknown[0]}', nor a folder for it; known: {', '.join(FAMILIES)}.")
     return given
 

@@ -1,6 +1,7 @@
 """Where engineers declare springs, dampers, weights and offsets of two masses, and what of it a trace offers by itself."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -46,15 +47,24 @@ def test_a_damper_of_one_mass_is_viscous_friction_and_is_declared_by_either_name
     assert plant.effects[-1].at == "axis"
 
 
-@pytest.mark.parametrize(("name", "value"), [("linear_stiffness", "stiffness"), ("cubic_stiffness", "k3")])
-def test_a_joint_holds_together_and_a_magnet_draws_away_from_the_middle(name, value):
-    with pytest.raises(WorkbenchError, match=f"{name}.{value} is -5, outside its physical bounds 0 to inf"):
-        find(name)(**{value: -5.0})
-    there = find(name)(at="axis", **{value: -5.0})
-    assert there.parameters[value].value == -5.0
-    assert there(at="joint").parameters[value].lower == 0.0
-    closer = replace(find(name).parameters[value], lower=3.0)
-    assert replace(there, at="joint", parameters={value: closer}).parameters[value].lower == 3.0
+def test_a_joint_holds_together_and_a_magnet_draws_away_from_the_middle():
+    with pytest.raises(WorkbenchError, match="linear_stiffness.stiffness is -5, outside its physical bounds 0 to inf"):
+        find("linear_stiffness")(stiffness=-5.0)
+    there = find("linear_stiffness")(at="axis", stiffness=-5.0)
+    assert there.parameters["stiffness"].value == -5.0
+    assert there(at="joint").parameters["stiffness"].lower == 0.0
+    closer = replace(find("linear_stiffness").parameters["stiffness"], lower=3.0)
+    assert replace(there, at="joint", parameters={"stiffness": closer}).parameters["stiffness"].lower == 3.0
+
+
+def test_a_magnetic_coupling_softens_as_it_is_wound_up():
+    """T = k/n sin(n x) is k x - k n^2/6 x^3 to the third power."""
+    k, n = 46.0, 9.0
+    soft = find("cubic_stiffness")(k3=-k * n**2 / 6.0)
+    assert soft.at == "joint" and soft.parameters["k3"].lower == -np.inf
+    x = np.linspace(-0.05, 0.05, 11)
+    law = soft.step(SimpleNamespace(q=x), {}, SimpleNamespace(k3=soft.parameters["k3"].value))[1]
+    np.testing.assert_allclose(k * x + law, k / n * np.sin(n * x), rtol=3e-3, atol=1e-12)
 
 
 def test_the_stiffness_of_a_magnetic_bearing_is_identified_with_its_sign():

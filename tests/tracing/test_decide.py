@@ -160,6 +160,18 @@ CASES = {
             ),
         ), CAUSE, (CAUSE,),
     ),
+    "a drift that takes a level which wanders in bench time is the cause, though the reference foretells nothing": (
+        replace(
+            evidence(weighed("sensor_trend", (0.0382, 0.0277), (0.0175, 0.0170))), before=Explainable(level=0.0174),
+            after=Explainable(level=0.0042),
+        ), CAUSE, (CAUSE,),
+    ),
+    "one that leaves the level as it was only dresses": (
+        replace(
+            evidence(weighed("sensor_trend", (0.0382, 0.0277), (0.0175, 0.0170))), before=Explainable(level=0.0174),
+            after=Explainable(level=0.0132),
+        ), NOTHING, (DRESSING,),
+    ),
     "one place that says more than the effects": (
         evidence(weighed(), before=0.05, after=0.04, place_instead=True), UNKNOWN, (DRESSING,),
     ),

@@ -134,3 +134,19 @@ def test_a_spring_that_stiffens_to_many_times_its_stiffness_leads_by_its_other_s
     found = spellings.better_spelled(state, gap, STANDARD, Offer(), judgements)
     assert (found.candidate.effect, found.candidate.name) == ("hardening_cable", "cable_spring")
     assert found.score.gain > 0.99
+
+
+def test_what_comes_to_nothing_when_it_is_asked_again_stays_by_the_state_that_has_it(monkeypatch):
+    """A fit may begin where a later addition made up for what it takes, and end there."""
+    state, judgements = asked(lambda q: 0.6 * (q - 0.05) + 0.12 * np.sin(40.0 * q), PLANT, "cable_spring", "cogging")
+    first = judgements[0]
+    second = ranking.step(first.state, lambda _: None, Offer(only={"cogging", "cable_spring"}))[0]
+    assert {first.candidate.effect, second.candidate.effect} == {"cable_spring", "cogging"}
+    nothing = replace(first, score=replace(first.score, gain=0.0, earns=False), refitted=None, state=None)
+    monkeypatch.setattr(selection, "step", lambda *_: [nothing])
+    for needless, left in ((False, [first, second]), (True, [second])):
+        answer = selection.Answer([first, second], state)
+        if needless:  # the state without it says as much
+            monkeypatch.setattr(selection, "State", lambda *_: second.state)
+        found = selection._pruned(answer, PLANT, [judgements], lambda _: None, Offer(), STANDARD)
+        assert [j.candidate.key for j in found.added] == [j.candidate.key for j in left]

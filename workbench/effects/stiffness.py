@@ -37,15 +37,16 @@ def linear_stiffness() -> Effect:
 
 @effect
 def cubic_stiffness() -> Effect:
-    """T = k3 x^3, k3 >= 0: hardening; of a joint in its deflection, of one mass beside a declared spring to ground, where a
-    magnet's has k3 < 0: its pull grows faster than the way."""
+    """T = k3 x^3: of a joint in its deflection, of one mass beside a declared spring to ground. k3 > 0 hardens; k3 < 0 softens, as a magnetic
+    coupling does up to its pull-out, and a magnet's pull to ground grows faster than the way."""
 
     def step(s, z, p):
         return {}, p.k3 * (s.q * s.q * s.q)
 
     return Effect(
         name="cubic_stiffness",
-        cause="more teeth in mesh as torque grows: the joint hardens; on one mass a flexure that stretches as it bends",
+        cause="more teeth in mesh as torque grows: the joint hardens (k3 < 0: a magnetic coupling or an elastomer softens); on one mass a "
+        "flexure that stretches as it bends",
         formula="T = k3 x^3",
         source="Tuttle and Seering 1996",
         port=FORCE,
@@ -57,7 +58,7 @@ def cubic_stiffness() -> Effect:
         step=step,
         holds=("conservative", "odd"),
         places=("axis", "joint"),
-        signed_at={"k3": ("axis",)},
+        signed_at={"k3": ("axis", "joint")},
         beside={"axis": "linear_stiffness"},
         at="joint",
     )

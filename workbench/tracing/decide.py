@@ -149,7 +149,8 @@ def _answers(evidence: Evidence, causes: list[Weighed], criteria: Criteria) -> b
     """Whether the causes are the answer: they hold on validation, or leave little of what could be explained.
 
     What only an injected torque shows (a delay, a lag) is in no reference, and moves excite it little: then it is enough that the
-    causes take as much of the identification records, by blocks that were not seen, and that nothing explainable stays.
+    causes take as much of the identification records, by blocks that were not seen, or a level that wanders in bench time, and that nothing
+    explainable stays.
     """
     judge = VALIDATION if isfinite(evidence.declared[VALIDATION]) else IDENTIFICATION
     if _share_of(causes, evidence, judge) >= criteria.held:
@@ -158,7 +159,15 @@ def _answers(evidence: Evidence, causes: list[Weighed], criteria: Criteria) -> b
         return True
     if evidence.before.size >= criteria.explainable:
         return _little_left(evidence, criteria)
-    return _share_of(causes, evidence, IDENTIFICATION) >= criteria.held and evidence.after.size < criteria.explainable
+    much = _share_of(causes, evidence, IDENTIFICATION) >= criteria.held or _level_gone(evidence, criteria)
+    return much and evidence.after.size < criteria.explainable
+
+
+def _level_gone(evidence: Evidence, criteria: Criteria) -> bool:
+    """Whether what was added leaves little of a level that wanders in bench time: by itself that may be low-frequency noise, but a law of few
+    numbers takes none of that from blocks that it has not seen."""
+    level = evidence.before.level
+    return level >= criteria.explainable and evidence.after.level**2 <= criteria.left * level**2
 
 
 def _share_of(causes: list[Weighed], evidence: Evidence, role: str) -> float:

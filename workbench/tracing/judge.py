@@ -110,6 +110,12 @@ def scored(state: State, candidate: Candidate, errors: HeldOut, cost: float, cri
     )  # fmt: skip
 
 
+def still_earns(present: ScoredCandidate, reduced: State, last: State, criteria: Criteria) -> bool:
+    """Whether an addition earns its place by the state that has it. Asked again without it, its fit may begin where the others made up for
+    it (a wave in an angle with a zero of its own), and come to nothing."""
+    return scored(reduced, present.candidate, last.errors, last.solution.cost, criteria).earns
+
+
 def lighter(judgements: Sequence[ScoredCandidate], chosen: ScoredCandidate | None) -> list[ScoredCandidate]:
     """Return judgements without the state of one that leads and was not chosen: it is hundreds of megabytes."""
     return [j if j is chosen or j.state is None else replace(j, state=None) for j in judgements]

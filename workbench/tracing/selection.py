@@ -10,7 +10,7 @@ from workbench.tracing.candidates import Offer, without
 from workbench.tracing.composing import composed
 from workbench.tracing.criteria import Criteria
 from workbench.tracing.greedy import Step, extended, leading
-from workbench.tracing.judge import Progress, ScoredCandidate, lighter
+from workbench.tracing.judge import Progress, ScoredCandidate, lighter, still_earns
 from workbench.tracing.near_law import SEEN, Law, as_declared, count_at, freed, laws, lengthened
 from workbench.tracing.ranking import absurd, step
 from workbench.tracing.reducing import nothing_of_its_own
@@ -199,17 +199,15 @@ def _pruned(
 ) -> Answer:
     """Ask of each effect but the last whether the later ones made it needless, or made another one the better answer.
 
-    Greedy selection cannot take back a choice made while something else was missing. Each effect is taken out in turn and
-    the search repeated with the others in place, among all that ever promised something; what leads then stands in its
-    stead. looked: every step's judgements, to which these are added. Returns `answer` itself where every effect stands.
+    Greedy selection cannot take back a choice made while something else was missing. Each effect is taken out in turn and the search repeated
+    with the others in place, among all that ever promised something; what leads then stands in its stead. looked: every step's judgements,
+    to which these are added. Returns `answer` itself where every effect stands.
     """
     for i in range(len(answer.added) - 1):
         present = answer.added[i]
-        if present.candidate.stands:
-            continue  # no formula comes near to a free form: that was asked
         rest = [j for k, j in enumerate(answer.added) if k != i]
-        if bent_gap(present, rest, answer.last):
-            continue
+        if present.candidate.stands or bent_gap(present, rest, answer.last):
+            continue  # no formula comes near to a free form: that was asked
         progress(f"asking again for {present.candidate.key}")
         try:
             reduced = State(without(answer.last.plant, present.candidate, declared), answer.last.inverses)
@@ -219,16 +217,17 @@ def _pruned(
         judgements = [called_as(j, present) for j in judgements]
         best = leading(judgements)
         looked.append(lighter(judgements, best))
-        if best is not None and best.candidate.key == present.candidate.key and present.score.earns:
+        again = [j for j in judgements if j.candidate.key == present.candidate.key]
+        if best is not None and best in again and present.score.earns:
             continue  # else what it comes to now is its evidence
-        if best is None and any(j.candidate.key == present.candidate.key and j.score.earns for j in judgements):
+        stays = present.score.earns and still_earns(present, reduced, answer.last, criteria)
+        if best is None and (stays or any(j.score.earns for j in again)):
             continue  # what earns its place is not needless, though nothing leads where the simplest of equals earns none
-        if best is not None and best.candidate.key != present.candidate.key and present.score.earns:
-            if not _better(best, present, answer.last, criteria):
-                again = (j for j in judgements if j.candidate.key == present.candidate.key)
-                if not any(nothing_of_its_own(j, reduced, criteria) for j in again):
-                    continue
-                best = None  # it is nothing, and what leads in its stead leaves more: neither stays
+        another = best is not None and best not in again
+        if another and present.score.earns and not _better(best, present, answer.last, criteria):
+            if not any(nothing_of_its_own(j, reduced, criteria) for j in again):
+                continue
+            best = None  # it is nothing, and what leads in its stead leaves more: neither stays
         if best is None:
             fewer = Answer(rest, answer.declared, reduced)
             return _pruned(fewer, declared, looked, progress, offer, criteria) if len(rest) > 1 else fewer
