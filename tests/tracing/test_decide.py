@@ -103,13 +103,15 @@ CASES = {
     "less than half a per cent of the drive is a refinement": (
         evidence(weighed(), weighed("lugre_friction", (0.010, 0.0095), (0.010, 0.0095))), CAUSE, (CAUSE, REFINEMENT),
     ),
-    "a further effect that takes a twentieth of what the largest takes only makes up for its law": (
-        evidence(weighed(id_=(0.2, 0.02), val=(0.2, 0.02)), weighed("sensor_trend", (0.02, 0.0175), (0.02, 0.0175))), CAUSE,
+    "a further effect that takes a tenth of what the largest takes only makes up for its law": (
+        evidence(weighed(id_=(0.2, 0.04), val=(0.2, 0.04)), weighed("sensor_trend", (0.04, 0.0346), (0.04, 0.0346))), CAUSE,
         (CAUSE, REFINEMENT),
     ),
-    "a further effect that takes a tenth of it is a cause": (
-        evidence(weighed(id_=(0.2, 0.04), val=(0.2, 0.04)), weighed("sensor_trend", (0.04, 0.0346), (0.04, 0.0346))), CAUSE,
-        (CAUSE, CAUSE),
+    "a further order of it that takes a tenth is its own": (
+        evidence(weighed(id_=(0.2, 0.04), val=(0.2, 0.04)), weighed("cogging 2", (0.04, 0.0346), (0.04, 0.0346))), CAUSE, (CAUSE, CAUSE),
+    ),
+    "a further effect that takes a fifth of it is a cause": (
+        evidence(weighed(id_=(0.2, 0.04), val=(0.2, 0.04)), weighed("sensor_trend", (0.04, 0.008), (0.04, 0.008))), CAUSE, (CAUSE, CAUSE),
     ),
     "a joint has one curve, however many laws make it up": (
         evidence(

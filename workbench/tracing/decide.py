@@ -6,7 +6,7 @@
 | do the counts that an encoder lost take more of the drive than any cause, and at least `explainable`? | unknown |
 | a correction within the fixed value's tolerance, or an effect (a correction beyond its tolerance) below the practical size, or below `explainable` with values that no machine has? | refinement |
 | a memory of the friction that is declared, of which the drive shows less than the practical size on validation, or less than `explainable` behind the joint? | refinement |
-| a further one that takes less than `lesser` of what the largest cause takes, on validation less than the practical size, less than `beside` with values that no machine has, or says the curve that a larger one says? | refinement |
+| a further one that takes less than `lesser` of what the largest cause takes (a further order of that one is its own), on validation less than the practical size, less than `beside` with values that no machine has, or says the curve that a larger one says? | refinement |
 | does the error grow on validation, or does the effect explain nearly nothing there? | not borne out |
 | is what they take of a window of the stroke paid for with residual elsewhere? | unknown |
 | does a stiffness of the joint or an inertia that changes along the stroke, which no effect is, take `explainable` more of the drive than they do? | unknown |
@@ -127,15 +127,22 @@ def _role(a: Weighed, criteria: Criteria) -> str:
 
 def _lesser(added: tuple[Weighed, ...], roles: tuple[str, ...], criteria: Criteria) -> tuple[str, ...]:
     """Return the roles with those for refinements that only make up for the law of the largest cause."""
-    largest = max((a.size(IDENTIFICATION) for a, r in zip(added, roles, strict=True) if r == CAUSE), default=0.0)
+    causes = [a for a, r in zip(added, roles, strict=True) if r == CAUSE]
+    first = max(causes, key=lambda a: a.size(IDENTIFICATION), default=None)
+    largest = first.size(IDENTIFICATION) if first else 0.0
     small = (
         a.same_curve
-        or a.size(IDENTIFICATION) < criteria.lesser * largest
+        or (a.size(IDENTIFICATION) < criteria.lesser * largest and not _further_of(a, first))
         or (a.size(IDENTIFICATION) < largest and a.size(VALIDATION) < criteria.practical)
         or (a.implausible and a.size(IDENTIFICATION) < min(largest, criteria.beside))
         for a in added
     )
     return tuple(REFINEMENT if r == CAUSE and s else r for r, s in zip(roles, small, strict=True))
+
+
+def _further_of(a: Weighed, first: Weighed) -> bool:
+    """Whether an effect is a further order, or part, of another one: it has its name and its place."""
+    return (a.effect.partition(" ")[0], a.at) == (first.effect.partition(" ")[0], first.at)
 
 
 def _beyond(a: Weighed) -> float:
