@@ -29,7 +29,7 @@ class Criteria:
         right leave up to 1.6 %. Halved, these are called incomplete, and an overdamped mode or a wave as long as the travel is a cause.
     held: share of the validation record's residual power that the causes must take away. Right ones took 0.68 and more, what
         only dressed an unknown cause up to 0.42. Halved, dressings are causes; doubled, nothing is a cause.
-    unaccounted: share of the drive's rms that may stay beyond the noise floor, in every role, though nothing foretells it: a model that
+    unaccounted: share of the drive's rms that may stay beyond what noise may leave, in every role, though nothing foretells it: a model that
         leaves more is not whole, whatever the rest is. Of 85 complete models the worst left 0.06; what acts in bench time alone (a wind, a
         neighbour, a flow that nobody logged) 0.16 to 0.3. Halved, none of these changes; doubled, such a flow is "nothing is missing" at 0.18.
     left: share of the explainable power that may stay where the causes take less than `held` of the validation record, because

@@ -14,7 +14,7 @@
 | do the causes take `held` of the validation power, or leave little that is explainable? | cause |
 | is more than `explainable` of the drive predictable from outside the loop? | unknown |
 | does an effect take `held` of the identification power, more than `beside` of the drive, and is not borne out? | unknown |
-| does more than `unaccounted` of the drive stay beyond the noise floor, in every role? | unknown |
+| does more than `unaccounted` of the drive stay beyond what noise may leave, in every role? | unknown |
 | else | nothing missing |
 """
 

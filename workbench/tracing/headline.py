@@ -129,7 +129,7 @@ def _unexplained(evidence: Evidence, place: Window | None, displacement: str) ->
     if evidence.unaccounted > 2.0 * max(size.size, taken):
         said = (
             f"Something is missing that no effect of the catalogue explains: {100 * evidence.unaccounted:.1f} % of the drive's rms stays "
-            f"beyond the noise floor, and {_foretold(size)} of it could be predicted from outside the loop"
+            f"beyond what noise may leave, and {_foretold(size)} of it could be predicted from outside the loop"
         )
     elif taken > size.size == 0.0:
         said = (
