@@ -42,9 +42,7 @@ class Case:
 
 def folder(family: str) -> Path | None:
     """Return the folder of a family that is not drawn, or of its copies; None where it is not here."""
-    family, _, how = family.partition(":")
-    if how and (how not in COPIES or family == "measured"):
-        return None
+    family = family.partition(":")[0]
     if family == CARRIED.name:
         return CARRIED
     root = os.environ.get("WORKBENCH_DATA")
@@ -53,13 +51,11 @@ def folder(family: str) -> Path | None:
 
 
 def known(family: str) -> bool:
-    """Whether there is such a family, here or on another machine."""
-    of, _, how = family.partition(":")
-    return (
-        family in FAMILIES
-        or (of in FAMILIES and of not in (*DRAWN, "measured") and how in COPIES)
-        or folder(family) is not None
-    )
+    """Whether there is such a family, here or on another machine, and such copies of it."""
+    of, copies, how = family.partition(":")
+    if copies and (how not in COPIES or of in (*DRAWN, "measured")):
+        return False
+    return of in FAMILIES or folder(of) is not None
 
 
 def cases(families: Sequence[str], campaigns: int, seed: int) -> list[Case]:

@@ -11,7 +11,7 @@ import pytest
 from benchmarks import trace as bench
 from benchmarks._trace_copies import COPIES, NOISE
 from benchmarks._trace_draw import NONE, OUTSIDE, PAIR, SINGLE, clash, spec, specs
-from benchmarks._trace_families import cases, folder
+from benchmarks._trace_families import cases, known
 from benchmarks._trace_families import judged as of_family
 from benchmarks._trace_ledger import ledger
 from benchmarks._trace_measured import judged_axis
@@ -351,4 +351,5 @@ def test_copies_of_a_folder_are_families(monkeypatch, tmp_path):
     (tmp_path / "campaigns_q" / "q1" / "campaign.toml").touch()
     monkeypatch.setenv("WORKBENCH_DATA", str(tmp_path))
     assert [(c.family, c.name) for c in cases(["q:half"], 1, 1)] == [("q:half", "q1")]
-    assert folder("q:mirrored") is None and folder("measured:half") is None
+    asked = {f: known(f) for f in ("q", "q:half", "d:half", "q:mirrored", "measured:half", "rig:half", "r:half", "r")}
+    assert [f for f, there in asked.items() if there] == ["q", "q:half", "d:half"]

@@ -83,12 +83,8 @@ def test_provisional_is_a_plain_gain_that_is_not_certain(gain, scatter, state, p
 
 @pytest.mark.parametrize(
     ("left", "is_spent"),
-    [
-        (0.0061, True),
-        (0.0076, True),
-        (0.0080, False),
-        (0.02, False),
-    ],  # noise of 0.006: 0.1, 0.47, 0.53 and 1.9 % of the drive above it
+    # noise of 0.006: 0.1, 0.47, 0.53 and 1.9 % of the drive above it
+    [(0.0061, True), (0.0076, True), (0.0080, False), (0.02, False)],
 )
 def test_nothing_further_is_asked_where_less_is_left_than_a_further_cause_takes(left, is_spent):
     drive, record = np.ones(1000), SimpleNamespace(name="a")

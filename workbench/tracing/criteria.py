@@ -31,7 +31,8 @@ class Criteria:
         only dressed an unknown cause up to 0.42. Halved, dressings are causes; doubled, nothing is a cause.
     unaccounted: share of the drive's rms that may stay beyond what noise may leave, in every role, though nothing foretells it: a model that
         leaves more is not whole, whatever the rest is. Of 85 complete models the worst left 0.06; what acts in bench time alone (a wind, a
-        neighbour, a flow that nobody logged) 0.16 to 0.3. Halved, none of these changes; doubled, such a flow is "nothing is missing" at 0.18.
+        neighbour, a flow that nobody logged) 0.16 to 0.3. Halved, none of these changes; doubled, such a flow is "nothing is missing" at 0.18,
+        and a joint whose stiffness wanders at 0.28.
     left: share of the explainable power that may stay where the causes take less than `held` of the validation record, because
         that record excites them little. Halved or doubled, one campaign in thirty changes.
     share: share of the residual's power that an effect must take away on held-out blocks. Halved, chance correlations with

@@ -9,8 +9,8 @@ from math import copysign, isfinite, sqrt
 
 ADDITION, CORRECTION = "addition", "correction"
 KINDS = ("exogenous", "time", "line", "burst", "joint")  # of what is explainable
-# The floor bounds noise from below: counts of a coarse encoder at an undamped joint leave 2.3 times it. Halved, that axis is "unknown"; doubled,
-# nothing changes, for where a law is missing the floor is a tenth of what is left
+# The floor bounds noise from below: counts of a coarse encoder at an undamped joint leave 2.3 times it, and by the floor itself that complete
+# axis would be "unknown". Halved or doubled, it changes none of nine axes that leave a tenth of the drive: of a missing law that is ten floors
 BOUND = 3.0
 
 

@@ -109,6 +109,7 @@ def _caused(causes: Sequence[Cause], before: Fit, after: Fit, evidence: Evidence
 
 
 def _foretold(size: Explainable) -> str:
+    """Return how much of the drive could be predicted from outside the loop, where that is little."""
     return "nothing" if size.size == 0.0 else f"no more than {100 * size.size:.2f} %"
 
 
