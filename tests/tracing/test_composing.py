@@ -6,10 +6,10 @@ from test_near_law import PLANT, inverses, stops
 
 from workbench.definition import find
 from workbench.inverse.balances import predicted
+from workbench.tracing.answer import Answer
 from workbench.tracing.candidates import Offer, candidates_of
 from workbench.tracing.composing import composed
 from workbench.tracing.judge import STANDARD, ScoredCandidate, judged, refitted_as
-from workbench.tracing.selection import Answer
 from workbench.tracing.state import State
 from workbench.tracing.tracing import trace
 

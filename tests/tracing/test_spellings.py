@@ -12,7 +12,8 @@ from workbench.effects import free_maps
 from workbench.inverse.dynamics import inverse_dynamics
 from workbench.plant import TWO_MASS, Geometry, Plant
 from workbench.record import IDENTIFICATION
-from workbench.tracing import free_law, greedy, ranking, reducing, selection, spellings
+from workbench.tracing import free_law, greedy, pruning, ranking, reducing, selection, spellings
+from workbench.tracing.answer import Answer
 from workbench.tracing.candidates import ADDITION, Candidate, Offer, candidates_of
 from workbench.tracing.judge import STANDARD, ScoredCandidate
 from workbench.tracing.state import State
@@ -69,7 +70,7 @@ def test_rest_is_asked_of_dry_friction_where_a_friction_with_memory_took_its_pla
     (rigid,) = (c for c in candidates_of(PLANT) if c.effect == "lugre_friction" and c.instead)
     last = SimpleNamespace(plant=rigid.plant)
     found = selection.Selection(
-        None, SimpleNamespace(plant=PLANT), selection.Answer([SimpleNamespace(candidate=rigid)], None, last), (), (), ()
+        None, SimpleNamespace(plant=PLANT), Answer([SimpleNamespace(candidate=rigid)], None, last), (), (), ()
     )
     assert {e.key for e in found.dry.effects} == {e.key for e in PLANT.effects} != {e.key for e in found.found.effects}
 
@@ -143,10 +144,10 @@ def test_what_comes_to_nothing_when_it_is_asked_again_stays_by_the_state_that_ha
     second = ranking.step(first.state, lambda _: None, Offer(only={"cogging", "cable_spring"}))[0]
     assert {first.candidate.effect, second.candidate.effect} == {"cable_spring", "cogging"}
     nothing = replace(first, score=replace(first.score, gain=0.0, earns=False), refitted=None, state=None)
-    monkeypatch.setattr(selection, "step", lambda *_: [nothing])
+    monkeypatch.setattr(pruning, "step", lambda *_: [nothing])
     for needless, left in ((False, [first, second]), (True, [second])):
-        answer = selection.Answer([first, second], state)
+        answer = Answer([first, second], state)
         if needless:  # the state without it says as much
-            monkeypatch.setattr(selection, "State", lambda *_: second.state)
-        found = selection._pruned(answer, PLANT, [judgements], lambda _: None, Offer(), STANDARD)
+            monkeypatch.setattr(pruning, "State", lambda *_: second.state)
+        found = pruning.pruned(answer, PLANT, [judgements], lambda _: None, Offer(), STANDARD)
         assert [j.candidate.key for j in found.added] == [j.candidate.key for j in left]

@@ -16,6 +16,7 @@ from workbench.identification.problem import Problem
 from workbench.inverse.dynamics import InverseDynamics, inverse_dynamics
 from workbench.plant import ONE_MASS, Plant
 from workbench.tracing import ranking, reducing
+from workbench.tracing.answer import Answer
 from workbench.tracing.candidates import Candidate, brought, candidates_of, without
 from workbench.tracing.counted import quantisation_bias
 from workbench.tracing.decimation import decimate
@@ -23,7 +24,6 @@ from workbench.tracing.greedy import Step, earned, promised, spent
 from workbench.tracing.judge import STANDARD, ScoredCandidate, judged
 from workbench.tracing.ranking import simplest_first
 from workbench.tracing.result import CAUSE, NOTHING, CandidateScore
-from workbench.tracing.selection import Answer
 from workbench.tracing.state import State
 from workbench.tracing.tracing import trace
 

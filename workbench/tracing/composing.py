@@ -5,21 +5,18 @@ then it is the simpler answer, and its name the cause's.
 """
 
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 from workbench.definition import Effect, catalogue
 from workbench.identification.solve import NoValue
 from workbench.plant import Plant
+from workbench.tracing.answer import Answer
 from workbench.tracing.candidates import ADDITION, Offer, without
 from workbench.tracing.criteria import Criteria
 from workbench.tracing.judge import ScoredCandidate, freedom, scored
 from workbench.tracing.state import Refitted, State
 
-if TYPE_CHECKING:
-    from workbench.tracing.selection import Answer
 
-
-def composed(answer: "Answer", declared: Plant, criteria: Criteria, offer: Offer) -> "Answer":
+def composed(answer: Answer, declared: Plant, criteria: Criteria, offer: Offer) -> Answer:
     """Return the answer with a composite of the catalogue in the place of all of its parts, where it leaves no more than what is of
     practical size beside them; the answer itself where none does. declared: what the search began with."""
     for composite in catalogue().values():
@@ -32,7 +29,7 @@ def composed(answer: "Answer", declared: Plant, criteria: Criteria, offer: Offer
     return answer
 
 
-def _whole(composite: Effect, answer: "Answer") -> list[list[ScoredCandidate]]:
+def _whole(composite: Effect, answer: Answer) -> list[list[ScoredCandidate]]:
     """Return, place by place, the additions that are together all parts of a composite."""
     if not composite.traced or len(composite.parts) < 2:
         return []
@@ -48,7 +45,7 @@ def _whole(composite: Effect, answer: "Answer") -> list[list[ScoredCandidate]]:
 def _in_place(
     composite: Effect,
     parts: list[ScoredCandidate],
-    answer: "Answer",
+    answer: Answer,
     declared: Plant,
     criteria: Criteria,
     offer: Offer,

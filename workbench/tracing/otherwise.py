@@ -12,6 +12,7 @@ from workbench.effects.families import FREE_FORMS
 from workbench.identification.result import Fit
 from workbench.identification.solve import NoValue
 from workbench.record import IDENTIFICATION, VALIDATION
+from workbench.tracing.answer import Answer
 from workbench.tracing.candidates import ADDITION, Offer, without
 from workbench.tracing.criteria import Criteria
 from workbench.tracing.evidence import Weighed
@@ -21,7 +22,7 @@ from workbench.tracing.judge import Progress, ScoredCandidate, judged, refitted_
 from workbench.tracing.near_law import as_declared
 from workbench.tracing.preparing import Declared
 from workbench.tracing.ranking import step
-from workbench.tracing.selection import Answer, Selection
+from workbench.tracing.selection import Selection
 from workbench.tracing.spellings import spellings_of
 from workbench.tracing.state import State
 from workbench.tracing.weighing import Confirmed, weighed
@@ -58,7 +59,7 @@ def otherwise(
             now, best = fits[-1], (k, kept, fits)
     if best is None:
         return selected, confirmed
-    return _instead(selected, confirmed, *best, late, criteria)
+    return exchanged(selected, confirmed, *best, late, criteria)
 
 
 def in_place_of_two(
@@ -87,7 +88,7 @@ def in_place_of_two(
         if len(kept) == len(added) and all(
             getattr(fits[-1], r) ** 2 <= getattr(both, r) ** 2 + small for r in (IDENTIFICATION, VALIDATION)
         ):
-            return _instead(selected, confirmed, k, kept, fits, late, criteria)
+            return exchanged(selected, confirmed, k, kept, fits, late, criteria)
     return selected, confirmed
 
 
@@ -111,7 +112,7 @@ def as_a_curve(
     if j.candidate.kind != ADDITION or j.candidate.instead:
         return selected, confirmed
     progress(f"asking what {j.candidate.key} leaves of its law")
-    now, state = confirmed.fits[-1], _less(selected, j)
+    now, state = confirmed.fits[-1], lessened(selected, j)
     if state is None:
         return selected, confirmed
     for k in _fitted(state, _curves(state, j, offer, criteria), j, (), offer, criteria):
@@ -119,7 +120,7 @@ def as_a_curve(
         kept, fits = nested_fits(late, added, as_declared(k.state.plant, selected.laws))
         left = (getattr(now, r) ** 2 - getattr(fits[-1], r) ** 2 for r in (IDENTIFICATION, VALIDATION))
         if len(kept) == len(added) and all(x >= criteria.beside**2 for x in left):
-            return _instead(selected, confirmed, k, kept, fits, late, criteria)
+            return exchanged(selected, confirmed, k, kept, fits, late, criteria)
     return selected, confirmed
 
 
@@ -136,7 +137,7 @@ def _of_one_class(confirmed: Confirmed) -> tuple[ScoredCandidate, ScoredCandidat
     return next(asked, None)
 
 
-def _instead(
+def exchanged(
     selected: Selection,
     confirmed: Confirmed,
     best: ScoredCandidate,
@@ -181,7 +182,7 @@ def _laws(
 ) -> list[ScoredCandidate]:
     """Return the other laws of an addition's class at its place, fitted beside all else that was added, best first. beside: another
     addition, in whose place they would be as well, when those of another spelling alone are asked."""
-    state = _less(selected, j, beside)
+    state = lessened(selected, j, beside)
     if state is None:
         return []
     own = selected.answer.last.plant[j.candidate.key]
@@ -198,7 +199,7 @@ def _laws(
     return _fitted(state, found, j, {e.name for e in asked}, offer, criteria)
 
 
-def _less(selected: Selection, j: ScoredCandidate, beside: ScoredCandidate | None = None) -> State | None:
+def lessened(selected: Selection, j: ScoredCandidate, beside: ScoredCandidate | None = None) -> State | None:
     """Return the state without an addition, and without another one `beside` it; None where it has no value."""
     last = selected.answer.last
     plant = without(last.plant, j.candidate, selected.base.plant)

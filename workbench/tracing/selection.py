@@ -6,38 +6,16 @@ from dataclasses import dataclass, replace
 from workbench.identification.solve import NoValue
 from workbench.inverse.dynamics import InverseDynamics
 from workbench.plant import Plant
+from workbench.tracing.answer import Answer
 from workbench.tracing.candidates import Offer, without
 from workbench.tracing.composing import composed
 from workbench.tracing.criteria import Criteria
-from workbench.tracing.greedy import Step, extended, leading
-from workbench.tracing.judge import Progress, ScoredCandidate, lighter, still_earns
+from workbench.tracing.greedy import Step, extended
+from workbench.tracing.judge import Progress, ScoredCandidate
 from workbench.tracing.near_law import SEEN, Law, as_declared, count_at, freed, laws, lengthened
+from workbench.tracing.pruning import pruned
 from workbench.tracing.ranking import absurd, step
-from workbench.tracing.reducing import nothing_of_its_own
-from workbench.tracing.slack import bent_gap
-from workbench.tracing.spellings import called_as, with_spelling
 from workbench.tracing.state import State
-
-PROMISE = 0.05  # of the residual's power, from which a candidate is asked again when others are taken out
-
-
-@dataclass(frozen=True)
-class Answer:
-    """What is added to the declared model, and the state with all of it: that of the last addition, unless it is given."""
-
-    added: Sequence[ScoredCandidate]
-    declared: State
-    pruned: State | None = None
-
-    @property
-    def last(self) -> State:
-        return self.pruned or (self.added[-1].state if self.added else self.declared)
-
-    @property
-    def standing(self) -> "Answer":
-        """The answer without effects that a later one took the place of."""
-        held = {e.key for e in self.last.plant.effects}
-        return replace(self, added=[j for j in self.added if j.candidate.key in held])
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,7 +74,7 @@ def select(
     looked = [s.judgements for s in steps]
     answer = Answer([s.added for s in steps if s.added is not None], base).standing
     if len(answer.added) > 1:
-        answer = _pruned(answer, base.plant, looked, progress, offer, criteria)
+        answer = pruned(answer, base.plant, looked, progress, offer, criteria)
     answer, refined = _of_declared_laws(answer, known, looked, progress, offer, criteria)
     return Selection(declared, base, composed(answer, base.plant, criteria, offer), steps, looked, known, refined)
 
@@ -187,63 +165,3 @@ def _length(j: ScoredCandidate) -> float:
     """Return the presliding length of a fitted friction with memory, SI: x0, or 1/alpha."""
     values = {n: p.value for n, p in j.refitted.plant[j.candidate.key].parameters.items()}
     return values["x0"] if "x0" in values else 1.0 / max(values.get("alpha", 0.0), 1e-300)
-
-
-def _pruned(
-    answer: Answer,
-    declared: Plant,
-    looked: list[Sequence[ScoredCandidate]],
-    progress: Progress,
-    offer: Offer,
-    criteria: Criteria,
-) -> Answer:
-    """Ask of each effect but the last whether the later ones made it needless, or made another one the better answer.
-
-    Greedy selection cannot take back a choice made while something else was missing. Each effect is taken out in turn and the search repeated
-    with the others in place, among all that ever promised something; what leads then stands in its stead. looked: every step's judgements,
-    to which these are added. Returns `answer` itself where every effect stands.
-    """
-    for i in range(len(answer.added) - 1):
-        present = answer.added[i]
-        rest = [j for k, j in enumerate(answer.added) if k != i]
-        if present.candidate.stands or bent_gap(present, rest, answer.last):
-            continue  # no formula comes near to a free form: that was asked
-        progress(f"asking again for {present.candidate.key}")
-        try:
-            reduced = State(without(answer.last.plant, present.candidate, declared), answer.last.inverses)
-        except NoValue:
-            continue
-        judgements = step(reduced, progress, with_spelling(present, replace(offer, only=_promising(looked))), criteria)
-        judgements = [called_as(j, present) for j in judgements]
-        best = leading(judgements)
-        looked.append(lighter(judgements, best))
-        again = [j for j in judgements if j.candidate.key == present.candidate.key]
-        if best is not None and best in again and present.score.earns:
-            continue  # else what it comes to now is its evidence
-        stays = present.score.earns and still_earns(present, reduced, answer.last, criteria)
-        if best is None and (stays or any(j.score.earns for j in again)):
-            continue  # what earns its place is not needless, though nothing leads where the simplest of equals earns none
-        another = best is not None and best not in again
-        if another and present.score.earns and not _better(best, present, answer.last, criteria):
-            if not any(nothing_of_its_own(j, reduced, criteria) for j in again):
-                continue
-            best = None  # it is nothing, and what leads in its stead leaves more: neither stays
-        if best is None:
-            fewer = Answer(rest, answer.declared, reduced)
-            return _pruned(fewer, declared, looked, progress, offer, criteria) if len(rest) > 1 else fewer
-        answer = Answer([*rest[:i], best, *rest[i:]], answer.declared, best.state).standing
-        if len(answer.added) <= len(rest):
-            return _pruned(answer, declared, looked, progress, offer, criteria)
-    return answer
-
-
-def _better(other: ScoredCandidate, present: ScoredCandidate, last: State, criteria: Criteria) -> bool:
-    """Whether another effect is the better answer: it leaves less by more than is of practical size, or no more and is simpler."""
-    less = last.errors.total - other.errors.total
-    small = criteria.practical**2 * last.power
-    return less > small or (other.freedom < present.freedom and less > -small)
-
-
-def _promising(looked: Sequence[Sequence[ScoredCandidate]]) -> set[str]:
-    """Return the names of the candidates that explained something in one of these steps."""
-    return {j.score.effect for judgements in looked for j in judgements if j.score.gain > PROMISE}

@@ -28,6 +28,7 @@ from workbench.tracing.preparing import Declared, prepared, without_rest
 from workbench.tracing.reporting import Outcome, reported
 from workbench.tracing.result import Trace
 from workbench.tracing.selection import Selection, select
+from workbench.tracing.sound import soundly
 from workbench.tracing.state import State
 from workbench.tracing.unexplained import Unexplained, instead, traded
 from workbench.tracing.weighing import Confirmed, confirm
@@ -82,9 +83,13 @@ def _decided(late: Declared, selected: Selection, offer: Offer, criteria: Criter
         confirmed = confirm(late, order, selected, criteria, None if first else confirmed.levels)
         if first:
             progress("weighing the evidence")
+        sound, confirmed = soundly(selected, confirmed, late, offer, criteria, progress)
+        anew, selected = first or sound is not selected, sound
+        if first:
             selected, confirmed = otherwise(selected, confirmed, late, offer, criteria, progress)
             selected, confirmed = as_a_curve(selected, confirmed, late, offer, criteria, progress)
             selected, confirmed = in_place_of_two(selected, confirmed, late, offer, criteria, progress)
+        if anew:
             evidence, place = _evidence_of(selected, confirmed, late, inverses, criteria)
         evidence = replace(evidence, added=confirmed.weighed)
         verdict = decide(evidence, criteria)

@@ -1,0 +1,114 @@
+"""What later additions made needless, or made another effect the better answer of.
+
+Greedy selection cannot take back a choice made while something else was missing.
+"""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+from workbench.identification.solve import NoValue
+from workbench.plant import Plant
+from workbench.tracing.answer import Answer
+from workbench.tracing.candidates import Offer, without
+from workbench.tracing.criteria import Criteria
+from workbench.tracing.greedy import leading
+from workbench.tracing.judge import Progress, ScoredCandidate, freedom, lighter, still_earns
+from workbench.tracing.ranking import step
+from workbench.tracing.reducing import nothing_of_its_own
+from workbench.tracing.slack import bent_gap
+from workbench.tracing.spellings import called_as, with_spelling
+from workbench.tracing.state import State
+
+PROMISE = 0.05  # of the residual's power, from which a candidate is asked again when others are taken out
+
+
+def pruned(
+    answer: Answer,
+    declared: Plant,
+    looked: list[Sequence[ScoredCandidate]],
+    progress: Progress,
+    offer: Offer,
+    criteria: Criteria,
+) -> Answer:
+    """Ask of each effect but the last whether the later ones made it needless, or made another one the better answer.
+
+    Greedy selection cannot take back a choice made while something else was missing. Each effect is taken out in turn and the search repeated
+    with the others in place, among all that ever promised something; what leads then stands in its stead. looked: every step's judgements,
+    to which these are added. Of two laws of one class at one place of which either makes the other needless the simpler stays, where that
+    leaves no more than what is of practical size. Returns `answer` itself where every effect stands.
+    """
+    for i in range(len(answer.added) - 1):
+        present = answer.added[i]
+        rest = [j for k, j in enumerate(answer.added) if k != i]
+        if present.candidate.stands or bent_gap(present, rest, answer.last):
+            continue  # no formula comes near to a free form: that was asked
+        progress(f"asking again for {present.candidate.key}")
+        try:
+            reduced = State(without(answer.last.plant, present.candidate, declared), answer.last.inverses)
+        except NoValue:
+            continue
+        judgements = step(reduced, progress, with_spelling(present, replace(offer, only=_promising(looked))), criteria)
+        judgements = [called_as(j, present) for j in judgements]
+        best = leading(judgements)
+        looked.append(lighter(judgements, best))
+        again = [j for j in judgements if j.candidate.key == present.candidate.key]
+        if best is not None and best in again and present.score.earns:
+            continue  # else what it comes to now is its evidence
+        stays = present.score.earns and still_earns(present, reduced, answer.last, criteria)
+        if best is None and (stays or any(j.score.earns for j in again)):
+            continue  # what earns its place is not needless, though nothing leads where the simplest of equals earns none
+        another = best is not None and best not in again
+        if another and present.score.earns and not _better(best, present, answer.last, criteria):
+            if not any(nothing_of_its_own(j, reduced, criteria) for j in again):
+                continue
+            best = None  # it is nothing, and what leads in its stead leaves more: neither stays
+        if best is None:
+            left = [_named_after(k, present) for k in rest]
+            fewer = _simpler(answer, i, reduced, declared, criteria) or Answer(left, answer.declared, reduced)
+            rest = fewer.added
+            return pruned(fewer, declared, looked, progress, offer, criteria) if len(rest) > 1 else fewer
+        answer = Answer([*rest[:i], best, *rest[i:]], answer.declared, best.state).standing
+        if len(answer.added) <= len(rest):
+            return pruned(answer, declared, looked, progress, offer, criteria)
+    return answer
+
+
+def _named_after(j: ScoredCandidate, needless: ScoredCandidate) -> ScoredCandidate:
+    """Return an addition, which made an earlier one needless, under that one's name where it is the free form of its class: what was near to
+    it beside the formula is not what the whole curve is near to."""
+    free, formula = j.candidate, needless.candidate
+    if not free.stands or (free.family, free.at) != (formula.family, formula.at):
+        return j
+    return replace(j, candidate=replace(free, stands=formula.name))
+
+
+def _simpler(answer: Answer, i: int, reduced: State, declared: Plant, criteria: Criteria) -> Answer | None:
+    """Return an answer without a later law of the class and place of its i-th, where that one alone says as much with fewer values; None
+    where there is none. reduced: the state without the i-th.
+
+    A joint whose stiffness changes at a corner is one of two springs in series, too, with a value more for the corner's roundness.
+    """
+    present = answer.added[i].candidate
+    for j in answer.added[i + 1 :]:
+        if (j.candidate.family, j.candidate.at) != (present.family, present.at):
+            continue
+        try:
+            alone = State(without(answer.last.plant, j.candidate, declared), answer.last.inverses)
+        except NoValue:
+            continue
+        more = alone.errors.total - reduced.errors.total
+        if freedom(alone.plant) < freedom(reduced.plant) and more <= criteria.practical**2 * reduced.power:
+            return Answer([k for k in answer.added if k is not j], answer.declared, alone)
+    return None
+
+
+def _better(other: ScoredCandidate, present: ScoredCandidate, last: State, criteria: Criteria) -> bool:
+    """Whether another effect is the better answer: it leaves less by more than is of practical size, or no more and is simpler."""
+    less = last.errors.total - other.errors.total
+    small = criteria.practical**2 * last.power
+    return less > small or (other.freedom < present.freedom and less > -small)
+
+
+def _promising(looked: Sequence[Sequence[ScoredCandidate]]) -> set[str]:
+    """Return the names of the candidates that explained something in one of these steps."""
+    return {j.score.effect for judgements in looked for j in judgements if j.score.gain > PROMISE}
