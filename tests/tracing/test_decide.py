@@ -1,13 +1,15 @@
 """The verdict as a table: evidence in, verdict out, without a record or a simulation."""
 
+import json
 from dataclasses import fields, replace
 
 import pytest
 
 from workbench.errors import WorkbenchError
 from workbench.tracing.criteria import Criteria
-from workbench.tracing.decide import CAUSE, DRESSING, NOT_BORNE_OUT, NOTHING, REFINEMENT, UNKNOWN, decide
+from workbench.tracing.decide import CAUSE, DRESSING, NOT_BORNE_OUT, NOTHING, REFINEMENT, UNKNOWN, decide, in_question
 from workbench.tracing.evidence import ADDITION, CORRECTION, Evidence, Explainable, Weighed, evidence_of
+from workbench.tracing.output import _plain
 
 STANDARD = Criteria()
 
@@ -223,6 +225,14 @@ CASES = {
         ),
         CAUSE, (CAUSE,),
     ),
+    "a further one that takes less than half of what the larger one leaves is none where nothing foretells that": (
+        evidence(weighed(id_=(0.2, 0.05), val=(0.2, 0.05)), weighed("flexible_mode", (0.05, 0.038), (0.05, 0.04), foretold=0.0)), CAUSE,
+        (CAUSE, REFINEMENT),
+    ),
+    "it is one where something does": (
+        evidence(weighed(id_=(0.2, 0.05), val=(0.2, 0.05)), weighed("flexible_mode", (0.05, 0.038), (0.05, 0.04), foretold=0.02)), CAUSE,
+        (CAUSE, CAUSE),
+    ),
     "without a validation record the identification records decide": (
         evidence(weighed(val=(float("nan"), float("nan")))), CAUSE, (CAUSE,),
     ),
@@ -249,6 +259,21 @@ def test_an_error_below_the_floor_is_an_alarm():
 def test_evidence_that_was_written_decides_again():
     given = evidence(weighed(), weighed("creep", (0.03, 0.01), (0.01, 0.012)))
     assert decide(evidence_of(given.as_dict()), STANDARD) == decide(given, STANDARD)
+    one_role = evidence(
+        weighed(val=(float("nan"), float("nan"))), weighed("creep", (0.03, 0.01), (float("nan"), float("nan")))
+    )
+    written = json.loads(json.dumps(_plain(one_role.as_dict()), allow_nan=False))  # as trace.json holds it
+    assert decide(evidence_of(written), STANDARD) == decide(one_role, STANDARD)
+
+
+def test_what_is_foretold_is_asked_of_further_causes_alone_that_take_little_of_the_drive():
+    largest = weighed(id_=(0.2, 0.05), val=(0.2, 0.05))
+    little = weighed("flexible_mode", (0.05, 0.038), (0.05, 0.04))
+    much = weighed("gravity", (0.05, 0.03), (0.05, 0.045))
+    order = weighed("cogging 2", (0.05, 0.038), (0.05, 0.04))
+    shows_behind = weighed("creep", (0.05, 0.04), (0.05, 0.042), load_before=little.before, load_after=little.after)
+    for further, asked in ((little, [1]), (much, []), (order, []), (shows_behind, [])):
+        assert in_question((largest, further), STANDARD) == asked
 
 
 def test_any_least_explainable_share_from_half_to_1_4_per_cent_decides_alike():

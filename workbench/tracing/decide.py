@@ -7,6 +7,7 @@
 | a correction within the fixed value's tolerance, or an effect (a correction beyond its tolerance) below the practical size, or below `explainable` with values that no machine has? | refinement |
 | a memory of the friction that is declared, of which the drive shows less than the practical size on validation, or less than `explainable` behind the joint? | refinement |
 | a further one that takes less than `lesser` of what the largest cause takes (a further order of that one is its own), on validation less than the practical size, less than `beside` with values that no machine has, or says the curve that a larger one says? | refinement |
+| a further one that takes less than `held` of what the larger ones leave, of which less than `explainable` is foretold? | refinement |
 | does the error grow on validation, or does the effect explain nearly nothing there? | not borne out |
 | is what they take of a window of the stroke paid for with residual elsewhere? | unknown |
 | does a stiffness of the joint or an inertia that changes along the stroke, which no effect is, take `explainable` more of the drive than they do? | unknown |
@@ -126,18 +127,43 @@ def _role(a: Weighed, criteria: Criteria) -> str:
 
 
 def _lesser(added: tuple[Weighed, ...], roles: tuple[str, ...], criteria: Criteria) -> tuple[str, ...]:
-    """Return the roles with those for refinements that only make up for the law of the largest cause."""
+    """Return the roles with those for refinements that only make up for the law of the largest cause, or that would be no cause if the
+    larger ones had been declared."""
+    small = _small(added, roles, criteria)
+    weak = (a.foretold < criteria.explainable for a in added)
+    return tuple(REFINEMENT if r == CAUSE and (s or w) else r for r, s, w in zip(roles, small, weak, strict=True))
+
+
+def in_question(added: tuple[Weighed, ...], criteria: Criteria) -> list[int]:
+    """Return the places, among additions, of further causes that take less than `held` of what the larger ones leave, in either role: of these
+    it is to be asked what is foretold of that. Of the drive alone, and of no further order of the largest."""
+    roles = tuple(_role(a, criteria) for a in added)
+    small = _small(added, roles, criteria)
+    first = max(
+        (a for a, r in zip(added, roles, strict=True) if r == CAUSE), key=lambda a: a.size(IDENTIFICATION), default=None
+    )
+    further = (r == CAUSE and not s and a is not first for a, r, s in zip(added, roles, small, strict=True))
+    return [i for i, (a, f) in enumerate(zip(added, further, strict=True)) if f and _weak(a, first, criteria)]
+
+
+def _weak(a: Weighed, first: Weighed, criteria: Criteria) -> bool:
+    """Whether an effect takes less than `held` of the drive's residual beside the larger ones; without a validation record NaN says nothing."""
+    held = any(a.share(role) >= criteria.held for role in (IDENTIFICATION, VALIDATION))
+    return not held and not a.behind and not _further_of(a, first)
+
+
+def _small(added: tuple[Weighed, ...], roles: tuple[str, ...], criteria: Criteria) -> tuple[bool, ...]:
+    """Whether each effect is small beside the largest cause: by what it takes, or because it says the curve of a larger one."""
     causes = [a for a, r in zip(added, roles, strict=True) if r == CAUSE]
     first = max(causes, key=lambda a: a.size(IDENTIFICATION), default=None)
     largest = first.size(IDENTIFICATION) if first else 0.0
-    small = (
+    return tuple(
         a.same_curve
         or (a.size(IDENTIFICATION) < criteria.lesser * largest and not _further_of(a, first))
         or (a.size(IDENTIFICATION) < largest and a.size(VALIDATION) < criteria.practical)
         or (a.implausible and a.size(IDENTIFICATION) < min(largest, criteria.beside))
         for a in added
     )
-    return tuple(REFINEMENT if r == CAUSE and s else r for r, s in zip(roles, small, strict=True))
 
 
 def _further_of(a: Weighed, first: Weighed) -> bool:

@@ -69,7 +69,8 @@ class Weighed:
     the loop, and that one's standard error (`outside.multiplier`). power_up: whether its phase on validation is one of its
     own, with which `after` is then. same_curve: whether a larger addition says the same curve (a joint has one of torque over
     angle; a wave that no machine has beside a spring), so that this one only bends its law. of_declared: whether it is a memory of the dry
-    friction that is declared at its place.
+    friction that is declared at its place. foretold: what is explainable of what the larger ones leave, asked where it takes less than `held`
+    of that (`further.foretold`); infinite where it was not asked.
     """
 
     effect: str
@@ -88,6 +89,7 @@ class Weighed:
     of_declared: bool = False
     outside: float = float("nan")
     outside_error: float = float("inf")
+    foretold: float = float("inf")
 
     @property
     def behind(self) -> bool:
@@ -159,9 +161,19 @@ class Evidence:
 
 
 def evidence_of(data: Mapping[str, object]) -> Evidence:
-    """Return the evidence that `as_dict` wrote, so that a decision can be taken again without the records."""
+    """Return the evidence that `as_dict` wrote, or trace.json holds (null is what is not finite), so that a decision can be taken again
+    without the records."""
     return Evidence(
-        data["declared"], data["floor"], Explainable(**data["before"]), Explainable(**data["after"]),
-        tuple(Weighed(**a) for a in data["added"]), data["place_instead"], data["clock"], data["idle"],
-        tuple(Weighed(**a) for a in data["refused"]), data.get("lost", 0.0), data.get("traded", False),
+        _told(data["declared"]), _told(data["floor"]), Explainable(**data["before"]), Explainable(**data["after"]),
+        tuple(map(_weighed, data["added"])), data["place_instead"], data["clock"], data["idle"],
+        tuple(map(_weighed, data["refused"])), data.get("lost", 0.0), data.get("traded", False),
     )  # fmt: skip
+
+
+def _weighed(data: Mapping[str, object]) -> Weighed:
+    known = {k: _told(v) if isinstance(v, Mapping) else v for k, v in data.items() if v is not None}
+    return Weighed(**known)
+
+
+def _told(errors: Mapping[str, float | None]) -> dict[str, float]:
+    return {role: float("nan") if x is None else x for role, x in errors.items()}

@@ -22,6 +22,7 @@ from workbench.tracing.decimation import decimate
 from workbench.tracing.evidence import CORRECTION, Evidence
 from workbench.tracing.explainable import explainable
 from workbench.tracing.foreseen import loaded
+from workbench.tracing.further import foretold
 from workbench.tracing.judge import STANDARD, Progress, ScoredCandidate
 from workbench.tracing.otherwise import as_a_curve, in_place_of_two, otherwise
 from workbench.tracing.preparing import Declared, prepared, without_rest
@@ -91,6 +92,7 @@ def _decided(late: Declared, selected: Selection, offer: Offer, criteria: Criter
             selected, confirmed = in_place_of_two(selected, confirmed, late, offer, criteria, progress)
         if anew:
             evidence, place = _evidence_of(selected, confirmed, late, inverses, criteria)
+        confirmed = foretold(selected, confirmed, evidence.before.size, criteria)
         evidence = replace(evidence, added=confirmed.weighed)
         verdict = decide(evidence, criteria)
         order = (later(confirmed.added, verdict) if first else None) or _standing(confirmed, verdict)

@@ -1,0 +1,66 @@
+"""What leads with values that no machine has, laws that make each other needless, and what a further cause stands on."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from tests.tracing.test_otherwise import PLANT, recorded
+from workbench.inverse.dynamics import inverse_dynamics
+from workbench.record import IDENTIFICATION, VALIDATION
+from workbench.tracing import pruning, ranking, weighing
+from workbench.tracing.answer import Answer
+from workbench.tracing.candidates import Offer
+from workbench.tracing.judge import STANDARD
+from workbench.tracing.state import State
+from workbench.tracing.tracing import trace
+
+ROLES = (("a", IDENTIFICATION, 1.0), ("bb", VALIDATION, 0.8))
+LAWS = ("gravity", "cable_spring")
+
+
+@pytest.fixture(scope="module")
+def inverses():
+    """Of an axis with a weight: on this travel a spring takes nearly all of what that takes."""
+    weight = lambda q: 0.4 * np.sin(q + 0.05)  # noqa: E731
+    return inverse_dynamics([recorded(n, r, s, lambda v: 0.0 * v, 6.0, weight) for n, r, s in ROLES], 50.0)
+
+
+@pytest.mark.parametrize("none", [LAWS[:1], LAWS], ids=["one that no machine has", "both"])
+def test_a_law_with_values_that_no_machine_has_gives_way_where_a_plausible_one_takes_nearly_as_much(
+    inverses, monkeypatch, none
+):
+    monkeypatch.setattr(weighing, "implausible", lambda e, *_: "it stands on its bound" if e.name in none else "")
+    found = trace(PLANT, inverses, only=LAWS)
+    assert found.added == (("cable_spring",) if len(none) == 1 else ("gravity",))
+
+
+def added(state: State, *names: str) -> list:
+    """Additions one after another, in this order, whatever they take."""
+    found = []
+    for name in names:
+        (j, *_) = ranking.step(state, lambda _: None, Offer(only={name}))
+        found.append(j if j.state else replace(j, state=State(j.candidate.plant, state.inverses)))
+        state = found[-1].state
+    return found
+
+
+def test_of_two_laws_that_make_each_other_needless_the_simpler_stays():
+    drag = lambda v: 0.4 * v * np.abs(v)  # noqa: E731
+    declared = State(PLANT, inverse_dynamics([recorded("a", IDENTIFICATION, 1.0, drag, 6.0)], 50.0))
+    one, two = added(declared, "nonlinear_viscous_friction", "stribeck_friction")
+    reduced = State(added(declared, "stribeck_friction")[0].candidate.plant, declared.inverses)
+    answer = Answer([one, two], declared)
+    left = pruning._simpler(answer, 0, reduced, PLANT, STANDARD)
+    assert [j.candidate.effect for j in left.added] == ["nonlinear_viscous_friction"]
+    assert {e.key for e in left.last.plant.effects} == {*(e.key for e in PLANT.effects), one.candidate.key}
+    other = Answer(added(declared, "nonlinear_viscous_friction", "cable_spring"), declared)
+    assert pruning._simpler(other, 0, reduced, PLANT, STANDARD) is None  # of another class
+
+
+def test_a_free_form_bears_the_name_of_the_formula_that_it_makes_needless(inverses):
+    state = State(PLANT, inverses)
+    (spring,), (friction,) = added(state, "cable_spring"), added(state, "stribeck_friction")
+    free = replace(spring, candidate=replace(spring.candidate, stands="cogging"))
+    assert pruning._named_after(free, spring).candidate.name == "cable_spring"
+    assert pruning._named_after(free, friction) is free and pruning._named_after(spring, free) is spring
