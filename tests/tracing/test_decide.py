@@ -36,6 +36,7 @@ CASES = {
     "where it is more than anybody would call noise it is unknown": (left_of(0.18, 0.16), UNKNOWN, ()),
     "not where one role has less of it": (left_of(0.18, 0.06), NOTHING, ()),
     "nor where counts alone would leave as much": (left_of(0.184, 0.226, floor=0.09), NOTHING, ()),
+    "a model that is farther from the validation record than none at all lacks something": (left_of(0.05, 1.05), UNKNOWN, ()),
     "without a validation record it is asked of the one role": (left_of(0.18, float("nan")), UNKNOWN, ()),
     "a near law leaves a little": (evidence(before=0.0044), NOTHING, ()),
     "something that no effect takes is unknown": (evidence(before=0.0143), UNKNOWN, ()),

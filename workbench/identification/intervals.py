@@ -18,16 +18,23 @@ from workbench.identification.result import Estimate
 from workbench.identification.solve import Solution, scales
 from workbench.units import effect_unit
 
-BLOCKS = 48  # wanted; a block is never shorter than SHORTEST
+BLOCKS = 48  # wanted; a block is not shorter than SHORTEST where FEW of them are to be had, and never than PERIODS of the band
 SHORTEST = 0.5  # s
+FEW, PERIODS = 12, 4.0
 CORRELATED = 0.98
 AT_BOUND = 1e-9  # relative distance at which a value counts as lying on its bound
 
 
+def seconds(problem: Problem) -> float:
+    """Length of the records in s, their ends left out that do not count."""
+    return sum((p.motion.keep.stop - p.motion.keep.start) * p.motion.dt for p in problem.inverses)
+
+
 def block_seconds(problem: Problem) -> float:
-    """Length of a block in s."""
-    total = sum((p.motion.keep.stop - p.motion.keep.start) * p.motion.dt for p in problem.inverses)
-    return max(SHORTEST, total / BLOCKS)
+    """Length of a block in s: of records of a second or two FEW blocks, as long as the memory of what filters the drive allows."""
+    total = seconds(problem)
+    band = min(p.motion.filter.bandwidth for p in problem.inverses)
+    return max(min(SHORTEST, max(total / FEW, PERIODS / band)), total / BLOCKS)
 
 
 def on_bound(value: float, lower: float, upper: float) -> bool:

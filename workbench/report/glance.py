@@ -87,7 +87,7 @@ def _drawn(axis, bars, drive: str) -> None:
     for at, value in zip(y, values, strict=True):
         axis.text(value, at, f"\u2002{numbers.percent(value / 100.0)}", va="center", ha="left")
     axis.set_yticks(y, [n for n, _, _ in bars])
-    axis.set_xlim(0.0, 1.14 * max(values))
+    axis.set_xlim(0.0, 1.14 * max(values) or 1.0)
     axis.set_xlabel(f"error of the predicted {drive} (%)")
 
 

@@ -49,7 +49,8 @@ def _models(w: ResidualMaps) -> list[Model]:
 def _prefix(w: ResidualMaps, coordinate: str | None = None) -> tuple[float, str]:
     """Return (factor, unit) that suits the largest rms of all maps, or of those over one coordinate."""
     chosen = [m.rms for m in w.before.maps if m.coordinate == (coordinate or m.coordinate)]
-    return numbers.prefixed(max(float(np.nanmax(r)) for r in chosen), w.unit)
+    seen = (float(np.nanmax(r)) for r in chosen if np.isfinite(r).any())  # a bin that no sample falls into has no rms
+    return numbers.prefixed(max(seen, default=0.0), w.unit)
 
 
 def multiples(title: str, w: ResidualMaps, coordinates: Sequence[str], shade: Shade | None = None) -> bytes:

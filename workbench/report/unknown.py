@@ -54,7 +54,7 @@ def localised(result: StudyResult) -> Items:
                 f"Putting the counts back takes away {gone} of the residual's power on the identification records.",
             )
         )
-    if spans := unknown.get("spans"):
+    if "spans" in unknown:
         facts.append(f"{capital(_whereabouts(unknown))} ({unknown['coordinate']}){_moments(unknown)}.")
         facts.append(f"It holds {numbers.percent(unknown['share'])} of the power above what is calm.")
     elif unknown.get("coordinate") == "frequency":
@@ -62,7 +62,7 @@ def localised(result: StudyResult) -> Items:
     else:
         facts.append("It lives nowhere in particular: in no window of position or of speed, and at no moments.")
     told = f"Of the drive's rms, {numbers.percent(unknown['size'])} could be predicted from outside the loop"
-    if spans:
+    if "times_calm" in unknown:
         told += (
             f"; the residual is {numbers.number(unknown['times_calm'])} times what is calm of it, and outside, fitted without "
             f"it, {numbers.number(unknown['times_calm_outside'])} times"

@@ -16,6 +16,7 @@
 | is more than `explainable` of the drive predictable from outside the loop? | unknown |
 | does an effect take `held` of the identification power, more than `beside` of the drive, and is not borne out? | unknown |
 | does more than `unaccounted` of the drive stay beyond what noise may leave, in every role? | unknown |
+| is the declared model's drive farther from that of validation than none at all would be? | unknown |
 | else | nothing missing |
 """
 
@@ -72,7 +73,7 @@ def decide(evidence: Evidence, criteria: Criteria) -> Verdict:
         return Verdict(CAUSE, roles, more, _alarms(evidence, roles), tuple(dict.fromkeys(names)))
     # what only dresses a change along the stroke was borne out: something is there, though the reference may foretell none of it
     missing = evidence.before.size >= criteria.explainable or along or _unborne(evidence, roles, criteria)
-    missing = missing or evidence.unaccounted >= criteria.unaccounted
+    missing = missing or evidence.unaccounted >= criteria.unaccounted or evidence.astray
     return Verdict(UNKNOWN if missing else NOTHING, roles, False, _alarms(evidence, roles))
 
 

@@ -7,6 +7,8 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
 from math import copysign, isfinite, sqrt
 
+from workbench.record import VALIDATION
+
 ADDITION, CORRECTION = "addition", "correction"
 KINDS = ("exogenous", "time", "line", "burst", "joint")  # of what is explainable
 # The floor bounds noise from below: counts of a coarse encoder at an undamped joint leave 2.3 times it, and by the floor itself that complete
@@ -154,6 +156,11 @@ class Evidence:
         """What the declared model leaves beyond BOUND times the floor, over the drive's rms, in the role in which that is least."""
         known = [r for r, e in self.declared.items() if isfinite(e)]
         return min((sqrt(max(self.declared[r] ** 2 - (BOUND * self.floor[r]) ** 2, 0.0)) for r in known), default=0.0)
+
+    @property
+    def astray(self) -> bool:
+        """Whether the declared model's drive is farther from that of validation than none at all would be."""
+        return self.declared[VALIDATION] >= 1.0  # NaN, without such a record, is not
 
     def as_dict(self) -> dict[str, object]:
         """Return plain data, from which `evidence_of` makes it again."""

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from workbench.finding import capital, title
 from workbench.identification.result import Fit
 from workbench.plant import Plant
-from workbench.record import IDENTIFICATION
+from workbench.record import IDENTIFICATION, VALIDATION
 from workbench.residual.window import DIRECTIONS, Window, local
 from workbench.tracing.decide import CAUSE, UNKNOWN
 from workbench.tracing.evidence import ADDITION, CORRECTION, Evidence, Explainable
@@ -124,6 +124,12 @@ def _unexplained(evidence: Evidence, place: Window | None, displacement: str) ->
         return (
             f"Something is missing that no effect of the catalogue explains: an inertia that changes along the stroke (a crank, a "
             f"toggle), or a drive's constant that does, would take {100 * size.inertia:.1f} % of the drive's rms."
+        )
+    if evidence.astray:
+        return (
+            f"Something is missing that no effect of the catalogue explains: what the declared model leaves of the validation record is "
+            f"{100 * evidence.declared[VALIDATION]:.0f} % of its drive, more than no model at all would leave; on identification "
+            f"it leaves {100 * evidence.declared[IDENTIFICATION]:.1f} %."
         )
     tried = max((*evidence.added, *evidence.refused), key=lambda a: a.size(IDENTIFICATION), default=None)
     taken = tried.size(IDENTIFICATION) if tried is not None else 0.0

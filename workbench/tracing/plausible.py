@@ -17,6 +17,12 @@ STEEPEST = 0.1
 # Periods of a wave within the travel, below which it is not seen to return: a hose taut at one end of the stroke was a cogging of 1.7. Halved,
 # it is again; doubled, nothing changes: of thirteen cogging forces that were missing the travel held 5.2 and more
 RETURNS = 2.0
+# Of the travel, that the reading of a position drifts within a record: mounts warm up by micrometres. Times the viscous friction a drift of
+# twice the travel is a constant force by another name; halved or doubled, that one is implausible all the same
+DRIFTS = 0.1
+# A cable's force in the middle of the travel over its change along it, from which it is a constant force. Of six cables that were missing none
+# had 0.3; a cylinder's rod, pushed out by 50 N that nobody declared, has 25: halved or doubled, neither changes
+FAR = 10.0
 FACTOR = 5.0  # by which a data-sheet value may be off before its unit is to be doubted; `check` allows as much
 # parameters that may stand on their bound as a law of their own (a gap: no stiffness inside; a change that has not begun to settle; all of
 # the inertia behind a contact, or none); so may an exponent at 1, which is a straight line
@@ -49,6 +55,10 @@ def implausible(effect: Effect, plant: Plant, declared: Plant, inverses: Sequenc
             return f"with it the axis would run {100 * size * values['order'].value:.0f} % too fast in places"
         if effect.name == "kinematic_error" and not returns(effect, inverses):
             return f"the travel holds fewer than {RETURNS:g} of its periods, and does not show it to return"
+    if effect.name == "cable_spring" and (far := _far(effect, inverses)) > FAR:
+        return f"its force hardly changes along the travel: it is relaxed {far:.0f} travels away"
+    if effect.at.startswith("sensor.") and "rate" in effect.parameters and (share := _drift(effect, inverses)) > DRIFTS:
+        return f"with it the reading would drift by {100 * share:.0f} % of the travel within a record"
     known = {e.key: e for e in declared.effects}
     if effect.key in known:
         for name, p in known[effect.key].parameters.items():
@@ -62,3 +72,22 @@ def returns(wave: Effect, inverses: Sequence[InverseDynamics]) -> bool:
     """Whether the travel shows an effect with an `order` to return: it holds RETURNS of its periods."""
     travel = max(float(np.ptp(p.motion.q)) for p in inverses)
     return wave.parameters["order"].value * travel >= RETURNS * 2.0 * np.pi
+
+
+def _drift(trend: Effect, inverses: Sequence[InverseDynamics]) -> float:
+    """Return how far the reading of a position drifts within the longest record, over its travel; 0 of a drive's channel."""
+    records = [p.motion.record for p in inverses]
+    channel = trend.at.partition(".")[2]
+    if not channel.endswith("position"):
+        return 0.0
+    travel = max(float(np.ptp(r.channels[channel])) for r in records)
+    longest = max(float(r.time[-1] - r.time[0]) for r in records)
+    return abs(trend.parameters["rate"].value) * longest / max(travel, 1e-300)
+
+
+def _far(spring: Effect, inverses: Sequence[InverseDynamics]) -> float:
+    """Return how many travels away from the middle of the travel a straight spring is relaxed."""
+    low = min(float(p.motion.q.min()) for p in inverses)
+    high = max(float(p.motion.q.max()) for p in inverses)
+    k, preload = spring.parameters["stiffness"].value, spring.parameters["preload"].value
+    return abs(k * 0.5 * (low + high) + preload) / max(abs(k) * (high - low), 1e-300)

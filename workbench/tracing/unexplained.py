@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from math import isfinite
 
 from workbench.identification.cross_validation import Deviations
 from workbench.residual.change_points import with_change_points
@@ -139,9 +140,7 @@ def described(found: Unexplained | None, evidence: Evidence, lost: Mended | None
         "direction": DIRECTIONS[p.direction],
         "share": p.share,
         "size": size.size,
-        "times_calm": found.times,
-        "times_calm_outside": p.outside,
-    }
+    } | ({"times_calm": found.times, "times_calm_outside": p.outside} if isfinite(p.outside) else {})
 
 
 def _of_lost(found: Mended) -> dict[str, object]:

@@ -21,6 +21,15 @@ def no_value(effect: str) -> str:
     return f"{capital(title(effect))} has no value on these records."
 
 
+def too_short(counts: float, block: float, fewest: int) -> str:
+    """What is said where records are too short to be judged on what was not fitted. counts: seconds of them that do, block: of one stretch."""
+    return (
+        f"the identification records are too short for a trace: {counts:.2g} s of them count, their ends left out; {fewest} stretches of "
+        f"{block:.2g} s are needed, by which an effect is judged on what was not fitted. Record for longer, or state a higher "
+        "evaluation_bandwidth where the drive holds one."
+    )
+
+
 def gained(effect: str, correction: bool, gain: float, scatter: float) -> str:
     """Return what a candidate takes away of the held-out residual power. scatter: one standard error of that share."""
     what = f"{'Correcting the declared' if correction else 'Adding'} {title(effect)}"
