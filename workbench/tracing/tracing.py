@@ -3,7 +3,7 @@
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 
-from workbench.definition import Effect
+from workbench.definition import Effect, catalogue
 from workbench.errors import WorkbenchError
 from workbench.identification.intervals import block_seconds, seconds
 from workbench.identification.result import Fit
@@ -39,6 +39,7 @@ from workbench.tracing.wording_search import too_short
 # Blocks of the identification records, by which gains are judged on what was not fitted: with fewer their scatter says nothing. Halved, an arm that
 # moves for 0.6 s has "nothing missing"; doubled, a motor of 1.3 s, whose cogging is plain, is refused
 FEWEST = 4
+AGAIN = 2  # searches at most without what whole records do not bear out
 
 
 @one_thread
@@ -78,19 +79,40 @@ def trace(
         late = moving
         declared, offered = _begun(late, offer, criteria)
         selected = select(declared, late.whole, offered, criteria, progress)
-    return _decided(late, selected, offered, criteria, progress)
+    return _decided(late, *_held(late, selected, offered, criteria, progress), criteria, progress)
 
 
-def _decided(late: Declared, selected: Selection, offer: Offer, criteria: Criteria, progress: Progress) -> Trace:
-    """Confirm what a search selected on whole records, weigh it, decide, and say so; without what is not borne out, once more."""
-    inverses = late.inverses
-    progress("fitting the extended model")
-    order, confirmed, refused = selected.answer.added, None, []
+def _held(
+    late: Declared, selected: Selection, offer: Offer, criteria: Criteria, progress: Progress
+) -> tuple[Selection, Offer, Confirmed]:
+    """Return what a search selected, what it was offered, and what whole records bear out of it; without what it added first and they
+    do not bear out, which stood in the place of others, searched again.
+
+    A drive that saturates to its sign is Coulomb friction where commands are compared as the search does, and no prediction of the drive.
+    """
+    for again in range(AGAIN + 1):
+        progress("fitting the extended model")
+        confirmed = confirm(late, selected.answer.added, selected, criteria)
+        if again == AGAIN or not selected.answer.added or selected.answer.added[0] in confirmed.added:
+            break
+        lost = selected.answer.added[0].candidate
+        progress(f"searching once more without {lost.key}, which whole records do not bear out")
+        names = {e.name for e in (*catalogue().values(), *offer.own)} if offer.only is None else {*offer.only}
+        offer = replace(offer, only=names - {lost.effect, lost.effect.partition(" ")[0]})
+        selected = select(selected.declared, late.whole, offer, criteria, progress)
+    return selected, offer, confirmed
+
+
+def _decided(
+    late: Declared, selected: Selection, offer: Offer, confirmed: Confirmed, criteria: Criteria, progress: Progress
+) -> Trace:
+    """Weigh what whole records bear out of what a search selected, decide, and say so; without what is not borne out, once more."""
+    inverses, first = late.inverses, True
+    progress("weighing the evidence")
+    order, refused = selected.answer.added, []
     while order is not None:
-        first = confirmed is None
-        confirmed = confirm(late, order, selected, criteria, None if first else confirmed.levels)
-        if first:
-            progress("weighing the evidence")
+        if not first:
+            confirmed = confirm(late, order, selected, criteria, confirmed.levels)
         sound, confirmed = soundly(selected, confirmed, late, offer, criteria, progress)
         anew, selected = first or sound is not selected, sound
         if first:
@@ -103,6 +125,7 @@ def _decided(late: Declared, selected: Selection, offer: Offer, criteria: Criter
         evidence = replace(evidence, added=confirmed.weighed)
         verdict = decide(evidence, criteria)
         order = (later(confirmed.added, verdict) if first else None) or _standing(confirmed, verdict)
+        first = False
         if order is not None and len(order) < len(confirmed.added):
             # without what is not borne out, the others are weighed again: one may have been needed by it alone
             refused += [a for a, r in zip(confirmed.weighed, verdict.roles, strict=True) if r == NOT_BORNE_OUT]
