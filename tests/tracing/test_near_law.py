@@ -89,9 +89,10 @@ def test_what_is_free_has_no_tolerance():
 def test_what_is_not_borne_out_is_asked_again_behind_the_others():
     one, two = object(), object()
     cause, not_borne = Verdict("cause", ("cause",)), ("not borne out", "cause")
-    assert later([one, two], Verdict("cause", not_borne)) == [two, one]
-    assert later([one, two], Verdict("cause", ("cause", "not borne out"))) is None
-    assert later([one], cause) is None
+    assert later([one, two], Verdict("cause", not_borne)) == [[two, one]]
+    assert later([one, two], Verdict("cause", ("cause", "not borne out"))) == later([one], cause) == []
+    three = Verdict("cause", (*not_borne, "cause"))
+    assert later([one, two, "three"], three) == [[two, one, "three"], [two, "three", one]]
 
 
 @pytest.mark.parametrize("odd", [False, True])

@@ -184,13 +184,15 @@ def _answers(evidence: Evidence, causes: list[Weighed], criteria: Criteria) -> b
 
     What only an injected torque shows (a delay, a lag) is in no reference, and moves excite it little: then it is enough that the
     causes take as much of the identification records, by blocks that were not seen, or a level that wanders in bench time, and that nothing
-    explainable stays.
+    explainable stays. A model that leaves more than `unaccounted` in every role has none.
     """
     judge = VALIDATION if isfinite(evidence.declared[VALIDATION]) else IDENTIFICATION
     if _share_of(causes, evidence, judge) >= criteria.held:
         return True
     if any(a.behind and a.share(judge) >= criteria.held for a in causes):
         return True
+    if evidence.left_by(causes[-1]) >= criteria.unaccounted:
+        return False
     if evidence.before.size >= criteria.explainable:
         return _little_left(evidence, criteria)
     much = _share_of(causes, evidence, IDENTIFICATION) >= criteria.held or _level_gone(evidence, criteria)

@@ -154,8 +154,15 @@ class Evidence:
     @property
     def unaccounted(self) -> float:
         """What the declared model leaves beyond BOUND times the floor, over the drive's rms, in the role in which that is least."""
-        known = [r for r, e in self.declared.items() if isfinite(e)]
-        return min((sqrt(max(self.declared[r] ** 2 - (BOUND * self.floor[r]) ** 2, 0.0)) for r in known), default=0.0)
+        return self._beyond(self.declared)
+
+    def left_by(self, a: Weighed) -> float:
+        """The same of the model with an addition and those before it."""
+        return self._beyond(a.after)
+
+    def _beyond(self, errors: Mapping[str, float]) -> float:
+        known = [r for r, e in errors.items() if isfinite(e)]
+        return min((sqrt(max(errors[r] ** 2 - (BOUND * self.floor[r]) ** 2, 0.0)) for r in known), default=0.0)
 
     @property
     def astray(self) -> bool:

@@ -109,7 +109,7 @@ def _decided(
     """Weigh what whole records bear out of what a search selected, decide, and say so; without what is not borne out, once more."""
     inverses, first = late.inverses, True
     progress("weighing the evidence")
-    order, refused = selected.answer.added, []
+    order, orders, refused = selected.answer.added, [], []
     while order is not None:
         if not first:
             confirmed = confirm(late, order, selected, criteria, confirmed.levels)
@@ -124,8 +124,10 @@ def _decided(
         confirmed = foretold(selected, confirmed, evidence.before.size, criteria)
         evidence = replace(evidence, added=confirmed.weighed)
         verdict = decide(evidence, criteria)
-        order = (later(confirmed.added, verdict) if first else None) or _standing(confirmed, verdict)
-        first = False
+        orders = later(confirmed.added, verdict) if first else orders
+        again, first = bool(orders) and NOT_BORNE_OUT in verdict.roles, False
+        order = orders.pop(0) if again else _standing(confirmed, verdict)
+        orders = orders if again else []
         if order is not None and len(order) < len(confirmed.added):
             # without what is not borne out, the others are weighed again: one may have been needed by it alone
             refused += [a for a, r in zip(confirmed.weighed, verdict.roles, strict=True) if r == NOT_BORNE_OUT]
@@ -143,12 +145,16 @@ def _begun(late: Declared, offer: Offer, criteria: Criteria) -> tuple[State, Off
     return begun, offered
 
 
-def later(added: Sequence[ScoredCandidate], verdict: Verdict) -> list[ScoredCandidate] | None:
-    """Return additions with those that are not borne out behind the others, None where they are: one may need another."""
+def later(added: Sequence[ScoredCandidate], verdict: Verdict) -> list[list[ScoredCandidate]]:
+    """Return orders in which additions that are not borne out come behind the first of the others, and behind all of them: one may need
+    another, and what makes up for it in the meantime may take its place. None where they come last."""
     out = [r == NOT_BORNE_OUT for r in verdict.roles]
     if out == sorted(out):
-        return None
-    return [j for j, o in zip(added, out, strict=True) if not o] + [j for j, o in zip(added, out, strict=True) if o]
+        return []
+    others = [j for j, o in zip(added, out, strict=True) if not o]
+    lost = [j for j, o in zip(added, out, strict=True) if o]
+    last = [*others, *lost]
+    return [last] if len(others) == 1 else [[*others[:1], *lost, *others[1:]], last]
 
 
 def _standing(confirmed: Confirmed, verdict: Verdict) -> list[ScoredCandidate] | None:
