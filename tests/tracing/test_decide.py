@@ -6,10 +6,12 @@ from dataclasses import fields, replace
 import pytest
 
 from workbench.errors import WorkbenchError
+from workbench.residual.window import EITHER, Window
 from workbench.tracing.criteria import Criteria
 from workbench.tracing.decide import CAUSE, DRESSING, NOT_BORNE_OUT, NOTHING, REFINEMENT, UNKNOWN, decide, in_question
 from workbench.tracing.evidence import ADDITION, CORRECTION, Evidence, Explainable, Weighed, evidence_of
 from workbench.tracing.output import _plain
+from workbench.tracing.unexplained import Unexplained, described
 
 STANDARD = Criteria()
 
@@ -275,6 +277,14 @@ def test_what_is_foretold_is_asked_of_further_causes_alone_that_take_little_of_t
     shows_behind = weighed("creep", (0.05, 0.04), (0.05, 0.042), load_before=little.before, load_after=little.after)
     for further, asked in ((little, [1]), (much, []), (order, []), (shows_behind, [])):
         assert in_question((largest, further), STANDARD) == asked
+
+
+def test_where_nothing_outside_a_place_is_left_to_compare_with_trace_json_holds_no_infinite_number():
+    place = Window("time", ((1.0, 1.2),), EITHER, 0.9, 0.1, 3.0, outside=float("inf"))
+    told = described(Unexplained(place, 3.0), evidence())
+    assert "times_calm_outside" not in told and told["coordinate"] == "time"
+    known = described(Unexplained(replace(place, outside=1.1), 3.0), evidence())
+    assert (known["times_calm"], known["times_calm_outside"]) == (3.0, 1.1)
 
 
 def test_any_least_explainable_share_from_half_to_1_4_per_cent_decides_alike():

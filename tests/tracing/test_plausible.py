@@ -22,6 +22,10 @@ T = 1e-3 * np.arange(4000)
         ("presliding_hysteresis", {"h0": 1.0, "x0": 1e-3}, True),
         ("slack_cable", {"right": 1.0, "left": 1.0, "place": 0.0, "exponent": 1.0}, True),  # two straight springs
         ("slack_cable", {"right": 1.0, "left": 1.0, "place": 0.0, "exponent": 4.0}, False),
+        ("sensor_trend", {"rate": 1e-3}, True),  # 4 mm within the record, of 200
+        ("sensor_trend", {"rate": 1e-2}, False),
+        ("cable_spring", {"stiffness": 1.0, "preload": 1.0}, True),  # relaxed 5 travels away
+        ("cable_spring", {"stiffness": 1.0, "preload": 4.0}, False),  # 20: a constant force
         ("kinematic_error", {"sine": 1e-4, "cosine": 1e-4, "order": 50.0}, False),  # 1.6 periods
         ("kinematic_error", {"sine": 1e-4, "cosine": 1e-4, "order": 80.0}, True),  # 2.5
     ],

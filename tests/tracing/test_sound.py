@@ -6,9 +6,11 @@ import numpy as np
 import pytest
 
 from tests.tracing.test_otherwise import PLANT, recorded
+from workbench.errors import WorkbenchError
+from workbench.identification.intervals import FEW, block_seconds
 from workbench.inverse.dynamics import inverse_dynamics
 from workbench.record import IDENTIFICATION, VALIDATION
-from workbench.tracing import pruning, ranking, weighing
+from workbench.tracing import pruning, ranking, tracing, weighing
 from workbench.tracing.answer import Answer
 from workbench.tracing.candidates import Offer
 from workbench.tracing.judge import STANDARD
@@ -33,6 +35,31 @@ def test_a_law_with_values_that_no_machine_has_gives_way_where_a_plausible_one_t
     monkeypatch.setattr(weighing, "implausible", lambda e, *_: "it stands on its bound" if e.name in none else "")
     found = trace(PLANT, inverses, only=LAWS)
     assert found.added == (("cable_spring",) if len(none) == 1 else ("gravity",))
+
+
+def test_what_leads_and_comes_to_nothing_on_whole_records_is_left_out_and_the_search_begun_again(inverses, monkeypatch):
+    confirm, said = tracing.confirm, []
+
+    def refusing(late, order, *more):
+        return confirm(late, [j for j in order if j.candidate.effect != "gravity"], *more)
+
+    monkeypatch.setattr(tracing, "confirm", refusing)
+    found = trace(PLANT, inverses, said.append, only=LAWS)
+    assert found.added == ("cable_spring",)
+    assert "searching once more without gravity@axis, which whole records do not bear out" in said
+
+
+def test_records_too_short_to_be_judged_on_what_was_not_fitted_are_refused_in_a_sentence():
+    short = [recorded(n, r, s, lambda v: 0.0 * v, 0.6) for n, r, s in ROLES]
+    with pytest.raises(WorkbenchError, match="too short for a trace: .* 4 stretches of 0.4 s are needed"):
+        trace(PLANT, inverse_dynamics(short, 10.0))
+
+
+def test_records_of_a_second_are_judged_by_blocks_as_short_as_the_band_allows():
+    brief = [recorded(n, r, s, lambda v: 0.0 * v, 1.2) for n, r, s in ROLES]
+    for band, seconds in ((90.0, 1.0 / FEW), (20.0, 4.0 / 20.0)):
+        problem = State(PLANT, inverse_dynamics(brief[:1], band)).problem
+        assert block_seconds(problem) == pytest.approx(seconds, rel=0.2)
 
 
 def added(state: State, *names: str) -> list:

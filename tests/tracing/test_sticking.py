@@ -1,5 +1,7 @@
 """Where an axis sticks its drive passes from one level of dry friction to the other: that is no residual of a model."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -61,6 +63,16 @@ def test_samples_at_rest_count_in_no_error_where_they_hold_most_of_the_residual(
 def test_an_axis_that_does_not_stop_counts_everywhere():
     inverses = inverse_dynamics([recorded("a", IDENTIFICATION, 0.6, stop=0.0)], BAND)
     assert sticking(declared(), inverses) is None
+
+
+def test_an_encoder_so_coarse_that_an_axis_always_rests_tells_nothing_of_rest():
+    coarse = {"position": 0.02}
+    records = [recorded(n, r, p) for n, r, p in (("a", IDENTIFICATION, 0.6), ("b", VALIDATION, 0.8))]
+    read = lambda q: 0.02 * np.round(q / 0.02)  # noqa: E731
+    records = [
+        replace(r, channels=r.channels | {"position": read(r.channels["position"])}, resolution=coarse) for r in records
+    ]
+    assert sticking(declared(), inverse_dynamics(records, 20.0)) is None
 
 
 def test_friction_with_memory_has_a_prediction_at_rest():

@@ -34,7 +34,7 @@ def within_reach(plant: Plant, inverses: Sequence[InverseDynamics]) -> Plant:
     travel = max(float(np.ptp(p.motion.q)) for p in inverses)
     largest = max(float(np.abs(p.motion.u).max()) for p in inverses)
     bounds = {
-        "saturation": (0.0, (LEFT_OVER**-2 - 1.0) / max(largest, 1e-300) ** 2),
+        "saturation": (0.0, (LEFT_OVER**-2 - 1.0) / max(largest, 1e-150) ** 2),
         "order": (2 * np.pi / max(travel, 1e-300), resolved(inverses)),
         "time": (-np.inf, SLOWEST / (2 * np.pi * inverses[0].motion.filter.bandwidth)),
     }
