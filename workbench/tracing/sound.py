@@ -32,14 +32,15 @@ def soundly(
 ) -> tuple[Selection, Confirmed]:
     """Return both with a plausible effect in the place of the addition that takes most, where that has values that no machine has.
 
-    It takes `near` of what the other takes, in either role, and has itself values that a machine may have; of several the one that leaves
+    A free form keeps its place: a point of a curve may stand on its bound (a drive that gives no more). What stands in another's place
+    takes `near` of what that takes, in either role, and has itself values that a machine may have; of several the one that leaves
     least on validation. Both are returned as they are where there is none.
     """
     if not confirmed.added:
         return selected, confirmed
     i, w = max(enumerate(confirmed.weighed), key=lambda x: x[1].size(IDENTIFICATION))
     j = confirmed.added[i]
-    if not w.implausible or j.candidate.kind != ADDITION:
+    if not w.implausible or j.candidate.kind != ADDITION or j.candidate.stands:
         return selected, confirmed
     progress(f"asking for another effect than {j.candidate.key}, whose values no machine has")
     best = selected, confirmed
