@@ -4,6 +4,7 @@ import re
 from dataclasses import replace
 from types import SimpleNamespace
 
+import numpy as np
 import pytest
 from report_example import records, study, trace
 
@@ -186,3 +187,14 @@ def test_a_file_in_place_of_a_campaigns_folder_is_answered_with_what_to_name(tmp
     assert main(["trace", str(tmp_path / "campaign.toml"), "--out", str(tmp_path / "out")]) == 2
     assert "is a file; name the folder that holds campaign.toml" in capsys.readouterr().err
     assert not (tmp_path / "out").exists()
+
+
+def test_a_map_into_which_no_sample_falls_has_no_part_in_the_prefix_of_the_others():
+    def maps(*rms):
+        return SimpleNamespace(
+            unit="N*m", before=SimpleNamespace(maps=[SimpleNamespace(coordinate="q", rms=np.array(r)) for r in rms])
+        )
+
+    none, some = [np.nan, np.nan], [0.002, np.nan]
+    assert residual_figures._prefix(maps(none, some)) == residual_figures._prefix(maps(some))
+    assert residual_figures._prefix(maps(none)) == residual_figures._prefix(maps([0.0]))

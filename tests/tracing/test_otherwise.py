@@ -101,7 +101,7 @@ def test_what_a_formula_leaves_of_its_law_is_taken_by_the_curve_of_its_class(mon
     inverses = inverse_dynamics([limited(*row) for row in rows], 50.0)
     plant = PLANT.swap(find("inertia")(inertia=0.01, fixed=True))
     curve = trace(plant, inverses)
-    monkeypatch.setattr(tracing, "as_a_curve", lambda selected, confirmed, *_: (selected, confirmed))
+    monkeypatch.setattr(tracing, "as_a_curve", lambda choice: choice)
     formula = trace(plant, inverses)
     named = [[(c.effect, c.form) for c in found.causes] for found in (curve, formula)]
     assert named == [[("torque_constant_saturation", "drive_over_command")], [("torque_constant_saturation", "")]]

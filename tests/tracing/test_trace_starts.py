@@ -90,15 +90,6 @@ def test_the_search_keeps_orders_between_one_period_of_travel_and_what_is_resolv
 # --- a study's own effects ------------------------------------------------------------------------------------------------
 
 
-def test_a_torque_constant_falls_to_a_fifth_at_the_largest_drive_and_no_further():
-    t = 1e-3 * np.arange(2000)
-    drive = 3.0 * np.sin(8.0 * t)
-    plant = Plant(ONE_MASS) + find("inertia") + find("torque_constant_saturation")
-    bounded = within_reach(plant, inverses(0.1 * np.sin(8.0 * t), drive))
-    most = bounded["torque_constant_saturation@command"].parameters["fall"].upper
-    assert 1.0 / np.sqrt(1.0 + most * np.abs(drive).max() ** 2) == pytest.approx(0.2)
-
-
 def test_what_a_study_offers_is_a_candidate_like_any_other():
     plant = Plant(ONE_MASS, rotary=False) + find("coulomb_friction")
     known = {s.effect for s in candidates_of(plant)}

@@ -107,11 +107,7 @@ def torque_constant_saturation() -> Effect:
         port=COMMAND,
         family="drive over command",
         reduces={"fall": (0.0, "")},
-        parameters={
-            "fall": Parameter(
-                0.0, "1/F/F", "c: fall of the torque constant with drive squared", lower=0.0, scale="saturation"
-            )
-        },
+        parameters={"fall": Parameter(0.0, "1/F/F", "c: fall of the torque constant with drive squared", lower=0.0)},
         reads=("u",),
         step=step,
         holds=("odd",),

@@ -7,7 +7,7 @@
 | a correction within the fixed value's tolerance, or an effect (a correction beyond its tolerance) below the practical size, or below `explainable` with values that no machine has? | refinement |
 | a memory of the friction that is declared, of which the drive shows less than the practical size on validation, or less than `explainable` behind the joint? | refinement |
 | a further one that takes less than `lesser` of what the largest cause takes (a further order of that one is its own), on validation less than the practical size, less than `beside` with values that no machine has, or says the curve that a larger one says? | refinement |
-| a further one that takes less than `held` of what the larger ones leave, of which less than `explainable` is foretold? | refinement |
+| a further one that takes `held` of what the larger ones leave in neither role, of which less than `explainable` is foretold? | refinement |
 | does the error grow on validation, or does the effect explain nearly nothing there? | not borne out |
 | is what they take of a window of the stroke paid for with residual elsewhere? | unknown |
 | does a stiffness of the joint or an inertia that changes along the stroke, which no effect is, take `explainable` more of the drive than they do? | unknown |
@@ -136,8 +136,8 @@ def _lesser(added: tuple[Weighed, ...], roles: tuple[str, ...], criteria: Criter
 
 
 def in_question(added: tuple[Weighed, ...], criteria: Criteria) -> list[int]:
-    """Return the places, among additions, of further causes that take less than `held` of what the larger ones leave, in either role: of these
-    it is to be asked what is foretold of that. Of the drive alone, and of no further order of the largest."""
+    """Return the places, among additions, of further causes that take `held` of what the larger ones leave in neither role: of these it is to
+    be asked what is foretold of that. Of the drive alone, and of no further order of the largest."""
     roles = tuple(_role(a, criteria) for a in added)
     small = _small(added, roles, criteria)
     first = max(

@@ -18,7 +18,7 @@ STEEPEST = 0.1
 # it is again; doubled, nothing changes: of thirteen cogging forces that were missing the travel held 5.2 and more
 RETURNS = 2.0
 # Of the travel, that the reading of a position drifts within a record: mounts warm up by micrometres. Times the viscous friction a drift of
-# twice the travel is a constant force by another name; halved or doubled, that one is implausible all the same
+# ten times the travel is a constant force by another name. Halved or doubled, that one is implausible all the same; a right one had 3e-6
 DRIFTS = 0.1
 # A cable's force in the middle of the travel over its change along it, from which it is a constant force. Of six cables that were missing none
 # had 0.3; a cylinder's rod, pushed out by 50 N that nobody declared, has 25: halved or doubled, neither changes

@@ -32,7 +32,7 @@ def pruned(
 ) -> Answer:
     """Ask of each effect but the last whether the later ones made it needless, or made another one the better answer.
 
-    Greedy selection cannot take back a choice made while something else was missing. Each effect is taken out in turn and the search repeated
+    Each effect is taken out in turn and the search repeated
     with the others in place, among all that ever promised something; what leads then stands in its stead. looked: every step's judgements,
     to which these are added. Of two laws of one class at one place of which either makes the other needless the simpler stays, where that
     leaves no more than what is of practical size. Returns `answer` itself where every effect stands.

@@ -19,22 +19,17 @@ ROUGH = 3e-3  # relative decrease of the cost at which a start has shown what it
 LEVEL = 2e-3  # relative difference of the cost within which two starts have come to the same fit
 SLOWEST = 10.0  # delay or lag over 1/(2 pi) of the evaluation band's shortest period, at most
 HOPELESS = 4e-3  # of the residual's power, that a start must explain or promise to be refined further
-# Of the torque that a constant promises, what is left at the largest drive at least: saturated to its sign, any drive is Coulomb friction. Halved or
-# doubled, the actuator that was taken for that is so no more; iron that saturates leaves more than half
-LEFT_OVER = 0.2
 WORSE = 1e-9  # relative excess of the cost over the present model's from which a start is worse than none
 
 
 def within_reach(plant: Plant, inverses: Sequence[InverseDynamics]) -> Plant:
-    """Return the plant with orders bounded by the travel and by what is resolved, times to SLOWEST, and saturation to LEFT_OVER.
+    """Return the plant with orders bounded by the travel and by what is resolved, and times to SLOWEST.
 
     A wave longer than the travel is a polynomial in disguise, and one that the encoder or the band does not resolve is a
     longer wave; a map of the command that lets almost nothing of the band pass leaves nothing to be explained.
     """
     travel = max(float(np.ptp(p.motion.q)) for p in inverses)
-    largest = max(float(np.abs(p.motion.u).max()) for p in inverses)
     bounds = {
-        "saturation": (0.0, (LEFT_OVER**-2 - 1.0) / max(largest, 1e-150) ** 2),
         "order": (2 * np.pi / max(travel, 1e-300), resolved(inverses)),
         "time": (-np.inf, SLOWEST / (2 * np.pi * inverses[0].motion.filter.bandwidth)),
     }

@@ -40,7 +40,7 @@ YIELDS = 0.05
 
 
 # Share of the samples in which an axis must move: of one that rests all the time by its counts (a beam on a motor of 1024 counts a turn, swept to
-# and fro) nothing would be left to count. Axes that stick do in 5 to 50 % of the samples: neither halved nor doubled it changes any
+# and fro) nothing would be left to count. Halved or doubled, neither that one nor an actuator that rests in a seventh changes
 MOVES = 0.1
 
 

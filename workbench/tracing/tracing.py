@@ -16,6 +16,7 @@ from workbench.residual.noise_floor import floor as noise_floor
 from workbench.threads import one_thread
 from workbench.tracing.budget import BUDGET, Budget
 from workbench.tracing.candidates import Offer
+from workbench.tracing.choice import Choice
 from workbench.tracing.criteria import Criteria
 from workbench.tracing.data_sheet import within_tolerance
 from workbench.tracing.decide import CAUSE, NOT_BORNE_OUT, REFINEMENT, Verdict, decide
@@ -36,10 +37,12 @@ from workbench.tracing.unexplained import Unexplained, instead, traded
 from workbench.tracing.weighing import Confirmed, confirm
 from workbench.tracing.wording_search import too_short
 
-# Blocks of the identification records, by which gains are judged on what was not fitted: with fewer their scatter says nothing. Halved, an arm that
-# moves for 0.6 s has "nothing missing"; doubled, a motor of 1.3 s, whose cogging is plain, is refused
+# Blocks of the identification records, by which gains are judged on what was not fitted: with fewer their scatter says nothing. Halved, a command that
+# saturates for half a second is "unknown"; doubled, three measured axes of 1.3 to 2.7 s are refused
 FEWEST = 4
-AGAIN = 2  # searches at most without what whole records do not bear out
+# Searches at most without what whole records do not bear out. Halved or doubled, no change; with none an actuator has nothing missing at a quarter
+# of its drive
+AGAIN = 2
 
 
 @one_thread
@@ -59,7 +62,8 @@ def trace(
     plant: as declared, or a fit of it. most: effects added at most, as the criteria say where absent. only: names of the effects
     that are judged, all where absent. own: effects that are judged beside those of the catalogue. criteria: what
     decides. budget: of the search. Returns the verdict with its evidence. Validation records choose no class of effects; they
-    decide whether what was found is borne out, and where it is not, which law of its class is. Raises WorkbenchError where the
+    decide whether what was found is borne out, and where it is not, which law of its class is; and, where what leads has values that no
+    machine has, which plausible effect stands in its place. Raises WorkbenchError where the
     declared model has no value on the records, or they are too short to be judged on what was not fitted.
     """
     plant = plant.plant if isinstance(plant, Fit) else plant
@@ -79,10 +83,10 @@ def trace(
         late = moving
         declared, offered = _begun(late, offer, criteria)
         selected = select(declared, late.whole, offered, criteria, progress)
-    return _decided(late, *_held(late, selected, offered, criteria, progress), criteria, progress)
+    return _decided(late, *_borne_out(late, selected, offered, criteria, progress), criteria, progress)
 
 
-def _held(
+def _borne_out(
     late: Declared, selected: Selection, offer: Offer, criteria: Criteria, progress: Progress
 ) -> tuple[Selection, Offer, Confirmed]:
     """Return what a search selected, what it was offered, and what whole records bear out of it; without what it added first and they
@@ -113,12 +117,10 @@ def _decided(
     while order is not None:
         if not first:
             confirmed = confirm(late, order, selected, criteria, confirmed.levels)
-        sound, confirmed = soundly(selected, confirmed, late, offer, criteria, progress)
-        anew, selected = first or sound is not selected, sound
-        if first:
-            selected, confirmed = otherwise(selected, confirmed, late, offer, criteria, progress)
-            selected, confirmed = as_a_curve(selected, confirmed, late, offer, criteria, progress)
-            selected, confirmed = in_place_of_two(selected, confirmed, late, offer, criteria, progress)
+        choice = Choice(selected, confirmed, late, offer, criteria, progress)
+        for ask in (soundly, otherwise, as_a_curve, in_place_of_two) if first else (soundly,):
+            choice = ask(choice)
+        anew, selected, confirmed = first or choice.selected is not selected, choice.selected, choice.confirmed
         if anew:
             evidence, place = _evidence_of(selected, confirmed, late, inverses, criteria)
         confirmed = foretold(selected, confirmed, evidence.before.size, criteria)
