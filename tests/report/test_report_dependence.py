@@ -95,3 +95,11 @@ def test_bands_hold_the_middle_of_each_bin():
     centre, low, middle, high = figures.bands(x, r)
     assert centre.size > 25
     assert np.allclose(middle, 0, atol=0.05) and np.allclose(low, -0.8, atol=0.05) and np.allclose(high, 0.8, atol=0.05)
+
+
+def test_of_few_samples_a_bin_holds_enough_to_be_drawn_and_noise_explains_next_to_nothing():
+    rng = np.random.default_rng(2)
+    x, r = rng.uniform(-1.0, 1.0, 127), rng.normal(size=127)
+    assert explained(x, r) < 0.2
+    centre, *_ = figures.bands(x, r)
+    assert centre.size >= 3

@@ -9,7 +9,6 @@ from workbench.identification.result import Fit, Series
 from workbench.report import figures, numbers
 from workbench.report.contents import Figure, StudyResult
 from workbench.report.wording import listed
-from workbench.residual.maps import BINS, borders
 
 LEAST = 0.1  # share of the residual power from which a coordinate is said to explain it
 SHOWN = 2  # coordinates in the figure
@@ -55,7 +54,7 @@ def over_motion(result: StudyResult, before: Fit, after: Fit | None, names: Sequ
         heading += f"; with {added} added, {numbers.percent(then)} of it is left to explain"
     caption = (
         f"Residual on {'all validation records' if len(names) > 1 else 'the record ' + names[0]} against {name} and "
-        f"{judged[1][1][0]}, in {BINS} bins: median (line) and the middle 80 % (area). What a coordinate explains is the "
+        f"{judged[1][1][0]}, in {figures.bins(values).size - 1} bins: median (line) and the middle 80 % (area). What a coordinate explains is the "
         "power of the residual's mean over its bins."
     )
     others = f"{capital(judged[1][1][0])} explains {numbers.percent(judged[1][0])}."
@@ -68,7 +67,7 @@ def over_motion(result: StudyResult, before: Fit, after: Fit | None, names: Sequ
 
 def explained(values: np.ndarray, residual: np.ndarray) -> float:
     """Return the share of the residual's power that is a function of these values, by means over bins."""
-    index = np.searchsorted(borders(values)[1:-1], values)
+    index = np.searchsorted(figures.bins(values)[1:-1], values)
     count = np.bincount(index)
     total = np.bincount(index, weights=residual)
     power = float(residual @ residual)

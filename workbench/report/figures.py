@@ -9,11 +9,12 @@ from workbench.identification.result import Series
 from workbench.report import drawing, numbers
 from workbench.report.drawing import AFTER, BEFORE, GRID, INK, MEASURED, MUTED, SERIES, STYLES, envelope
 from workbench.report.wording import title as title_of
-from workbench.residual.maps import borders
+from workbench.residual.maps import BINS, borders
 from workbench.tracing.result import CandidateScore
 
 WITH, WITHOUT = {"color": AFTER, "linestyle": "-"}, {"color": BEFORE, "linestyle": (0, (4, 1.5))}
 DENSE = 1500  # samples of an excerpt from which dashes would only look like noise
+EACH = 20  # samples a bin in the mean, at least: of noise alone the bins' means hold one part of so many
 LONGEST = 28  # letters of a candidate's name
 
 
@@ -69,10 +70,15 @@ def against(
     return drawing.svg(title, draw, rows=len(coordinates), height=0.35 + 1.6 * len(coordinates))
 
 
+def bins(values: np.ndarray) -> np.ndarray:
+    """Return the borders of bins that hold EACH samples in the mean, where these are few."""
+    return borders(values, min(BINS, max(values.size // EACH, 2)))
+
+
 def bands(values: np.ndarray, residual: np.ndarray, least: int = 8) -> tuple[np.ndarray, ...]:
     """Return (centre, 10 %, median, 90 %) of the residual in the bins that hold at least so many samples."""
     low, high = np.quantile(values, (0.002, 0.998))
-    edges = borders(values[(values >= low) & (values <= high)])
+    edges = bins(values[(values >= low) & (values <= high)])
     index = np.digitize(values, edges) - 1
     rows = []
     for k in range(edges.size - 1):
