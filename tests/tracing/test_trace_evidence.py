@@ -225,7 +225,7 @@ def test_a_wave_as_long_as_the_travel_is_none_where_gravity_takes_as_much(tmp_pa
 # --- equals ---------------------------------------------------------------------------------------------------------------
 
 
-def test_of_equals_the_usual_effect_is_named_before_a_rare_one(monkeypatch):
+def test_of_equals_the_usual_effect_and_the_one_that_reads_less_lead(monkeypatch):
     """Dahl's friction and one that follows Masing's rule are the same along a motion that never turns within their length."""
     errors = HeldOut(np.full(8, 0.1))
 
@@ -233,7 +233,7 @@ def test_of_equals_the_usual_effect_is_named_before_a_rare_one(monkeypatch):
         c = CandidateScore(name, "axis", "addition", gain, 0.03, 0.1, 0.1, True, "")
         of = SimpleNamespace(
             key=name,
-            plant={name: SimpleNamespace(rare=name == "fading_memory")},
+            plant={name: find(name)},
             family="",
             yields=False,
             kind="addition",
@@ -254,6 +254,9 @@ def test_of_equals_the_usual_effect_is_named_before_a_rare_one(monkeypatch):
     plainly = candidate("fading_memory", 0.12, 2)
     assert leads(plainly, presliding, lugre) is plainly
     assert leads(fading, lugre) is fading
+    # along a motion that goes one way friction that varies with place is a force that does
+    friction, cogging = candidate("cyclic_friction", 0.11, 5), candidate("cogging", 0.1, 5)
+    assert leads(friction, cogging) is cogging
 
 
 @pytest.mark.parametrize(("corrected", "leads"), [(0.73, "correction"), (0.5, "addition")])
@@ -262,7 +265,7 @@ def test_a_wrong_value_that_takes_nearly_what_a_law_of_more_values_takes_leads(m
 
     def of(kind):
         return SimpleNamespace(
-            kind=kind, yields=False, family=kind, key=kind, plant={kind: SimpleNamespace(rare=False)}
+            kind=kind, yields=False, family=kind, key=kind, plant={kind: SimpleNamespace(rare=False, reads=())}
         )
 
     judged = [

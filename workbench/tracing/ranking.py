@@ -6,7 +6,7 @@ By gain; of those that explain practically the same the simplest leads, and no e
 from collections.abc import Sequence
 from dataclasses import replace
 
-from workbench.definition import catalogue
+from workbench.definition import Effect, catalogue
 from workbench.effects.free_bank import NAME as FREE_CURVE
 from workbench.identification.cross_validation import gain
 from workbench.processes import shared
@@ -66,7 +66,7 @@ def _by_gain(judgements: Sequence[ScoredCandidate]) -> list[ScoredCandidate]:
 def simplest_first(judgements: Sequence[ScoredCandidate], criteria: Criteria, state: State) -> list[ScoredCandidate]:
     """Order by gain; of those that explain practically the same as the best, the one with the fewest free parameters leads.
 
-    Of several as simple the one with the largest gain, and a rare effect behind another one whose gain is as large. A value that
+    Of several as simple one that reads less, or the one with the largest gain, and a rare effect behind another one whose gain is as large. A value that
     no machine has does not lead where a plausible effect explains nearly as much.
     """
     judgements = _by_gain(judgements)
@@ -78,11 +78,27 @@ def simplest_first(judgements: Sequence[ScoredCandidate], criteria: Criteria, st
     level = [j for j in level if not (j.candidate.yields and j.candidate.family in firm)]
     sound = [j for j in level if not j.refitted or not absurd(j, state)]
     level = sorted(sound or level, key=lambda j: (j.freedom, -j.score.gain, j.score.effect, j.score.at))
-    first = level[0]
+    first = _of_less(level)
     least = first.score.gain - EQUAL * first.score.scatter
     equal = [j for j in level if j.freedom == first.freedom and j.score.gain >= least]
-    simplest = next((j for j in equal if not j.candidate.plant[j.candidate.key].rare), first)
+    simplest = next((j for j in [first, *equal] if not _effect(j).rare), first)
     return [simplest, *(j for j in judgements if j is not simplest)]
+
+
+def _of_less(level: Sequence[ScoredCandidate]) -> ScoredCandidate:
+    """Return the first of what explains the same, or another one as simple that reads part of its signals alone.
+
+    The first is then what the other is where the rest of its signals hardly changes: while a motion goes one way, a force that varies
+    with place (cogging) and friction that does are one.
+    """
+    first = level[0]
+    reads = set(_effect(first).reads)
+    same = (j for j in level if j.freedom == first.freedom and _effect(j).reads)
+    return next((j for j in same if set(_effect(j).reads) < reads), first)
+
+
+def _effect(j: ScoredCandidate) -> Effect:
+    return j.candidate.plant[j.candidate.key]
 
 
 def _sound(judgements: Sequence[ScoredCandidate], criteria: Criteria, state: State) -> ScoredCandidate:
