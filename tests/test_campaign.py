@@ -538,10 +538,10 @@ def test_a_record_that_is_not_there_is_refused(campaign):
 
 
 def test_a_short_record_is_refused(campaign):
-    campaign.put("val_moves.csv", rows(count=100))
+    campaign.put("val_moves.csv", rows(count=50))
     campaign.load()
-    campaign.put("val_moves.csv", rows(count=99))
-    campaign.refused("row 100: the record ends after 99 samples; at least 100 are needed", file="val_moves.csv")
+    campaign.put("val_moves.csv", rows(count=49))
+    campaign.refused("row 50: the record ends after 49 samples; at least 50 are needed", file="val_moves.csv")
 
 
 @pytest.mark.parametrize("back", [0.0, 0.0005])

@@ -13,12 +13,14 @@ import casadi as ca
 import numpy as np
 from scipy import fft
 
+from workbench.errors import UnsoundRecord
 from workbench.kernel.program import read
 from workbench.kernel.scan import scan
 from workbench.record import Record
 
 PAD = 0.5  # s, of odd reflection at both ends
 TRIM = 0.05  # s, at both ends, that no error counts, or a period of the band's edge where that is longer: what an end does passes its filter
+COUNTED = 10  # samples of a record that count between its ends, without which it says nothing; of fewer there is no error to speak of
 MOTION_BAND = 2.0  # band of the motion's own low pass over the evaluation bandwidth: flat (0.4 %) where errors count
 
 
@@ -158,12 +160,12 @@ class Motion:
 
 
 def motion(record: Record, bandwidth: float) -> Motion:
-    """Return the motion of a record. bandwidth: evaluation bandwidth in Hz."""
+    """Return the motion of a record. bandwidth: evaluation bandwidth in Hz. Raises UnsoundRecord of a record too short for its filter."""
     position = record.channels["position"]
     counts = record.resolution.get("position", 0.0)
     smooth = LowPass(MOTION_BAND * bandwidth, 1 / record.dt, position.size)
     q, v, a = smooth.derivatives(position, 3)
-    return Motion(
+    made = Motion(
         record=record,
         u=record.drive,
         q=q,
@@ -173,3 +175,13 @@ def motion(record: Record, bandwidth: float) -> Motion:
         filter=LowPass(bandwidth, 1 / record.dt, position.size),
         counts=counts,
     )
+    left = made.keep.stop - made.keep.start
+    if left < COUNTED:
+        raise UnsoundRecord(
+            f"{record.source.path}: the record lasts {record.time[-1] - record.time[0]:.3g} s, and of it {max(left, 0)} samples count: "
+            f"{trimmed(bandwidth):.3g} s at each end pass the filter of the evaluation_bandwidth of {bandwidth:g} Hz; at least "
+            f"{COUNTED} are needed, so measure longer, or leave the record out.",
+            "short record",
+            record.name,
+        )
+    return made

@@ -175,7 +175,7 @@ def test_a_study_that_is_there_is_not_overwritten(axis, tmp_path):
     ("table", "header", "words"),
     [
         (lambda t: t[:, :2], "t,i", "2 columns of numbers"),
-        (lambda t: t[1000:1060], "t,i,pos", "at least 100"),
+        (lambda t: t[1000:1040], "t,i,pos", "at least 50"),
         (lambda t: np.column_stack([t[::-1, 0], t[:, 1:]]), "t,i,pos", "no column increases"),
         (lambda t: np.column_stack([t[:, 0], np.random.default_rng(1).normal(size=(len(t), 2))]), "a,b,c", "be told"),
     ],

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from workbench.definition import find
+from workbench.errors import UnsoundRecord
 from workbench.inverse.bodies import derivatives_in
 from workbench.inverse.dynamics import InverseDynamics
 from workbench.motion import motion
@@ -48,3 +49,10 @@ def test_a_body_with_fewer_derivatives_has_the_bits_of_the_whole_one(place, maps
 
 def test_signals_say_how_often_a_position_is_differentiated():
     assert [derivatives_in(reads) for reads in ((), ("q", "dq", "t"), ("v", "dir"), ("a", "v"))] == [0, 0, 1, 2]
+
+
+def test_a_record_of_which_its_filter_leaves_nothing_is_refused_with_its_file():
+    t = DT * np.arange(105)
+    short = Record("r", "identification", t, {"torque": t, "position": t}, {}, Source(Path("r.csv"), "", "", {}))
+    with pytest.raises(UnsoundRecord, match=r"r\.csv: the record lasts 0\.104 s, and of it 5 samples count"):
+        motion(short, BAND)

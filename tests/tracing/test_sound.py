@@ -37,6 +37,17 @@ def test_a_law_with_values_that_no_machine_has_gives_way_where_a_plausible_one_t
     assert found.added == (("cable_spring",) if len(none) == 1 else ("gravity",))
 
 
+def test_what_goes_astray_on_validation_gives_way_where_another_effect_takes_nearly_as_much():
+    """A preload that pulls a little more on one side of a short stroke is no spring: at another place it is the same."""
+    seen = recorded("a", IDENTIFICATION, 1.0, lambda v: 0.0 * v, 6.0, lambda q: 0.5 + 0.5 * q)
+    there = recorded("bb", VALIDATION, 0.8, lambda v: 0.0 * v, 6.0, lambda q: 0.5 + 0.0 * q)
+    moved = {n: x + 5.0 if n in ("position", "reference") else x for n, x in there.channels.items()}
+    found = trace(
+        PLANT, inverse_dynamics([seen, replace(there, channels=moved)], 50.0), only=("cable_spring", "constant_offset")
+    )
+    assert found.steps[0][0].effect == "cable_spring" and found.added == ("constant_offset",)
+
+
 def test_what_leads_and_comes_to_nothing_on_whole_records_is_left_out_and_the_search_begun_again(inverses, monkeypatch):
     confirm, said = tracing.confirm, []
 

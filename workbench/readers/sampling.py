@@ -8,7 +8,9 @@ from workbench.errors import UnsoundRecord
 from workbench.finding import Finding
 from workbench.readers import wording
 
-FEWEST = 100  # samples
+# Samples of a record. Doubled, two measured axes (a master arm, a base joint) whose logs are cut at every turn are refused; of fewer the evaluation
+# filter leaves next to nothing
+FEWEST = 50
 TOLERANCE = 0.01  # of the median step
 LONGEST_GAP = 10  # median steps; what lies in a longer gap is not measured, and a straight line is not it
 DECIMALS = 9  # of a second, the finest that a stamp is rounded to; a nanosecond lies within any rate's 1 %

@@ -1,42 +1,50 @@
-"""What leads with values that no machine has, on whole records, gives way to a plausible effect that takes nearly as much of them.
+"""What leads with values that no machine has, on whole records, gives way to a plausible effect that takes nearly as much of them; and so
+does what leaves a drive on validation that is farther from the measured one than none at all.
 
 The search holds effects against each other on decimated records, with everything else at what it was there. A law with enough shape
 comes to values within their interval there, and to their end on whole records: creep whose slow part is the spring of a pendulum's weight
-and whose fast part is the lag of its drive.
+and whose fast part is the lag of its drive. And a spring that copies the lag of a fast cycle's friction, beside a preload, goes astray on a slow
+one, where the preload alone does not.
 """
 
 from collections.abc import Iterator, Sequence
 from math import isfinite
 
 from workbench.identification.result import Fit
-from workbench.record import ROLES
+from workbench.record import ROLES, VALIDATION
 from workbench.tracing.choice import Choice
 from workbench.tracing.criteria import Criteria
+from workbench.tracing.evidence import Weighed
 from workbench.tracing.judge import ScoredCandidate, refitted_as
 
 
 def soundly(choice: Choice) -> Choice:
-    """Return the choice with a plausible effect in the place of the addition that takes most, where that has values that no machine has.
+    """Return the choice with a plausible effect in the place of the addition that takes most, where that has values that no machine has or
+    goes astray on validation.
 
     A free form keeps its place: a point of a curve may stand on its bound (a drive that gives no more). What stands in another's place
-    takes `near` of what that takes, in either role, and has itself values that a machine may have; of several the one that leaves
-    least on validation. The choice itself where there is none.
+    takes `near` of what that takes, in either role, and has itself values that a machine may have, and does not go astray; of several the
+    one that leaves least on validation. The choice itself where there is none.
     """
     if choice.largest is None:
         return choice
     j, w = choice.largest
-    if not w.implausible or j.candidate.stands:
+    if _sound(w) or j.candidate.stands:
         return choice
-    choice.progress(f"asking for another effect than {j.candidate.key}, whose values no machine has")
+    choice.progress(f"asking for another effect than {j.candidate.key}, which no machine has or validation refutes")
     i, best = choice.confirmed.added.index(j), None
     for k in _others(choice, j):
         kept, fits = choice.fitted_with(k, j)
         if k not in kept or not _nearly(fits[i : i + 2], choice.confirmed.fits[i : i + 2], choice.criteria):
             continue
         found = choice.taking(k, kept, fits)
-        if not found.confirmed.weighed[i].implausible and (best is None or _left(found) < _left(best)):
+        if _sound(found.confirmed.weighed[i]) and (best is None or _left(found) < _left(best)):
             best = found
     return best or choice
+
+
+def _sound(w: Weighed) -> bool:
+    return not (w.implausible or w.after[VALIDATION] >= 1.0)  # NaN, without such a record, is not
 
 
 def _left(choice: Choice) -> float:
