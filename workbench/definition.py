@@ -154,13 +154,20 @@ class Effect:
         self, *, at: str | None = None, fixed: bool | None = None, label: str | None = None, **values: float
     ) -> "Effect":
         """Return this effect with inside values set (with fixed=, all of those held or freed), at another place, labelled."""
-        there = self if at is None else replace(self, at=at)
+        there = self if at is None else self._moved(at)
         parameters = dict(there.parameters)
         for name, value in values.items():
             if name not in parameters:
                 raise WorkbenchError(f"effect '{self.name}': unknown parameter '{name}'; {nearest(name, parameters)}")
             parameters[name] = parameters[name].at(value, fixed=fixed, where=f"{self.name}.{name}")
         return replace(there, parameters=parameters, label=self.label if label is None else label)
+
+    def _moved(self, at: str) -> "Effect":
+        """Return this effect at another place; what was held where it came from alone is free there."""
+        freed = [n for n, places in self.free_at.items() if at in places and self.at not in places]
+        return replace(
+            self, at=at, parameters=dict(self.parameters) | {n: replace(self.parameters[n], fixed=False) for n in freed}
+        )
 
     def free(self, *names: str) -> "Effect":
         """Return this effect with the named inside parameters no longer fixed."""

@@ -80,3 +80,19 @@ def test_the_stiffness_of_a_magnetic_bearing_is_identified_with_its_sign():
     found = identify(plant, inverse_dynamics([record], 60.0)).plant
     assert found["linear_stiffness@axis"].parameters["stiffness"].value == pytest.approx(-1154.0, rel=0.01)
     assert found["cubic_stiffness@axis"].parameters["k3"].value == pytest.approx(-5e8, rel=0.03)
+
+
+@pytest.mark.parametrize(
+    ("name", "parameter", "free"),
+    [
+        ("encoder_eccentricity", "zero", {"sensor.position": False, "sensor.load_position": True}),
+        ("kinematic_error", "zero", {"joint": True, "sensor.position": False}),
+        ("load_dependent_friction", "share", {"axis": True, "load": False}),
+    ],
+)
+def test_what_may_be_free_at_some_places_alone_is_free_there_wherever_the_effect_came_from(name, parameter, free):
+    """A load encoder's eccentricity came from the motor's, kept its zero held, and was a kinematic error that has a zero."""
+    for first in free:
+        for place, expected in free.items():
+            moved = find(name)(at=first)(at=place)
+            assert moved.parameters[parameter].fixed is not expected, (first, place)

@@ -7,13 +7,13 @@ from workbench.tracing.lines import Part
 from workbench.tracing.neighbours import over_time
 
 
-def level_of(level) -> float:
-    """What a residual that is a level over bench time, beside white noise of a tenth of it, could be predicted to in rms."""
+def level_of(level, of_way: bool = False) -> float:
+    """What a residual that is a level over bench time, or of_way a friction, beside white noise of a tenth of it, could be predicted to in rms."""
     dt = 5e-3
     t = np.arange(round(40.0 / dt)) * dt
-    r = level(t) + 0.1 * np.random.default_rng(3).standard_normal(t.size)
-    outside = np.random.default_rng(4).standard_normal((t.size, 10))
     way = np.sign(np.sin(1.3 * t))
+    r = level(t) * (way if of_way else 1.0) + 0.1 * np.random.default_rng(3).standard_normal(t.size)
+    outside = np.random.default_rng(4).standard_normal((t.size, 10))
     part = Part(r, outside, np.ones(t.size, bool), way, t, dt, r, outside[:, 0], 50.0)
     return float(np.sqrt(over_time([part], STANDARD.burst)[0] / t.size))
 
@@ -35,3 +35,13 @@ def test_a_level_that_leaks_away_and_is_recharged_is_no_noise_and_one_that_wande
         return 1.7 * ((t - start) / (ends[k] - start) - 0.5)
 
     assert level_of(recharged) > 0.2 and level_of(wandering) < 0.05
+
+
+def test_a_brake_that_drags_in_short_spells_is_no_noise():
+    rng = np.random.default_rng(7)
+    turns = np.cumsum(rng.uniform(0.25, 1.1, 80))
+
+    def spells(t):
+        return np.where(np.searchsorted(turns, t) % 2 == 0, 0.5, -0.5)
+
+    assert level_of(spells, of_way=True) > 0.2
