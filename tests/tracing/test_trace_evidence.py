@@ -257,6 +257,11 @@ def test_of_equals_the_usual_effect_and_the_one_that_reads_less_lead(monkeypatch
     # along a motion that goes one way friction that varies with place is a force that does
     friction, cogging = candidate("cyclic_friction", 0.11, 5), candidate("cogging", 0.1, 5)
     assert leads(friction, cogging) is cogging
+    # over two seconds an offset that drifts is an offset; a delay, which reads nothing, is no force
+    drift, offset, delay = (
+        candidate(*x, 1) for x in (("sensor_trend", 0.11), ("constant_offset", 0.1), ("transport_delay", 0.1))
+    )
+    assert leads(drift, offset) is offset and leads(drift, delay) is drift
 
 
 @pytest.mark.parametrize(("corrected", "leads"), [(0.73, "correction"), (0.5, "addition")])

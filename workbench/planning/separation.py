@@ -146,7 +146,9 @@ def _refitted(reference: Reference, plant: Plant, models: Sequence[Plant], sensi
     for truth, other in (models, models[::-1]):
         inverse = followed(reference, truth, sensing)
         try:
-            without, left = (solve(Problem(p, (inverse,)), tolerance=1e-4).residual for p in (plant, other))
+            # a map of the command may have no value at what a motion asks of the other effect: that shows in what is found
+            with np.errstate(all="ignore"):
+                without, left = [solve(Problem(p, (inverse,)), tolerance=1e-4).residual for p in (plant, other)]
         except NoValue:
             return Parting(0.0, 0.0)
         here = _parting(left, without, sensing, plant)

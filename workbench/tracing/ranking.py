@@ -6,7 +6,7 @@ By gain; of those that explain practically the same the simplest leads, and no e
 from collections.abc import Sequence
 from dataclasses import replace
 
-from workbench.definition import Effect, catalogue
+from workbench.definition import FORCE, Effect, catalogue
 from workbench.effects.free_bank import NAME as FREE_CURVE
 from workbench.identification.cross_validation import gain
 from workbench.processes import shared
@@ -89,11 +89,11 @@ def _of_less(level: Sequence[ScoredCandidate]) -> ScoredCandidate:
     """Return the first of what explains the same, or another one as simple that reads part of its signals alone.
 
     The first is then what the other is where the rest of its signals hardly changes: while a motion goes one way, a force that varies
-    with place (cogging) and friction that does are one.
+    with place (cogging) and friction that does are one; over two seconds a constant offset and one that drifts.
     """
     first = level[0]
     reads = set(_effect(first).reads)
-    same = (j for j in level if j.freedom == first.freedom and _effect(j).reads)
+    same = (j for j in level if j.freedom == first.freedom and (_effect(j).reads or _effect(j).port == FORCE))
     return next((j for j in same if set(_effect(j).reads) < reads), first)
 
 
