@@ -141,7 +141,7 @@ class Scan:
         rows = (index >= first) & (index < last) & ((way == direction) if direction else True)
         step = (high - low) / COUNT
         span = (low + first * step, low + last * step)
-        return Window(name, (span,), direction, share, covered, np.nan, np.nan, rows=rows)
+        return Window(name, (span,), direction, min(share, 1.0), covered, np.nan, np.nan, rows=rows)
 
     def left(self, outside: Sequence[np.ndarray]) -> np.ndarray:
         """Return the share of the excess that a fit to the rows outside leaves there, one a window."""
@@ -176,4 +176,4 @@ def _moments(t: np.ndarray, excess: np.ndarray, drive: np.ndarray) -> Window | N
         inside[a:b] = chosen[a:b]
     share, covered = power[inside].sum() / excess.sum(), count[inside].sum() / np.count_nonzero(drive)
     spans = tuple((float((first + a) * MOMENT), float((first + b) * MOMENT)) for a, b in runs)
-    return Window("time", spans, 0, float(share), float(covered), np.nan, np.nan, rows=inside[step - first])
+    return Window("time", spans, 0, min(float(share), 1.0), float(covered), np.nan, np.nan, rows=inside[step - first])
