@@ -235,6 +235,17 @@ def test_a_start_time_that_is_not_the_clocks_is_found(campaign):
     assert finding.evidence == {"declared": 0.0, "measured": 10.0}
 
 
+def test_a_record_whose_clock_begins_at_zero_stands_where_it_is_declared_to_start(campaign):
+    campaign.put("val_moves.csv", rows(start=0.0))
+    two = 'file = "val_moves.csv"\nrole = "validation"\n'
+    more = 'start_time_s = 40.0\ncounts_from = { value = 0.02, unit = "s" }\n'
+    read = campaign.swap(two, two + more).load()
+    record, (finding,) = read.records[1], read.findings
+    assert record.time[0] == pytest.approx(40.0) and record.counts_from == pytest.approx(40.02)
+    assert (finding.kind, finding.evidence["declared"]) == ("start time", 40.0)
+    assert "was added to its time" in finding.sentence
+
+
 # --- the declaration --------------------------------------------------------------------------------------------------
 
 

@@ -59,24 +59,27 @@ def _record(one: Table, folder: Path, name: str, channels: Mapping[str, Channel]
     for n in data:
         plausible(name, n, channels[n], data[n], sheet, first)
     time, data, resampled = uniform(name, time, data, lambda k: sheet.place(k + first), resample=resample)
-    start = one.number("start_time_s", float(time[0]))
+    start, counted = one.number("start_time_s", float(time[0])), _counted(one, time)
+    step = float(time[1] - time[0])
+    later = start if abs(time[0]) <= step < start else 0.0  # its own clock begins with the record: the bench's is told
     record = Record(
         name=name,
         role=one.text("role"),
-        time=time,
+        time=time + later if later else time,
         channels=data,
         units={n: c.si for n, c in channels.items()},
         source=source,
         resolution={n: c.resolution for n, c in channels.items() if c.resolution},
         motion=one.text("motion"),
         locked=one.flag("load_locked"),
-        counts_from=_counted(one, time),
+        counts_from=counted + later,
         payload=_payload(one, "torque" in channels),
     )
     findings = [f for n, c in measured.items() if (f := stated(name, c.column, sheet.units.get(n, ""), c.unit))]
     findings += [resampled] if resampled else []
     findings += [wording.noted(name, note) for note in sheet.notes]
-    findings += [wording.other_clock(name, start, float(time[0]))] if abs(start - time[0]) > time[1] - time[0] else []
+    findings += [wording.own_clock(name, later)] if later else []
+    findings += [wording.other_clock(name, start, float(time[0]))] if not later and abs(start - time[0]) > step else []
     return record, findings
 
 

@@ -29,6 +29,18 @@ def put_on_one(others: Sequence[str], first: str, rate: float) -> str:
     return f"{named} {what} not sampled at the instants of '{first}' ({rate:.6g} Hz), and {what} put there by straight lines."
 
 
+def own_clock(name: str, start: float) -> Finding:
+    """Say that a record whose own clock begins at zero was put where it is declared to start, s."""
+    sentence = f"Record '{name}' counts its time from zero and is declared to start at {start:g} s: that much was added to its time."
+    return Finding(
+        START_TIME,
+        name,
+        sentence,
+        {"declared": start, "measured": 0.0},
+        "Log the clock of the bench, or mend start_time_s.",
+    )
+
+
 def other_clock(name: str, declared: float, measured: float) -> Finding:
     """Say that a record starts at another time, s, than is declared."""
     sentence = f"Record '{name}' is declared to start at {declared:g} s, and its time starts at {measured:g} s; the latter is used."
