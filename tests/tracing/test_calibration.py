@@ -93,3 +93,13 @@ def test_a_ripple_of_another_power_up_is_named_and_not_used_where_its_phase_is_w
     assert found.after.identification < 0.5 * found.before.identification
     (offered,) = found.calibrations
     assert offered.differs and offered.calibrated < 0.5 * offered.identified
+
+
+def test_a_wave_of_another_size_is_no_wave_of_another_power_up(ripple):
+    """What dresses a record takes a wave of any phase on another one, and hardly ever as large a one."""
+    _, _, found = calibrated(ripple, OFFSET)
+    shrunk = tuple(
+        replace(p, amplitude=replace(p.amplitude, value=0.26 * p.amplitude.value)) if p.role == VALIDATION else p
+        for p in found.phases
+    )
+    assert found.same and not replace(found, phases=shrunk).same

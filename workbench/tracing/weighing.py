@@ -127,7 +127,7 @@ def _phased(w: Weighed, fit: Fit, key: str, inverses: Sequence[InverseDynamics])
     if w.share(VALIDATION) >= 0.0 or not periodic(effect):
         return w
     found = calibrate(fit.plant, key, inverses, fit.validation)
-    if not (found.differs and found.calibrated < w.before[VALIDATION]):
+    if not (found.differs and found.same and found.calibrated < w.before[VALIDATION]):
         return w
     return replace(w, after={**w.after, VALIDATION: found.calibrated}, power_up=True)
 
