@@ -270,7 +270,7 @@ def test_a_wrong_value_that_takes_nearly_what_a_law_of_more_values_takes_leads(m
 
     def of(kind):
         return SimpleNamespace(
-            kind=kind, yields=False, family=kind, key=kind, plant={kind: SimpleNamespace(rare=False, reads=())}
+            kind=kind, yields=False, family=kind, key=kind, plant={kind: SimpleNamespace(rare=False, reads=(), port="")}
         )
 
     judged = [

@@ -14,8 +14,8 @@ from workbench.identification.result import Estimate
 from workbench.record import IDENTIFICATION, VALIDATION
 from workbench.tracing.wording_search import phase_shown, phases_sentence
 
-# Between an amplitude on validation and that on identification, beyond which it is no wave of another power-up. Of a propeller's arm a cogging that
-# dressed its thrust had 0.26; halved it is a cause there, doubled none of the carried waves changes
+# Factor between an amplitude on validation and that on identification, beyond which it is no wave of another power-up: a cogging that dressed the
+# thrust of a propeller's arm has 0.26. Doubled, it is a cause there; halved (1.0), no wave of another power-up is found
 ALIKE = 2.0
 APART = 2.0  # times both 95 % half widths together, from which two phases are two
 
