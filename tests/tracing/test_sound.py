@@ -35,6 +35,8 @@ def test_a_law_with_values_that_no_machine_has_gives_way_where_a_plausible_one_t
     monkeypatch.setattr(weighing, "implausible", lambda e, *_: "it stands on its bound" if e.name in none else "")
     found = trace(PLANT, inverses, only=LAWS)
     assert found.added == (("cable_spring",) if len(none) == 1 else ("gravity",))
+    said = [f.sentence for f in found.findings if f.kind == "gave way"]
+    assert len(said) == (len(none) == 1) and all(s.endswith("but it stands on its bound.") for s in said)
 
 
 def test_what_goes_astray_on_validation_gives_way_where_another_effect_takes_nearly_as_much():
@@ -46,6 +48,8 @@ def test_what_goes_astray_on_validation_gives_way_where_another_effect_takes_nea
         PLANT, inverse_dynamics([seen, replace(there, channels=moved)], 50.0), only=("cable_spring", "constant_offset")
     )
     assert found.steps[0][0].effect == "cable_spring" and found.added == ("constant_offset",)
+    (said,) = (f.sentence for f in found.findings if f.kind == "gave way")
+    assert said.startswith("Cable spring at the axis takes no less") and "farther than none at all" in said
 
 
 def test_what_leads_and_comes_to_nothing_on_whole_records_is_left_out_and_the_search_begun_again(inverses, monkeypatch):

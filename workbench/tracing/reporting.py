@@ -25,7 +25,7 @@ from workbench.tracing.skew import Skew, clock
 from workbench.tracing.state import State
 from workbench.tracing.unexplained import Unexplained, described, unexplained
 from workbench.tracing.weighing import Confirmed, curve_of
-from workbench.tracing.wording import belongs_to_one_power_up, cause, findings_of, least_shown, refinement
+from workbench.tracing.wording import belongs_to_one_power_up, cause, findings_of, gave_way, least_shown, refinement
 
 
 @dataclass(frozen=True, eq=False)
@@ -109,7 +109,8 @@ def _findings_of(o: Outcome, causes: Sequence[Cause], phases: Sequence[Calibrati
     lost = late.lost.finding if late.lost and o.verdict.verdict != UNKNOWN else None
     first = [f for f in (late.idle, lost, late.slow and late.slow.finding, late.sticks and late.sticks.finding) if f]
     beside = findings_of(o.verdict, o.evidence, causes, late.plant, o.criteria)
-    return (*first, *beside, *map(belongs_to_one_power_up, phases))
+    gone = map(gave_way, o.confirmed.given_up) if o.standing else ()
+    return (*first, *beside, *gone, *map(belongs_to_one_power_up, phases))
 
 
 def _said_of_each(o: Outcome, after: Fit, progress: Progress) -> tuple[list[Cause], list[Refinement]]:

@@ -8,6 +8,7 @@ one, where the preload alone does not.
 """
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from math import isfinite
 
 from workbench.identification.result import Fit
@@ -40,7 +41,7 @@ def soundly(choice: Choice) -> Choice:
         found = choice.taking(k, kept, fits)
         if _sound(found.confirmed.weighed[i]) and (best is None or _left(found) < _left(best)):
             best = found
-    return best or choice
+    return replace(best, confirmed=replace(best.confirmed, given_up=(w,))) if best else choice
 
 
 def _sound(w: Weighed) -> bool:

@@ -113,7 +113,7 @@ def _decided(
     """Weigh what whole records bear out of what a search selected, decide, and say so; without what is not borne out, once more."""
     inverses, first = late.inverses, True
     progress("weighing the evidence")
-    order, orders, refused = selected.answer.added, [], []
+    order, orders, refused, given_up = selected.answer.added, [], [], []
     while order is not None:
         if not first:
             confirmed = confirm(late, order, selected, criteria, confirmed.levels)
@@ -123,6 +123,7 @@ def _decided(
         anew, selected, confirmed = first or choice.selected is not selected, choice.selected, choice.confirmed
         if anew:
             evidence, place = _evidence_of(selected, confirmed, late, inverses, criteria)
+        given_up += confirmed.given_up
         confirmed = foretold(selected, confirmed, evidence.before.size, criteria)
         evidence = replace(evidence, added=confirmed.weighed)
         verdict = decide(evidence, criteria)
@@ -133,7 +134,7 @@ def _decided(
         if order is not None and len(order) < len(confirmed.added):
             # without what is not borne out, the others are weighed again: one may have been needed by it alone
             refused += [a for a, r in zip(confirmed.weighed, verdict.roles, strict=True) if r == NOT_BORNE_OUT]
-    evidence = replace(evidence, refused=tuple(refused))
+    evidence, confirmed = replace(evidence, refused=tuple(refused)), replace(confirmed, given_up=tuple(given_up))
     return reported(Outcome(late, inverses, selected, confirmed, evidence, verdict, place, criteria), progress)
 
 

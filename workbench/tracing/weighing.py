@@ -31,12 +31,14 @@ ONE_CURVE = ("joint stiffness", "friction with memory")
 @dataclass(frozen=True, eq=False)
 class Confirmed:
     """added: what whole records bear out. fits: of the declared plant and with one more of these each. levels: record -> rms
-    that noise and counts alone would leave. weighed: what whole records say of each addition."""
+    that noise and counts alone would leave. weighed: what whole records say of each addition. given_up: what led, and gave way to one of
+    these."""
 
     added: Sequence[ScoredCandidate]
     fits: Sequence[Fit]
     levels: Mapping[str, float]
     weighed: tuple[Weighed, ...]
+    given_up: tuple[Weighed, ...] = ()
 
 
 def confirm(

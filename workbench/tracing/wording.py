@@ -1,6 +1,7 @@
 """What a trace comes to, beneath its verdict: causes, refinements and findings as sentences."""
 
 from collections.abc import Sequence
+from math import isfinite
 
 from workbench.definition import find
 from workbench.finding import BELOW_FLOOR, HUM, SLOW_FORCE, SOMETHING_ELSE, Finding, capital, title
@@ -123,6 +124,18 @@ def findings_of(verdict: Verdict, evidence: Evidence, causes: Sequence[Cause], p
             {"before": evidence.before.size, "after": evidence.after.size},
             "look at where the residual lives",
         )  # fmt: skip
+
+
+def gave_way(w: Weighed) -> Finding:
+    """Say of what took most why another effect stands in its place: its values, or where it leads on validation."""
+    why = w.implausible or (
+        f"with it the drive of the validation records is off by {100 * w.after[VALIDATION]:.0f} %, farther than none at all would be"
+    )
+    return Finding(
+        "gave way", w.effect,
+        f"{capital(title(w.effect))} at the {w.at} takes no less of the identification records than what stands in its place, but {why}.",
+        {r: x for r, x in w.after.items() if isfinite(x)},
+    )  # fmt: skip
 
 
 def _of_addition(a: Weighed, role: str, along: float, criteria: Criteria):
