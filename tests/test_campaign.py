@@ -207,6 +207,12 @@ def test_two_masses_have_two_positions_and_a_locked_load(campaign):
     assert np.array_equal(c.records[0].channels["load_position"], np.zeros(ROWS))
 
 
+@pytest.mark.parametrize(("place", "held"), [("sensor.load_position", False), ("sensor.position", True)])
+def test_the_zero_of_a_declared_eccentricity_is_free_at_the_load_alone(campaign, place, held):
+    two_mass(campaign).toml += f'[[effects]]\neffect = "encoder_eccentricity"\nat = "{place}"\n'
+    assert campaign.load().plant[f"encoder_eccentricity@{place}"].parameters["zero"].fixed is held
+
+
 def test_an_effect_may_act_on_the_command(campaign):
     campaign.toml += '[[effects]]\neffect = "transport_delay"\nat = "command"\n'
     campaign.toml += 'parameters.delay = { value = 0.5, unit = "ms" }\n'

@@ -163,11 +163,9 @@ class Effect:
         return replace(there, parameters=parameters, label=self.label if label is None else label)
 
     def _moved(self, at: str) -> "Effect":
-        """Return this effect at another place; what was held where it came from alone is free there."""
-        freed = [n for n, places in self.free_at.items() if at in places and self.at not in places]
-        return replace(
-            self, at=at, parameters=dict(self.parameters) | {n: replace(self.parameters[n], fixed=False) for n in freed}
-        )
+        """Return this effect at another place; what was held where it came from alone is free there, unless that place holds it, too."""
+        freed = {n: replace(self.parameters[n], fixed=False) for n, of in self.free_at.items() if self.at not in of}
+        return replace(self, at=at, parameters={**self.parameters, **freed})
 
     def free(self, *names: str) -> "Effect":
         """Return this effect with the named inside parameters no longer fixed."""

@@ -20,7 +20,8 @@ from workbench.record import Record
 
 PAD = 0.5  # s, of odd reflection at both ends
 TRIM = 0.05  # s, at both ends, that no error counts, or a period of the band's edge where that is longer: what an end does passes its filter
-COUNTED = 10  # samples of a record that count between its ends, without which it says nothing; of fewer there is no error to speak of
+# Samples of a record that count between its ends. Halved, a steering wheel's log of which 5 are left is read; more than doubled, a wrist's (21 of 61) is refused
+COUNTED = 10
 MOTION_BAND = 2.0  # band of the motion's own low pass over the evaluation bandwidth: flat (0.4 %) where errors count
 
 

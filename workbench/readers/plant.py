@@ -1,7 +1,5 @@
 """The plant that a campaign declares: its tables of effects and limits, checked, in SI."""
 
-from dataclasses import replace
-
 from workbench import definition as fx
 from workbench.errors import WorkbenchError
 from workbench.plant import Geometry, Limits, Plant
@@ -19,7 +17,7 @@ def declared_plant(top: Table, kind: str, rotary: bool, notes: dict[str, str]) -
     for one in top.tables("effects", "effect", ("effect", "at"), ("law", "parameters", "label")):
         effect = _declared(one, rotary)
         try:
-            plant = plant + replace(effect, at=one.text("at"), label=one.text("label"))
+            plant = plant + effect(label=one.text("label"))
         except WorkbenchError as e:
             raise WorkbenchError(f"{one.path('at')}: {e}") from e
         notes[f"effects.{plant.effects[-1].key}.law"] = one.text("law")
@@ -28,7 +26,7 @@ def declared_plant(top: Table, kind: str, rotary: bool, notes: dict[str, str]) -
 
 def _declared(one: Table, rotary: bool) -> fx.Effect:
     """Return the effect that a table names, with the values of its parameters table."""
-    effect = replace(fx.find(one.text("effect"), one.path("effect")), at=one.text("at"))
+    effect = fx.find(one.text("effect"), one.path("effect"))(at=one.text("at"))
     known = effect.outside
     given = one.table("parameters", optional=tuple(known))
     values, fixed = {}, {}
