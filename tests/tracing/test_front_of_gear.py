@@ -1,5 +1,6 @@
-"""Of two masses the motor's encoder stands in front of the gear: its eccentricity, and the gear's own error."""
+"""Whose an error of the angle is: the motor's encoder stands in front of the gear; where there is no gear, none is the gear's."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 from workbench.definition import find
@@ -41,3 +42,15 @@ def test_an_eccentricity_of_the_motors_encoder_leads_only_where_the_gear_does_no
         return ranking.simplest_first(judged, STANDARD, state)[0].candidate.effect
 
     assert (first(0.799), first(0.6)) == ("kinematic_error", "encoder_eccentricity")
+
+
+def test_where_one_mass_turns_without_a_gear_every_wave_of_the_angle_is_its_encoders():
+    """A resolver of four pole pairs errs four times a turn; with a gear in front the wave may be the gear's, and a slide has a scale."""
+
+    def named(plant):
+        return [c.name for c in candidates_of(plant) if c.effect == "kinematic_error"]
+
+    direct = Plant(ONE_MASS) + find("inertia")
+    assert named(direct) == ["encoder_eccentricity"]
+    others = (Plant(ONE_MASS, geometry=GEARED), Plant(ONE_MASS, rotary=False), replace(PLANT, geometry=Geometry()))
+    assert {n for plant in others for n in named(plant)} == {"kinematic_error"}

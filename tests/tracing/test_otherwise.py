@@ -63,6 +63,19 @@ def test_a_spring_and_a_cogging_are_two_effects_though_one_curve_over_place_take
     assert (curve.candidate.effect, curve.candidate.name) == ("force_over_position", "cogging")
 
 
+def test_stribecks_friction_and_an_asymmetry_are_two_effects_though_one_curve_over_speed_takes_both(monkeypatch):
+    """The one is the same in both directions, the other is the difference between them."""
+    force = lambda v: 0.3 * np.exp(-np.abs(v / 0.1)) * np.sign(v) + 0.08 + 0.1 * np.abs(v)  # noqa: E731
+    records = [recorded(n, IDENTIFICATION, s, force) for n, s in (("a", 1.0), ("bb", 0.4))]
+    state = State(PLANT, inverse_dynamics(records, 50.0))
+    judgements = ranking.step(state, lambda _: None, Offer(only={"coulomb_asymmetry", "stribeck_friction"}))
+    best = judgements[0]
+    assert best.candidate.effect in ("coulomb_asymmetry", "stribeck_friction")
+    assert free_law.free_law(state, judgements, best, [], STANDARD) is None
+    monkeypatch.setattr(free_law, "_two_say_it", lambda *_: False)
+    assert free_law.free_law(state, judgements, best, [], STANDARD).candidate.effect == "friction_over_speed"
+
+
 def test_a_composite_bears_the_name_of_the_part_that_is_missing():
     named = {s.effect: s.name for s in candidates_of(PLANT) if s.instead}
     assert named["friction_behind_gap"] == "backlash"  # the friction is declared

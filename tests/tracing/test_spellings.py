@@ -106,6 +106,22 @@ def test_a_hose_that_pushes_alike_at_both_ends_is_no_wave_of_less_than_two_perio
     assert free.errors.total < (1.0 - STANDARD.near) * state.errors.total
 
 
+@pytest.mark.parametrize(("periods", "name"), [(1.4, ""), (6.0, "cyclic_friction")])
+def test_drag_in_a_part_of_the_stroke_is_no_friction_that_returns(periods, name):
+    """Waves of one period and its third and fifth draw a window; friction of several periods is cyclic."""
+    travel = 0.6
+    record = recorded("a", IDENTIFICATION, 1.0, lambda v: 0.0 * v)
+    q = record.channels["reference"]
+    wave = np.sin(2.0 * np.pi * periods / travel * q)
+    drag = wave if name else (wave > 0.0)
+    dragged = record.channels["torque"] + 0.2 * drag * np.gradient(q, record.dt)
+    record = replace(record, channels={**record.channels, "torque": dragged})
+    state = State(PLANT, inverse_dynamics([record], 50.0))
+    first = ranking.step(state, lambda _: None, Offer(only={"cyclic_friction"}))[0]
+    assert first.score.gain > 0.5 and np.ptp(q) == pytest.approx(travel, rel=0.1)
+    assert (first.candidate.effect if first.score.earns else "") == name
+
+
 @pytest.mark.parametrize(("order", "named"), [(1.0, "encoder_eccentricity"), (16.0, "kinematic_error")])
 def test_waves_of_an_encoder_over_one_turn_of_its_axis_are_its_eccentricity(order, named):
     """What shows most in the acceleration is their second harmonic, so that the nearest formula is a kinematic error of order 2."""

@@ -78,7 +78,7 @@ def encoder_eccentricity() -> Effect:
 
     return Effect(
         name="encoder_eccentricity",
-        cause="an encoder disc mounted off its axis: the reading is wrong once per turn",
+        cause="an encoder disc off its axis, or a resolver's uneven windings: the reading errs by what repeats every turn",
         formula="y = q + A sin(n q + p) - x0",
         source="geometry of a disc read at one place",
         port=SENSOR,

@@ -5,6 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from workbench.errors import WorkbenchError
+from workbench.finding import Finding
 from workbench.identification import intervals, wording
 from workbench.identification.by_record import own_estimates, spread
 from workbench.identification.disagreement import disagreements
@@ -94,6 +95,12 @@ def series_of(plant: Plant, inverse: InverseDynamics) -> tuple[Series, np.ndarra
     return series, prediction
 
 
+def _of_a_curve(f: Finding, plant: Plant) -> bool:
+    """Whether a finding is of nothing but what a curve is at its knots: that is one law, which its band judges, and not twenty parameters."""
+    curves = {e.key for e in plant.effects if e.knots}
+    return {subject.rpartition(".")[0] for subject in f.subject.split(", ")} <= curves
+
+
 def seen(problem: Problem, solution: Solution, inverses: Sequence[InverseDynamics]) -> Fit:
     """Return the Fit of a solved problem."""
     plant = problem.with_linear(problem.with_shape(solution.theta), solution.c)
@@ -113,6 +120,7 @@ def seen(problem: Problem, solution: Solution, inverses: Sequence[InverseDynamic
     said = [wording.unexcited(one) for one in unexcited(problem, solution, half, noise)]
     said += [wording.disagreement(one) for one in disagreements(problem, plant, linear, owns)]
     said += wording.undetermined(problem, estimates, names, cov)
+    said = [f for f in said if not _of_a_curve(f, plant)]
     for told in (zeros_apart, state_at_start):
         said += told([p.motion.record for p in inverses], plant.displacement)
     return Fit(

@@ -7,9 +7,10 @@ from types import MappingProxyType
 from workbench.definition import Effect, catalogue
 from workbench.effects.families import family_of
 from workbench.effects.free_bank import NAME as FREE_CURVE
-from workbench.plant import TWO_MASS, Plant, places
+from workbench.plant import Plant, places
 from workbench.tracing.budget import BUDGET, Budget
 from workbench.tracing.data_sheet import from_data_sheet
+from workbench.tracing.discs import of_the_disc, on_the_motor
 from workbench.tracing.evidence import ADDITION, CORRECTION
 
 __all__ = ["ADDITION", "CORRECTION"]
@@ -93,7 +94,7 @@ def candidates_of(
         if motion in effect.motions:
             for place in places(plant.kind, effect, plant.rotary):
                 found += _additions(effect, place, plant, stands_for)
-                if (there := _on_the_motor(effect, place, plant)) is not None:
+                if (there := on_the_motor(effect, place, plant)) is not None:
                     found += [replace(c, yields=True) for c in _additions(there, place, plant, stands_for)]
     found += _corrections(plant, declared, stands_for)
     return sorted(found, key=lambda s: (s.effect, s.at, s.kind, not s.instead))
@@ -122,22 +123,13 @@ def _additions(effect: Effect, place: str, plant: Plant, stands_for: Mapping[str
         instead, restored = same, tuple(stands_for[key].key for key in same)
         for key in same:
             rest = rest + stands_for[key]
-    called = another.nearest if another.traced else ""
+    called = (another.nearest or of_the_disc(another, place, plant)) if another.traced else ""
     part = called or _missing_part(another, [stands_for.get(key) or plant[key] for key in same])
     found = [Candidate(another.named, place, ADDITION, rest + another, instead, restored=restored, part=part)]
     if same and FREE_CURVE not in {k.partition("@")[0] for k in same}:
         # the same beside what it may take the place of: two contacts
         found.append(Candidate(another.named, place, ADDITION, plant + another))
     return found
-
-
-def _on_the_motor(effect: Effect, place: str, plant: Plant) -> Effect | None:
-    """Return an effect of an encoder's disc for one that turns with the motor, in front of a gear; None where there is no other encoder
-    that says what the gear adds: of one mass the two are the same wave."""
-    ratio = plant.geometry.gear_ratio
-    if not effect.harmonic or plant.kind != TWO_MASS or place != "sensor.position" or ratio == 1.0:
-        return None
-    return effect(**{effect.harmonic: ratio * effect.parameters[effect.harmonic].value})
 
 
 def _held_by_data_sheet(key: str, plant: Plant, stands_for: Mapping[str, Effect]) -> bool:

@@ -14,7 +14,7 @@ from dataclasses import replace
 from workbench.effects.families import FREE_FORMS
 from workbench.processes import shared
 from workbench.tracing.budget import Budget
-from workbench.tracing.candidates import ADDITION, AGAIN, WHOLE, Offer, periodic
+from workbench.tracing.candidates import ADDITION, AGAIN, WHOLE, Candidate, Offer, periodic
 from workbench.tracing.criteria import Criteria
 from workbench.tracing.free_forms import MEMORY, free_forms
 from workbench.tracing.judge import ScoredCandidate, judged, refitted_as
@@ -155,21 +155,28 @@ def steadier(
 
 
 def _two_say_it(state: State, best: ScoredCandidate, most: float, criteria: Criteria, offer: Offer) -> bool:
-    """Whether a formula with another of its class, one of them periodic and the other not, leaves no more than `most`: a spring and a
-    cogging, which are two effects and no law of one. Of the other one every spelling is asked."""
+    """Whether a formula with another of its class leaves no more than `most`, one of them periodic and the other not, or one the same in both
+    directions and the other a difference between them: a spring and a cogging, Stribeck's friction and an asymmetry are two effects and no
+    law of one. Of the other one every spelling is asked."""
     if best.candidate.kind != ADDITION or best.refitted is None:
         return False
-    beside, own = best.state or best.refitted.state, periodic(best.candidate.plant[best.candidate.key])
+    beside, own = best.state or best.refitted.state, _symmetry(best.candidate)
     offered = replace(offer, own=(*offer.own, *spellings_in(best.candidate.family)))
     others = [
         c
         for c in offered.candidates(beside.plant)
         if (c.kind, c.family, c.at) == (ADDITION, best.candidate.family, best.candidate.at)
         and not c.instead
-        and periodic(c.plant[c.key]) != own
+        and _symmetry(c) != own
     ]
     found = shared(lambda c: judged(beside, c, criteria, offer.budget), others)
     return any(one["errors"].total <= most for one in found if one.get("theta") is not None)
+
+
+def _symmetry(candidate: Candidate) -> tuple[bool, bool]:
+    """Return whether a law is periodic, and whether it is even in the motion."""
+    effect = candidate.plant[candidate.key]
+    return periodic(effect), "even" in effect.holds
 
 
 def _orders_say_it(state: State, nearest: ScoredCandidate, most: float, criteria: Criteria, offer: Offer) -> bool:

@@ -14,8 +14,9 @@ LARGEST_ECCENTRICITY = 0.0175  # rad: a disc that reads a degree wrong would not
 # Slope of a wave in an angle or a scale: gears and discs stay below a few per cent. Of 232 axes one wave had 0.13, one 0.29, the others 0.04
 # and less: halved, no change; doubled, one that dresses friction is believed
 STEEPEST = 0.1
-# Periods of a wave within the travel, below which it is not seen to return: a hose taut at one end of the stroke was a cogging of 1.7. Halved,
-# it is again; doubled, nothing changes: of thirteen cogging forces that were missing the travel held 5.2 and more
+# Periods of a wave within the travel, below which it is not seen to return: a hose taut at one end of the stroke was a cogging of 1.7, a bath that
+# a belt dips into, over a third of the stroke, friction of 1.5. Halved, they are again; doubled, two of 25 cyclic frictions that were missing (2.5
+# and 2.8, others 4.4 and more) would be any curve; of thirteen cogging forces the travel held 5.2 and more
 RETURNS = 2.0
 # Of the travel, that the reading of a position drifts within a record: mounts warm up by micrometres. Times the viscous friction a drift of
 # ten times the travel is a constant force by another name. Halved or doubled, that one is implausible all the same; a right one had 3e-6

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from workbench.definition import FORCE, Effect, catalogue
+from workbench.effects.families import FREE_FORMS, family_of
 from workbench.effects.free_bank import NAME as FREE_CURVE
 from workbench.identification.cross_validation import gain
 from workbench.processes import shared
@@ -14,7 +15,7 @@ from workbench.tracing import foreseen
 from workbench.tracing.candidates import ADDITION, WHOLE, Offer
 from workbench.tracing.criteria import Criteria
 from workbench.tracing.judge import STANDARD, Progress, ScoredCandidate, free_of, judged, refitted, refitted_as
-from workbench.tracing.plausible import implausible
+from workbench.tracing.plausible import implausible, returns
 from workbench.tracing.reducing import reduced_to
 from workbench.tracing.slack import gap_first
 from workbench.tracing.state import Refitted, State
@@ -138,13 +139,14 @@ def _plainest_first(
 
     LuGre without presliding is Stribeck's friction, a kinematic error of order 1 an eccentricity. The simpler one leads where it
     takes `near` of what the other takes; where it does not, what the other takes more is a matter of counts. What is nothing of its own does not lead (LuGre without presliding and without Stribeck's
-    peak is Coulomb friction), nor what is nothing but a virgin curve where a free curve stands in the present model.
+    peak is Coulomb friction), nor what is nothing but a virgin curve where a free curve stands in the present model, nor a wave
+    that may be any curve.
     """
     curved = {e.at for e in state.plant.effects if e.name == FREE_CURVE}
     present = {e.key for e in state.plant.effects}
     for _ in range(min(most, len(judgements))):
         first = judgements[0]
-        if _stranger(first):
+        if _stranger(first) or _any_curve(first, state):
             judgements = _pushed_back(judgements, criteria, state)
             continue
         name = reduced_to(first, state, criteria)
@@ -200,6 +202,19 @@ def _stranger(j: ScoredCandidate) -> bool:
     ratios = [order / e.parameters[name].value for e in others if e.parameters[name].value > 0.0]
     small = [p / q for p in range(1, SMALL + 1) for q in range(1, SMALL + 1)]
     return bool(ratios) and not any(abs(r / s - 1.0) < MEETS for r in ratios for s in small)
+
+
+def _any_curve(j: ScoredCandidate, state: State) -> bool:
+    """Whether a fitted candidate is a wave that draws whatever lives in a part of the stroke: the travel does not show it to return, and in its
+    class no law of the catalogue is a curve; or it is a wave in an angle that no gear and no disc has.
+    """
+    if not j.refitted or j.candidate.kind != ADDITION:
+        return False
+    wave = j.refitted.plant[j.candidate.key]
+    form = FREE_FORMS.get(family_of(wave))
+    if "order" not in wave.parameters or form is None or form.nearest:
+        return False
+    return not returns(wave, state.inverses) or (wave.port != FORCE and absurd(j, state))
 
 
 def _pushed_back(judgements: Sequence[ScoredCandidate], criteria: Criteria, state: State) -> list[ScoredCandidate]:

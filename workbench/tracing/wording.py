@@ -56,7 +56,10 @@ def _cause_sentence(
 ) -> str:
     """Return what a cause is and explains. shares: on identification and on validation; the others as of `cause`."""
     score, candidate = judgement.score, judgement.candidate
-    effect = find((score.effect if candidate.part else candidate.name).partition(" ")[0])  # without its label
+    effect = law = find(candidate.name.partition(" ")[0])  # without its label
+    if candidate.part:
+        law = find(score.effect.partition(" ")[0])
+        effect = law if law.parts or not law.traced else effect  # which says more of it than the name that it bears
     verb = "is declared with a wrong value" if score.kind != ADDITION else "is missing"
     sentence = (
         f"{capital(title(candidate.name))} at the {score.at} {verb}: {effect.cause}. It explains "
@@ -64,8 +67,8 @@ def _cause_sentence(
         "on the validation record."
     )
     if candidate.part:
-        whose = "With what is declared there it is" if effect.parts else "Its law is that of"
-        sentence += f" {whose} {title(score.effect)}, {effect.formula}."
+        whose = "With what is declared there it is" if law.parts else "Its law is that of"
+        sentence += f" {whose} {title(score.effect)}, {law.formula}."
     if also:
         sentence += f" And that friction gives way before it slips, which what is declared there does not: {title(also[0])} is missing with it."
     if candidate.stands:
