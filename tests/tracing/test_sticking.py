@@ -11,6 +11,7 @@ from workbench.inverse.dynamics import inverse_dynamics
 from workbench.kernel.step import build
 from workbench.plant import ONE_MASS, Plant
 from workbench.record import IDENTIFICATION, VALIDATION, Record
+from workbench.tracing import preparing
 from workbench.tracing import sticking as sticking_module
 from workbench.tracing.sticking import sticking
 from workbench.tracing.tracing import trace
@@ -119,11 +120,29 @@ def test_what_is_missing_may_hide_that_an_axis_sticks_and_a_search_begins_anew_b
     records = [pulled(recorded(n, r, p), 1500.0) for n, r, p in (("a", IDENTIFICATION, 0.6), ("b", VALIDATION, 0.8))]
     inverses = inverse_dynamics(records, BAND)
     assert sticking(declared(), inverses) is None
-    found = trace(declared(), inverses, only=("cable_spring", "transport_delay", "flexible_mode", "gravity"))
+    said: list[str] = []
+    found = trace(
+        declared(), inverses, said.append, only=("cable_spring", "transport_delay", "flexible_mode", "gravity")
+    )
     assert found.verdict == "cause" and found.added == ("cable_spring",)
+    first = said[: said.index("searching once more, where the axis moves")]
+    assert (
+        first.count("trying transport_delay@command") == 1
+    )  # the search ends with the first effect: its next one dresses rest
     stuck = [f for f in found.findings if f.kind == "sticks"]
     assert len(stuck) == 1 and "found beside it" in stuck[0].sentence
     assert found.after.identification < 0.01
+
+
+def test_rest_is_asked_once_of_each_set_of_effects(monkeypatch):
+    asked = []
+    monkeypatch.setattr(preparing, "sticking", lambda plant, inverses: asked.append(plant))
+    rest = preparing.Rest(preparing.Declared(declared(), declared(), ()))
+    spring = declared() + find("cable_spring")
+    assert [rest(p) for p in (declared(), spring, spring.swap(spring["cable_spring@axis"](stiffness=2.0)))] == [
+        None
+    ] * 3
+    assert len(asked) == 2
 
 
 @pytest.mark.parametrize(

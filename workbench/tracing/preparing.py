@@ -63,14 +63,28 @@ def prepared(plant: Plant, inverses: Sequence[InverseDynamics], only: Only, crit
     return found
 
 
-def without_rest(d: Declared, found: Plant) -> Declared | None:
-    """Return records that count where the axis moves, where rest is most of what is left beside what a search found; None else."""
-    sticks = None if d.sticks else sticking(found, d.inverses)
-    if sticks is None:
-        return None
-    before = identify(d.declared, sticks.inverses) if d.before else None
-    fit = _fit(d.plant, sticks.inverses)
-    return replace(d, inverses=sticks.inverses, sticks=replace(sticks, beside=True), before=before, fit=fit)
+class Rest:
+    """Whether rest is most of what is left of records beside what a search found: asked once of each set of effects."""
+
+    def __init__(self, d: Declared):
+        self.declared = d
+        self.known: dict[frozenset[str], Declared | None] = {}
+
+    def __call__(self, found: Plant) -> Declared | None:
+        """Return records that count where the axis moves, where rest is most of what is left beside `found`; None else."""
+        held = frozenset(e.key for e in found.effects)
+        if held not in self.known:
+            self.known[held] = self._without(found)
+        return self.known[held]
+
+    def _without(self, found: Plant) -> Declared | None:
+        d = self.declared
+        sticks = None if d.sticks else sticking(found, d.inverses)
+        if sticks is None:
+            return None
+        before = identify(d.declared, sticks.inverses) if d.before else None
+        fit = _fit(d.plant, sticks.inverses)
+        return replace(d, inverses=sticks.inverses, sticks=replace(sticks, beside=True), before=before, fit=fit)
 
 
 def _put_back(d: Declared, only: Only, criteria: Criteria) -> Declared:

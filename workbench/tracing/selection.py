@@ -1,6 +1,6 @@
 """The search: what it adds beside declared laws that may be only nearly right, and what later additions made needless."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 from workbench.identification.solve import NoValue
@@ -54,9 +54,18 @@ class Selection:
 
 
 def select(
-    declared: State, whole: Sequence[InverseDynamics], offer: Offer, criteria: Criteria, progress: Progress
+    declared: State,
+    whole: Sequence[InverseDynamics],
+    offer: Offer,
+    criteria: Criteria,
+    progress: Progress,
+    rests: Callable[[Plant], bool] = lambda _: False,
 ) -> Selection:
-    """Return what the search adds to a declared model. whole: inverse dynamics of the identification records as they are."""
+    """Return what the search adds to a declared model. whole: inverse dynamics of the identification records as they are.
+
+    rests: whether rest is most of what is left beside what was found: it is asked of the first effect, with which the search then ends, as it
+    is to be made once more where the axis moves.
+    """
     known = tuple(law for law in laws(declared.plant, declared.inverses) if law.declared.key not in offer.stands_for)
     base = curved(declared, known, criteria)
     longer = lengthened(known, base.plant, declared.inverses)
@@ -70,9 +79,19 @@ def select(
         return curved(state, here, criteria) if here else state
 
     offer = replace(offer, stands_for={**offer.stands_for, **{law.key: law.declared for law in known}})
-    steps = extended(base, whole, progress, offer, criteria, freshly)
+    ended: list[Selection] = []
+
+    def enough(first: ScoredCandidate) -> bool:
+        """Note the selection of the first effect alone where the search ends with it."""
+        alone = Selection(declared, base, Answer([first], base), (), (), known)
+        ended.extend([alone] if rests(alone.dry) else [])
+        return bool(ended)
+
+    steps = extended(base, whole, progress, offer, criteria, freshly, enough)
     looked = [s.judgements for s in steps]
     answer = Answer([s.added for s in steps if s.added is not None], base).standing
+    if ended:
+        return replace(ended[0], steps=steps, looked=looked)
     if len(answer.added) > 1:
         answer = pruned(answer, base.plant, looked, progress, offer, criteria)
     answer, refined = _of_declared_laws(answer, known, looked, progress, offer, criteria)

@@ -27,7 +27,7 @@ from workbench.tracing.foreseen import loaded
 from workbench.tracing.further import foretold
 from workbench.tracing.judge import STANDARD, Progress, ScoredCandidate
 from workbench.tracing.otherwise import as_a_curve, in_place_of_two, otherwise
-from workbench.tracing.preparing import Declared, prepared, without_rest
+from workbench.tracing.preparing import Declared, Rest, prepared
 from workbench.tracing.reporting import Outcome, reported
 from workbench.tracing.result import Trace
 from workbench.tracing.selection import Selection, select
@@ -77,8 +77,9 @@ def trace(
         raise WorkbenchError(
             "the declared model has no value on these records: a shape parameter lies far from them; check it and its unit."
         ) from None
-    selected = select(declared, late.whole, offered, criteria, progress)
-    if selected.answer.added and (moving := without_rest(late, selected.dry)) is not None:
+    rest = Rest(late)
+    selected = select(declared, late.whole, offered, criteria, progress, lambda found: rest(found) is not None)
+    if selected.answer.added and (moving := rest(selected.dry)) is not None:
         progress("searching once more, where the axis moves")
         late = moving
         declared, offered = _begun(late, offer, criteria)
