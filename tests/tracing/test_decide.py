@@ -94,6 +94,9 @@ CASES = {
     "a correction within its tolerance is a refinement": (
         evidence(weighed("inertia", kind=CORRECTION, changed=0.009, tolerance=0.01), before=0.0), NOTHING, (REFINEMENT,),
     ),
+    "what leaves a little more on identification is no cause, and none leads": (
+        evidence(weighed(id_=(0.010, 0.0101), val=(0.020, 0.019)), before=0.0), NOTHING, (REFINEMENT,),
+    ),
     "beyond it the value is wrong": (
         evidence(weighed("inertia", kind=CORRECTION, changed=0.15, tolerance=0.01)), CAUSE, (CAUSE,),
     ),

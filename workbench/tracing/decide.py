@@ -167,9 +167,9 @@ def _small(added: tuple[Weighed, ...], roles: tuple[str, ...], criteria: Criteri
     )
 
 
-def _further_of(a: Weighed, first: Weighed) -> bool:
+def _further_of(a: Weighed, first: Weighed | None) -> bool:
     """Whether an effect is a further order, or part, of another one: it has its name and its place."""
-    return (a.effect.partition(" ")[0], a.at) == (first.effect.partition(" ")[0], first.at)
+    return first is not None and (a.effect.partition(" ")[0], a.at) == (first.effect.partition(" ")[0], first.at)
 
 
 def _beyond(a: Weighed) -> float:
