@@ -25,6 +25,10 @@ BEHIND = 0.4  # of the best one's gain, below which a candidate is not
 # periodic is dressed by waves whose orders do not. Halved, orders 5 and 6 of a shaft are strangers; doubled, nearly none are.
 SMALL = 6
 MEETS = 0.01  # relative error of a ratio of orders: their intervals are a few per mille
+# Share of the residual's power from which a wave that is not seen to return is a sine nevertheless: of a window half as long as its period a sine
+# takes 8/pi^2 = 0.81 (a bath that a belt dips into 0.86), of a sine all (a rig's friction of 1.7 periods 0.97). Halved, windows are cyclic friction;
+# doubled (1 at most), that friction is "unknown"
+SINE = 0.9
 EQUAL = 0.1  # standard errors of a gain within which two effects as simple explain the same
 
 
@@ -50,7 +54,7 @@ def step(
             fit = Refitted(free_of(state, leaders[i]), *more.pop("fit"))
             judgements[judgements.index(leaders[i])] = replace(leaders[i], refitted=fit, **more)
     judgements = gap_first(simplest_first(judgements, criteria, state), criteria, state)
-    judgements = _plainest_first(judgements, criteria, state, offer.budget.leading)
+    judgements = _plainest_first(judgements, criteria, state, offer)
     if judgements and (first := judgements[0]).refitted:
         judgements[0] = replace(first, state=first.refitted.state)
     return judgements
@@ -133,20 +137,21 @@ def _told(
 
 
 def _plainest_first(
-    judgements: Sequence[ScoredCandidate], criteria: Criteria, state: State, most: int
+    judgements: Sequence[ScoredCandidate], criteria: Criteria, state: State, offer: Offer
 ) -> list[ScoredCandidate]:
     """Let a simpler effect lead in the place of one that it then is: a parameter stands where the law is another one's.
 
     LuGre without presliding is Stribeck's friction, a kinematic error of order 1 an eccentricity. The simpler one leads where it
     takes `near` of what the other takes; where it does not, what the other takes more is a matter of counts. What is nothing of its own does not lead (LuGre without presliding and without Stribeck's
-    peak is Coulomb friction), nor what is nothing but a virgin curve where a free curve stands in the present model, nor a wave
-    that may be any curve.
+    peak is Coulomb friction), nor what is nothing but a virgin curve where a free curve stands in the present model, nor, before anything
+    was added, a wave that may be any curve.
     """
     curved = {e.at for e in state.plant.effects if e.name == FREE_CURVE}
     present = {e.key for e in state.plant.effects}
-    for _ in range(min(most, len(judgements))):
+    first_of_all = not offer.declared or not {e.key for e in state.plant.effects if not e.knots} - {*offer.declared}
+    for _ in range(min(offer.budget.leading, len(judgements))):
         first = judgements[0]
-        if _stranger(first) or _any_curve(first, state):
+        if _stranger(first) or (first_of_all and _any_curve(first, state)):
             judgements = _pushed_back(judgements, criteria, state)
             continue
         name = reduced_to(first, state, criteria)
@@ -205,16 +210,16 @@ def _stranger(j: ScoredCandidate) -> bool:
 
 
 def _any_curve(j: ScoredCandidate, state: State) -> bool:
-    """Whether a fitted candidate is a wave that draws whatever lives in a part of the stroke: the travel does not show it to return, and in its
-    class no law of the catalogue is a curve; or it is a wave in an angle that no gear and no disc has.
-    """
+    """Whether a fitted candidate is a wave that draws whatever lives in a part of the stroke: the travel does not show it to return, it leaves
+    plainly something, and in its class no law of the catalogue is a curve; or it is a wave in an angle that no gear and no disc has."""
     if not j.refitted or j.candidate.kind != ADDITION:
         return False
     wave = j.refitted.plant[j.candidate.key]
     form = FREE_FORMS.get(family_of(wave))
     if "order" not in wave.parameters or form is None or form.nearest:
         return False
-    return not returns(wave, state.inverses) or (wave.port != FORCE and absurd(j, state))
+    drawn = j.score.gain < SINE and not returns(wave, state.inverses)
+    return drawn or (wave.port != FORCE and absurd(j, state))
 
 
 def _pushed_back(judgements: Sequence[ScoredCandidate], criteria: Criteria, state: State) -> list[ScoredCandidate]:
