@@ -148,7 +148,9 @@ def _plainest_first(
     """
     curved = {e.at for e in state.plant.effects if e.name == FREE_CURVE}
     present = {e.key for e in state.plant.effects}
-    first_of_all = not offer.declared or not {e.key for e in state.plant.effects if not e.knots} - {*offer.declared}
+    first_of_all = not offer.declared or not {e.key for e in state.plant.effects if e.name != FREE_CURVE} - {
+        *offer.declared
+    }
     for _ in range(min(offer.budget.leading, len(judgements))):
         first = judgements[0]
         if _stranger(first) or (first_of_all and _any_curve(first, state)):
@@ -211,15 +213,13 @@ def _stranger(j: ScoredCandidate) -> bool:
 
 def _any_curve(j: ScoredCandidate, state: State) -> bool:
     """Whether a fitted candidate is a wave that draws whatever lives in a part of the stroke: the travel does not show it to return, it leaves
-    plainly something, and in its class no law of the catalogue is a curve; or it is a wave in an angle that no gear and no disc has."""
+    plainly something, and in its class no law of the catalogue is a curve."""
     if not j.refitted or j.candidate.kind != ADDITION:
         return False
     wave = j.refitted.plant[j.candidate.key]
     form = FREE_FORMS.get(family_of(wave))
-    if "order" not in wave.parameters or form is None or form.nearest:
-        return False
-    drawn = j.score.gain < SINE and not returns(wave, state.inverses)
-    return drawn or (wave.port != FORCE and absurd(j, state))
+    curved = "order" not in wave.parameters or form is None or bool(form.nearest)
+    return not curved and j.score.gain < SINE and not returns(wave, state.inverses)
 
 
 def _pushed_back(judgements: Sequence[ScoredCandidate], criteria: Criteria, state: State) -> list[ScoredCandidate]:

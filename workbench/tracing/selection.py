@@ -79,19 +79,15 @@ def select(
         return curved(state, here, criteria) if here else state
 
     offer = replace(offer, stands_for={**offer.stands_for, **{law.key: law.declared for law in known}})
-    ended: list[Selection] = []
 
-    def enough(first: ScoredCandidate) -> bool:
-        """Note the selection of the first effect alone where the search ends with it."""
-        alone = Selection(declared, base, Answer([first], base), (), (), known)
-        ended.extend([alone] if rests(alone.dry) else [])
-        return bool(ended)
+    def selected(added: Sequence[ScoredCandidate], steps: Sequence[Step] = ()) -> Selection:
+        return Selection(declared, base, Answer(added, base), steps, [s.judgements for s in steps], known)
 
-    steps = extended(base, whole, progress, offer, criteria, freshly, enough)
+    steps = extended(base, whole, progress, offer, criteria, freshly, lambda first: rests(selected([first]).dry))
     looked = [s.judgements for s in steps]
     answer = Answer([s.added for s in steps if s.added is not None], base).standing
-    if ended:
-        return replace(ended[0], steps=steps, looked=looked)
+    if len(answer.added) == 1 and rests((alone := selected(answer.added, steps)).dry):
+        return alone
     if len(answer.added) > 1:
         answer = pruned(answer, base.plant, looked, progress, offer, criteria)
     answer, refined = _of_declared_laws(answer, known, looked, progress, offer, criteria)
