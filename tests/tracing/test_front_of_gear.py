@@ -8,6 +8,7 @@ from workbench.plant import ONE_MASS, TWO_MASS, Geometry, Plant
 from workbench.tracing import ranking
 from workbench.tracing.candidates import candidates_of
 from workbench.tracing.judge import STANDARD
+from workbench.tracing.result import physical_cause
 
 GEARED = Geometry(gear_ratio=80.0)
 PLANT = Plant(TWO_MASS, geometry=GEARED)
@@ -54,3 +55,12 @@ def test_where_one_mass_turns_without_a_gear_every_wave_of_the_angle_is_its_enco
     assert named(direct) == ["encoder_eccentricity"]
     others = (Plant(ONE_MASS, geometry=GEARED), Plant(ONE_MASS, rotary=False), replace(PLANT, geometry=Geometry()))
     assert {n for plant in others for n in named(plant)} == {"kinematic_error"}
+
+
+def test_a_law_under_another_name_has_the_cause_of_what_says_more_of_it():
+    gear, disc, lugre = (find(n) for n in ("kinematic_error", "encoder_eccentricity", "lugre_friction"))
+    assert physical_cause(gear, "encoder_eccentricity 2") == disc.cause  # without a gear it is the encoder's
+    assert physical_cause(gear, "kinematic_error") == gear.cause
+    assert physical_cause(lugre, "stribeck_friction") == lugre.cause  # the composite with what is declared
+    film = find("power_law_friction")
+    assert physical_cause(film, "nonlinear_viscous_friction") == film.cause

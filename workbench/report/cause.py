@@ -19,7 +19,7 @@ from workbench.report.contents import (
 )
 from workbench.report.model import parameters
 from workbench.report.wording import ALARMS, finding_items, listed
-from workbench.tracing.result import CAUSE, CandidateScore, Cause
+from workbench.tracing.result import CAUSE, CandidateScore, Cause, physical_cause
 from workbench.tracing.smallest import Smallest
 
 BEST = 10
@@ -141,7 +141,7 @@ def _described(c: Cause, plant: Plant) -> list:
     effect = plant[c.key]
     facts = [
         ("Acts at", c.at),
-        ("Physical cause", effect.cause),
+        ("Physical cause", physical_cause(effect, c.effect)),
         ("Law", effect.formula),
         ("Source", effect.source),
         ("Explains, on identification", f"{numbers.percent(c.share_identification, 3)} of the residual's power"),

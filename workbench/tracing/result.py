@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
+from workbench.definition import Effect, find
 from workbench.finding import Finding, title
 from workbench.identification.result import Estimate, Fit
 from workbench.notebook import page
@@ -57,6 +58,13 @@ class Refinement:
     sentence: str
     parameters: tuple[Estimate, ...] = ()
     size: float = 0.0
+
+
+def physical_cause(law: Effect, name: str) -> str:
+    """Return what makes a law that bears another effect's name: its own words where it says more of it than that one (a composite, another
+    spelling, a curve), else that one's (without a gear an encoder errs, by the gear's law)."""
+    named = name.partition(" ")[0]  # without its label
+    return law.cause if law.parts or not law.traced or law.name == named else find(named).cause
 
 
 @dataclass(frozen=True)

@@ -14,7 +14,7 @@ from workbench.tracing.decide import CAUSE, DRESSING, NOT_BORNE_OUT, Verdict
 from workbench.tracing.evidence import ADDITION, CORRECTION, Evidence, Weighed
 from workbench.tracing.headline import FROM
 from workbench.tracing.judge import ScoredCandidate
-from workbench.tracing.result import CandidateScore, Cause, Refinement
+from workbench.tracing.result import CandidateScore, Cause, Refinement, physical_cause
 from workbench.tracing.smallest import Smallest
 
 
@@ -56,13 +56,10 @@ def _cause_sentence(
 ) -> str:
     """Return what a cause is and explains. shares: on identification and on validation; the others as of `cause`."""
     score, candidate = judgement.score, judgement.candidate
-    effect = law = find(candidate.name.partition(" ")[0])  # without its label
-    if candidate.part:
-        law = find(score.effect.partition(" ")[0])
-        effect = law if law.parts or not law.traced else effect  # which says more of it than the name that it bears
+    law = find((score.effect if candidate.part else candidate.name).partition(" ")[0])  # without its label
     verb = "is declared with a wrong value" if score.kind != ADDITION else "is missing"
     sentence = (
-        f"{capital(title(candidate.name))} at the {score.at} {verb}: {effect.cause}. It explains "
+        f"{capital(title(candidate.name))} at the {score.at} {verb}: {physical_cause(law, candidate.name)}. It explains "
         f"{100 * shares[0]:.1f} % of the residual power on the identification records and {100 * shares[1]:.1f} % "
         "on the validation record."
     )
