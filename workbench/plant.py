@@ -7,6 +7,7 @@ import hashlib
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from math import inf
+from types import MappingProxyType
 
 from workbench.definition import FORCE, Effect, catalogue
 from workbench.errors import WorkbenchError, nearest
@@ -104,7 +105,8 @@ class Plant:
 
     def with_values(self, values: Mapping[str, Mapping[str, float]]) -> "Plant":
         """Return this plant with inside parameter values set: {effect key: {parameter: value}}."""
-        return replace(self, effects=tuple(e(**values[e.key]) if e.key in values else e for e in self.effects))
+        effects = tuple(_valued(e, values[e.key]) if e.key in values else e for e in self.effects)
+        return _like(self, effects=effects)
 
     @property
     def effort(self) -> str:
@@ -133,6 +135,23 @@ class Plant:
     def digest(self) -> str:
         """sha256 over digest_lines, on which tuning runs and which gain tables carry."""
         return hashlib.sha256("\n".join(self.digest_lines()).encode()).hexdigest()
+
+
+def _valued(effect: Effect, values: Mapping[str, float]) -> Effect:
+    """Return effect(**values)."""
+    if not values.keys() <= effect.parameters.keys():
+        return effect(**values)  # which says what is not there
+    parameters = dict(effect.parameters)
+    for name, value in values.items():
+        parameters[name] = parameters[name].at(value, where=f"{effect.name}.{name}")
+    return _like(effect, parameters=MappingProxyType(parameters))
+
+
+def _like(known, **changed):
+    """Return a plant or an effect with fields changed that no check of the definition depends on: a search sets values ten thousand times."""
+    found = object.__new__(type(known))
+    found.__dict__.update(known.__dict__, **changed)
+    return found
 
 
 LOAD_SIGNALS = ("tau", "tau_inertia")

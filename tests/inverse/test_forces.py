@@ -6,8 +6,10 @@ import numpy as np
 import pytest
 
 from workbench.definition import find
+from workbench.effects.direction import stop_direction
 from workbench.errors import WorkbenchError
 from workbench.inverse.forces import force_along
+from workbench.kernel.step import build
 from workbench.plant import ONE_MASS, TWO_MASS, Plant
 
 DT, N = 1e-3, 500
@@ -47,3 +49,11 @@ def test_what_a_motion_does_not_hold_is_named():
     plant = Plant(ONE_MASS) + replace(find("coulomb_friction"), reads=("temperature",))
     with pytest.raises(WorkbenchError, match="'temperature', which a motion alone does not have"):
         force_along(plant, DT, 1e-6, **MOVED)
+
+
+def test_a_direction_of_any_width_is_one_program():
+    """A record has its own counts, and so its own width: a program a width would be built at every pass of a search."""
+    narrow, wide = stop_direction(1e-6), stop_direction(2e-6)
+    assert build(narrow) is build(wide)
+    turned = [build(e).run({"dq": np.full(3, 1e-6)}, {"width": w})[1] for e, w in ((narrow, 1e-6), (wide, 2e-6))]
+    assert turned[0].tolist() == [1.0, 1.0, 1.0] and turned[1].tolist() == [0.5, 1.0, 1.0]

@@ -12,7 +12,7 @@ from workbench.definition import find
 from workbench.identification.fit import identify
 from workbench.inverse.balances import predicted
 from workbench.inverse.bodies import Bodies
-from workbench.inverse.dynamics import inverse_dynamics
+from workbench.inverse.dynamics import InverseDynamics, inverse_dynamics
 from workbench.inverse.zeros import relaxed
 from workbench.motion import motion
 from workbench.plant import ONE_MASS, TWO_MASS, Plant
@@ -50,6 +50,21 @@ def recorded(plant: Plant, *zeros: float) -> list[Record]:
         role = "validation" if i == 2 else "identification"
         found.append(Record(f"r{i}", role, t, channels, {}, Source(Path("made"), "", "", {})))
     return found
+
+
+@pytest.mark.parametrize("counted", [False, True], ids=["all", "counted"])
+@pytest.mark.parametrize("apart", [(0.0,), (0.01,)])
+def test_a_filtered_column_is_the_column_behind_the_filter_where_errors_count(apart, counted):
+    """Of two balances side by side, with the joint's mean torque where the zeros are free."""
+    (p,) = inverse_dynamics(recorded(elastic(), *apart), BAND)
+    n, keep = p.motion.u.size, p.motion.keep
+    counts = np.stack([np.arange(n) % 7 > 0, np.arange(n) % 5 > 0]) if counted else None
+    p = InverseDynamics(p.motion, counts=counts)
+    assert (p.motion.record.zero is None) is (apart == (0.0,))
+    for (e, name, column), (_, _, found) in zip(p.columns(elastic()), p.filtered(elastic()), strict=True):
+        both = p.motion.filter(column)
+        both = both if counts is None else np.where(counts, both, 0.0)
+        assert found == pytest.approx(both[:, keep].T.ravel(), abs=1e-9 * np.abs(both).max()), (e.key, name)
 
 
 @pytest.mark.parametrize("apart", [(0.0, 0.0, 0.0), (0.01, -0.02, 0.015)])

@@ -133,6 +133,23 @@ def test_what_is_missing_may_hide_that_an_axis_sticks_and_a_search_begins_anew_b
     assert found.after.identification < 0.01
 
 
+def test_a_search_ends_with_the_second_effect_where_the_axis_sticks_beside_both():
+    """Cogging of twice as much as the spring hides rest until both are found."""
+    records = [pulled(recorded(n, r, p), 1500.0) for n, r, p in (("a", IDENTIFICATION, 0.6), ("b", VALIDATION, 0.8))]
+    wave = [80.0 * np.sin(2.0 * np.pi * r.channels["position"] / 0.012) for r in records]
+    records = [
+        replace(r, channels={**r.channels, "force": r.channels["force"] + w})
+        for r, w in zip(records, wave, strict=True)
+    ]
+    said: list[str] = []
+    names = ("cable_spring", "cogging", "transport_delay")
+    found = trace(declared(), inverse_dynamics(records, BAND), said.append, only=names)
+    assert found.verdict == "cause" and set(found.added) == {"cable_spring", "cogging"}
+    first = said[: said.index("searching once more, where the axis moves")]
+    assert first.count("trying transport_delay@command") == 2
+    assert found.after.identification < 0.01
+
+
 def test_rest_is_asked_once_of_each_set_of_effects(monkeypatch):
     asked = []
     monkeypatch.setattr(preparing, "sticking", lambda plant, inverses: asked.append(plant))

@@ -17,13 +17,15 @@ DIRECTION = "direction"  # the effect that gives `dir` where the plant has no hy
 CONTACT = "contact"  # state of a direction of one's own
 
 
+def _stop(s, z, p):
+    """The step of `stop_direction`: one function whatever the width, under which its program is kept."""
+    x = clip(z.x + s.dq, -p.width, p.width)
+    return {"x": x}, ca.SX(0), {"dir": x / p.width}
+
+
+@lru_cache(maxsize=64)
 def stop_direction(width: float) -> Effect:
     """`dir` where a port has no hysteresis of its own: a stop operator that saturates after `width`, without force."""
-
-    def step(s, z, p):
-        x = clip(z.x + s.dq, -p.width, p.width)
-        return {"x": x}, ca.SX(0), {"dir": x / p.width}
-
     return Effect(
         name=DIRECTION,
         cause="direction of motion",
@@ -34,7 +36,7 @@ def stop_direction(width: float) -> Effect:
         states={"x": 1},
         reads=("dq",),
         provides=("dir",),
-        step=step,
+        step=_stop,
         places=("axis", "motor", "load", "joint"),
     )
 

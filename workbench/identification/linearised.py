@@ -11,9 +11,9 @@ import numpy as np
 
 from workbench.definition import FORCE
 from workbench.identification.cross_validation import from_normal, shape_room
-from workbench.identification.problem import Problem, needed_by, stacked
+from workbench.identification.problem import Problem, read_by
 from workbench.identification.solve import Solution, solved_at
-from workbench.plant import Plant
+from workbench.plant import Plant, reads_load
 
 
 class Linearised(Problem):
@@ -35,6 +35,11 @@ class Linearised(Problem):
         lower, upper = super().bounds
         least, most = self.room
         return np.concatenate([lower, least]), np.concatenate([upper, most])
+
+    @property
+    def follows_load(self) -> bool:
+        """As of every problem; beside a present model, whose columns stay as they are, only what the one more force reads counts."""
+        return super().follows_load if self.beside is None else reads_load(self.plant[self.beside])
 
     def assemble(self, theta: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         if self.beside is not None:
@@ -66,17 +71,17 @@ class Linearised(Problem):
 
     def of_one_more(self, theta: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return a force's own columns (N, free) in the order of its names, and what of it is fixed, (N,)."""
-        part = needed_by(self.with_shape(theta), self.beside)
+        part = read_by(self.with_shape(theta), self.beside)
         at = {self.free_linear[i].parameter: k for k, i in enumerate(self.at_own)}
         fixed = np.zeros(self.solution.y.size)
         own = np.zeros((fixed.size, len(at)), order="F")  # a locked load has no balance: its columns stay zero there
         row = 0
         for p, length in zip(self.inverses, self.lengths, strict=True):
-            rows, keep = slice(row, row + length), p.motion.keep
+            rows = slice(row, row + length)
             for e, name, column in p.filtered(part):
                 if e.key != self.beside:
                     continue
-                values = stacked(column, keep, p.counts) * self.base_scale
+                values = column * self.base_scale
                 if name in at:
                     own[rows, at[name]] = values
                 else:

@@ -14,6 +14,7 @@ import numpy as np
 from workbench import definition as fx
 from workbench.inverse.command import command_maps
 from workbench.inverse.dynamics import InverseDynamics
+from workbench.inverse.side_by_side import stacked
 from workbench.parameter import Parameter
 from workbench.plant import Plant, reads_load
 
@@ -45,31 +46,23 @@ def from_search(p: Parameter, value: float) -> float:
     return float(np.clip(exp(value) if p.scale in LOGARITHMIC else value, p.lower, p.upper))
 
 
-def stacked(balances: np.ndarray, keep: slice, counts: np.ndarray | None = None) -> np.ndarray:
-    """Return (rows, n) as one vector of the samples kept, the balances of a sample side by side.
-
-    counts: (rows or more, n) of bool, where a sample's balance counts; all where absent. Elsewhere it is zero.
-    """
-    if counts is not None:
-        balances = np.where(counts[: len(balances)], balances, 0.0)
-    if len(balances) == 1:
-        return balances[0, keep]
-    rows = len(balances)
-    found = np.empty(rows * (keep.stop - keep.start))
-    for r, balance in enumerate(balances):
-        found[r::rows] = balance[keep]
-    return found
-
-
-def needed_by(plant: Plant, key: str) -> Plant:
+def _needed_by(plant: Plant, key: str) -> Plant:
     """Return what of a plant a change of one effect shows in: all of it, unless that is a force from which no other one reads.
 
     Such a force needs the maps, and what gives the direction of motion at its place. What follows the load reads them all.
     """
-    changed = plant[key]
     if any(reads_load(e) for e in plant.effects):
         return plant
-    if changed.port != fx.FORCE or changed.provides:
+    return read_by(plant, key)
+
+
+def read_by(plant: Plant, key: str) -> Plant:
+    """Return what of a plant an effect's own columns need: all of it, unless it is a force that does not follow the load.
+
+    Such a force needs the maps, and what gives the direction of motion at its place.
+    """
+    changed = plant[key]
+    if reads_load(changed) or changed.port != fx.FORCE or changed.provides:
         return plant
     kept = (e for e in plant.effects if e.port != fx.FORCE or e.key == key or (e.at == changed.at and e.provides))
     return replace(plant, effects=tuple(kept))
@@ -148,9 +141,9 @@ class Problem:
                 if index is None:
                     value = e.parameters[name].value if name else 1.0
                     if value != 0.0:
-                        y[part] -= value * stacked(column, keep, p.counts)
+                        y[part] -= value * column
                 else:
-                    phi[part, index] = stacked(column, keep, p.counts)
+                    phi[part, index] = column
             row += length
         factor = self.command_scale(plant)
         with np.errstate(invalid="ignore"):  # a map that leaves no command: 0 times inf is no number, and its cost none
@@ -184,7 +177,7 @@ class Problem:
             step = STEP if p.scale in LOGARITHMIC else self.step_of(p, theta[k])
             if from_search(p, theta[k] + step) >= p.upper:
                 step = -step
-            part = needed_by(plant, name.key)
+            part = _needed_by(plant, name.key)
             other = part.with_values({name.key: {name.parameter: from_search(p, theta[k] + step)}})
             more = np.concatenate([stacked(q.moved(part, other), q.motion.keep, q.counts) for q in self.inverses])
             scale = self.command_scale(other)

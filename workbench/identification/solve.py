@@ -13,7 +13,7 @@ TOLERANCE = 1e-9  # relative decrease of the cost at which the search stops
 WELL_CONDITIONED = 1e8  # of the normal equations: eight digits are left
 CORRECTED = 1e13  # of the normal equations, up to which one correction brings what they have lost
 TRUSTED = 0.5  # of what the linear model promised, that a step must bring for the next one to be damped less
-LOADS = 8  # times a load is found anew: each leaves mu times the error of the one before
+LOADS = 8  # times a load is found anew for a shape, each leaves mu times the error of the one before; and times a shape is for its load
 FOLLOWING = 2  # steps at a load found anew, which is near the last one
 CARRIED = 1e-6  # of the drive, by which a fit may still move with its load
 # Of the largest singular value, with which a bounded fit holds a direction that its rows do not determine: far below what counts
@@ -155,12 +155,23 @@ def solve(
     """
     found = _searched(problem, theta, tolerance, least, most)
     for _ in range(LOADS if problem.follows_load else 0):
-        before = found
-        problem.carry(found.c)
+        settled = _settled(problem, found)
         found = _searched(problem, found.theta, tolerance, 0.0, min(most, FOLLOWING))
-        if np.linalg.norm(found.phi @ (found.c - before.c)) <= CARRIED * np.linalg.norm(found.y):
+        if np.linalg.norm(found.phi @ (found.c - settled)) <= CARRIED * np.linalg.norm(found.y):
             break
     return found
+
+
+def _settled(problem: Problem, found: Solution) -> np.ndarray:
+    """Return the linear parameters of a solution's shape at the load that they make themselves, which the problem then has."""
+    c = found.c
+    for _ in range(LOADS):
+        problem.carry(c)
+        at = solved_at(problem, found.theta)
+        moved, c = np.linalg.norm(at.phi @ (at.c - c)), at.c
+        if not moved > CARRIED * np.linalg.norm(at.y):
+            break
+    return c
 
 
 def _searched(problem: Problem, theta: np.ndarray | None, tolerance: float, least: float, most: int) -> Solution:

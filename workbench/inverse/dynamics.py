@@ -17,6 +17,7 @@ from workbench.inverse.bodies import CHANNEL, INCREMENT, POSITION, VELOCITY, Bod
 from workbench.inverse.command import Command, drive_maps
 from workbench.inverse.forces import Ran, forces_of, linear_of, outputs_of, run_forces, summed
 from workbench.inverse.oftener import moved_oftener, to_rate_of
+from workbench.inverse.side_by_side import entered, entering, stacked
 from workbench.inverse.turning import turned
 from workbench.inverse.zeros import closed as with_zero
 from workbench.inverse.zeros import relaxed
@@ -98,7 +99,7 @@ class InverseDynamics:
         The first row is what the drive feels (one body, or the motor's balance), the second the load's balance.
         """
         for e, outputs, (_, lever), _ in self._forces(plant):
-            columns = _entering(outputs, lever)
+            columns = entered(outputs, lever)
             for name, column in zip(e.linear or ("",), self.closed(plant, columns, columns), strict=False):
                 yield e, name, column
 
@@ -110,17 +111,25 @@ class InverseDynamics:
         return next(outputs[0] for e, outputs, _, _ in self._at(plant, place, [*forces, told]) if e.key == told.key)
 
     def filtered(self, plant: Plant) -> Iterator[tuple[Effect, str, np.ndarray]]:
-        """As `columns`, through the evaluation filter."""
+        """As `columns`, through the evaluation filter, of the samples in which errors count: each (N,), `stacked`."""
+        keep, free = self.motion.keep, self.rows(plant) > 1 and self.motion.record.zero is not None
         for e, outputs, (path, lever), key in self._forces(plant):
+            names = e.linear or ("",)
             if lever.shape[1] == 1:  # what does not change in time passes the filter: one balance stands for both
-                once = self._keep(("filtered", *key), lambda o=outputs: self.motion.filter(o))
-                smooth = _entering(once, lever)
-            else:
-                kept = ("filtered", *key, path, len(lever))
-                smooth = self._keep(kept, lambda o=outputs, by=lever: self.motion.filter(_entering(o, by)))
-            smooth = self.closed(plant, smooth, lambda o=outputs, by=lever: _entering(o, by))
-            for name, column in zip(e.linear or ("",), smooth, strict=False):
-                yield e, name, column
+                smooth, means = self._keep(("filtered", free, *key), lambda o=outputs: self._smooth(o, free))
+                for name, column, mean in zip(names, smooth, means, strict=False):
+                    yield e, name, entering(column, lever, mean, keep, self.counts)
+                continue
+            kept = ("filtered", *key, path, len(lever))
+            smooth = self._keep(kept, lambda o=outputs, by=lever: self.motion.filter(entered(o, by)))
+            smooth = self.closed(plant, smooth, lambda o=outputs, by=lever: entered(o, by))
+            for name, column in zip(names, smooth, strict=False):
+                yield e, name, stacked(column, keep, self.counts)
+
+    def _smooth(self, outputs: np.ndarray, free: bool) -> tuple[np.ndarray, np.ndarray]:
+        """Return outputs (columns, n) through the evaluation filter, and what of each in the mean closes the load's balance, (columns,)."""
+        means = outputs[:, self.motion.keep].mean(axis=-1) if free else np.zeros(len(outputs))
+        return self.motion.filter(outputs), means
 
     def closed(self, plant: Plant, change: np.ndarray, of: np.ndarray | Callable[[], np.ndarray]) -> np.ndarray:
         """Return `change` with the joint's mean torque where it closes the load's balance, if the encoders' zeros are free."""
@@ -231,11 +240,6 @@ class InverseDynamics:
             path, lever = self.bodies.leverage(plant)
             return path, lever[:whole]
         return (), LEVERS[place][:whole]
-
-
-def _entering(outputs: np.ndarray, lever: np.ndarray) -> np.ndarray:
-    """Return outputs (columns, n) as they enter the balances, (columns, rows, n). lever: (rows, n or 1)."""
-    return outputs[:, None, :] * lever
 
 
 def inverse_dynamics(records: Sequence[Record], bandwidth: float) -> tuple[InverseDynamics, ...]:

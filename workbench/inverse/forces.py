@@ -65,9 +65,7 @@ def run_forces(
             paths |= {"tau": key, "tau_inertia": key}
         _check(e, signals, without)
         values = tuple(e.parameters[n].value for n in e.shape)
-        # the stop operator is made anew for every record, so by its name; others by their definition
-        own = e.name if e.name == DIRECTION else e.step
-        key = (own, place, values, *dict.fromkeys(paths[r] for r in e.reads if r in paths))
+        key = (e.step, place, values, *dict.fromkeys(paths[r] for r in e.reads if r in paths))
         outputs = run(e, signals, key)
         count = len(e.linear or ("",))
         for i, given in enumerate(e.provides):

@@ -15,10 +15,11 @@ import numpy as np
 from workbench.control.law import Controller
 from workbench.errors import WorkbenchError
 from workbench.identification.fit import fitted_on, seen
-from workbench.identification.problem import LOGARITHMIC, Problem, stacked, to_search
+from workbench.identification.problem import LOGARITHMIC, Problem, to_search
 from workbench.identification.result import Fit
 from workbench.identification.solve import Solution, scales
 from workbench.inverse.dynamics import InverseDynamics
+from workbench.inverse.side_by_side import stacked
 from workbench.output_error.rerun import DRIVE, outputs
 from workbench.parameter import Parameter
 from workbench.plant import Plant

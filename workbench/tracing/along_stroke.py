@@ -9,8 +9,8 @@ of one coordinate, T = J(q) a + J'(q) v^2/2.
 import numpy as np
 
 from workbench.identification.cross_validation import Deviations, folds_of
-from workbench.identification.problem import stacked
 from workbench.inverse.dynamics import InverseDynamics
+from workbench.inverse.side_by_side import stacked
 from workbench.plant import ONE_MASS
 from workbench.tracing.foreseen import BLOCK, FOLDS
 from workbench.tracing.state import State

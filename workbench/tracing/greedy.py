@@ -36,13 +36,13 @@ def extended(
     offer: Offer,
     criteria: Criteria,
     freshly: Callable[[State], State],
-    enough: Callable[[ScoredCandidate], bool] = lambda _: False,
+    enough: Callable[[Sequence[ScoredCandidate]], bool] = lambda _: False,
 ) -> list[Step]:
     """Add effects one after another while one earns its place. Only the last step may have added nothing.
 
     whole: inverse dynamics of the identification records as they are. Near the floor an effect must take away a plain share, and of more than what counts alone would leave. One effect may be added
     provisionally (see `promised`): it stays where a later one earns its place, and `pruned` asks whether it earns its own.
-    freshly: a state with its free virgin curves found anew. enough: asked of the first effect that is certain, whether the search is to end with
+    freshly: a state with its free virgin curves found anew. enough: asked of what was added, all of it certain, whether the search is to end with
     it. Where nothing is left that could be a cause, no further effect is asked.
     """
     found: list[Step] = []
@@ -72,7 +72,7 @@ def extended(
             elif provisional is None:
                 best = provisional = promised(judgements, criteria)
         found.append(Step(lighter(judgements, best), best, best is not None and best is provisional))
-        if best is None or (len(found) == 1 and provisional is None and enough(best)):
+        if best is None or (provisional is None and enough([s.added for s in found])):
             break
         state = freshly(best.state)
         quiet = noise_rms(whole, state.plant)

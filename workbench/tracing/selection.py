@@ -63,7 +63,7 @@ def select(
 ) -> Selection:
     """Return what the search adds to a declared model. whole: inverse dynamics of the identification records as they are.
 
-    rests: whether rest is most of what is left beside what was found: it is asked of the first effect, with which the search then ends, as it
+    rests: whether rest is most of what is left beside what was found: it is asked with every effect, with which the search then ends, as it
     is to be made once more where the axis moves.
     """
     known = tuple(law for law in laws(declared.plant, declared.inverses) if law.declared.key not in offer.stands_for)
@@ -83,11 +83,11 @@ def select(
     def selected(added: Sequence[ScoredCandidate], steps: Sequence[Step] = ()) -> Selection:
         return Selection(declared, base, Answer(added, base), steps, [s.judgements for s in steps], known)
 
-    steps = extended(base, whole, progress, offer, criteria, freshly, lambda first: rests(selected([first]).dry))
+    steps = extended(base, whole, progress, offer, criteria, freshly, lambda added: rests(selected(added).dry))
     looked = [s.judgements for s in steps]
     answer = Answer([s.added for s in steps if s.added is not None], base).standing
-    if len(answer.added) == 1 and rests((alone := selected(answer.added, steps)).dry):
-        return alone
+    if answer.added and rests((so_far := selected(answer.added, steps)).dry):
+        return so_far
     if len(answer.added) > 1:
         answer = pruned(answer, base.plant, looked, progress, offer, criteria)
     answer, refined = _of_declared_laws(answer, known, looked, progress, offer, criteria)
