@@ -41,6 +41,7 @@ CONTACT = (
 SLIPS = tuple(np.linspace(5e-6, 120e-6, 24))  # m, to the half of the largest stroke; stiffnesses come from the data
 STILL, DWELL = 0.05, 0.5  # of the largest speed; s: what a dwell is
 LOOP = 1600  # samples of two cycles of 4 s: the figure shows the first of the last two
+NO_LEVEL = "Of the declared Coulomb friction nothing is left beside what was added, so that no stiffness is stated."
 
 
 def rig(study: Study):
@@ -183,13 +184,17 @@ def evidence_chapter(found: Trace, share: float, logged: float, bandwidth: float
     """What the trace added, with the evidence, and what it was searched in."""
     values = {(e.effect, e.parameter): e.value for e in found.after.estimates}
     length = values.get(("presliding_length", "length"), np.nan)
-    spring = values["coulomb_friction", "coulomb"] / length
-    uneven = values.get(("coulomb_asymmetry", "coulomb_difference"), np.nan) / values["coulomb_friction", "coulomb"]
+    level = values["coulomb_friction", "coulomb"]
+    known = level > 0.0  # a curve that was added may say all of the declared friction
+    uneven = values.get(("coulomb_asymmetry", "coulomb_difference"), np.nan) / level if known else np.nan
     off, order = (values.get(("kinematic_error", n), np.nan) for n in ("amplitude", "order"))
     meanings = {
-        "presliding_length": f"Friction builds up over {1e6 * length:.1f} µm: a spring of {spring:.3g} N/m that slips.",
+        "presliding_length": f"Friction builds up over {1e6 * length:.1f} µm"
+        + (f": a spring of {level / length:.3g} N/m that slips." if known else ". " + NO_LEVEL),
         "coulomb_asymmetry": f"The spring is {100 * abs(uneven):.0f} % {'softer' if uneven < 0 else 'stiffer'} under forward "
-        "force and as much the other way under backward force: what holds the contact, or the contact, is not symmetric.",
+        "force and as much the other way under backward force: what holds the contact, or the contact, is not symmetric."
+        if known
+        else "Friction is not the same in both directions. " + NO_LEVEL,
         "kinematic_error": f"The contact deflects by up to {1e6 * off:.2g} µm more or less than is read, in a wave of "
         f"{2e6 * np.pi / order:.3g} µm over the stroke: the spring that slips is not the same along the stroke, or the sensor "
         "is not straight. The record cannot tell these apart, nor from a spring that is stiffer in one direction.",

@@ -94,6 +94,17 @@ def test_friction_over_a_root_of_speed_is_no_two_laws(monkeypatch):
     assert found.causes[0].form == "power_law_friction" and found.after.validation < 0.05
 
 
+def test_viscous_friction_that_is_not_quite_in_proportion_to_speed_is_viscous_friction():
+    """No viscous friction is declared, and the one that is there goes with a power of speed: v and -v|v| together say it less well."""
+    plant = Plant(ONE_MASS) + find("inertia")(inertia=0.01) + find("coulomb_friction")
+    thins = lambda v: 0.8 * np.sign(v) * np.abs(v) ** 0.85 - 0.02 * v  # noqa: E731
+    records = [recorded(n, r, 1.0, thins) for n, r in (("a", IDENTIFICATION), ("bb", VALIDATION))]
+    names = ("viscous_friction", "nonlinear_viscous_friction", "stribeck_friction")
+    found = trace(plant, inverse_dynamics(records, 50.0), only=names)
+    assert found.added == ("viscous_friction",) and found.ranked[0].effect == "viscous_friction"
+    assert found.causes[0].form == "power_law_friction" and found.after.validation < 0.05
+
+
 def limited(name: str, role: str, seconds: float, scale: float) -> Record:
     """A record of heavy motion whose drive gives a quarter of what it is asked for beyond a knee."""
     t = DT * np.arange(round(seconds / DT))

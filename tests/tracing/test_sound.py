@@ -104,5 +104,6 @@ def test_a_free_form_bears_the_name_of_the_formula_that_it_makes_needless(invers
     state = State(PLANT, inverses)
     (spring,), (friction,) = added(state, "cable_spring"), added(state, "stribeck_friction")
     free = replace(spring, candidate=replace(spring.candidate, stands="cogging"))
-    assert pruning._named_after(free, spring).candidate.name == "cable_spring"
-    assert pruning._named_after(free, friction) is free and pruning._named_after(spring, free) is spring
+    assert pruning._named_after(free, spring, STANDARD).candidate.name == "cable_spring"
+    assert pruning._named_after(free, friction, STANDARD) is free
+    assert pruning._named_after(spring, free, STANDARD) is spring

@@ -66,5 +66,6 @@ def power_law_friction() -> Effect:
         holds=("passive", "odd"),
         traced=False,
         nearest="nonlinear_viscous_friction",
+        reduces={"exponent": (1.0, "viscous_friction")},
         knots=("speed",),
     )

@@ -17,7 +17,7 @@ from workbench.tracing.criteria import Criteria
 from workbench.tracing.evidence import Weighed
 from workbench.tracing.free_forms import MEMORY, free_forms
 from workbench.tracing.judge import ScoredCandidate, judged, refitted_as
-from workbench.tracing.spellings import spellings_of
+from workbench.tracing.spellings import bearing, special_cases, spellings_of
 from workbench.tracing.state import State
 from workbench.tracing.weighing import Confirmed
 
@@ -49,7 +49,8 @@ def in_place_of_two(choice: Choice) -> Choice:
     role.
 
     Two formulas of a class make up for a third one: friction that goes with a root of speed is one of its square, reversed, and a peak.
-    It bears the name of the larger of the two.
+    It bears the name of the one whose spelling it is, or that of the other where that is a special case of it and takes `near` of both:
+    friction that goes with speed to the power 0.9 is viscous, with a little of its square, reversed.
     """
     pair = _of_one_class(choice.confirmed)
     if pair is None:
@@ -62,8 +63,22 @@ def in_place_of_two(choice: Choice) -> Choice:
         if len(kept) == len(choice.confirmed.added) - 1 and all(
             getattr(fits[-1], r) ** 2 <= getattr(both, r) ** 2 + small for r in (IDENTIFICATION, VALIDATION)
         ):
+            special = lesser.candidate.name in special_cases(k)
+            if special and _takes_most(lesser, j, choice.confirmed, choice.criteria):
+                renamed = bearing(lesser, k)
+                kept, k = [renamed if a is k else a for a in kept], renamed
             return choice.taking(k, kept, fits)
     return choice
+
+
+def _takes_most(one: ScoredCandidate, other: ScoredCandidate, confirmed: Confirmed, criteria: Criteria) -> bool:
+    """Whether one of two additions takes `near` of what both take of the identification records."""
+    power = {
+        j.candidate.key: max(w.size(IDENTIFICATION), 0.0) ** 2
+        for j, w in zip(confirmed.added, confirmed.weighed, strict=True)
+    }
+    both = power[one.candidate.key] + power[other.candidate.key]
+    return power[one.candidate.key] >= criteria.near * both > 0.0
 
 
 def as_a_curve(choice: Choice) -> Choice:

@@ -16,7 +16,7 @@ from workbench.tracing.judge import Progress, ScoredCandidate, freedom, lighter,
 from workbench.tracing.ranking import step
 from workbench.tracing.reducing import nothing_of_its_own
 from workbench.tracing.slack import bent_gap
-from workbench.tracing.spellings import called_as, with_spelling
+from workbench.tracing.spellings import bearing, called_as, special_cases, with_spelling
 from workbench.tracing.state import State
 
 PROMISE = 0.05  # of the residual's power, from which a candidate is asked again when others are taken out
@@ -63,7 +63,7 @@ def pruned(
                 continue
             best = None  # it is nothing, and what leads in its stead leaves more: neither stays
         if best is None:
-            left = [_named_after(k, present) for k in rest]
+            left = [_named_after(k, present, criteria) for k in rest]
             fewer = _simpler(answer, i, reduced, declared, criteria) or Answer(left, answer.declared, reduced)
             rest = fewer.added
             return pruned(fewer, declared, looked, progress, offer, criteria) if len(rest) > 1 else fewer
@@ -73,10 +73,18 @@ def pruned(
     return answer
 
 
-def _named_after(j: ScoredCandidate, needless: ScoredCandidate) -> ScoredCandidate:
+def _named_after(j: ScoredCandidate, needless: ScoredCandidate, criteria: Criteria) -> ScoredCandidate:
     """Return an addition, which made an earlier one needless, under that one's name where it is the free form of its class: what was near to
-    it beside the formula is not what the whole curve is near to."""
+    it beside the formula is not what the whole curve is near to. So too where it is another spelling of which the earlier one is a special
+    case that took `near` of all that was left: friction that goes with speed to the power 0.9 is viscous."""
     free, formula = j.candidate, needless.candidate
+    if (
+        free.part
+        and free.at == formula.at
+        and formula.name in special_cases(j)
+        and needless.score.gain >= criteria.near
+    ):
+        return bearing(needless, j)
     if not free.stands or (free.family, free.at) != (formula.family, formula.at):
         return j
     return replace(j, candidate=replace(free, stands=formula.name))

@@ -68,7 +68,8 @@ def better_spelled(
 
     Plainly is what tells any two effects apart (`ranking.alike`): a spelling is a law with a number more, no curve that bends to everything.
     A flexure that stiffens to many times its stiffness at rest is a spring's law by another spelling, and friction behind a gap by what
-    leads: of straight springs none comes near to it.
+    leads: of straight springs none comes near to it. It bears the leading law's name where that is a special case of it and takes `near` of
+    what it takes.
     """
     least_taken = criteria.resembles * (state.errors.total - best.errors.total)
     others = [j for j in judgements if j is not best and j.theta is not None]
@@ -77,7 +78,21 @@ def better_spelled(
     least = min(found, key=lambda j: (j.errors.total, j.candidate.key), default=None)
     if least is None or least.errors.total >= best.errors.total:
         return None
-    return None if alike(least, best, criteria, state.power) else least
+    if alike(least, best, criteria, state.power):
+        return None
+    near = criteria.near * (state.errors.total - least.errors.total)
+    special = best.candidate.at == least.candidate.at and best.candidate.name in special_cases(least)
+    return bearing(best, least) if special and state.errors.total - best.errors.total >= near else least
+
+
+def special_cases(j: ScoredCandidate) -> set[str]:
+    """Return the names of the laws that a candidate's is at special values."""
+    return {left for _, left in _law(j).reduces.values()}
+
+
+def bearing(known: ScoredCandidate, j: ScoredCandidate) -> ScoredCandidate:
+    """Return a judgement under another one's name."""
+    return replace(j, candidate=replace(j.candidate, part=known.candidate.name))
 
 
 def commoner(
@@ -134,5 +149,9 @@ def hardly_returns(j: ScoredCandidate, state: State) -> bool:
     return not returns(effect, state.inverses)
 
 
+def _law(j: ScoredCandidate) -> Effect:
+    return j.candidate.plant[j.candidate.key]
+
+
 def _rare(j: ScoredCandidate) -> bool:
-    return j.candidate.plant[j.candidate.key].rare
+    return _law(j).rare
