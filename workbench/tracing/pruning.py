@@ -20,6 +20,8 @@ from workbench.tracing.spellings import bearing, called_as, special_cases, with_
 from workbench.tracing.state import State
 
 PROMISE = 0.05  # of the residual's power, from which a candidate is asked again when others are taken out
+# Of what an effect takes, that another one must have taken in some step to be asked in its stead: what takes its place takes as much.
+INSTEAD = 0.25
 
 
 def pruned(
@@ -47,7 +49,8 @@ def pruned(
             reduced = State(without(answer.last.plant, present.candidate, declared), answer.last.inverses)
         except NoValue:
             continue
-        judgements = step(reduced, progress, with_spelling(present, replace(offer, only=_promising(looked))), criteria)
+        asked = _promising(looked, reduced.errors.total - answer.last.errors.total) | {present.score.effect}
+        judgements = step(reduced, progress, with_spelling(present, replace(offer, only=asked)), criteria)
         judgements = [called_as(j, present) for j in judgements]
         best = leading(judgements)
         looked.append(lighter(judgements, best))
@@ -117,6 +120,17 @@ def _better(other: ScoredCandidate, present: ScoredCandidate, last: State, crite
     return less > small or (other.freedom < present.freedom and less > -small)
 
 
-def _promising(looked: Sequence[Sequence[ScoredCandidate]]) -> set[str]:
-    """Return the names of the candidates that explained something in one of these steps."""
-    return {j.score.effect for judgements in looked for j in judgements if j.score.gain > PROMISE}
+def _promising(looked: Sequence[Sequence[ScoredCandidate]], taken: float) -> set[str]:
+    """Return the names of the candidates that explained something in one of these steps, and of what an effect takes, held-out power, a share
+    that is worth asking them in its stead."""
+    return {
+        j.score.effect
+        for judgements in looked
+        for j in judgements
+        if j.score.gain > PROMISE and _took(j) >= INSTEAD * taken
+    }
+
+
+def _took(j: ScoredCandidate) -> float:
+    """Return the held-out power that a candidate took of the state that it was judged beside."""
+    return j.errors.total * j.score.gain / max(1.0 - j.score.gain, 1e-300)
