@@ -46,6 +46,28 @@ def test_what_the_load_asks_for_in_the_mean_says_where_a_joint_is_relaxed():
     assert identify(declared(), wound).identification < fit.identification < 1e-3
 
 
+@pytest.mark.parametrize(("held", "wound"), [(4.0, True), (0.05, False)])
+def test_a_locked_load_may_hold_its_joint_wound_up(held, wound):
+    """What the drive gives in the mean and the motor does not take says so, where that is most of what is left."""
+    free, _ = recorded("a", 0.3, 0.05)
+    t = DT * np.arange(6000)
+    turned = 0.01 * np.sin(9.0 * t)
+    torque = STIFFNESS * turned + held + MOTOR * -0.01 * 81.0 * np.sin(9.0 * t) + 0.5 * np.sin(5.0 * t)
+    channels = {"torque": torque, "position": COUNT * np.round(turned / COUNT), "load_position": 0.0 * t}
+    steps = {"position": COUNT, "load_position": COUNT}
+    locked = Record("b", IDENTIFICATION, t, channels, {}, resolution=steps, locked=True)
+    inverses = inverse_dynamics([free, locked], 40.0)
+    plant = identify(declared(), inverses).plant
+    p = wound_up(inverses, plant)[1]
+    assert (p is not inverses[1]) is wound
+    moved = p.motion.record.channels["load_position"] - inverses[1].motion.record.channels["load_position"]
+    assert moved == pytest.approx(-held / STIFFNESS if wound else 0.0, rel=0.05)
+    if wound:
+        assert (
+            identify(declared(), [inverses[0], p]).identification < 0.5 * identify(declared(), inverses).identification
+        )
+
+
 def test_a_joint_without_a_straight_spring_stays_as_it_is():
     record, _ = recorded("a", 0.3, 0.05)
     inverses = inverse_dynamics([record], 40.0)

@@ -1,6 +1,7 @@
 """What leads with values that no machine has, laws that make each other needless, and what a further cause stands on."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -107,3 +108,18 @@ def test_a_free_form_bears_the_name_of_the_formula_that_it_makes_needless(invers
     assert pruning._named_after(free, spring, STANDARD).candidate.name == "cable_spring"
     assert pruning._named_after(free, friction, STANDARD) is free
     assert pruning._named_after(spring, free, STANDARD) is spring
+
+
+def test_in_an_effects_stead_is_asked_what_took_a_quarter_of_what_it_takes():
+    def judged(effect, gain, left):
+        return SimpleNamespace(score=SimpleNamespace(effect=effect, gain=gain), errors=SimpleNamespace(total=left))
+
+    first = [judged("backlash", 0.9, 1.0), judged("creep", 0.3, 7.0), judged("cogging", 0.04, 9.6)]
+    second = [judged("creep", 0.1, 0.9), judged("gravity", 0.5, 0.5)]
+    assert pruning._promising([first, second], 9.0) == {"backlash", "creep"}
+    assert pruning._promising([first, second], 13.0) == {"backlash"}
+    assert pruning._promising([first, second], 1.0) == {
+        "backlash",
+        "creep",
+        "gravity",
+    }  # cogging explains too little of anything

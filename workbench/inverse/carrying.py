@@ -10,6 +10,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from workbench.inverse.balances import balances
 from workbench.inverse.dynamics import InverseDynamics
 from workbench.motion import motion
 from workbench.plant import TWO_MASS, Plant
@@ -19,6 +20,9 @@ from workbench.record import IDENTIFICATION
 # that carry have 0.01 to 0.5, those that do not 0.98 and more: half of it would take a joint whose law is wrong for an idle one,
 # twice of it nothing.
 IDLE = 0.9
+# Mean square of what a locked record leaves over its mean power, from which its joint was held wound up: of 19 axes one has 0.91 (a weight that a
+# clamp holds), others 0.37 at most (creep, friction that begins anywhere). Halved, one more is shifted, and is traced the same; doubled, none is
+HELD = 0.6
 
 
 def load_errors(inverses: Sequence[InverseDynamics], plant: Plant) -> dict[str, float]:
@@ -58,26 +62,42 @@ def wound_up(inverses: Sequence[InverseDynamics], plant: Plant) -> tuple[Inverse
 
     Where zeros are free the mean angle of a record was taken for one, or its first reading. A straight joint does not mind: its mean
     torque closes the load's balance. The law of another one is read about where it is relaxed, and a weight holds it away from there by
-    T/k, in the mean or where the record begins: T what a fitted plant's load asks for, k its joint's stiffness. What has no such zero, or
-    no straight joint, stays as it is.
+    T/k, in the mean or where the record begins: T what a fitted plant's load asks for, k its joint's stiffness. A load that is locked asks for
+    nothing and may hold the joint wound up: there T is what the drive gives in the mean and the motor does not take, if that is most of what
+    is left. What has no such zero, or no straight joint, stays as it is.
     """
     springs = [e for e in plant.effects if e.at == "joint" and e.name == "linear_stiffness"]
     k = sum(e.parameters["stiffness"].value for e in springs)
     if plant.kind != TWO_MASS or k <= 0.0:
         return tuple(inverses)
-    return tuple(
-        _wound(p, plant, k) if p.rows(plant) == 2 and p.motion.record.zero is not None else p for p in inverses
-    )
+    return tuple(_wound(p, plant, k) if p.motion.record.zero is not None else p for p in inverses)
 
 
 def _wound(p: InverseDynamics, plant: Plant, k: float) -> InverseDynamics:
+    """Return the same motion with the load's encoder read where a plant whose joint has stiffness k says that it is relaxed."""
+    record = p.motion.record
+    zero = _locked(p, plant, k) if record.locked else _free(p, plant, k)
+    if zero == 0.0:
+        return p
+    channels = {**record.channels, "load_position": record.channels["load_position"] + zero}
+    moved = replace(record, channels=channels, zero=record.zero + zero)
+    return InverseDynamics(motion(moved, p.motion.filter.bandwidth), counts=p.counts, times=p.times)
+
+
+def _locked(p: InverseDynamics, plant: Plant, k: float) -> float:
+    """Return by how much more the load's encoder reads where a joint between a driven motor and a locked load is relaxed; 0 where the mean is
+    no more than HELD of what is left: it may be anything's."""
+    left = p.motion.filter(p.command.applied(plant) - balances(p, plant)[0])[p.motion.keep]
+    mean = float(np.mean(left))
+    return -mean / k if mean**2 > HELD * np.mean(left**2) else 0.0
+
+
+def _free(p: InverseDynamics, plant: Plant, k: float) -> float:
+    """Return the same of a load that moves: what its balance asks for."""
     record, keep = p.motion.record, p.motion.keep
     angle = record.channels["position"] - record.channels["load_position"]
     load = [((e.parameters[n].value if n else 1.0) * c) for e, n, c in p.columns(plant) if e.at == "load"]
     asked = sum(load, np.zeros((2, angle.size))).sum(axis=0)  # closing gave the mean to the motor's balance
     begins = abs(angle[0]) <= max(record.resolution.get(n, 0.0) for n in ("position", "load_position"))
     where = slice(0, 1) if begins else keep
-    zero = float(np.mean(angle[where]) - np.mean(asked[where]) / k)
-    channels = {**record.channels, "load_position": record.channels["load_position"] + zero}
-    moved = replace(record, channels=channels, zero=record.zero + zero)
-    return InverseDynamics(motion(moved, p.motion.filter.bandwidth), counts=p.counts, times=p.times)
+    return float(np.mean(angle[where]) - np.mean(asked[where]) / k)
