@@ -105,6 +105,20 @@ def test_viscous_friction_that_is_not_quite_in_proportion_to_speed_is_viscous_fr
     assert found.causes[0].form == "power_law_friction" and found.after.validation < 0.05
 
 
+def test_a_lesser_curve_that_validation_does_not_carry_gives_way_and_a_lesser_formula_stays():
+    """A curve over speed goes astray beyond the speeds that were fitted; in a formula's place it would take what is left of the greatest."""
+    here = {c.effect: c for c in candidates_of(PLANT)}
+    cogging, curve, spring = (
+        SimpleNamespace(candidate=c)
+        for c in (here["cogging"], replace(here["stribeck_friction"], stands="stribeck_friction"), here["cable_spring"])
+    )
+    weighed = [SimpleNamespace(effect=n) for n in ("cogging", "stribeck_friction", "cable_spring")]
+    confirmed = SimpleNamespace(added=[cogging, curve, spring], weighed=weighed)
+    choice = SimpleNamespace(largest=(cogging, weighed[0]), confirmed=confirmed)
+    assert [j for j, _ in otherwise._in_question(choice)] == [cogging, curve]
+    assert otherwise._in_question(SimpleNamespace(largest=None, confirmed=confirmed)) == []
+
+
 def limited(name: str, role: str, seconds: float, scale: float) -> Record:
     """A record of heavy motion whose drive gives a quarter of what it is asked for beyond a knee."""
     t = DT * np.arange(round(seconds / DT))

@@ -24,24 +24,32 @@ from workbench.tracing.weighing import Confirmed
 
 def otherwise(choice: Choice) -> Choice:
     """Return the choice with another law in the place of the addition that takes most, where validation does not carry it and the other
-    leaves plainly less there. Of lesser ones a free form would take what is left of the greatest.
+    leaves plainly less there; where it does carry that one, in the place of a free form that it does not. Of other lesser ones a free form
+    would take what is left of the greatest; a curve over speed goes astray beyond the speeds that were fitted, and a formula goes on.
 
     A law takes another one's place that leaves no more on identification (in the place of a free form it takes `near` of what that took),
     and less on validation, by what is of practical size; of several the one that leaves least there. The choice itself where there is none.
     """
-    if choice.largest is None:
-        return choice
-    (j, w), criteria = choice.largest, choice.criteria
-    if not _doubted(w, criteria) or j.candidate.instead:
+    criteria = choice.criteria
+    j = next((j for j, w in _in_question(choice) if _doubted(w, criteria)), None)
+    if j is None or j.candidate.instead:
         return choice
     choice.progress(f"asking for another law than {j.candidate.key}, which validation does not carry")
     best, now = None, choice.confirmed.fits[-1]
     for k in _laws(choice, j):
         kept, fits = choice.fitted_with(k, j)
-        before = choice.confirmed.fits[0] if j.candidate.stands and best is None else None
+        before = choice.confirmed.fits[choice.confirmed.added.index(j)] if j.candidate.stands and best is None else None
         if len(kept) == len(choice.confirmed.added) and _better(fits[-1], now, criteria, before):
             now, best = fits[-1], (k, kept, fits)
     return choice if best is None else choice.taking(*best)
+
+
+def _in_question(choice: Choice) -> list[tuple[ScoredCandidate, Weighed]]:
+    """Return the additions that may give way to another law, as weighed: the one that takes most, then free forms."""
+    if choice.largest is None:
+        return []
+    both = zip(choice.confirmed.added, choice.confirmed.weighed, strict=True)
+    return [choice.largest, *(x for x in both if x[0].candidate.stands and x[0] is not choice.largest[0])]
 
 
 def in_place_of_two(choice: Choice) -> Choice:
