@@ -5,6 +5,7 @@ median step, and the report says so. Only the loaded part counts. The rig measur
 and nothing of a drive (its lag, its magnets, the force that it carries) is a candidate.
 """
 
+from collections.abc import Sequence
 from statistics import median
 
 import numpy as np
@@ -15,7 +16,7 @@ from workbench.effects.hysteresis import maxwell_slip
 from workbench.finding import Finding, title
 from workbench.identification.by_role import refitted
 from workbench.identification.fit import identify
-from workbench.identification.result import Fit
+from workbench.identification.result import Estimate, Fit
 from workbench.inverse.dynamics import inverse_dynamics
 from workbench.motion import Motion
 from workbench.plant import ONE_MASS, Plant
@@ -41,7 +42,6 @@ CONTACT = (
 SLIPS = tuple(np.linspace(5e-6, 120e-6, 24))  # m, to the half of the largest stroke; stiffnesses come from the data
 STILL, DWELL = 0.05, 0.5  # of the largest speed; s: what a dwell is
 LOOP = 1600  # samples of two cycles of 4 s: the figure shows the first of the last two
-NO_LEVEL = "Of the declared Coulomb friction nothing is left beside what was added, so that no stiffness is stated."
 
 
 def rig(study: Study):
@@ -180,21 +180,27 @@ def run(study: Study, say) -> Outcome:
 # --- chapters --------------------------------------------------------------------------------------------------------
 
 
-def evidence_chapter(found: Trace, share: float, logged: float, bandwidth: float, traced: Fit) -> Chapter:
-    """What the trace added, with the evidence, and what it was searched in."""
-    values = {(e.effect, e.parameter): e.value for e in found.after.estimates}
+def meanings(estimates: Sequence[Estimate]) -> dict[str, str]:
+    """Return effect -> what it means of the contact, by the estimates of a model that may have it."""
+    values = {(e.effect, e.parameter): e.value for e in estimates}
     length = values.get(("presliding_length", "length"), np.nan)
-    level = values["coulomb_friction", "coulomb"]
-    known = level > 0.0  # a curve that was added may say all of the declared friction
-    uneven = values.get(("coulomb_asymmetry", "coulomb_difference"), np.nan) / level if known else np.nan
     off, order = (values.get(("kinematic_error", n), np.nan) for n in ("amplitude", "order"))
-    meanings = {
-        "presliding_length": f"Friction builds up over {1e6 * length:.1f} µm"
-        + (f": a spring of {level / length:.3g} N/m that slips." if known else ". " + NO_LEVEL),
-        "coulomb_asymmetry": f"The spring is {100 * abs(uneven):.0f} % {'softer' if uneven < 0 else 'stiffer'} under forward "
-        "force and as much the other way under backward force: what holds the contact, or the contact, is not symmetric."
-        if known
-        else "Friction is not the same in both directions. " + NO_LEVEL,
+    level = values["coulomb_friction", "coulomb"]
+    if level > 0.0:
+        uneven = values.get(("coulomb_asymmetry", "coulomb_difference"), np.nan) / level
+        spring = f"a spring of {level / length:.3g} N/m that slips."
+        sides = (
+            f"The spring is {100 * abs(uneven):.0f} % {'softer' if uneven < 0 else 'stiffer'} under forward force and as much the "
+            "other way under backward force: what holds the contact, or the contact, is not symmetric."
+        )
+    else:  # a curve that was added may say all of the declared friction
+        spring = (
+            "of the declared Coulomb friction nothing is left beside what was added, so that no stiffness is stated."
+        )
+        sides = f"Friction is not the same in both directions: {spring}"
+    return {
+        "presliding_length": f"Friction builds up over {1e6 * length:.1f} µm: {spring}",
+        "coulomb_asymmetry": sides,
         "kinematic_error": f"The contact deflects by up to {1e6 * off:.2g} µm more or less than is read, in a wave of "
         f"{2e6 * np.pi / order:.3g} µm over the stroke: the spring that slips is not the same along the stroke, or the sensor "
         "is not straight. The record cannot tell these apart, nor from a spring that is stiffer in one direction.",
@@ -202,13 +208,18 @@ def evidence_chapter(found: Trace, share: float, logged: float, bandwidth: float
         "length): the surface is not the same everywhere. Strokes of one length alone cannot part this from a spring that "
         "bends; strokes of other lengths and places would.",
     }
+
+
+def evidence_chapter(found: Trace, share: float, logged: float, bandwidth: float, traced: Fit) -> Chapter:
+    """What the trace added, with the evidence, and what it was searched in."""
+    means = meanings(found.after.estimates)
     text = (
         f"Above {logged:g} Hz the logged force holds {100 * share:.2f} % of its rms: it begins to change before the position "
         "does and goes on after it has stopped, so it was smoothed, forwards and backwards, before it was logged. "
         f"What is missing is therefore searched below {logged:g} Hz, where a short wave over position cannot be mistaken for "
         f"what the dwells hold. Compared up to {bandwidth:g} Hz the traced model leaves {100 * traced.validation:.2f} %."
     )
-    said = tuple(meanings[n] for n in found.added if n in meanings)
+    said = tuple(means[n] for n in found.added if n in means)
     return Chapter("What Coulomb friction lacks, step by step", (Paragraph(text), steps_table(found), Items(said)))
 
 

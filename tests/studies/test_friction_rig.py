@@ -2,6 +2,7 @@
 
 import json
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -27,6 +28,21 @@ def test_the_study_passes_its_checks_and_says_what_coulomb_friction_lacks(tmp_pa
     assert figures["validation_error_uneven"] < 0.04 < 0.05 < figures["validation_error_bank"]
     assert figures["dwell_correlation"] < -0.99 and figures["force_above_logged"] < 1e-3
     assert figures["repeat_floor_validation"] < figures["record_floor"] < figures["validation_error_after"]
+
+
+@pytest.mark.parametrize("level", [2.0, 0.0])
+def test_a_contact_whose_friction_a_curve_says_has_no_stiffness_stated(level):
+    """A curve that was added may leave nothing of the declared level, over which a stiffness and an asymmetry are stated."""
+    estimate = lambda effect, parameter, value: SimpleNamespace(effect=effect, parameter=parameter, value=value)  # noqa: E731
+    of = (
+        estimate("coulomb_friction", "coulomb", level),
+        estimate("presliding_length", "length", 5e-5),
+        estimate("coulomb_asymmetry", "coulomb_difference", -0.2),
+    )
+    said = steps_of(FOLDER).meanings(of)
+    stated = [said["presliding_length"], said["coulomb_asymmetry"]]
+    assert all(("no stiffness is stated" in text) is (level == 0.0) and "nan" not in text for text in stated)
+    assert ("4e+04 N/m" in stated[0], "10 % softer" in stated[1]) == (level > 0.0, level > 0.0)
 
 
 def test_nothing_of_a_drive_is_a_candidate():

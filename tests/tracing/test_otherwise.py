@@ -94,11 +94,12 @@ def test_friction_over_a_root_of_speed_is_no_two_laws(monkeypatch):
     assert found.causes[0].form == "power_law_friction" and found.after.validation < 0.05
 
 
-def test_viscous_friction_that_is_not_quite_in_proportion_to_speed_is_viscous_friction():
-    """No viscous friction is declared, and the one that is there goes with a power of speed: v and -v|v| together say it less well."""
+@pytest.mark.parametrize("exponent", [0.6, 0.85, 0.9], ids=["at once", "after it", "in place of two"])
+def test_viscous_friction_that_is_not_quite_in_proportion_to_speed_is_viscous_friction(exponent):
+    """None is declared, and the one that is there goes with a power of speed: whichever way the search comes to it, its name is the same."""
     plant = Plant(ONE_MASS) + find("inertia")(inertia=0.01) + find("coulomb_friction")
-    thins = lambda v: 0.8 * np.sign(v) * np.abs(v) ** 0.85 - 0.02 * v  # noqa: E731
-    records = [recorded(n, r, 1.0, thins) for n, r in (("a", IDENTIFICATION), ("bb", VALIDATION))]
+    power = lambda v: 0.8 * np.sign(v) * np.abs(v) ** exponent - 0.02 * v  # noqa: E731
+    records = [recorded(n, r, 1.0, power, 6.0) for n, r in (("a", IDENTIFICATION), ("bb", VALIDATION))]
     names = ("viscous_friction", "nonlinear_viscous_friction", "stribeck_friction")
     found = trace(plant, inverse_dynamics(records, 50.0), only=names)
     assert found.added == ("viscous_friction",) and found.ranked[0].effect == "viscous_friction"
@@ -115,8 +116,8 @@ def test_a_lesser_curve_that_validation_does_not_carry_gives_way_and_a_lesser_fo
     weighed = [SimpleNamespace(effect=n) for n in ("cogging", "stribeck_friction", "cable_spring")]
     confirmed = SimpleNamespace(added=[cogging, curve, spring], weighed=weighed)
     choice = SimpleNamespace(largest=(cogging, weighed[0]), confirmed=confirmed)
-    assert [j for j, _ in otherwise._in_question(choice)] == [cogging, curve]
-    assert otherwise._in_question(SimpleNamespace(largest=None, confirmed=confirmed)) == []
+    assert [j for j, _ in otherwise._that_may_give_way(choice)] == [cogging, curve]
+    assert otherwise._that_may_give_way(SimpleNamespace(largest=None, confirmed=confirmed)) == []
 
 
 def limited(name: str, role: str, seconds: float, scale: float) -> Record:

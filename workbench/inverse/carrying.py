@@ -20,7 +20,7 @@ from workbench.record import IDENTIFICATION
 # that carry have 0.01 to 0.5, those that do not 0.98 and more: half of it would take a joint whose law is wrong for an idle one,
 # twice of it nothing.
 IDLE = 0.9
-# Mean square of what a locked record leaves over its mean power, from which its joint was held wound up: of 19 axes one has 0.91 (a weight that a
+# Mean square of what a locked record leaves over its mean power, from which its joint was held wound up: of 20 axes one has 0.91 (a weight that a
 # clamp holds), others 0.37 at most (creep, friction that begins anywhere). Halved, one more is shifted, and is traced the same; doubled, none is
 HELD = 0.6
 

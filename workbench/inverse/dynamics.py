@@ -57,11 +57,11 @@ class InverseDynamics:
             fine = InverseDynamics(moved_oftener(motion, times))
             coarse = to_rate_of(motion.record, fine.motion.record)
         self.fine, self.coarse = fine, coarse
-        self._kept: OrderedDict[tuple, np.ndarray] = OrderedDict()
+        self._kept: OrderedDict[tuple, object] = OrderedDict()
         self.bodies = Bodies(motion, self._keep)
         self.command = Command(motion, self._keep)
 
-    def _keep(self, key: tuple, make) -> np.ndarray:
+    def _keep(self, key: tuple, make: Callable):
         if key in self._kept:
             self._kept.move_to_end(key)
             return self._kept[key]

@@ -31,7 +31,7 @@ def otherwise(choice: Choice) -> Choice:
     and less on validation, by what is of practical size; of several the one that leaves least there. The choice itself where there is none.
     """
     criteria = choice.criteria
-    j = next((j for j, w in _in_question(choice) if _doubted(w, criteria)), None)
+    j = next((j for j, w in _that_may_give_way(choice) if _doubted(w, criteria)), None)
     if j is None or j.candidate.instead:
         return choice
     choice.progress(f"asking for another law than {j.candidate.key}, which validation does not carry")
@@ -44,7 +44,7 @@ def otherwise(choice: Choice) -> Choice:
     return choice if best is None else choice.taking(*best)
 
 
-def _in_question(choice: Choice) -> list[tuple[ScoredCandidate, Weighed]]:
+def _that_may_give_way(choice: Choice) -> list[tuple[ScoredCandidate, Weighed]]:
     """Return the additions that may give way to another law, as weighed: the one that takes most, then free forms."""
     if choice.largest is None:
         return []
