@@ -20,7 +20,8 @@ from workbench.tracing.spellings import bearing, called_as, special_cases, with_
 from workbench.tracing.state import State
 
 PROMISE = 0.05  # of the residual's power, from which a candidate is asked again when others are taken out
-# Of what an effect takes, that another one must have taken in some step to be asked in its stead: what takes its place takes as much.
+# Of what an effect takes, that another one must have taken in some step to be asked in its stead: what took the place of one, or stayed, had taken
+# 0.82 and more on 17 campaigns that lack two. Neither halved nor doubled it changes a cause of twelve of these
 INSTEAD = 0.25
 
 
