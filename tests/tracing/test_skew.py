@@ -39,6 +39,21 @@ def test_a_late_motor_encoder_is_told_by_the_drive():
     assert found.late.values["offset"] == pytest.approx(3e-3, rel=0.05) and "position is read" in found.sentence
 
 
+def test_a_clock_of_its_own_quartz_that_every_record_starts_anew_is_told_from_one_that_runs_on():
+    records = [joint(1, gains=2e-4), joint(2, gains=2e-4), joint(3, gains=2e-4)]
+    later = [replace(r, time=r.time + start) for r, start in zip(records, (0.0, 40.0, 95.0), strict=True)]
+    found = skew_of(inverse_dynamics(later, BAND), jointed(**KNOWN))
+    assert (found.candidate.key, found.candidate.name) == ("restarted_clock@sensor.load_position", "clock_skew")
+    assert (
+        found.late.values["skew"] == pytest.approx(2e-4, rel=0.02) and "from where each record begins" in found.sentence
+    )
+    on = [joint(1, gains=2e-4), *(joint(k, late=2e-4 * s, gains=2e-4) for k, s in ((2, 40.0), (3, 95.0)))]
+    runs_on = [replace(r, time=r.time + start) for r, start in zip(on, (0.0, 40.0, 95.0), strict=True)]
+    found = skew_of(inverse_dynamics(runs_on, BAND), jointed(**KNOWN))
+    assert found.candidate.key == "clock_skew@sensor.load_position"
+    assert found.late.values["skew"] == pytest.approx(2e-4, rel=0.02)
+
+
 @pytest.mark.parametrize("law", [{}, {"loop": 0.5}, {"viscous": 3000.0}, {"zero": 1e-3}])
 def test_what_is_no_clock_is_no_candidate(law):
     assert skew_of(inverse_dynamics([joint(1, **law), joint(2, **law)], BAND), jointed()) is None

@@ -12,7 +12,7 @@ from workbench.effects import free_maps
 from workbench.inverse.dynamics import inverse_dynamics
 from workbench.plant import TWO_MASS, Geometry, Plant
 from workbench.record import IDENTIFICATION
-from workbench.tracing import free_law, greedy, pruning, ranking, reducing, selection, spellings
+from workbench.tracing import free_law, greedy, plausible, pruning, ranking, reducing, selection, spellings
 from workbench.tracing.answer import Answer
 from workbench.tracing.candidates import ADDITION, Candidate, Offer, candidates_of
 from workbench.tracing.judge import STANDARD, ScoredCandidate
@@ -104,6 +104,16 @@ def test_a_hose_that_pushes_alike_at_both_ends_is_no_wave_of_less_than_two_perio
     free = free_law.free_law(state, judgements, best, [], STANDARD)
     assert (free.candidate.effect, free.candidate.name) == ("force_over_position", "cable_spring")
     assert free.errors.total < (1.0 - STANDARD.near) * state.errors.total
+
+
+def test_beside_a_curve_over_place_a_wave_of_three_periods_is_what_its_formula_left():
+    state, judgements = asked(lambda q: 0.4 * np.cos(30.0 * q), PLANT, "cogging", "cable_spring")
+    wave = next(j for j in judgements if j.candidate.effect == "cogging")
+    spring = next(j for j in judgements if j.candidate.effect == "cable_spring")
+    assert not spellings.hardly_returns(wave, state) and spellings.hardly_returns(wave, state, plausible.BESIDE)
+    assert free_law.free_law(state, [wave], wave, [], STANDARD) is None
+    assert free_law.free_law(state, [wave], wave, [wave], STANDARD) is None
+    assert free_law.free_law(state, [wave], wave, [spring], STANDARD).candidate.name == "cable_spring"
 
 
 @pytest.mark.parametrize(("periods", "shape", "name"), [(1.4, np.heaviside, ""), (1.4, None, "cyclic_friction"), (6.0, None, "cyclic_friction")])  # fmt: skip

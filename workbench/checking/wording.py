@@ -69,7 +69,7 @@ def _(fault: Skewed) -> Finding:
     return Finding(
         "clock skew", f"{fault.record}.{late.channel}".removeprefix("."), late_sentence(late),
         {"late": s.value, "low": s.low, "high": s.high, "share": d.share, "drift": d.gains, "by_motor": d.by_motor},
-        f"Log both encoders in one task, or declare clock_skew at sensor.{late.channel} with offset = "
+        f"Log both encoders in one task, or declare {late.law} at sensor.{late.channel} with offset = "
         f"{1e3 * late.values['offset']:.3g} ms; not undone, it makes hysteresis and damping of the joint too large.",
     )  # fmt: skip
 

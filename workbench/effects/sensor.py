@@ -60,11 +60,43 @@ def clock_skew() -> Effect:
     def step(s, z, p):
         return {}, p.offset + p.skew * s.t
 
-    return Effect(
+    return _clock(
         name="clock_skew",
         cause="channels logged by two devices whose clocks were not started together, or do not run alike",
         formula="y(t) = x(t - d - s t)",
         source="measurement practice",
+        reads=("t",),
+        step=step,
+    )
+
+
+@effect
+def restarted_clock() -> Effect:
+    """y(t) = x(t - (d + s age)): a clock that does not run alike, set anew where each record begins; age is the time since then.
+
+    Beside one record it is a `clock_skew`, under whose name it is traced.
+    """
+
+    def step(s, z, p):
+        return {"age": z.age + s.dt}, p.offset + p.skew * z.age
+
+    return _clock(
+        name="restarted_clock",
+        cause="channels logged by two devices that one trigger starts, each by a quartz of its own",
+        formula="y(t) = x(t - d - s age), age the time since the record began",
+        source="measurement practice; quartzes of counter cards differ by 1e-5 to 1e-4",
+        states={"age": 1},
+        reads=("dt",),
+        step=step,
+        traced=False,
+        nearest="clock_skew",
+    )
+
+
+def _clock(**own) -> Effect:
+    """Return the effect of a channel that is stamped by another clock. own: what is its own."""
+    return Effect(
+        **own,
         port=TIME,
         family="time",
         reduces={"skew": (0.0, "transport_delay")},
@@ -72,8 +104,6 @@ def clock_skew() -> Effect:
             "offset": Parameter(0.0, "s", "delay of the channel", lower=-0.05, upper=0.05, scale="time"),
             "skew": Parameter(0.0, "1", "seconds gained a second", lower=-1e-2, upper=1e-2, scale="drift"),
         },
-        reads=("t",),
-        step=step,
         places=("sensor",),
         at="sensor.position",
     )

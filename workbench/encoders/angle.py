@@ -23,11 +23,13 @@ class Angle:
 
     apart: q_motor - q_load. speed, acceleration, jerk: of the load. motor: (n, 2), speed and acceleration there. forces: (n, k),
     the linear columns of the declared forces at both bodies but inertia and viscous friction; dissipative: (k,), those that read
-    a direction or a velocity. count: of the load's encoder, 0 where unknown. dt: s.
+    a direction or a velocity. count: of the load's encoder, 0 where unknown. dt: s; begins: the bench clock where the
+    record does, s.
     """
 
     record: str
     dt: float
+    begins: float
     count: float
     time: np.ndarray
     apart: np.ndarray
@@ -103,7 +105,7 @@ def _angle_of(p: InverseDynamics, plant: Plant) -> Angle:
     apart, drive, speed, acceleration, *forces = smooth(signals)[:, keep]
     moves = [x[keep] for x in smooth.derivatives(load[VELOCITY], 3)]
     return Angle(
-        m.record.name, m.dt, m.record.resolution.get("load_position", 0.0), m.t[keep], apart, *moves,
+        m.record.name, m.dt, float(m.t[0]), m.record.resolution.get("load_position", 0.0), m.t[keep], apart, *moves,
         np.column_stack([speed, acceleration]), drive, np.reshape(forces, (len(own), drive.size)).T,
         np.array([d for _, d in own], dtype=bool),
     )  # fmt: skip

@@ -22,6 +22,7 @@ AGREE = 2.0
 # Where the drive cannot tell it is near one (0.98 to 1.06), where it can below 0.6 or above 1.5: 0.35 asks for a drive without
 # noise, 1.4 would take the load's clock for the motor's wherever the drive cannot tell.
 MOTORS = 0.7
+CLOCKS = "clock_skew", "restarted_clock"  # that run on from record to record; and that are set anew where each begins
 
 
 @dataclass(frozen=True)
@@ -33,8 +34,13 @@ class Late:
     measured: Deflection
 
     @property
+    def law(self) -> str:
+        """Name of the effect that this clock is."""
+        return CLOCKS[self.measured.restarted]
+
+    @property
     def values(self) -> dict[str, float]:
-        """Parameters of the clock: offset in s at t = 0, skew in s a second, zero where no drift is plain."""
+        """Parameters of the clock: offset in s at t = 0, or where a record begins, skew in s a second, zero where no drift is plain."""
         sign = 1.0 if self.channel == "load_position" else -1.0
         return {"offset": sign * self.measured.start, "skew": sign * self.measured.gains}
 
@@ -65,7 +71,7 @@ def late_clock(
 
     It is the load's, unless the drive's balance says plainly that drive and load share a clock. share, worth: see PLAIN, WORTH.
     """
-    if any(e.name == "clock_skew" for e in plant.effects):
+    if any(e.name in CLOCKS for e in plant.effects):
         return None
     d = deflection_of(inverses, plant)
     if d is None or not plain(d, share, worth):

@@ -9,7 +9,7 @@ drive feels, unless the plant knows it.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -38,7 +38,8 @@ class Deflection:
     """What two encoders tell of a joint.
 
     late: s by which load_position is later than position, in the middle of the records; the interval holds what viscous
-    friction behind the joint may be. drift: s that it gains a second; gains: the same where that is plain, else zero. middle: s, the bench clock there. records: record ->
+    friction behind the joint may be. drift: s that it gains a second; gains: the same where that is plain, else zero. middle: s, the bench clock
+    there; of a clock that is set anew where each record begins (restarted), the time since. records: record ->
     late by itself, friction taken as likely. zeros: record -> q_motor - q_load of a relaxed joint, rad. inertial: A, s^2.
     compliance: rad/(N*m), by the torque that passes the joint. friction: (least, most) of b/k, s. share: of the squared
     angle that all else leaves on held-out blocks (friction as far as it may reach), what lateness takes. left: rms of what then
@@ -61,10 +62,11 @@ class Deflection:
     counts: float
     worth: float
     by_motor: float
+    restarted: bool = False
 
     @property
     def start(self) -> float:
-        """Lateness at t = 0 of the bench clock, s."""
+        """Lateness at t = 0 of the bench clock, or where each record begins, s."""
         return self.late.value - self.gains * self.middle
 
 
@@ -124,10 +126,12 @@ def _loops(records: Sequence[Angle], torque: Sequence[np.ndarray]) -> list[list[
     return [[t[0] + np.cumsum(increments(t, 2.0 * share * largest)) for share in LOOPS] for t in torque]
 
 
-def _deflection(records: Sequence[Angle], bodies: Ends, undone: float = 0.0) -> Deflection | None:
+def _deflection(
+    records: Sequence[Angle], bodies: Ends, undone: float = 0.0, restarted: bool = False
+) -> Deflection | None:
     """Return what the angles of records tell; None where there are none, or the drive feels no inertia.
 
-    undone: s of the load's lateness that the angles are without. Intervals are by the jackknife over blocks of the records.
+    undone: s of the load's lateness that the angles are without. restarted: whether a clock that gains is set anew where each record begins. Intervals are by the jackknife over blocks of the records.
     """
     drive = _drive_of(records) if records else None
     if drive is None or drive.inertia <= 0.0 or bodies.inertia[1] <= 0.0:
@@ -135,8 +139,10 @@ def _deflection(records: Sequence[Angle], bodies: Ends, undone: float = 0.0) -> 
     rates = bodies.rates(drive.inertia, drive.viscous)
     parts, of = _parted(records)
     y = np.concatenate([a.apart for a in records])
-    middle = float(np.mean([0.5 * (a.time[0] + a.time[-1]) for a in records]))
-    common = [(a.speed, a.speed * (a.time - middle), a.acceleration) for a in records]
+    clocks = [a.time - a.begins * restarted for a in records]
+    middle = float(np.mean([0.5 * (t[0] + t[-1]) for t in clocks]))
+    since = [t - middle for t in clocks]
+    common = [(a.speed, a.speed * t, a.acceleration) for a, t in zip(records, since, strict=True)]
     more = [(a.jerk, r, *a.forces.T) for a, r in zip(records, drive.left, strict=True)]
     through = [
         t - (drive.inertia - rates.load) * a.motor[:, 1] + rates.likely * rates.load * a.speed
@@ -150,10 +156,10 @@ def _deflection(records: Sequence[Angle], bodies: Ends, undone: float = 0.0) -> 
         )
 
     plain, full, static = of_columns(common, more), of_columns(common, more, looped), of_columns(common, passed)
-    return _told(records, drive, rates, of, (plain, full, static), middle, undone)
+    return replace(_told(records, drive, rates, of, (plain, full, static), middle, undone, since), restarted=restarted)
 
 
-def _told(records, drive: Drive, rates: Rates, of: np.ndarray, fits, middle: float, undone: float) -> Deflection:
+def _told(records, drive: Drive, rates: Rates, of: np.ndarray, fits, middle: float, undone: float, since) -> Deflection:
     plain, full, static = fits
     (inertial,) = _measured(plain, slice(2, 3))
     (compliance,) = _measured(static, slice(3, 4), {2: 0.0})
@@ -170,7 +176,7 @@ def _told(records, drive: Drive, rates: Rates, of: np.ndarray, fits, middle: flo
     left = float(np.sqrt(squares / sum(a.apart.size for a in records)))
     count, names = max(a.count for a in records), [a.record for a in records]
     gains = gaining.value if drifting else 0.0
-    wound = _rms([a.speed * (late.value + gains * (a.time - middle)) for a in records]) / max(
+    wound = _rms([a.speed * (late.value + gains * t) for a, t in zip(records, since, strict=True)]) / max(
         abs(compliance.low), abs(compliance.high), 1e-300
     )
     own = [i + undone for i in _alone(full, of, held, likely)]
@@ -223,11 +229,19 @@ def deflection_of(inverses: Sequence[InverseDynamics], plant: Plant) -> Deflecti
     A first answer is right to first order in lateness over a period of the motion; where zero lies outside of its interval it
     is undone, and what is left of it is measured again.
     """
-    found = _deflection(angles(inverses, plant), ends(plant))
+    found = _of_clocks(angles(inverses, plant), ends(plant))
     if found is None or not found.late.sure or abs(found.late.value) > FARTHEST:
         return found
     late = plant + catalogue()["clock_skew"](at="sensor.load_position", label="told", offset=found.late.value)
-    return _deflection(angles(inverses, late), ends(plant), found.late.value) or found
+    return _of_clocks(angles(inverses, late), ends(plant), found.late.value) or found
+
+
+def _of_clocks(records: Sequence[Angle], bodies: Ends, undone: float = 0.0) -> Deflection | None:
+    """Return what the angles of records tell with a clock that runs on from record to record, or plainly more with one that is set anew."""
+    if (found := _deflection(records, bodies, undone)) is None or len(records) < 2:
+        return found
+    anew = _deflection(records, bodies, undone, restarted=True)
+    return anew if anew.gains and anew.left**2 < (1.0 - PLAIN) * found.left**2 else found
 
 
 def zeros(inverses: Sequence[InverseDynamics], plant: Plant) -> dict[str, float]:

@@ -25,7 +25,8 @@ def late_sentence(late: Late) -> str:
     s, d = late.seconds, late.measured
     other = "position" if late.channel == "load_position" else "load_position"
     word, low, high = ("late", s.low, s.high) if s.value > 0 else ("early", -s.high, -s.low)
-    drift = f", and that changes by {1e3 * late.values['skew']:.2g} ms a second" if d.gains else ""
+    anew = " from where each record begins" if d.restarted else ""
+    drift = f", and that changes by {1e3 * late.values['skew']:.2g} ms a second{anew}" if d.gains else ""
     return (
         f"{late.channel} is read {1e3 * abs(s.value):.3g} ms {word} against {other} (95 % interval {1e3 * low:.3g} to "
         f"{1e3 * high:.3g} ms){drift}: this takes {100 * d.share:.0f} % of the angle's power between the two encoders that "

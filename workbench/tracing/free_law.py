@@ -18,6 +18,7 @@ from workbench.tracing.candidates import ADDITION, AGAIN, WHOLE, Candidate, Offe
 from workbench.tracing.criteria import Criteria
 from workbench.tracing.free_forms import MEMORY, free_forms
 from workbench.tracing.judge import ScoredCandidate, judged, refitted_as
+from workbench.tracing.plausible import BESIDE, RETURNS
 from workbench.tracing.reducing import reduced_to
 from workbench.tracing.spellings import better_spelled, commoner, hardly_returns, no_wave, spelled, spellings_in
 from workbench.tracing.state import State
@@ -45,11 +46,16 @@ def free_law(
     if other is None and best not in judgements:
         other = min((j for j in judgements if _of_class(j, best)), key=lambda j: (j.errors.total, j.candidate.key))
     leads = other or best
-    if hardly_returns(leads, state):
+    if hardly_returns(leads, state, BESIDE if _beside_curve(leads, added) else RETURNS):
         free = _curve_of(state, leads, added, criteria, offer)
     else:
         free = _freed(state, judgements, leads, added, criteria, offer)
     return free or (refitted_as(state, other, criteria) if other else None)
+
+
+def _beside_curve(wave: ScoredCandidate, added: Sequence[ScoredCandidate]) -> bool:
+    """Whether a curve of a wave's class, which is no wave itself, was added before at its place."""
+    return any(_of_class(wave, j) and not periodic(j.candidate.plant[j.candidate.key]) for j in added)
 
 
 def _of_class(j: ScoredCandidate, best: ScoredCandidate) -> bool:

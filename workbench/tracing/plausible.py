@@ -18,6 +18,10 @@ STEEPEST = 0.1
 # a belt dips into, over a third of the stroke, friction of 1.5. Halved, they are again; doubled, two of 25 cyclic frictions that were missing (2.5
 # and 2.8, others 4.4 and more) would be any curve; of thirteen cogging forces the travel held 5.2 and more
 RETURNS = 2.0
+# The same beside a curve over place that was found before at that place: what its formula leaves of it is drawn by a wave of 2.1 periods (a dress
+# pack that comes taut at both ends of a wrist's stroke). Halved, it is a cogging again; doubled, a cogging of five periods beside a cable is asked
+# for a curve that says as much
+BESIDE = 4.0
 # Of the travel, that the reading of a position drifts within a record: mounts warm up by micrometres. Times the viscous friction a drift of
 # ten times the travel is a constant force by another name. Halved or doubled, that one is implausible all the same; a right one had 3e-6
 DRIFTS = 0.1
@@ -69,10 +73,10 @@ def implausible(effect: Effect, plant: Plant, declared: Plant, inverses: Sequenc
     return ""
 
 
-def returns(wave: Effect, inverses: Sequence[InverseDynamics]) -> bool:
-    """Whether the travel shows an effect with an `order` to return: it holds RETURNS of its periods."""
+def returns(wave: Effect, inverses: Sequence[InverseDynamics], periods: float = RETURNS) -> bool:
+    """Whether the travel shows an effect with an `order` to return: it holds as many of its periods."""
     travel = max(float(np.ptp(p.motion.q)) for p in inverses)
-    return wave.parameters["order"].value * travel >= RETURNS * 2.0 * np.pi
+    return wave.parameters["order"].value * travel >= periods * 2.0 * np.pi
 
 
 def _drift(trend: Effect, inverses: Sequence[InverseDynamics]) -> float:

@@ -170,7 +170,7 @@ def _of_step(j: ScoredCandidate) -> CandidateScore:
 def _candidate_of(skew: Skew, fit: Fit) -> CandidateScore:
     """Return the late clock as the first of the candidates: what the angle says of it is its gain."""
     s = skew.late.measured
-    return CandidateScore(skew.candidate.effect, skew.candidate.at, skew.candidate.kind, s.share, 0.0, fit.identification, fit.identification, True, skew.sentence)  # fmt: skip
+    return CandidateScore(skew.candidate.name, skew.candidate.at, skew.candidate.kind, s.share, 0.0, fit.identification, fit.identification, True, skew.sentence)  # fmt: skip
 
 
 def _with_clock(estimates: Sequence[Estimate], skew: Skew) -> tuple[Estimate, ...]:

@@ -21,6 +21,8 @@ from workbench.record import IDENTIFICATION, VALIDATION
 from workbench.tracing.candidates import ADDITION, Candidate
 from workbench.tracing.result import Cause
 
+NAME = "clock_skew"  # of the cause, whichever clock it is
+
 
 @dataclass(frozen=True, eq=False)
 class Skew:
@@ -61,12 +63,12 @@ def skew_of(
     late = late_clock(fitted_on(inverses), plant, share, worth)
     if late is None:
         return None
-    clock = catalogue()["clock_skew"](at=f"sensor.{late.channel}")
+    clock = catalogue()[late.law](at=f"sensor.{late.channel}")
     inside = {
         n: float(np.clip(v, clock.parameters[n].lower, clock.parameters[n].upper)) for n, v in late.values.items()
     }
     clock = clock(fixed=True, **inside)
-    return Skew(late, Candidate(clock.named, clock.at, ADDITION, plant + clock))
+    return Skew(late, Candidate(clock.named, clock.at, ADDITION, plant + clock, part=NAME))
 
 
 def clock(skew: Skew, before: Fit, here: Fit) -> Cause:
@@ -76,5 +78,5 @@ def clock(skew: Skew, before: Fit, here: Fit) -> Cause:
     )
     power = max(before.identification**2 - here.identification**2, 0.0)
     return Cause(
-        skew.candidate.effect, skew.candidate.at, skew.sentence, skew.parameters, identification, validation, size=power**0.5,
+        skew.candidate.name, skew.candidate.at, skew.sentence, skew.parameters, identification, validation, size=power**0.5,
     )  # fmt: skip

@@ -12,7 +12,7 @@ from workbench.processes import shared
 from workbench.tracing.candidates import ADDITION, Candidate, Offer
 from workbench.tracing.criteria import Criteria
 from workbench.tracing.judge import ScoredCandidate, judged
-from workbench.tracing.plausible import returns
+from workbench.tracing.plausible import RETURNS, returns
 from workbench.tracing.ranking import absurd, alike
 from workbench.tracing.state import State
 
@@ -141,12 +141,12 @@ def no_wave(
     return [j for j in judgements if j.candidate.key not in waves]
 
 
-def hardly_returns(j: ScoredCandidate, state: State) -> bool:
-    """Whether a fitted force in position is a wave that the travel does not show to return."""
+def hardly_returns(j: ScoredCandidate, state: State, periods: float = RETURNS) -> bool:
+    """Whether a fitted force in position is a wave that the travel does not show to return: it holds fewer of its periods."""
     effect = j.refitted.plant[j.candidate.key] if j.refitted else None
     if effect is None or effect.port != FORCE or "order" not in effect.parameters:
         return False
-    return not returns(effect, state.inverses)
+    return not returns(effect, state.inverses, periods)
 
 
 def _law(j: ScoredCandidate) -> Effect:
