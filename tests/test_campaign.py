@@ -10,7 +10,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from workbench.campaign import load
+from workbench.campaign import load, promised
 from workbench.errors import WorkbenchError
 
 TOML = """\
@@ -715,3 +715,8 @@ def test_a_mutated_declaration_loads_or_is_refused_with_a_sentence(tmp_path, see
         assert campaign.load().records
     except WorkbenchError as e:
         assert str(e).startswith(str(tmp_path)) and str(e)[-1] in ".?"
+
+
+@pytest.mark.parametrize(("note", "relaxed"), [("friction virgin", True), ("at rest, belt Relaxed", True), ("at rest", False), ("not relaxed", False), ("friction may be loaded", False), ("", False)])  # fmt: skip
+def test_only_a_note_that_says_relaxed_promises_how_friction_starts(note, relaxed):
+    assert promised(note) == relaxed

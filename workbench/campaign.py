@@ -3,6 +3,7 @@
 `load` turns it into frozen values, SI inside, or refuses with one sentence that names file, row or key, and the mend.
 """
 
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -20,7 +21,15 @@ from workbench.record import Record
 
 FILE = "campaign.toml"
 BAND = 0.45  # of the sampling rate: what is left below Nyquist for the filters to fall
+RELAXED = re.compile(
+    r"(?<!not )\b(relaxed|virgin|unloaded)\b", re.IGNORECASE
+)  # what a note says of friction that remembers nothing
 SLOWEST = 1e-6  # Hz of a band: no record lasts so long, and the filter of a slower one has no number
+
+
+def promised(initial_condition: str) -> bool:
+    """Whether a note promises that records start with friction relaxed; "at rest" alone does not, for friction holds what came before."""
+    return bool(RELAXED.search(initial_condition))
 
 
 @dataclass(frozen=True)
@@ -69,7 +78,7 @@ def load(folder: Path | str, *, resample: bool = False) -> Campaign:
     with in_own_words(top, told):
         plant = declared_plant(top, kind, "torque" in measured, notes)
     frozen, findings = records(top, folder, measured, resample)
-    if not notes["initial_condition"]:
+    if not promised(notes["initial_condition"]):
         frozen = tuple(replace(r, history=None) for r in frozen)
     rate, slowest = min((1 / r.dt, r.name) for r in frozen)
     if bandwidth >= BAND * rate:

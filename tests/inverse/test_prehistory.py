@@ -49,6 +49,22 @@ def test_memory_that_the_first_move_erases_is_not_searched():
     assert prehistory.begun(short, inverses) is None
 
 
+@pytest.mark.parametrize(("h", "found"), [(-1.5e-3, -1.0), (0.0, 0.0)])
+def test_short_memory_is_searched_where_a_record_rests_before_its_first_move(h, found):
+    """Friction holds a weight as the record begins: a twentieth of the record at rest, whose force is all that is left."""
+    x0 = 1e-4
+    short = Plant(ONE_MASS) + find("presliding_hysteresis")(h0=5.0, x0=x0) + find("viscous_friction")(viscous=1.0)
+    t = np.arange(4000) * 1e-3
+    still = {"position": STROKE * np.maximum(t - 0.2, 0.0) ** 2 * np.cos(3.0 * t), "torque": np.zeros(t.size)}
+    motion = inverse_dynamics([Record("held", "identification", t, still)], 20.0)[0].motion
+    torque = predicted(InverseDynamics(prehistory.displaced(motion, h)), short)
+    record = Record("held", "identification", t, still | {"torque": torque}, history=None)
+    begun = prehistory.begun(short, inverse_dynamics([record], 20.0))
+    assert (begun is None) == (found == 0.0)
+    assert begun is None or begun[0].motion.record.history < found * x0
+    assert prehistory.begun(short, inverse_dynamics([replace(record, history=0.0)], 20.0)) is None
+
+
 def test_each_record_has_a_start_of_its_own():
     records = [begun_by(-2.5e-3, None, "a"), replace(begun_by(2.5e-3, None, "b"), role="validation")]
     fit = identify(plant(), inverse_dynamics(records, 20.0))

@@ -1,8 +1,9 @@
 """What lay before a record: friction with memory starts in a state that no channel holds.
 
-A campaign may state that its records start with relaxed friction (`initial_condition`). Where it states nothing, the state is
+A campaign may promise that its records start with relaxed friction (`initial_condition`). Where it does not, the state is
 that after one displacement h from the relaxed one, h of each record: an operator of increments keeps of its past what its
-last reversals left, and h is the largest of them. It is searched where the memory is long (a gap before the friction, a belt):
+last reversals left, and h is the largest of them. It is searched where the memory is long (a gap before the friction, a belt), and where
+a record begins at rest or about a turn, and what it held there is a good part of what is left of it:
 
     h = argmin over [-SPAN r, SPAN r] of |F(u - R(q; h))|^2        r: the lengths of the operators with memory, summed
 
@@ -22,6 +23,13 @@ from workbench.plant import Plant
 # Memory over a record's travel from which its start is searched. Presliding of bearings is below 1e-3: the first move erases
 # it. Halved or doubled, no campaign here changes; a gap of a tenth of the travel leaves a third of a record in doubt.
 LONG = 0.02
+# Share of what a relaxed start leaves of a record, that it leaves before the body has moved as far as its friction remembers, from which the
+# start is searched, too. A valve at rest (0.3 beside its spring) left 15 % of the drive so long, and leaves 1.2; an arm that friction holds against its
+# weight 0.14 to 0.52. Of some hundred records of strangers that promise nothing a dozen reach it; halved, four more are searched; doubled, one
+# of the arm's is not
+EARLY = 0.1
+# Share of what a relaxed start leaves, above which another one is no start but chance
+WORTH = 0.98
 SPAN = 1.5  # beyond 1 nothing is remembered: both ends are on a border whatever the shape of the virgin curve
 ROUNDS = 4  # of starts and parameters by turns: a length that was fitted to a wrong start is wrong itself
 SETTLED = 0.98  # of the cost before a round, above which the next would be the same
@@ -39,14 +47,27 @@ def begun(plant: Plant, inverses: Sequence[InverseDynamics]) -> tuple[InverseDyn
 def _begun(plant: Plant, p: InverseDynamics) -> InverseDynamics:
     reach = _memory(plant)
     m = p.motion
-    if m.record.history is not None or reach < LONG * np.ptp(m.q[m.keep]):
+    if m.record.history is not None or reach <= 0.0:
+        return p
+    relaxed = _residual(plant, p, 0.0)
+    if reach < LONG * np.ptp(m.q[m.keep]) and _early(relaxed, m, reach) < EARLY:
         return p
     span = SPAN * reach
     tried = np.linspace(-span, span, COARSE)
     best = min(tried, key=lambda h: _left(plant, p, h))
     step = tried[1] - tried[0]
     best = min(best + np.linspace(-step, step, FINE), key=lambda h: _left(plant, p, h))
+    if _left(plant, p, best) > WORTH * float(relaxed @ relaxed):
+        return p
     return InverseDynamics(displaced(m, float(best)), counts=p.counts, times=p.times)
+
+
+def _early(residual: np.ndarray, m: Motion, reach: float) -> float:
+    """Return the share of a residual's power (n,) before the body is twice `reach` (m or rad) away from where it began."""
+    q = m.q[m.keep]
+    away = np.abs(q - q[0]) >= 2.0 * reach
+    first = residual[: int(np.argmax(away)) if away.any() else None]
+    return float(first @ first) / max(float(residual @ residual), 1e-300)
 
 
 def _memory(plant: Plant) -> float:
@@ -63,9 +84,13 @@ def _memory(plant: Plant) -> float:
 
 def _left(plant: Plant, p: InverseDynamics, h: float) -> float:
     """Return the power that a plant leaves of the filtered drive where the record was begun by a displacement h."""
-    moved = displaced(p.motion, h)
-    residual = moved.filter(moved.u - predicted(InverseDynamics(moved, times=p.times), plant))[moved.keep]
+    residual = _residual(plant, p, h)
     return float(residual @ residual)
+
+
+def _residual(plant: Plant, p: InverseDynamics, h: float) -> np.ndarray:
+    moved = displaced(p.motion, h)
+    return moved.filter(moved.u - predicted(InverseDynamics(moved, times=p.times), plant))[moved.keep]
 
 
 def displaced(motion: Motion, h: float) -> Motion:

@@ -46,7 +46,7 @@ def state_at_start(records: Sequence[Record], displacement: str) -> list[Finding
     if not found:
         return []
     sentence = (
-        "The campaign does not say in which state its records start; friction with memory was found to start as after a "
+        "The campaign does not promise that its records start with friction relaxed; friction with memory was found to start as after a "
         f"displacement of {_told(found, displacement)}."
     )
     remedy = "state initial_condition, or start records after a full stroke"
