@@ -13,6 +13,7 @@ from workbench.identification.fit import end_of_search, fitted_on, identify
 from workbench.identification.result import Fit
 from workbench.inverse.carrying import wound_up
 from workbench.inverse.dynamics import InverseDynamics
+from workbench.inverse.prehistory import begun
 from workbench.inverse.wording import idle
 from workbench.plant import TWO_MASS, Plant
 from workbench.tracing.criteria import Criteria
@@ -31,7 +32,8 @@ class Declared:
     count in all that follows. fit: of that plant on whole records, which every extended one is held against, None until all else is
     known. before: the fit of the declared plant, where there is such a clock. idle: a finding that the fit lets
     the joint carry nothing. lost: counts that an encoder loses, which are put back. sticks: where it does, if that is most of the
-    residual. slow: where friction turns between the samples of the log."""
+    residual. slow: where friction turns between the samples of the log. begun: the records as the declared model's friction
+    starts in them, where that is open: a search looks at these, and each fit of whole records finds its own."""
 
     declared: Plant
     plant: Plant
@@ -43,11 +45,12 @@ class Declared:
     lost: Mended | None = None
     sticks: Sticking | None = None
     slow: SlowLog | None = None
+    begun: Sequence[InverseDynamics] | None = None
 
     @cached_property
     def whole(self) -> Sequence[InverseDynamics]:
         """The identification records."""
-        return fitted_on(self.inverses)
+        return fitted_on(self.begun or self.inverses)
 
     @cached_property
     def decimated(self) -> Sequence[InverseDynamics]:
@@ -83,8 +86,9 @@ class Rest:
         if sticks is None:
             return None
         before = identify(d.declared, sticks.inverses) if d.before else None
-        fit = _fit(d.plant, sticks.inverses)
-        return replace(d, inverses=sticks.inverses, sticks=replace(sticks, beside=True), before=before, fit=fit)
+        fit, started = _fit(d.plant, sticks.inverses)
+        sticks = replace(sticks, beside=True)
+        return replace(d, inverses=sticks.inverses, sticks=sticks, before=before, fit=fit, begun=started)
 
 
 def _put_back(d: Declared, only: Only, criteria: Criteria) -> Declared:
@@ -111,19 +115,23 @@ def _hold_late_clock(d: Declared, only: Only, criteria: Criteria) -> Declared:
 
 
 def _fitted(d: Declared, only: Only, criteria: Criteria) -> Declared:
-    found = _fit(d.plant, d.inverses)
+    found, started = _fit(d.plant, d.inverses)
     if d.plant.kind != TWO_MASS:
-        return replace(d, fit=found)
+        return replace(d, fit=found, begun=started)
     empty = idle(d.inverses, found.plant)
     wound = d.inverses if empty else wound_up(d.inverses, found.plant)
     if all(a is b for a, b in zip(wound, d.inverses, strict=True)):
-        return replace(d, fit=found, idle=empty)
-    return replace(d, fit=_fit(d.plant, wound), inverses=wound)
+        return replace(d, fit=found, begun=started, idle=empty)
+    fit, started = _fit(d.plant, wound)
+    return replace(d, fit=fit, begun=started, inverses=wound)
 
 
-def _fit(plant: Plant, inverses: Sequence[InverseDynamics]) -> Fit:
-    """Return the fit of a plant from where the search on records as they begin has ended."""
-    return identify(plant, inverses, end_of_search(plant, fitted_on(inverses)), solved=True)
+def _fit(plant: Plant, inverses: Sequence[InverseDynamics]) -> tuple[Fit, Sequence[InverseDynamics] | None]:
+    """Return the fit of a plant from where its search has ended, and the records as its friction starts in them, None where that is as they are."""
+    found = identify(plant, inverses, end_of_search(plant, fitted_on(inverses)), solved=True)
+    if (started := begun(found.plant, inverses)) is None:
+        return found, None
+    return identify(plant, inverses, end_of_search(plant, fitted_on(started)), solved=True), started
 
 
 FIRST = (_put_back, _turn_between, _leave_rest_out, _hold_late_clock, _fitted)
