@@ -139,7 +139,7 @@ def traced(campaign, *, beside: bool = True) -> dict:
     both = lambda fit: {"identification": fit.identification, "validation": fit.validation}  # noqa: E731
     return {
         "verdict": found.verdict,
-        "ranked": [c.effect for c in found.ranked[:6]],
+        "ranked": list(dict.fromkeys(c.effect.partition(" ")[0] for c in found.ranked))[:6],
         "gains": [round(float(c.gain), 4) for c in found.ranked[:6]],
         "added": list(found.added),
         "rivals": [r.partition("@")[0].partition(" at ")[0] for c in found.causes for r in c.rivals],

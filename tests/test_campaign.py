@@ -10,8 +10,9 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from workbench.campaign import load, promised
+from workbench.campaign import load
 from workbench.errors import WorkbenchError
+from workbench.readers.starts import promised
 
 TOML = """\
 title = "one axis on the bench"

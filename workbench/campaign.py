@@ -3,7 +3,6 @@
 `load` turns it into frozen values, SI inside, or refuses with one sentence that names file, row or key, and the mend.
 """
 
-import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -17,19 +16,12 @@ from workbench.readers.channels import assumptions, channels
 from workbench.readers.own_unit import in_effort, in_own_words
 from workbench.readers.plant import declared_plant
 from workbench.readers.records import records
+from workbench.readers.starts import promised
 from workbench.record import Record
 
 FILE = "campaign.toml"
 BAND = 0.45  # of the sampling rate: what is left below Nyquist for the filters to fall
-RELAXED = re.compile(
-    r"(?<!not )\b(relaxed|virgin|unloaded)\b", re.IGNORECASE
-)  # what a note says of friction that remembers nothing
 SLOWEST = 1e-6  # Hz of a band: no record lasts so long, and the filter of a slower one has no number
-
-
-def promised(initial_condition: str) -> bool:
-    """Whether a note promises that records start with friction relaxed; "at rest" alone does not, for friction holds what came before."""
-    return bool(RELAXED.search(initial_condition))
 
 
 @dataclass(frozen=True)

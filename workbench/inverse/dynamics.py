@@ -4,7 +4,6 @@ Order of evaluation: time and command maps on the measured drive (`command`); fo
 forces; those that follow the load, which the others make (`plant.carried`). No force sees the measured drive. Results are kept per effect and shape, so that candidates share the columns of the declared model.
 """
 
-from collections import OrderedDict
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 
@@ -16,6 +15,7 @@ from workbench.effects.direction import DIRECTION
 from workbench.inverse.bodies import CHANNEL, INCREMENT, POSITION, VELOCITY, Bodies, derivatives_in, path_of, rows
 from workbench.inverse.command import Command, drive_maps
 from workbench.inverse.forces import Ran, forces_of, linear_of, outputs_of, run_forces, summed
+from workbench.inverse.kept import Kept
 from workbench.inverse.oftener import moved_oftener, to_rate_of
 from workbench.inverse.side_by_side import entered, entering, stacked
 from workbench.inverse.turning import turned
@@ -26,9 +26,6 @@ from workbench.plant import PLACES, TWO_MASS, Plant, carried, reads_load
 from workbench.record import Record
 
 LOAD_DRIVE = "drive of the load"  # channel of a record whose load is driven, too: that of a machine that is a model, no log has it
-# Columns kept a record: the declared model, and some trial shapes. With 40 or with 160 traces take as long; of two masses with 20 000 samples a
-# record 160 take 1.3 GB, these 0.85
-KEEP = 64
 # by what a force at a place enters the balances: of the one body, or the motor's and the load's
 LEVERS = {"axis": np.ones((1, 1)), "motor": np.array([[1.0], [0.0]]), "load": np.array([[0.0], [1.0]])}
 
@@ -57,19 +54,9 @@ class InverseDynamics:
             fine = InverseDynamics(moved_oftener(motion, times))
             coarse = to_rate_of(motion.record, fine.motion.record)
         self.fine, self.coarse = fine, coarse
-        self._kept: OrderedDict[tuple, object] = OrderedDict()
+        self._keep = Kept()
         self.bodies = Bodies(motion, self._keep)
         self.command = Command(motion, self._keep)
-
-    def _keep(self, key: tuple, make: Callable):
-        if key in self._kept:
-            self._kept.move_to_end(key)
-            return self._kept[key]
-        value = make()
-        self._kept[key] = value
-        if len(self._kept) > KEEP:
-            self._kept.popitem(last=False)
-        return value
 
     def filtered_drive(self, plant: Plant) -> np.ndarray:
         """Return F(u') (rows, n): the drive, and what drives the load, nothing unless the record says so; less what its payload takes."""

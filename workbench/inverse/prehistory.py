@@ -17,7 +17,7 @@ import numpy as np
 
 from workbench.inverse.balances import predicted
 from workbench.inverse.dynamics import InverseDynamics
-from workbench.motion import Motion
+from workbench.motion import Motion, motion
 from workbench.plant import Plant
 
 # Memory over a record's travel from which its start is searched. Presliding of bearings is below 1e-3: the first move erases
@@ -35,6 +35,7 @@ WORTH = 0.98
 SPAN = 6.0
 ROUNDS = 4  # of starts and parameters by turns: a length that was fitted to a wrong start is wrong itself
 SETTLED = 0.98  # of the cost before a round, above which the next would be the same
+PERIODS = 8.0  # of the band's edge beyond where it is forgotten, so that its filter has something to pass; halved or doubled, the same starts
 COARSE, FINE = 13, 7  # values of h tried over the span, and then about the best
 
 
@@ -51,17 +52,32 @@ def _begun(plant: Plant, p: InverseDynamics) -> InverseDynamics:
     m = p.motion
     if m.record.history is not None or reach <= 0.0:
         return p
-    relaxed = _residual(plant, p, 0.0)
+    relaxed = _residual(plant, p)
     if reach < LONG * np.ptp(m.q[m.keep]) and _early(relaxed, m, reach) < EARLY:
         return p
+    part = _remembering(p, reach)
     even = np.linspace(-1.0, 1.0, COARSE)
     tried = SPAN * reach * even * np.abs(even)
-    at = int(np.argmin([_left(plant, p, h) for h in tried]))
+    left = [_left(plant, part, h) for h in tried]
+    at = int(np.argmin(left))
     about = np.linspace(tried[max(at - 1, 0)], tried[min(at + 1, COARSE - 1)], FINE)
-    best = min((tried[at], *about), key=lambda h: _left(plant, p, h))
-    if _left(plant, p, best) > WORTH * float(relaxed @ relaxed):
+    best = min((tried[at], *about), key=lambda h: _left(plant, part, h))
+    if left[COARSE // 2] - _left(plant, part, best) < (1.0 - WORTH) * float(relaxed @ relaxed):
         return p
     return InverseDynamics(displaced(m, float(best)), counts=p.counts, times=p.times)
+
+
+def _remembering(p: InverseDynamics, reach: float) -> InverseDynamics:
+    """Return the inverse dynamics over the part of a record in which it still matters how it was begun: all of it where the joint's mean torque
+    is read off the whole."""
+    m = p.motion
+    away = np.abs(m.q - m.q[0]) >= 2.0 * SPAN * reach
+    end = int(np.argmax(away)) + 2 * m.filter.trim + round(PERIODS / (m.filter.bandwidth * m.dt))
+    if not away.any() or m.record.zero is not None or 2 * end > m.q.size:
+        return p
+    channels = {n: x[:end] for n, x in m.record.channels.items()}
+    first = motion(replace(m.record, time=m.record.time[:end], channels=channels), m.filter.bandwidth)
+    return InverseDynamics(first, times=p.times)
 
 
 def _early(residual: np.ndarray, m: Motion, reach: float) -> float:
@@ -86,13 +102,13 @@ def _memory(plant: Plant) -> float:
 
 def _left(plant: Plant, p: InverseDynamics, h: float) -> float:
     """Return the power that a plant leaves of the filtered drive where the record was begun by a displacement h."""
-    residual = _residual(plant, p, h)
+    residual = _residual(plant, InverseDynamics(displaced(p.motion, h), times=p.times))
     return float(residual @ residual)
 
 
-def _residual(plant: Plant, p: InverseDynamics, h: float) -> np.ndarray:
-    moved = displaced(p.motion, h)
-    return moved.filter(moved.u - predicted(InverseDynamics(moved, times=p.times), plant))[moved.keep]
+def _residual(plant: Plant, p: InverseDynamics) -> np.ndarray:
+    m = p.motion
+    return m.filter(m.u - predicted(p, plant))[m.keep]
 
 
 def displaced(motion: Motion, h: float) -> Motion:

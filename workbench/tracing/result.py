@@ -151,7 +151,7 @@ class Trace:
         """Figures by which a trace may be judged."""
         return {
             "verdict": self.verdict,
-            "first_cause": self.ranked[0].effect if self.causes else "none",
+            "first_cause": self.ranked[0].effect.partition(" ")[0] if self.causes else "none",
             "added": ", ".join(sorted(self.added)) or "none",  # which was found first says nothing
             "identification_error_before": self.before.identification,
             "identification_error_after": self.after.identification,
