@@ -89,14 +89,14 @@ def _early(residual: np.ndarray, m: Motion, reach: float) -> float:
 
 
 def _memory(plant: Plant) -> float:
-    """Return the length (m or rad) over which forces on the motor's side remember where they turned."""
-    lengths = [
-        p.value
-        for e in plant.effects
-        if e.at in ("axis", "motor") and "dq" in e.reads and e.states
-        for p in e.parameters.values()
-        if p.scale == "stroke" and not p.fixed
-    ]
+    """Return the length (m or rad) over which forces on the motor's side remember where they turned: of each the lengths that are free, of a
+    bank of given ones the longest."""
+    lengths = []
+    for e in plant.effects:
+        if e.at in ("axis", "motor") and "dq" in e.reads and e.states:
+            own = [p for p in e.parameters.values() if p.scale == "stroke"]
+            free = [p.value for p in own if not p.fixed]
+            lengths.append(sum(free) if free else max((p.value for p in own), default=0.0))
     return float(sum(lengths))
 
 
