@@ -167,7 +167,12 @@ def declaration(
     two, drive = base.machine.two, "torque" if base.rotary else "force"
     x = base.metres or 1.0
     kind, limit = ("two mass" if two else "one mass"), LIMIT * base.newtons
-    said = [f'title = "{title}"', f'plant = "{kind}"', f'evaluation_bandwidth = {{ value = {band:g}, unit = "Hz" }}']
+    said = [
+        f'title = "{title}"',
+        f'plant = "{kind}"',
+        f'evaluation_bandwidth = {{ value = {band:g}, unit = "Hz" }}',
+        'initial_condition = "every record starts at rest with relaxed friction"',
+    ]
     said.append(f'actuator_limit = {{ value = {limit:.6g}, unit = "{"N*m" if base.rotary else "N"}" }}')
     if base.rotary:
         said += ["", "[geometry]", f"gear_ratio = {base.ratio:g}", f"pole_pairs = {base.pole_pairs}"]
