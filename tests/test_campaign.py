@@ -718,6 +718,6 @@ def test_a_mutated_declaration_loads_or_is_refused_with_a_sentence(tmp_path, see
         assert str(e).startswith(str(tmp_path)) and str(e)[-1] in ".?"
 
 
-@pytest.mark.parametrize(("note", "relaxed"), [("friction virgin", True), ("at rest, belt Relaxed", True), ("at rest", False), ("not relaxed", False), ("friction may be loaded", False), ("", False)])  # fmt: skip
+@pytest.mark.parametrize(("note", "relaxed"), [("friction virgin", True), ("at rest, belt Relaxed", True), ("at rest", False), ("not relaxed", False), ("not yet relaxed", False), ("friction may be loaded", False), ("", False)])  # fmt: skip
 def test_only_a_note_that_says_relaxed_promises_how_friction_starts(note, relaxed):
     assert promised(note) == relaxed

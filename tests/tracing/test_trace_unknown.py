@@ -14,6 +14,7 @@ from workbench.tracing.tracing import trace
 
 # What is missing, of which machine, the seed of the rig, and the coordinate and way of motion in which it lives.
 OUTSIDE = [
+    ("slip@joint", "two mass", 37, "time", "either direction"),
     ("hard_spot", "presliding", 7, "position", "backward"),
     ("window_friction", "two mass", 8, "position", "forward"),
     ("rattle", "presliding", 9, "velocity", "either direction"),

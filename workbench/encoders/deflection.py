@@ -139,7 +139,7 @@ def _deflection(
     rates = bodies.rates(drive.inertia, drive.viscous)
     parts, of = _parted(records)
     y = np.concatenate([a.apart for a in records])
-    clocks = [a.time - a.begins * restarted for a in records]
+    clocks = [a.time - (a.begins if restarted else 0.0) for a in records]
     middle = float(np.mean([0.5 * (t[0] + t[-1]) for t in clocks]))
     since = [t - middle for t in clocks]
     common = [(a.speed, a.speed * t, a.acceleration) for a, t in zip(records, since, strict=True)]

@@ -49,7 +49,7 @@ def state_at_start(records: Sequence[Record], displacement: str) -> list[Finding
         "The campaign does not promise that its records start with friction relaxed; friction with memory was found to start as after a "
         f"displacement of {_told(found, displacement)}."
     )
-    remedy = "state initial_condition, or start records after a full stroke"
+    remedy = "say in initial_condition that friction is relaxed, if it is, or start records after a full stroke"
     return [Finding("state at the start", "position", sentence, found, remedy)]
 
 

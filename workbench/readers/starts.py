@@ -3,7 +3,7 @@
 import re
 
 # of friction that remembers nothing
-RELAXED = re.compile(r"(?<!not )\b(relaxed|virgin|unloaded)\b", re.IGNORECASE)
+RELAXED = re.compile(r"(?<!not )(?<!not yet )\b(relaxed|virgin|unloaded)\b", re.IGNORECASE)
 
 
 def promised(initial_condition: str) -> bool:
