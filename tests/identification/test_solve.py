@@ -6,6 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from workbench.definition import find
+from workbench.effects.free_bank import bank_beside, slips_of
 from workbench.identification.cross_validation import from_normal
 from workbench.identification.linearised import Linearised
 from workbench.identification.problem import Problem
@@ -110,12 +111,32 @@ def test_what_a_force_beside_a_solved_model_comes_to_is_that_of_the_whole_proble
     tried = 0
     for candidate in candidates_of(plant()):
         problem = Linearised(candidate.plant, base, solution)
-        if problem.beside is None:
+        if not problem.beside:
             continue
         tried += 1
         theta = problem.start()
         assert problem.cost(theta) == pytest.approx(solved_at(problem, theta).cost, rel=1e-6), candidate.key
     assert tried > 15
+
+
+def test_friction_in_the_place_of_a_curve_comes_to_what_the_whole_problem_comes_to():
+    """Beside friction that follows the load, and so reads the direction that either gives."""
+    declared = plant()["presliding_hysteresis@motor"]
+    curve = bank_beside(slips_of(declared), [declared], "motor")
+    rest = plant().without(declared.key) + find("load_dependent_friction")(at="motor", mu=0.01)
+    base = Problem(rest + curve, inverses())
+    solution = solve(base)
+    places = [c for c in candidates_of(rest + curve, stands_for={curve.key: declared}) if curve.key in c.instead]
+    fast = {c.key: Linearised(c.plant, base, solution) for c in places}
+    assert {key for key, problem in fast.items() if len(problem.beside) == 2} >= {"lugre_friction@motor"}
+    for c in places:
+        if not fast[c.key].beside:
+            continue
+        theta, all_columns = fast[c.key].start(), Linearised(c.plant, base, solution)
+        all_columns.beside = ()
+        whole = solved_at(all_columns, theta).cost
+        assert fast[c.key].cost(theta) == pytest.approx(whole, rel=1e-6), c.key
+        assert solved_at(fast[c.key], theta).cost == pytest.approx(whole, rel=1e-6), c.key
 
 
 @given(st.floats(0.0, 1.0, exclude_max=True))

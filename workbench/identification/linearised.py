@@ -9,9 +9,9 @@ from functools import cached_property
 
 import numpy as np
 
-from workbench.definition import FORCE
+from workbench.definition import FORCE, Effect
 from workbench.identification.cross_validation import from_normal, shape_room
-from workbench.identification.problem import Problem, read_by
+from workbench.identification.problem import Name, Problem, read_by
 from workbench.identification.solve import Solution, solved_at
 from workbench.plant import Plant, reads_load
 
@@ -39,10 +39,10 @@ class Linearised(Problem):
     @property
     def follows_load(self) -> bool:
         """As of every problem; beside a present model, whose columns stay as they are, only what the one more force reads counts."""
-        return super().follows_load if self.beside is None else reads_load(self.plant[self.beside])
+        return reads_load(self.plant[self.beside[0]]) if self.beside else super().follows_load
 
     def assemble(self, theta: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        if self.beside is not None:
+        if self.beside:
             return self.with_one_more(theta)
         y, phi = super().assemble(theta)
         beside = self.solution.tangents
@@ -54,36 +54,56 @@ class Linearised(Problem):
     def with_one_more(self, theta: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Assemble a force beside a present model, whose own balance and columns stay what they are."""
         own, fixed = self.of_one_more(theta)
-        phi = np.empty((fixed.size, own.shape[1] + self.solution.columns.shape[1]), order="F")
-        phi[:, self.at_own], phi[:, self.at_present] = own, self.solution.columns
+        phi = np.empty((fixed.size, own.shape[1] + len(self.at_present)), order="F")
+        phi[:, self.at_own], phi[:, self.at_present] = own, self.present_columns
         return self.solution.y - fixed, phi
 
     @cached_property
     def at_own(self) -> list[int]:
         """Where among all columns those of a force beside the present model stand."""
-        return [i for i, n in enumerate(self.free_linear) if n.key == self.beside]
+        return [i for i, n in enumerate(self.free_linear) if n.key in self.beside]
 
     @cached_property
     def at_present(self) -> list[int]:
         """Where among all columns those of the present model stand: linear ones, then tangents."""
         at = {n: i for i, n in enumerate(self.free_linear)}
-        return [at[n] for n in self.base.free_linear] + [len(at) + k for k in range(len(self.base.free_shape))]
+        return [at[n] for n in self.base.free_linear if self._stay(n)] + [
+            len(at) + k for k in range(len(self.base.free_shape))
+        ]
+
+    @cached_property
+    def stays(self) -> np.ndarray:
+        """Which of the present model's columns stay, (m + k,)."""
+        return np.array([self._stay(n) for n in self.base.free_linear] + [True] * len(self.base.free_shape), dtype=bool)
+
+    def _stay(self, name: Name) -> bool:
+        """Whether a column of the present model stays: that of a force whose place another takes, or that reads what this gives, does not."""
+        return name.key not in self.beside and any(e.key == name.key for e in self.plant.effects)
+
+    @cached_property
+    def present_columns(self) -> np.ndarray:
+        """The columns of the present model that stay, (N, m + k)."""
+        return self.solution.columns if self.stays.all() else self.solution.columns[:, self.stays]
+
+    @cached_property
+    def left(self) -> np.ndarray:
+        """What the present model leaves without its columns that do not stay, (N,)."""
+        solution, gone = self.solution, ~self.stays[: self.solution.c.size]
+        return solution.residual + solution.phi[:, gone] @ solution.c[gone] if gone.any() else solution.residual
 
     def of_one_more(self, theta: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Return a force's own columns (N, free) in the order of its names, and what of it is fixed, (N,)."""
-        part = read_by(self.with_shape(theta), self.beside)
-        at = {self.free_linear[i].parameter: k for k, i in enumerate(self.at_own)}
+        """Return the columns of the force and of what reads from it (N, free) in the order of their names, and what of it is fixed, (N,)."""
+        part = read_by(self.with_shape(theta), *self.beside)
+        at = {self.free_linear[i]: k for k, i in enumerate(self.at_own)}
         fixed = np.zeros(self.solution.y.size)
         own = np.zeros((fixed.size, len(at)), order="F")  # a locked load has no balance: its columns stay zero there
         row = 0
         for p, length in zip(self.inverses, self.lengths, strict=True):
             rows = slice(row, row + length)
-            for e, name, column in p.filtered(part):
-                if e.key != self.beside:
-                    continue
+            for e, name, column in p.filtered(part, self.beside):
                 values = column * self.base_scale
-                if name in at:
-                    own[rows, at[name]] = values
+                if (index := at.get(Name(e.key, name))) is not None:
+                    own[rows, index] = values
                 else:
                     fixed[rows] += (e.parameters[name].value if name else 1.0) * values
             row += length
@@ -95,15 +115,15 @@ class Linearised(Problem):
         Of a force beside a present model from products with that model's columns, none of which is copied, and from how far
         that model gives way: what nothing determines stays.
         """
-        if self.beside is None:
+        if not self.beside:
             return solved_at(self, theta).cost
         own, fixed = self.of_one_more(theta)
-        present, left = self.solution.columns, self.solution.residual - fixed
+        present, left = self.present_columns, self.left - fixed
         with np.errstate(all="ignore"):
             across, gram, moment = present.T @ own, own.T @ own, np.concatenate([present.T @ left, own.T @ left])
         if not (np.isfinite(gram).all() and np.isfinite(across).all() and np.isfinite(moment).all()):
             return np.inf
-        whole = np.block([[self.solution.gram, across], [across.T, gram]])
+        whole = np.block([[self.solution.gram[np.ix_(self.stays, self.stays)], across], [across.T, gram]])
         norms = np.sqrt(np.diag(whole))
         norms = np.where(norms > 0.0, norms, 1.0)
         lower, upper = self.room_of_one_more
@@ -117,7 +137,8 @@ class Linearised(Problem):
         order = [*self.at_present, *self.at_own]
         lower, upper = (bound[order] for bound in self.bounds)
         solved = np.zeros(len(order))
-        solved[: self.solution.c.size] = self.solution.c
+        kept = self.solution.c[self.stays[: self.solution.c.size]]
+        solved[: kept.size] = kept
         return np.minimum(lower - solved, 0.0), np.maximum(upper - solved, 0.0)
 
     @property
@@ -133,15 +154,28 @@ class Linearised(Problem):
         return np.array([start[n] for n in self.free.free_shape])
 
 
-def _beside(plant: Plant, base: Plant) -> str | None:
-    """Return the key of the one force that `plant` has and `base` has not, or None where more than a force beside the others
-    differs."""
-    known = {e.key for e in base.effects}
-    more = [e for e in plant.effects if e.key not in known]
-    if len(more) != 1 or len(plant.effects) != len(base.effects) + 1:
-        return None
+def _beside(plant: Plant, base: Plant) -> tuple[str, ...]:
+    """Return the key of the one force that `plant` has and `base` has not, then those of forces that read what it gives; empty where
+    more than a force beside the others differs.
+
+    It may take the place of forces that are what their free linear parameters make of columns that stay.
+    """
+    known, kept = {e.key for e in base.effects}, {e.key for e in plant.effects}
+    more, gone = [e for e in plant.effects if e.key not in known], [e for e in base.effects if e.key not in kept]
+    if len(more) != 1:
+        return ()
     (new,) = more
-    return new.key if new.port == FORCE and not new.provides else None
+    given = {(s, e.at) for e in (new, *gone) for s in e.provides}
+    readers = [e for e in plant.effects if e is not new and any((s, e.at) in given for s in e.reads)]
+    linear = all(_linear(e) for e in (*gone, *readers))
+    return (
+        (new.key, *(e.key for e in readers)) if linear and all(e.port == FORCE for e in (new, *gone, *readers)) else ()
+    )
+
+
+def _linear(effect: Effect) -> bool:
+    """Whether a force is what its free linear parameters make of columns of its own."""
+    return bool(effect.linear) and not any(effect.parameters[n].fixed for n in effect.linear)
 
 
 def _held(plant: Plant, base: Problem, theta: np.ndarray) -> Plant:

@@ -51,20 +51,21 @@ def _needed_by(plant: Plant, key: str) -> Plant:
 
     Such a force needs the maps, and what gives the direction of motion at its place. What follows the load reads them all.
     """
-    if any(reads_load(e) for e in plant.effects):
+    if plant[key].provides or any(reads_load(e) for e in plant.effects):
         return plant
     return read_by(plant, key)
 
 
-def read_by(plant: Plant, key: str) -> Plant:
-    """Return what of a plant an effect's own columns need: all of it, unless it is a force that does not follow the load.
+def read_by(plant: Plant, *keys: str) -> Plant:
+    """Return what of a plant the own columns of effects need: all of it, unless they are forces that do not follow the load.
 
     Such a force needs the maps, and what gives the direction of motion at its place.
     """
-    changed = plant[key]
-    if reads_load(changed) or changed.port != fx.FORCE or changed.provides:
+    changed = [plant[key] for key in keys]
+    if any(reads_load(e) or e.port != fx.FORCE for e in changed):
         return plant
-    kept = (e for e in plant.effects if e.port != fx.FORCE or e.key == key or (e.at == changed.at and e.provides))
+    places = {e.at for e in changed}
+    kept = (e for e in plant.effects if e.port != fx.FORCE or e.key in keys or (e.at in places and e.provides))
     return replace(plant, effects=tuple(kept))
 
 

@@ -4,7 +4,7 @@ Order of evaluation: time and command maps on the measured drive (`command`); fo
 forces; those that follow the load, which the others make (`plant.carried`). No force sees the measured drive. Results are kept per effect and shape, so that candidates share the columns of the declared model.
 """
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -97,10 +97,13 @@ class InverseDynamics:
         forces = [e for e in plant.effects if e.port == fx.FORCE and e.at == place]
         return next(outputs[0] for e, outputs, _, _ in self._at(plant, place, [*forces, told]) if e.key == told.key)
 
-    def filtered(self, plant: Plant) -> Iterator[tuple[Effect, str, np.ndarray]]:
-        """As `columns`, through the evaluation filter, of the samples in which errors count: each (N,), `stacked`."""
+    def filtered(self, plant: Plant, only: Collection[str] = ()) -> Iterator[tuple[Effect, str, np.ndarray]]:
+        """As `columns`, through the evaluation filter, of the samples in which errors count: each (N,), `stacked`. only: keys of the
+        effects, all where empty."""
         keep, free = self.motion.keep, self.rows(plant) > 1 and self.motion.record.zero is not None
         for e, outputs, (path, lever), key in self._forces(plant):
+            if only and e.key not in only:
+                continue
             names = e.linear or ("",)
             if lever.shape[1] == 1:  # what does not change in time passes the filter: one balance stands for both
                 smooth, means = self._keep(("filtered", free, *key), lambda o=outputs: self._smooth(o, free))

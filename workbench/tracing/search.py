@@ -60,7 +60,7 @@ def worth(problem: Linearised, options: Sequence[np.ndarray], refined: int) -> l
     costs: list[float] = []
     for theta in options:
         same = len(costs) == refined and np.isfinite(costs).all() and max(costs) <= (1.0 + WORSE) * min(costs)
-        if same and problem.beside is None:
+        if same and not problem.beside:
             break
         costs.append(problem.cost(theta))
     return costs
@@ -90,10 +90,10 @@ def fitted(
         costs = worth(problem, options, budget.refined)
         best = [i for i in np.argsort(costs, kind="stable")[: budget.refined] if np.isfinite(costs[i])]
         best = best[:1] + [i for i in best[1:] if costs[i] <= (1.0 + WORSE) * solution.cost]
-        if best and problem.beside is not None and costs[best[0]] > (1.0 - HOPELESS) * solution.cost:
+        if best and problem.beside and costs[best[0]] > (1.0 - HOPELESS) * solution.cost:
             best, rough = best[:1], 1.0
         options = [options[i] for i in sorted(best)] or options[:1]
-    least = 0.0 if problem.beside is not None else HOPELESS  # a map starts from what changes nothing: its slopes tell
+    least = 0.0 if problem.beside else HOPELESS  # a map starts from what changes nothing: its slopes tell
     solutions = [solve(problem, theta, rough, least) for theta in options]
     least = min(s.cost for s in solutions)
     # of equal fits the earlier start: a wave of order k is also the second harmonic of k/2, whose start comes later
