@@ -1,14 +1,17 @@
 """One composite in the place of its parts; presliding beside Coulomb friction."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from test_near_law import PLANT, inverses, stops
 
 from workbench.definition import find
 from workbench.inverse.balances import predicted
+from workbench.plant import Geometry
 from workbench.tracing.answer import Answer
 from workbench.tracing.candidates import Offer, candidates_of
-from workbench.tracing.composing import composed
+from workbench.tracing.composing import composed, of_one_disc
 from workbench.tracing.judge import STANDARD, ScoredCandidate, judged, refitted_as
 from workbench.tracing.state import State
 from workbench.tracing.tracing import trace
@@ -53,6 +56,23 @@ def test_parts_that_no_bristles_of_one_length_say_stay_two():
     assert composed(answer, PLANT, STANDARD, Offer()) is answer
     alone = Answer(answer.added[:1], answer.declared)
     assert composed(alone, PLANT, STANDARD, Offer()) is alone
+
+
+@pytest.mark.parametrize(("order", "name"), [(40.0, "encoder_eccentricity"), (50.0, "kinematic_error")])
+def test_a_wave_that_stands_to_a_disc_as_two_to_one_is_the_disc_s_whichever_was_found_first(order, name):
+    state = State(replace(PLANT, geometry=Geometry(gear_ratio=30.0)), inverses(lambda t, q, way: 0.5 * way))
+    added = []
+    for effect in ("kinematic_error", "encoder_eccentricity"):
+        found = (c for c in candidates_of(state.plant) if (c.effect, c.at) == (effect, "sensor.position"))
+        candidate = next(found)
+        at = {"order": order} if effect == "kinematic_error" else {"turns": 20.0}
+        candidate = replace(candidate, plant=candidate.plant.swap(candidate.plant[candidate.key](**at, fixed=True)))
+        j = ScoredCandidate(candidate, **judged(state, candidate, STANDARD))
+        added.append(refitted_as(state, j, STANDARD))
+        state = added[-1].state
+    answer = of_one_disc(Answer(added, added[0].state))
+    assert [j.candidate.name for j in answer.added] == [name, "encoder_eccentricity"]
+    assert [j.candidate.effect for j in answer.added] == ["kinematic_error", "encoder_eccentricity"]
 
 
 def test_a_length_beside_ideal_coulomb_friction_is_presliding_and_no_near_law():

@@ -107,3 +107,31 @@ def test_a_formula_of_values_that_no_machine_has_is_not_what_a_curve_is(monkeypa
         selection.Answer([], there), known, [], lambda _: None, Offer(), Criteria()
     )
     assert (len(answer.added), [law.key for law in refined]) == ((0, [known[0].key]) if odd else (1, []))
+
+
+def asperities(q: np.ndarray, length: float, level: float) -> np.ndarray:
+    """Force of forty springs that slip at lengths spread so that their virgin curve is level (1 - exp(-x/length))."""
+    edges = length * np.geomspace(1e-2, 10.0, 41)
+    slips, width = np.sqrt(edges[1:] * edges[:-1]), np.diff(edges)
+    share = slips / length**2 * np.exp(-slips / length) * width
+    x, found = np.zeros(slips.size), np.empty(q.size)
+    for i, dq in enumerate(np.diff(q, prepend=q[0])):
+        x = np.clip(x + dq, -slips, slips)
+        found[i] = level * share @ (x / slips)
+    return found
+
+
+def test_a_curve_that_is_a_spring_is_the_stiffness_of_the_data_sheet():
+    """A curve's elements that hardly slip take what a declared stiffness of 1.0 N*m/rad lacks of 1.2."""
+    seen = inverses(lambda t, q, way: asperities(q, 2e-2, 0.5) + 1.2 * q)
+    sheet = find("linear_stiffness")(at="axis", stiffness=1.0, fixed=True)
+    plant = PLANT.without("coulomb_friction@axis") + find("presliding_hysteresis")(h0=0.5, x0=2e-2) + sheet
+    declared = State(plant, seen)
+    known = laws(declared.plant, seen)
+    there = curved(declared, known, Criteria())
+    answer, refined = selection._of_declared_laws(
+        selection.Answer([], there), known, [], lambda _: None, Offer(), Criteria()
+    )
+    ((found,), values) = answer.added, answer.last.plant[sheet.key].parameters
+    assert (found.candidate.key, found.candidate.kind, refined) == (sheet.key, CORRECTION, ())
+    assert values["stiffness"].value == pytest.approx(1.2, rel=0.02)

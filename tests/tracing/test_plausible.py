@@ -5,7 +5,7 @@ import pytest
 
 from workbench.definition import find
 from workbench.inverse.dynamics import inverse_dynamics
-from workbench.plant import ONE_MASS, Plant
+from workbench.plant import ONE_MASS, TWO_MASS, Plant
 from workbench.record import IDENTIFICATION, Record
 from workbench.tracing.plausible import implausible
 
@@ -35,3 +35,13 @@ def test_a_share_may_be_all_or_none_and_a_length_or_a_wave_no_longer_than_the_tr
     plant = Plant(ONE_MASS) + find("inertia") + effect
     record = Record("r", IDENTIFICATION, T, {"torque": np.sin(T), "position": 0.1 * np.sin(3.0 * T)})
     assert (implausible(effect, plant, plant, inverse_dynamics([record], 60.0)) == "") is machine
+
+
+def test_a_memory_of_a_joint_that_is_longer_than_the_joint_deflects_is_a_spring():
+    load = 0.1 * np.sin(3.0 * T)
+    channels = {"torque": np.sin(T), "position": load + 5e-3 * np.sin(3.0 * T), "load_position": load}
+    seen = inverse_dynamics([Record("r", IDENTIFICATION, T, channels)], 60.0)
+    for length, machine in ((5e-3, True), (5e-2, False)):
+        effect = find("fading_memory")(at="joint", h=1.0, x0=length)
+        plant = Plant(TWO_MASS) + find("inertia")(at="motor") + find("inertia")(at="load") + effect
+        assert (implausible(effect, plant, plant, seen) == "") is machine

@@ -107,3 +107,15 @@ def test_a_verdict_says_missing_of_an_addition_and_a_wrong_value_of_a_correction
         _what_of([motor, gap], plant) == "backlash is missing, and inertia at the motor is declared with a wrong value"
     )
     assert _what_of([gap], plant.without("inertia@load")) == "backlash is missing"
+
+
+@pytest.mark.parametrize(
+    ("effect", "place", "said"),
+    [
+        ("kinematic_error", "sensor.position", "kinematic error of 2 orders is missing"),
+        ("cable_spring", "axis", "cable spring is missing"),
+    ],
+)
+def test_a_wave_found_twice_has_two_orders_and_a_curve_found_twice_is_one(effect, place, said):
+    found = [Cause(name, place, "", (), 0.5, 0.5) for name in (effect, f"{effect} 2")]
+    assert _what_of(found, Plant(ONE_MASS) + find("inertia")) == said

@@ -1,7 +1,7 @@
 """One composite in the place of its parts: LuGre friction is presliding, Stribeck's peak and a damping of the bristles in one law.
 
 The search finds the parts one after another, each in its own shape. Begun where they came out, the composite may say the same as both;
-then it is the simpler answer, and its name the cause's.
+then it is the simpler answer, and its name the cause's. So is a disc's second wave the disc's, whichever of its waves was found first.
 """
 
 from dataclasses import replace
@@ -10,9 +10,11 @@ from workbench.definition import Effect, catalogue
 from workbench.identification.solve import NoValue
 from workbench.plant import Plant
 from workbench.tracing.answer import Answer
-from workbench.tracing.candidates import ADDITION, Offer, without
+from workbench.tracing.candidates import ADDITION, AGAIN, Offer, without
 from workbench.tracing.criteria import Criteria
 from workbench.tracing.judge import ScoredCandidate, freedom, scored
+from workbench.tracing.ranking import MEETS
+from workbench.tracing.spellings import bearing
 from workbench.tracing.state import Refitted, State
 
 
@@ -27,6 +29,28 @@ def composed(answer: Answer, declared: Plant, criteria: Criteria, offer: Offer) 
                 rest = [j for j in answer.added if j not in parts]
                 return replace(answer, added=[*rest[:first], one, *rest[first:]], pruned=one.state)
     return answer
+
+
+def of_one_disc(answer: Answer) -> Answer:
+    """Return the answer with the waves of a reading that stand to an eccentricity of its disc as 2 or 3 to 1 under that one's name: a magnet
+    off its axis, or two windings, err twice a turn, too. Alone such a wave may be a gear's."""
+    plant = answer.last.plant
+    discs = [j for j in answer.added if plant[j.candidate.key].harmonic]
+
+    def named(j: ScoredCandidate) -> ScoredCandidate:
+        order = plant[j.candidate.key].parameters.get("order")
+        for disc in discs:
+            turns = plant[disc.candidate.key].parameters["turns"].value
+            if order is not None and j.candidate.at == disc.candidate.at and _harmonic(order.value, turns):
+                return bearing(disc, j)
+        return j
+
+    return replace(answer, added=[named(j) if j.candidate.kind == ADDITION else j for j in answer.added])
+
+
+def _harmonic(order: float, of: float) -> bool:
+    """Whether an order is the second or third harmonic of another one."""
+    return any(abs(order - n * of) < MEETS * order for n in map(int, AGAIN))
 
 
 def _whole(composite: Effect, answer: Answer) -> list[list[ScoredCandidate]]:

@@ -2,11 +2,13 @@
 
 from collections.abc import Sequence
 
+from workbench.definition import catalogue
 from workbench.finding import capital, title
 from workbench.identification.result import Fit
 from workbench.plant import Plant
 from workbench.record import IDENTIFICATION, VALIDATION
 from workbench.residual.window import DIRECTIONS, Window, local
+from workbench.tracing.candidates import periodic
 from workbench.tracing.decide import CAUSE, UNKNOWN
 from workbench.tracing.evidence import ADDITION, CORRECTION, Evidence, Explainable
 from workbench.tracing.mending import Mended
@@ -59,11 +61,14 @@ def _enumerated(names: Sequence[str]) -> str:
 
 
 def _named(causes: Sequence[Cause], plant: Plant) -> list[str]:
-    """Return the names of causes; of a periodic one that is there with several orders, once for all of them."""
+    """Return the names of causes; of one that is there several times at its place, once for all of them: a wave of several orders, or a
+    force whose curve is more than one formula."""
     orders = [(c.effect.partition(" ")[0], c.at) for c in causes]
     several = {of for of in orders if orders.count(of) > 1}
     names = [
-        f"{title(of[0])} of {orders.count(of)} orders" if of in several else _name_of(c, plant)
+        title(of[0]) + (f" of {orders.count(of)} orders" if periodic(catalogue()[of[0]]) else "")
+        if of in several
+        else _name_of(c, plant)
         for c, of in zip(causes, orders, strict=True)
     ]
     return list(dict.fromkeys(names)) if several else names

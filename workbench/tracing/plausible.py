@@ -7,6 +7,7 @@ import numpy as np
 
 from workbench.definition import Effect
 from workbench.identification.intervals import on_bound
+from workbench.inverse.bodies import POSITION
 from workbench.inverse.dynamics import InverseDynamics
 from workbench.plant import Plant
 
@@ -39,12 +40,12 @@ def implausible(effect: Effect, plant: Plant, declared: Plant, inverses: Sequenc
 
     plant: solved, holds the effect. declared: what a corrected value was before.
     """
-    travel = max(float(np.ptp(p.motion.q)) for p in inverses)
     for name, p in effect.parameters.items():
         if p.fixed:
             continue
-        if p.scale == "stroke" and effect.at != "joint" and p.value > travel:
-            return f"its {p.meaning} of {p.value:.3g} is longer than the travel"
+        if p.scale == "stroke" and p.value > (reach := _reach(effect.at, plant, inverses)):
+            way = "the joint's deflection" if effect.at == "joint" else "the travel"
+            return f"its {p.meaning} of {p.value:.3g} is longer than {way} of {reach:.3g}"
         bounded = p.upper - p.lower > 0.0 and (p.value != 0.0 or name in effect.linear)
         straight = name == "exponent" and p.lower == 1.0 and p.value < 0.5 * (p.lower + p.upper)
         if bounded and not straight and name not in STANDS and on_bound(p.value, p.lower, p.upper):
@@ -71,6 +72,13 @@ def implausible(effect: Effect, plant: Plant, declared: Plant, inverses: Sequenc
             if p.fixed and p.value != 0.0 and not 1.0 / FACTOR < new / p.value < FACTOR:
                 return f"its {p.meaning} would be {new / p.value:.3g} times the declared value"
     return ""
+
+
+def _reach(place: str, plant: Plant, inverses: Sequence[InverseDynamics]) -> float:
+    """Return how far the records go at a place, from end to end: a memory of a joint that is longer than it deflects is a spring."""
+    if place == "joint":
+        return max(float(np.ptp(p.bodies.body(plant, "joint")[1][POSITION])) for p in inverses)
+    return max(float(np.ptp(p.motion.q)) for p in inverses)
 
 
 def returns(wave: Effect, inverses: Sequence[InverseDynamics], periods: float = RETURNS) -> bool:

@@ -8,14 +8,18 @@ from workbench.inverse.dynamics import InverseDynamics
 from workbench.plant import Plant
 from workbench.tracing.answer import Answer
 from workbench.tracing.candidates import Offer, without
-from workbench.tracing.composing import composed
+from workbench.tracing.composing import composed, of_one_disc
 from workbench.tracing.criteria import Criteria
+from workbench.tracing.evidence import CORRECTION
 from workbench.tracing.greedy import Step, extended
 from workbench.tracing.judge import Progress, ScoredCandidate
 from workbench.tracing.near_law import SEEN, Law, as_declared, count_at, freed, laws, lengthened
 from workbench.tracing.pruning import pruned
 from workbench.tracing.ranking import absurd, step
 from workbench.tracing.state import State
+
+# what a free virgin curve may be: the memory of a catalogued law, or the stiffness that it stands beside
+MEMORIES, SPRING = {"presliding_hysteresis", "fading_memory"}, {"linear_stiffness"}
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,7 +95,8 @@ def select(
     if len(answer.added) > 1:
         answer = pruned(answer, base.plant, looked, progress, offer, criteria)
     answer, refined = _of_declared_laws(answer, known, looked, progress, offer, criteria)
-    return Selection(declared, base, composed(answer, base.plant, criteria, offer), steps, looked, known, refined)
+    answer = of_one_disc(composed(answer, base.plant, criteria, offer))
+    return Selection(declared, base, answer, steps, looked, known, refined)
 
 
 def curved(state: State, known: Sequence[Law], criteria: Criteria) -> State:
@@ -145,8 +150,10 @@ def _of_declared_laws(
             continue
         progress(f"asking what the virgin curve at the {law.declared.at} is")
         own = {k: e for k, e in offer.stands_for.items() if k == e.key}
-        offered = replace(offer, only={"presliding_hysteresis", "fading_memory"}, stands_for=own)
-        judgements = step(plain, progress, offered, criteria)
+        offered = replace(offer, only=MEMORIES | SPRING, stands_for=own)
+        asked = step(plain, progress, offered, criteria)
+        # far short of its slips a curve is a spring, and so takes what a data sheet's stiffness lacks
+        judgements = [j for j in asked if j.candidate.kind == CORRECTION or j.candidate.effect not in SPRING]
         looked.append(judgements)
         much = criteria.held * plain.errors.total  # beside the declared law: less may be friction smooth in speed
         here = [j for j in judgements if j.candidate.at == law.declared.at and j.refitted and not absurd(j, plain)]
@@ -164,11 +171,12 @@ def _of_declared_laws(
 
 
 def _commonest(formulas: Sequence[ScoredCandidate], alike: float) -> ScoredCandidate | None:
-    """Return the formula that leaves least, or the one with Masing's memory where it leaves no more than `alike` beside that one:
-    asperities remember every reversal, and bristles that forget are the rarer picture."""
+    """Return the formula that leaves least or, of those that leave no more than `alike` beside that one, a data sheet's value, which is no
+    law more, then one with Masing's memory: asperities remember every reversal, and bristles that forget are the rarer picture."""
     best = min(formulas, key=lambda j: (j.errors.total, j.candidate.key), default=None)
     level = [j for j in formulas if j.errors.total - best.errors.total <= alike]
-    return next((j for j in level if "masing" in j.candidate.plant[j.candidate.key].holds), best)
+    value = next((j for j in level if j.candidate.kind == CORRECTION), None)
+    return value or next((j for j in level if "masing" in j.candidate.plant[j.candidate.key].holds), best)
 
 
 def _taken(before: State, j: ScoredCandidate) -> float:
