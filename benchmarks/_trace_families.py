@@ -2,7 +2,7 @@
 
 c: the folder campaigns under WORKBENCH_DATA with its truth.json; d, and any other letter or word X: campaigns_X, of an author each;
 measured: its axes, judged by a table of their own; carried: campaigns of other authors that brought a rule, benchmarks/carried; rig: the
-rig's older campaigns; bench: its benches. X:half, X:noise and X:swapped are copies of a folder's campaigns (`_trace_copies`).
+rig's older campaigns; bench: its benches. X:half, X:noise, X:swapped, X:less and X:wrong are copies of a folder's campaigns (`_trace_copies`).
 """
 
 import json
@@ -13,7 +13,7 @@ from hashlib import sha256
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from benchmarks._trace_copies import COPIES, copied
+from benchmarks._trace_copies import COPIES, DECLARED, copied, lack_nothing
 from benchmarks._trace_draw import NONE, OUTSIDE, PAIR, SINGLE, Spec, specs
 from benchmarks._trace_measured import AXES, judged_axis
 from benchmarks._trace_run import one as one_of_rig
@@ -53,7 +53,7 @@ def folder(family: str) -> Path | None:
 def known(family: str) -> bool:
     """Whether there is such a family, here or on another machine, and such copies of it."""
     of, copies, how = family.partition(":")
-    if copies and (how not in COPIES or of in (*DRAWN, "measured")):
+    if copies and (how not in {**COPIES, **DECLARED} or of in (*DRAWN, "measured")):
         return False
     return of in FAMILIES or folder(of) is not None
 
@@ -65,6 +65,8 @@ def cases(families: Sequence[str], campaigns: int, seed: int) -> list[Case]:
         if family not in DRAWN:
             root = folder(family)
             names = sorted(p.parent.name for p in root.glob("*/campaign.toml")) if root else []
+            if root and family.partition(":")[2] in DECLARED:
+                names = sorted({*names} & lack_nothing(root / "truth.json"))
             found += [Case(family, n) for n in names if family != "measured" or n in AXES]
         elif family == "rig":
             found += [Case(family, s.key, tuple(asdict(s).items())) for s in specs(campaigns, seed)]
@@ -122,7 +124,7 @@ def read(case: Case, path: Path, truth: dict) -> dict:
     """Trace the campaign of a folder and judge it."""
     from workbench.campaign import load
 
-    campaign = copied(load(path), case.family.partition(":")[2])
+    campaign, truth = copied(load(path), case.family.partition(":")[2], truth, case.name)
     said = traced(campaign)
     if case.family == "measured":
         return {"said": said, "judged": judged_axis(case.name, said), "truth": {}}

@@ -136,7 +136,7 @@ def asked() -> argparse.Namespace:
     parser.add_argument(
         "--families",
         default=",".join(FAMILIES),
-        help="which, with commas between; X, too, of a folder campaigns_X, and X:half, X:noise, X:swapped, its copies (%(default)s)",
+        help="which, with commas between; X, too, of a folder campaigns_X, and X:half, X:noise, X:swapped, X:less, X:wrong, its copies (%(default)s)",
     )
     parser.add_argument("--campaigns", type=int, default=MANY, help="how many of a family that is drawn (%(default)s)")
     parser.add_argument("--seed", type=int, default=SEED, help="of what is drawn (%(default)s)")
