@@ -6,8 +6,8 @@ import pytest
 from workbench.definition import find
 from workbench.inverse.dynamics import InverseDynamics, inverse_dynamics
 from workbench.plant import ONE_MASS, Plant
-from workbench.record import IDENTIFICATION, Record
-from workbench.residual.noise_floor import noise_rms
+from workbench.record import IDENTIFICATION, VALIDATION, Record
+from workbench.residual.noise_floor import TOLD, noise_rms, refuted
 
 DT, BAND, COUNT = 1e-3, 50.0, 1e-6
 NOISE, LEVEL = 0.1, 30.0  # N, of the drive and of friction
@@ -46,3 +46,22 @@ def test_friction_that_flickers_within_a_count_at_a_rest_that_does_not_count_is_
     friction = find("presliding_hysteresis")(h0=LEVEL, x0=COUNT / 3.0)
     steep = Plant(ONE_MASS, rotary=False) + find("inertia")(inertia=1.0) + friction
     assert noise_rms([moving], steep)["moves"] < 0.1 * noise_rms([everywhere], steep)["moves"]
+
+
+@pytest.mark.parametrize(
+    ("left", "floor"),
+    [
+        ((0.02, 0.02), (0.02, 0.02)),  # what is left is above it
+        ((0.015, 0.016), (0.015, 0.016)),  # a fifth too high; of identification within the tenth that is no alarm
+        ((0.005, 0.016), (0.016 * TOLD, 0.016)),  # identification alone has less yet: that is an alarm
+        ((0.005, 0.02), (0.02, 0.02)),  # as before: nothing that was not fitted says so
+        ((0.001, 0.001), (0.02, 0.02)),  # so little is left by what has seen the drive
+        ((0.015, float("nan")), (0.02, 0.02)),
+    ],
+)
+def test_a_floor_is_no_higher_than_what_a_record_shows_that_was_not_fitted(left, floor):
+    found = refuted(
+        {IDENTIFICATION: 0.02, VALIDATION: 0.02}, dict(zip((IDENTIFICATION, VALIDATION), left, strict=True))
+    )
+    expected = dict(zip((IDENTIFICATION, VALIDATION), floor, strict=True))
+    assert found == pytest.approx(expected)

@@ -13,13 +13,18 @@ from workbench.inverse.balances import required
 from workbench.inverse.dynamics import InverseDynamics
 from workbench.motion import MOTION_BAND, LowPass, motion
 from workbench.plant import Plant
-from workbench.record import ROLES, Record
+from workbench.record import ROLES, VALIDATION, Record
 
 ENCODERS = ("position", "load_position")
 COLOURED = 0.7  # n of a noise whose power goes with f^-n above the band, from which it is not white
 SEGMENT = 0.25  # s, in which the residual's steady part is looked for
 BANDS = 12  # of frequency, for it
 QUIET = (1.6, 0.42)  # band read for noise: from this times the evaluation bandwidth to this times the sampling rate
+
+# Share of a floor, that a model may leave of what it was not fitted to before the model is doubted instead of the floor. Of 144 campaigns of
+# nine authors two had right causes and left 0.83 and 0.65 of it; a prediction that saw the drive would leave next to nothing
+REFUTES = 0.5
+TOLD = 0.9  # of a floor, from which an error below it is no alarm
 
 
 def _quiet_spectrum(inverses: InverseDynamics) -> tuple[np.ndarray, np.ndarray] | None:
@@ -176,3 +181,17 @@ def floor(inverses: Sequence[InverseDynamics], level: Mapping[str, float]) -> di
                 power += float(np.sum(p.motion.filter(p.motion.u)[p.motion.keep] ** 2))
         result[role] = float(np.sqrt(noise / power)) if power > 0 else float("nan")
     return result
+
+
+def refuted(level: Mapping[str, float], left: Mapping[str, float]) -> dict[str, float]:
+    """Return role -> nrmse of a floor that is no higher than what a model leaves of the validation record, in both roles by the same share.
+
+    left: what it leaves, by role; of validation NaN where there is no such record. No model leaves less than noise of a record that it was
+    not fitted to, so that noise was read too high: a controller's answer to the counts of its encoder stands above the band like noise, and
+    moves the axis. What leaves less than REFUTES of a floor refutes itself. Within TOLD of what then is left of a role, that is its floor.
+    """
+    share = left[VALIDATION] / level[VALIDATION] if level[VALIDATION] > 0.0 else 1.0
+    if not REFUTES <= share < 1.0:
+        return dict(level)
+    lower = {role: x * share for role, x in level.items()}
+    return {role: min(x, max(left[role], TOLD * x)) for role, x in lower.items()}

@@ -24,6 +24,7 @@ from dataclasses import dataclass
 from math import isfinite
 
 from workbench.record import IDENTIFICATION, VALIDATION
+from workbench.residual.noise_floor import TOLD
 from workbench.tracing.criteria import Criteria
 from workbench.tracing.evidence import CORRECTION, Evidence, Weighed
 
@@ -229,5 +230,5 @@ def _alarms(evidence: Evidence, roles: tuple[str, ...]) -> tuple[str, ...]:
     kept = [a for a, r in zip(evidence.added, roles, strict=True) if r in (CAUSE, REFINEMENT)]
     if not kept:
         return ()
-    below = [r for r in (IDENTIFICATION, VALIDATION) if kept[-1].after[r] < 0.9 * evidence.floor[r]]
+    below = [r for r in (IDENTIFICATION, VALIDATION) if kept[-1].after[r] < TOLD * evidence.floor[r]]
     return ("below floor",) if below else ()

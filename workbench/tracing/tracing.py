@@ -12,7 +12,9 @@ from workbench.inverse.dynamics import InverseDynamics
 from workbench.keeping import kept
 from workbench.plant import Plant
 from workbench.processes import shared
+from workbench.record import ROLES
 from workbench.residual.noise_floor import floor as noise_floor
+from workbench.residual.noise_floor import refuted
 from workbench.threads import one_thread
 from workbench.tracing.budget import BUDGET, Budget
 from workbench.tracing.candidates import Offer
@@ -186,7 +188,7 @@ def _evidence_of(
     steady = {name: min(x, max(base.steady, 1e-300)) for name, x in confirmed.levels.items()}
     evidence = Evidence(
         declared={"identification": first.identification, "validation": first.validation},
-        floor=noise_floor(inverses, steady),
+        floor=refuted(noise_floor(inverses, steady), {r: getattr(confirmed.fits[-1], r) for r in ROLES}),
         before=told[0],
         after=told[-1],
         added=confirmed.weighed,
