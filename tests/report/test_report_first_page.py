@@ -20,8 +20,9 @@ from workbench.report.explained import explained
 from workbench.report.index import write_index
 from workbench.report.opening import records
 from workbench.report.required import in_words, judged
-from workbench.report.wording import bound, typeset
+from workbench.report.wording import bound, named, typeset
 from workbench.tracing.evidence import Evidence, Explainable
+from workbench.tracing.result import Cause
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -220,3 +221,11 @@ def test_figures_that_float_never_keep_a_report_from_being_written(tmp_path):
     ]  # fmt: skip
     write(replace(study(), chapters=(Chapter("Lists and graphs", tuple(blocks)),)), tmp_path)
     assert (tmp_path / "report.pdf").read_bytes().startswith(b"%PDF")
+
+
+def test_two_waves_of_one_cause_are_one_name_in_a_sentence():
+    found = [
+        Cause(name, "sensor.position", "", (), 0.5, 0.5) for name in ("encoder_eccentricity", "encoder_eccentricity")
+    ]
+    assert named(found) == "encoder eccentricity"
+    assert named([*found, Cause("cogging", "axis", "", (), 0.5, 0.5)]) == "encoder eccentricity and cogging"

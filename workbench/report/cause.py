@@ -18,7 +18,7 @@ from workbench.report.contents import (
     Table,
 )
 from workbench.report.model import parameters
-from workbench.report.wording import ALARMS, finding_items, listed
+from workbench.report.wording import ALARMS, finding_items, named
 from workbench.tracing.result import CAUSE, CandidateScore, Cause, physical_cause
 from workbench.tracing.smallest import Smallest
 
@@ -43,7 +43,7 @@ def cause(result: StudyResult) -> Chapter:
 def _how(result: StudyResult) -> str:
     """Say what a candidate must do."""
     criteria = result.trace.criteria
-    names = listed([c.title for c in result.trace.causes])
+    names = named(result.trace.causes)
     count = numbers.count(len(result.trace.ranked))
     return (
         f"Of {count} candidates {names or 'none'} earned a place in the model. Each was fitted together with the declared model: "

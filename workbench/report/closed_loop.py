@@ -8,7 +8,7 @@ from workbench.plant import TWO_MASS
 from workbench.report import numbers
 from workbench.report.contents import Callout, Chapter, Figure, Items, Paragraph, StudyResult, Table
 from workbench.report.drawing import AFTER, BEFORE, MUTED, STYLES, decades, envelope, svg
-from workbench.report.wording import listed, typeset
+from workbench.report.wording import listed, named, typeset
 from workbench.task.task import PHASES, Weights
 from workbench.tracing.result import Trace
 from workbench.verification.closed_loop import DECLARED, EXTENDED, ClosedLoop, Response
@@ -45,7 +45,7 @@ def closed_loop(found: Trace, closed: ClosedLoop) -> Chapter:
 
 
 def _causes(found: Trace) -> str:
-    return listed([c.title for c in found.causes])
+    return named(found.causes)
 
 
 def _seconds(value: float) -> str:

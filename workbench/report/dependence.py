@@ -8,7 +8,7 @@ from workbench.finding import capital
 from workbench.identification.result import Fit, Series
 from workbench.report import figures, numbers
 from workbench.report.contents import Figure, StudyResult
-from workbench.report.wording import listed
+from workbench.report.wording import named
 
 LEAST = 0.1  # share of the residual power from which a coordinate is said to explain it
 SHOWN = 2  # coordinates in the figure
@@ -49,7 +49,7 @@ def over_motion(result: StudyResult, before: Fit, after: Fit | None, names: Sequ
     if share < LEAST:
         heading = f"No one signal of the motion explains the residual: {numbers.percent(share)} at most"
     elif right is not None:
-        added = listed([c.title for c in result.trace.causes])
+        added = named(result.trace.causes)
         then = explained(values, right) * _ratio(right, left)
         heading += f"; with {added} added, {numbers.percent(then)} of it is left to explain"
     caption = (

@@ -8,7 +8,7 @@ from workbench.identification.wording import DISAGREE
 from workbench.plant import MASSES, Plant
 from workbench.report import numbers
 from workbench.report.contents import BAD, CODE, QUIET, Chapter, Heading, Marked, Paragraph, StudyResult, Table
-from workbench.report.wording import finding_items, listed
+from workbench.report.wording import finding_items, named
 
 Spread = Mapping[str, tuple[float, float]]
 
@@ -40,7 +40,7 @@ def extended(result: StudyResult) -> Chapter | None:
     trace = result.trace
     if not trace.causes:
         return None
-    names = listed([c.title for c in trace.causes])
+    names = named(trace.causes)
     text = (
         f"Once {names} {'is' if len(trace.causes) == 1 else 'are'} in the model, the other parameters move by what they had stood "
         "in for; all were fitted again together."

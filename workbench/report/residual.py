@@ -9,7 +9,7 @@ from workbench.record import VALIDATION
 from workbench.report import figures, numbers
 from workbench.report.contents import Chapter, Figure, Paragraph, StudyResult
 from workbench.report.dependence import keep, over_motion
-from workbench.report.wording import listed
+from workbench.report.wording import named
 
 REVERSALS = 4  # of the motion in the excerpt
 SHORTEST = 400  # samples of the excerpt
@@ -68,7 +68,7 @@ def _in_time(result: StudyResult, before: Fit, after: Fit | None, names: Sequenc
         heading = f"The declared model leaves {numbers.scaled(left, effort)} rms on the record {name}"
     else:
         factor, unit = numbers.prefixed(left, effort)
-        added = listed([c.title for c in result.trace.causes])
+        added = named(result.trace.causes)
         heading = (
             f"Residual falls from {numbers.number(left * factor)} to {numbers.number(_rms(better) * factor)} {unit} rms once "
             f"{added} {'is' if len(result.trace.causes) == 1 else 'are'} added"

@@ -6,6 +6,7 @@ from collections.abc import Iterable, Sequence
 from workbench.finding import BELOW_FLOOR, CARRIES_NOTHING, SOMETHING_ELSE, Finding, capital, title
 from workbench.report import numbers
 from workbench.report.contents import Items
+from workbench.tracing.result import Cause
 
 ALARMS = (BELOW_FLOOR, CARRIES_NOTHING, SOMETHING_ELSE)  # kinds of findings that the first page says
 
@@ -34,6 +35,11 @@ def typeset(text: str) -> str:
 def listed(texts: Sequence[str]) -> str:
     """Return "a, b and c"."""
     return " and ".join(p for p in (", ".join(texts[:-1]), *texts[-1:]) if p)
+
+
+def named(causes: Sequence[Cause]) -> str:
+    """Return "a, b and c" of causes' names; two waves of one cause are one name."""
+    return listed(list(dict.fromkeys(c.title for c in causes)))
 
 
 def span(low: float, high: float, unit: str) -> str:
