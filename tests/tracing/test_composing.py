@@ -73,6 +73,8 @@ def test_a_wave_that_stands_to_a_disc_as_two_to_one_is_the_disc_s_whichever_was_
     answer = of_one_disc(Answer(added, added[0].state))
     assert [j.candidate.name for j in answer.added] == [name, "encoder_eccentricity"]
     assert [j.candidate.effect for j in answer.added] == ["kinematic_error", "encoder_eccentricity"]
+    declared = of_one_disc(Answer(added[:1], added[0].state, state))  # the disc's first wave is no addition
+    assert [j.candidate.name for j in declared.added] == [name]
 
 
 def test_a_length_beside_ideal_coulomb_friction_is_presliding_and_no_near_law():

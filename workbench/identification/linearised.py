@@ -167,10 +167,9 @@ def _beside(plant: Plant, base: Plant) -> tuple[str, ...]:
     (new,) = more
     given = {(s, e.at) for e in (new, *gone) for s in e.provides}
     readers = [e for e in plant.effects if e is not new and any((s, e.at) in given for s in e.reads)]
-    linear = all(_linear(e) for e in (*gone, *readers))
-    return (
-        (new.key, *(e.key for e in readers)) if linear and all(e.port == FORCE for e in (new, *gone, *readers)) else ()
-    )
+    if any(e.port != FORCE for e in (new, *gone, *readers)) or not all(_linear(e) for e in (*gone, *readers)):
+        return ()
+    return tuple(e.key for e in (new, *readers))
 
 
 def _linear(effect: Effect) -> bool:

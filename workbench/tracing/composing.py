@@ -14,7 +14,6 @@ from workbench.tracing.candidates import ADDITION, AGAIN, Offer, without
 from workbench.tracing.criteria import Criteria
 from workbench.tracing.judge import ScoredCandidate, freedom, scored
 from workbench.tracing.ranking import MEETS
-from workbench.tracing.spellings import bearing
 from workbench.tracing.state import Refitted, State
 
 
@@ -35,17 +34,18 @@ def of_one_disc(answer: Answer) -> Answer:
     """Return the answer with the waves of a reading that stand to an eccentricity of its disc as 2 or 3 to 1 under that one's name: a magnet
     off its axis, or two windings, err twice a turn, too. Alone such a wave may be a gear's."""
     plant = answer.last.plant
-    discs = [j for j in answer.added if plant[j.candidate.key].harmonic]
+    discs = [e for e in plant.effects if e.harmonic]
 
     def named(j: ScoredCandidate) -> ScoredCandidate:
-        order = plant[j.candidate.key].parameters.get("order")
-        for disc in discs:
-            turns = plant[disc.candidate.key].parameters["turns"].value
-            if order is not None and j.candidate.at == disc.candidate.at and _harmonic(order.value, turns):
-                return bearing(disc, j)
-        return j
+        wave = plant[j.candidate.key]
+        if j.candidate.kind != ADDITION or "order" not in wave.parameters:
+            return j
+        order = wave.parameters["order"].value
+        own = (e for e in discs if e.at == wave.at and _harmonic(order, e.parameters[e.harmonic].value))
+        disc = next(own, None)
+        return replace(j, candidate=replace(j.candidate, part=disc.name)) if disc else j
 
-    return replace(answer, added=[named(j) if j.candidate.kind == ADDITION else j for j in answer.added])
+    return replace(answer, added=[named(j) for j in answer.added])
 
 
 def _harmonic(order: float, of: float) -> bool:

@@ -18,8 +18,8 @@ from workbench.tracing.pruning import pruned
 from workbench.tracing.ranking import absurd, step
 from workbench.tracing.state import State
 
-# what a free virgin curve may be: the memory of a catalogued law, or the stiffness that it stands beside
-MEMORIES, SPRING = {"presliding_hysteresis", "fading_memory"}, {"linear_stiffness"}
+# What a free virgin curve may be: the memory of a catalogued law or, as it is a spring far short of its slips, what a stiffness lacks
+OF_A_CURVE = {"presliding_hysteresis", "fading_memory", "linear_stiffness"}
 
 
 @dataclass(frozen=True, eq=False)
@@ -150,10 +150,8 @@ def _of_declared_laws(
             continue
         progress(f"asking what the virgin curve at the {law.declared.at} is")
         own = {k: e for k, e in offer.stands_for.items() if k == e.key}
-        offered = replace(offer, only=MEMORIES | SPRING, stands_for=own)
-        asked = step(plain, progress, offered, criteria)
-        # far short of its slips a curve is a spring, and so takes what a data sheet's stiffness lacks
-        judgements = [j for j in asked if j.candidate.kind == CORRECTION or j.candidate.effect not in SPRING]
+        offered = replace(offer, only=OF_A_CURVE, stands_for=own)
+        judgements = step(plain, progress, offered, criteria)
         looked.append(judgements)
         much = criteria.held * plain.errors.total  # beside the declared law: less may be friction smooth in speed
         here = [j for j in judgements if j.candidate.at == law.declared.at and j.refitted and not absurd(j, plain)]
