@@ -161,16 +161,21 @@ class Motion:
 
 
 def motion(record: Record, bandwidth: float) -> Motion:
-    """Return the motion of a record. bandwidth: evaluation bandwidth in Hz. Raises UnsoundRecord of a record too short for its filter."""
+    """Return the motion of a record; its first increment holds what was found before it. bandwidth: evaluation bandwidth in Hz.
+
+    Raises UnsoundRecord of a record too short for its filter.
+    """
     position = record.channels["position"]
     counts = record.resolution.get("position", 0.0)
     smooth = LowPass(MOTION_BAND * bandwidth, 1 / record.dt, position.size)
     q, v, a = smooth.derivatives(position, 3)
+    dq = increments(position, counts)
+    dq[0] += record.found or 0.0
     made = Motion(
         record=record,
         u=record.drive,
         q=q,
-        dq=increments(position, counts),
+        dq=dq,
         v=v,
         a=a,
         filter=LowPass(bandwidth, 1 / record.dt, position.size),

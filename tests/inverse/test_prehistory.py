@@ -61,7 +61,7 @@ def test_short_memory_is_searched_where_a_record_rests_before_its_first_move(h, 
     record = Record("held", "identification", t, still | {"torque": torque}, history=None)
     begun = prehistory.begun(short, inverse_dynamics([record], 20.0))
     assert (begun is None) == (found == 0.0)
-    assert begun is None or begun[0].motion.record.history < found * x0
+    assert begun is None or begun[0].motion.record.found < found * x0
     assert prehistory.begun(short, inverse_dynamics([replace(record, history=0.0)], 20.0)) is None
     given = short.swap(short["presliding_hysteresis@axis"](fixed=True))  # a bank of given lengths remembers as well
     assert (prehistory.begun(given, inverse_dynamics([record], 20.0)) is None) == (found == 0.0)

@@ -6,13 +6,17 @@ import pytest
 from workbench.definition import find
 from workbench.inverse.balances import predicted
 from workbench.inverse.dynamics import InverseDynamics, inverse_dynamics
-from workbench.inverse.prehistory import displaced
+from workbench.inverse.prehistory import begun_at, displaced
 from workbench.plant import ONE_MASS, Plant
 from workbench.record import Record
+from workbench.tracing.decimation import decimate
 from workbench.tracing.judge import STANDARD
 from workbench.tracing.preparing import prepared
+from workbench.tracing.starting import afresh
+from workbench.tracing.state import State
+from workbench.tracing.tracing import trace
 
-BAND, LENGTH, HEIGHT = 20.0, 1e-4, 5.0
+BAND, LENGTH, HEIGHT, WEIGHT = 20.0, 1e-4, 5.0, 8.0
 PLANT = Plant(ONE_MASS) + find("presliding_hysteresis")(h0=HEIGHT, x0=LENGTH) + find("viscous_friction")(viscous=1.0)
 
 
@@ -36,3 +40,51 @@ def test_a_search_sees_the_start_that_whole_records_show_and_believes_what_was_p
     first = [p.motion.dq[0] for p in (seen, seen.fine)]  # operators run at a rate of their own
     assert all((x < -LENGTH) == loaded for x in first) and seen.motion.u.size < records[0].motion.u.size
     assert found.inverses == records  # each fit of whole records finds its own start
+
+
+def hanging(name: str, role: str, h: float, w: float) -> Record:
+    """A record of PLANT under a weight that its friction holds in part as it begins; nothing is promised of its start."""
+    t = np.arange(5000) * 1e-3
+    moving = np.maximum(t - 0.5, 0.0)
+    still = {"position": 4e-3 * (1.0 - np.cos(w * moving)) * np.cos(0.3 * w * moving), "torque": np.zeros(t.size)}
+    motion = inverse_dynamics([Record(name, role, t, still)], BAND)[0].motion
+    hung = PLANT + find("constant_offset")(offset=WEIGHT)
+    drive = predicted(InverseDynamics(displaced(motion, h)), hung)
+    drive += 0.02 * np.random.default_rng(round(10 * w)).normal(size=t.size)
+    return Record(name, role, t, still | {"torque": drive}, history=None)
+
+
+@pytest.mark.parametrize("forgotten", ["presliding_hysteresis", "constant_offset"])
+def test_what_an_axis_lacks_that_hangs_on_its_friction_is_named_though_no_start_fits_before_it_is_there(forgotten):
+    records = [
+        hanging("down", "identification", -3e-4, 3.0),
+        hanging("up", "identification", 2e-4, 5.0),
+        hanging("moves", "validation", -1e-4, 4.0),
+    ]
+    declared = (PLANT + find("constant_offset")).without(f"{forgotten}@axis")
+    only = {
+        "presliding_hysteresis",
+        "fading_memory",
+        "constant_offset",
+        "sensor_trend",
+        "cable_spring",
+        "coulomb_friction",
+    }
+    found = trace(declared, inverse_dynamics(records, BAND), only=only)
+    assert [c.effect for c in found.causes] == [forgotten]
+    assert found.after.validation < 0.02
+
+
+def test_values_and_starts_that_hold_each_other_are_searched_afresh_from_those_that_were_declared():
+    """A memory as long as the stroke and starts far from relaxed made up for the weight before it was there."""
+    hung = PLANT + find("constant_offset")(offset=WEIGHT)
+    records = inverse_dynamics(
+        [hanging("down", "identification", -3e-4, 3.0), hanging("up", "identification", 2e-4, 5.0)], BAND
+    )
+    stuck = hung.with_values({"presliding_hysteresis@axis": {"x0": 0.5}})
+    held = State(stuck, decimate(begun_at(records, [0.3, 0.2])), solved=True)
+    found = afresh(held, hung, ())
+    assert found.errors.total < 0.01 * held.errors.total
+    assert max(abs(p.motion.record.found or 0.0) for p in found.inverses) < 1e-3
+    relaxed = State(stuck, decimate(records), solved=True)  # no start was found that could hold it
+    assert afresh(relaxed, hung, ()) is relaxed

@@ -98,7 +98,7 @@ def _side(plant: Plant, inverses: Sequence[InverseDynamics], theta: np.ndarray |
     """Return one side. theta: where the search of the shape parameters starts."""
     problem = Problem(plant, fitted_on(inverses))
     solution = solve(problem, theta)
-    found = problem.with_linear(problem.with_shape(solution.theta), solution.c)
+    found = problem.at(solution.theta, solution.c)
     names, covariance, _, _ = intervals.covariance(problem, solution)
     told = {(e.effect, e.at, e.parameter): e for e in intervals.estimates(found, names, covariance, 1.0)}
     values = np.array([found[n.key].parameters[n.parameter].value for n in names])

@@ -62,18 +62,28 @@ def end_of_search(
 
 
 def _begun(plant: Plant, inverses: Sequence[InverseDynamics], theta: np.ndarray | None, most: int):
-    """Return (problem, solution, inverses) with the starts of the records found beside the parameters, where they are open."""
-    problem, begun = Problem(plant, fitted_on(inverses)), inverses
+    """Return (problem, solution, inverses) with the starts of the records found beside the parameters, where they are open.
+
+    Those that were found before stay where others leave no less; of records that are not fitted, by what is found at last.
+    """
+    problem = Problem(plant, fitted_on(inverses))
     solution = solve(problem, theta, most=most)
     for _ in range(prehistory.ROUNDS):
-        found = prehistory.begun(problem.with_linear(problem.with_shape(solution.theta), solution.c), inverses)
+        found = prehistory.begun(problem.at(solution.theta, solution.c), problem.inverses)
         if found is None:
             break
-        before, begun, problem = solution.cost, found, Problem(plant, fitted_on(found))
-        solution = solve(problem, solution.theta, most=most)
-        if solution.cost > prehistory.SETTLED * before:
+        other = Problem(plant, found)
+        more = solve(other, solution.theta, most=most)
+        if more.cost >= solution.cost:
             break
-    return problem, solution, begun
+        settled = more.cost > prehistory.SETTLED * solution.cost
+        problem, solution = other, more
+        if settled:
+            break
+    others = [p for p in inverses if p.motion.record.role != IDENTIFICATION]
+    others = prehistory.begun(problem.at(solution.theta, solution.c), others) or others
+    known = {p.motion.record.name: p for p in (*problem.inverses, *others)}
+    return problem, solution, [known[p.motion.record.name] for p in inverses]
 
 
 def series_of(plant: Plant, inverse: InverseDynamics) -> tuple[Series, np.ndarray]:
@@ -103,7 +113,7 @@ def _of_a_curve(f: Finding, plant: Plant) -> bool:
 
 def seen(problem: Problem, solution: Solution, inverses: Sequence[InverseDynamics]) -> Fit:
     """Return the Fit of a solved problem."""
-    plant = problem.with_linear(problem.with_shape(solution.theta), solution.c)
+    plant = problem.at(solution.theta, solution.c)
     names, cov, t, condition = intervals.covariance(problem, solution)
     estimates = intervals.estimates(plant, names, cov, t)
     linear = [n for n in names if n in problem.free_linear]

@@ -127,6 +127,10 @@ class Problem:
             values.setdefault(n.key, {})[n.parameter] = float(np.clip(value, p.lower, p.upper))
         return plant.with_values(values)
 
+    def at(self, theta: np.ndarray, c: np.ndarray) -> Plant:
+        """Return the plant with all that is free set."""
+        return self.with_linear(self.with_shape(theta), c)
+
     def assemble(self, theta: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return (y (N,), Phi (N, m)): measured less fixed, and the columns of the free linear parameters, filtered."""
         plant = self.with_shape(theta)

@@ -29,10 +29,8 @@ def read_oftener(record: Record, times: int) -> Record:
 
 
 def moved_oftener(m: Motion, times: int) -> Motion:
-    """Return the same motion with its record read `times` as often; its first increment holds what went before."""
-    often = motion(read_oftener(m.record, times), m.filter.bandwidth)
-    before = m.record.history or 0.0
-    return replace(often, dq=np.concatenate([often.dq[:1] + before, often.dq[1:]])) if before else often
+    """Return the same motion with its record read `times` as often."""
+    return motion(read_oftener(m.record, times), m.filter.bandwidth)
 
 
 def to_rate_of(record: Record, fine: Record) -> Callable[[np.ndarray], np.ndarray]:

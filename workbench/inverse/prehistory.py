@@ -40,25 +40,39 @@ COARSE, FINE = 13, 7  # values of h tried over the span, and then about the best
 
 
 def begun(plant: Plant, inverses: Sequence[InverseDynamics]) -> tuple[InverseDynamics, ...] | None:
-    """Return the inverse dynamics with the displacement before each record that a fitted plant asks for, or None where no start is open."""
+    """Return the inverse dynamics with the displacement before each record that a fitted plant asks for, or None where no start is open,
+    or each is what was found before."""
     found = [_begun(plant, p) for p in inverses]
     if all(new is old for new, old in zip(found, inverses, strict=True)):
         return None
     return tuple(found)
 
 
+def begun_at(inverses: Sequence[InverseDynamics], starts: Sequence[float | None]) -> tuple[InverseDynamics, ...]:
+    """Return the inverse dynamics over records that were begun by these displacements (m or rad), None from relaxed friction; those
+    of which that was found before as they are."""
+    return tuple(_at(p, h) for p, h in zip(inverses, starts, strict=True))
+
+
+def _at(p: InverseDynamics, h: float | None) -> InverseDynamics:
+    """Return the inverse dynamics over a record that was begun by a displacement h, its operators at the rate at which they ran."""
+    if h == p.motion.record.found:
+        return p
+    if p.fine is None or p.times > 1:
+        return InverseDynamics(displaced(p.motion, h), counts=p.counts, times=p.times)
+    return InverseDynamics(displaced(p.motion, h), InverseDynamics(displaced(p.fine.motion, h)), p.coarse, p.counts)
+
+
 def _begun(plant: Plant, p: InverseDynamics) -> InverseDynamics:
     reach = _memory(plant)
-    m = p.motion
-    if m.record.history is not None or reach <= 0.0:
+    if p.motion.record.history is not None or reach <= 0.0:
         return p
-    relaxed = _residual(plant, p)
+    bare = _at(p, None)
+    m, relaxed = bare.motion, _residual(plant, bare)
     if reach < LONG * np.ptp(m.q[m.keep]) and _early(relaxed, m, reach) < EARLY:
-        return p
-    best, gained = _start(plant, _remembering(p, reach), reach)
-    if gained < (1.0 - WORTH) * float(relaxed @ relaxed):
-        return p
-    return InverseDynamics(displaced(m, best), counts=p.counts, times=p.times)
+        return bare
+    best, gained = _start(plant, _remembering(bare, reach), reach)
+    return bare if gained < (1.0 - WORTH) * float(relaxed @ relaxed) else _at(p, best)
 
 
 def _start(plant: Plant, p: InverseDynamics, reach: float) -> tuple[float, float]:
@@ -117,8 +131,8 @@ def _residual(plant: Plant, p: InverseDynamics) -> np.ndarray:
     return m.filter(m.u - predicted(p, plant))[m.keep]
 
 
-def displaced(motion: Motion, h: float) -> Motion:
-    """Return a motion whose record was begun by a displacement h (m or rad) from the relaxed state."""
+def displaced(motion: Motion, h: float | None) -> Motion:
+    """Return a motion whose record was begun by a displacement h (m or rad) from the relaxed state; None where that is not known."""
     dq = np.array(motion.dq)
-    dq[0] += h
-    return replace(motion, dq=dq, record=replace(motion.record, history=h))
+    dq[0] += (h or 0.0) - (motion.record.found or 0.0)
+    return replace(motion, dq=dq, record=replace(motion.record, found=h))

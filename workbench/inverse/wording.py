@@ -42,7 +42,7 @@ def zeros_apart(records: Sequence[Record], displacement: str) -> list[Finding]:
 
 def state_at_start(records: Sequence[Record], displacement: str) -> list[Finding]:
     """Say from what displacement each record was found to start."""
-    found = {r.name: r.history for r in sorted(records, key=lambda r: r.name) if r.history}
+    found = {r.name: r.found for r in sorted(records, key=lambda r: r.name) if r.found}
     if not found:
         return []
     sentence = (

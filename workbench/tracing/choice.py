@@ -57,7 +57,7 @@ class Choice:
         """Return what whole records bear out with another addition in the place of the first that is gone, and the fits: of the declared
         plant, and with one more of these each."""
         added = [k if a is gone[0] else a for a in self.confirmed.added if a not in gone[1:]]
-        return nested_fits(self.late, added, as_declared(k.state.plant, self.selected.laws))
+        return nested_fits(self.late, added, as_declared(k.state.plant, self.selected.laws), k.state.inverses)
 
     def taking(self, k: ScoredCandidate, kept: Sequence[ScoredCandidate], fits: Sequence[Fit]) -> "Choice":
         """Return the choice with the additions `kept`, of which `k` is new, weighed anew. fits: as `fitted_with` returns them."""

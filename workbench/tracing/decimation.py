@@ -16,8 +16,7 @@ from workbench.definition import FORCE
 from workbench.inverse.bodies import CHANNEL
 from workbench.inverse.dynamics import InverseDynamics
 from workbench.inverse.oftener import CUT, read_at, to_rate_of
-from workbench.inverse.prehistory import displaced
-from workbench.motion import LowPass, Motion, motion
+from workbench.motion import LowPass, motion
 from workbench.plant import Plant
 from workbench.record import Record
 
@@ -70,18 +69,12 @@ def thin_one(p: InverseDynamics, plant: Plant | None = None, least: float = LEAS
     if record is p.motion.record:
         return p if counts is None else InverseDynamics(p.motion, p.fine, p.coarse, counts, p.times)
     finer = p.fine if p.times > 1 else _finer(p, decimated(p.motion.record, band, max(FINE, least)))
-    return InverseDynamics(_moved(record, band), finer, to_rate_of(record, finer.motion.record), counts)
+    return InverseDynamics(motion(record, band), finer, to_rate_of(record, finer.motion.record), counts)
 
 
 def _finer(p: InverseDynamics, fine: Record) -> InverseDynamics:
     """Return the inverse dynamics over the record at the rate at which operators run."""
-    return p if fine is p.motion.record else InverseDynamics(_moved(fine, p.motion.filter.bandwidth))
-
-
-def _moved(record: Record, bandwidth: float) -> Motion:
-    """Return the motion of a record, begun as was found."""
-    m = motion(record, bandwidth)
-    return displaced(m, record.history) if record.history else m
+    return p if fine is p.motion.record else InverseDynamics(motion(fine, p.motion.filter.bandwidth))
 
 
 def dry(plant: Plant) -> list[str]:

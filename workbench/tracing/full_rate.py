@@ -2,13 +2,16 @@
 
 from collections.abc import Sequence
 
-from workbench.identification.fit import end_of_search, identify
+from workbench.identification.fit import end_of_search, fitted_on, identify
 from workbench.identification.result import Fit
+from workbench.inverse.dynamics import InverseDynamics
+from workbench.inverse.prehistory import begun_at
 from workbench.plant import TWO_MASS, Plant
 from workbench.processes import shared
 from workbench.tracing.candidates import brought
-from workbench.tracing.judge import FURTHER, ScoredCandidate
+from workbench.tracing.judge import ScoredCandidate
 from workbench.tracing.preparing import Declared
+from workbench.tracing.starting import FURTHER
 
 SETTLED = 1e-5  # relative decrease of the cost at which a fit on whole records is as good as it is compared
 # Of what two balances leave, by which it falls plainly; all additions together take that much more than those that stand alone. Of 232 axes
@@ -18,20 +21,22 @@ RISEN = 0.05  # relative rise of the drive's error from which it has plainly ris
 
 
 def nested_fits(
-    late: Declared, added: Sequence[ScoredCandidate], found: Plant
+    late: Declared, added: Sequence[ScoredCandidate], found: Plant, seen: Sequence[InverseDynamics]
 ) -> tuple[list[ScoredCandidate], list[Fit]]:
     """Return what whole records bear out of what was added, and the fits: of the declared plant, and with one more of these each.
 
-    found: the plant that the search ended with.
+    found: the plant that the search ended with. seen: the decimated records that it has seen last.
     The search looks at decimated records and compares commands; a fit of the drive itself has the last word. It starts from the
     values that the search ended with, because a declared model that lacks much is fitted to values far from the machine's;
     and from the fit before it where that comes to nothing.
     """
-    inverses, plants = late.inverses, [late.plant]
+    starts = {p.motion.record.name: p.motion.record.found for p in seen}
+    inverses = begun_at(late.inverses, [starts.get(p.motion.record.name) for p in late.inverses])
+    plants = [late.plant]
     for j in added:
         plants.append(valued(brought(plants[-1], j.candidate, found), found))
     # no search needs another one's result
-    ends = [None, *shared(lambda p: end_of_search(p, late.whole, SETTLED, FURTHER), plants[1:])]
+    ends = [None, *shared(lambda p: end_of_search(p, fitted_on(inverses), SETTLED, FURTHER), plants[1:])]
     fits = [late.fit]
     kept: list[ScoredCandidate] = []
     for i, j in enumerate(added):

@@ -9,6 +9,7 @@ from workbench.effects.free_bank import NAME as FREE_CURVE
 from workbench.identification.cross_validation import HeldOut, gain, held_out
 from workbench.identification.problem import Problem
 from workbench.identification.solve import NoValue
+from workbench.inverse.prehistory import begun_at
 from workbench.plant import Plant
 from workbench.tracing.budget import BUDGET, Budget
 from workbench.tracing.candidates import ADDITION, Candidate
@@ -16,14 +17,14 @@ from workbench.tracing.criteria import Criteria
 from workbench.tracing.result import CandidateScore
 from workbench.tracing.search import fitted, problem_with
 from workbench.tracing.smallest import Smallest, smallest
+from workbench.tracing.starting import at_own_starts, freely
 from workbench.tracing.state import Refitted, State
 from workbench.tracing.wording_search import gained, no_value
 
 LOST = 0.4  # of a first fit's gain, lost on held-out blocks, from which its folds are followed
-COMPARED = 1e-4  # relative decrease of the cost at which these fits are as good as they are compared
-FURTHER = 12  # steps of these fits: where more would be wanted, shape parameters are hard to tell apart
 
 Progress = Callable[[str], None]
+Starts = Sequence[float | None]  # of each record: displacement before it, m or rad, as `Record.found`
 STANDARD = Criteria()
 
 
@@ -75,14 +76,19 @@ def freedom(plant: Plant) -> int:
 
 def refitted(state: State, j: ScoredCandidate, criteria: Criteria) -> dict:
     """Fit a candidate with everything free: what changes of its judgement, as plain data; nothing where that has no value."""
+    plant = free_of(state, j).plant
     try:
-        after = State(
-            free_of(state, j).plant, state.inverses, j.theta, base=state.solution.cost, most=FURTHER, tolerance=COMPARED
-        )
+        after = at_own_starts(freely(plant, state.inverses, j.theta, state), state)
     except NoValue:
         return {}
     score = scored(state, j.candidate, after.errors, after.solution.cost, criteria)
-    return {"score": score, "errors": after.errors, "fit": (after.solution.theta, after.solution.c)}
+    starts = tuple(p.motion.record.found for p in after.inverses)
+    return {"score": score, "errors": after.errors, "fit": (after.solution.theta, after.solution.c, starts)}
+
+
+def refit_of(state: State, j: ScoredCandidate, theta: np.ndarray, c: np.ndarray, starts: Starts) -> Refitted:
+    """Return a candidate's fit with everything free, on the records as they begin with it."""
+    return Refitted(Problem(free_of(state, j).plant, begun_at(state.inverses, starts)), theta, c)
 
 
 def refitted_as(state: State, j: ScoredCandidate, criteria: Criteria) -> ScoredCandidate:
@@ -90,7 +96,7 @@ def refitted_as(state: State, j: ScoredCandidate, criteria: Criteria) -> ScoredC
     more = refitted(state, j, criteria)
     if not more:
         return j
-    fit = Refitted(free_of(state, j), *more.pop("fit"))
+    fit = refit_of(state, j, *more.pop("fit"))
     return replace(j, refitted=fit, state=fit.state, **more)
 
 

@@ -14,11 +14,11 @@ from workbench.processes import shared
 from workbench.tracing import foreseen
 from workbench.tracing.candidates import ADDITION, WHOLE, Offer
 from workbench.tracing.criteria import Criteria
-from workbench.tracing.judge import STANDARD, Progress, ScoredCandidate, free_of, judged, refitted, refitted_as
+from workbench.tracing.judge import STANDARD, Progress, ScoredCandidate, judged, refit_of, refitted, refitted_as
 from workbench.tracing.plausible import implausible, returns
 from workbench.tracing.reducing import reduced_to
 from workbench.tracing.slack import gap_first
-from workbench.tracing.state import Refitted, State
+from workbench.tracing.state import State
 
 BEHIND = 0.4  # of the best one's gain, below which a candidate is not
 # Orders of one mechanism are those of its shafts and teeth: two stand as small numbers. What lives in position without being
@@ -51,7 +51,7 @@ def step(
     for i, more in enumerate(shared(lambda j: refitted(state, j, criteria), leaders)):
         progress(f"fitting {leaders[i].candidate.key} with everything free")
         if more:
-            fit = Refitted(free_of(state, leaders[i]), *more.pop("fit"))
+            fit = refit_of(state, leaders[i], *more.pop("fit"))
             judgements[judgements.index(leaders[i])] = replace(leaders[i], refitted=fit, **more)
     judgements = gap_first(simplest_first(judgements, criteria, state), criteria, state)
     judgements = _plainest_first(judgements, criteria, state, offer)

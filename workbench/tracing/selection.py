@@ -16,6 +16,7 @@ from workbench.tracing.judge import Progress, ScoredCandidate
 from workbench.tracing.near_law import SEEN, Law, as_declared, count_at, freed, laws, lengthened
 from workbench.tracing.pruning import pruned
 from workbench.tracing.ranking import absurd, step
+from workbench.tracing.starting import afresh, at_own_starts
 from workbench.tracing.state import State
 
 # What a free virgin curve may be: the memory of a catalogued law or, as it is a spring far short of its slips, what a stiffness lacks
@@ -75,12 +76,14 @@ def select(
     longer = lengthened(known, base.plant, declared.inverses)
     if longer != known:
         known, base = longer, curved(declared, longer, criteria)
+    base = at_own_starts(base, base)  # as every candidate beside it, or the start would be what a candidate takes
 
     def freshly(state: State) -> State:
         """Return a state with the free curves that take what is of practical size beside what was added, found anew."""
         held = {e.key for e in state.plant.effects}
         here = tuple(law for law in known if {law.key, law.declared.key} & held)
-        return curved(state, here, criteria) if here else state
+        state = curved(state, here, criteria) if here else state
+        return afresh(at_own_starts(state, state), declared.problem.plant, known)
 
     offer = replace(offer, stands_for={**offer.stands_for, **{law.key: law.declared for law in known}})
 

@@ -52,7 +52,7 @@ def _candidate(basis: Basis, text: str) -> tuple[Plant, Effect, float]:
     beside, found = fitted(chosen, declared, solve(declared), _residuals(basis.fit, records))
     problem = beside.free
     solution = solve(problem, beside.free_start(found))
-    effect = problem.with_linear(problem.with_shape(solution.theta), solution.c)[chosen.key]
+    effect = problem.at(solution.theta, solution.c)[chosen.key]
     return plant, effect, float(np.sqrt(solution.cost / solution.y.size))
 
 

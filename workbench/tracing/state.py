@@ -41,7 +41,7 @@ class State:
         self.inverses = inverses
         self.problem = Problem(plant, inverses)
         self.solution = solve(self.problem, theta, tolerance, most=0 if solved else most)
-        self.plant = self.problem.with_linear(self.problem.with_shape(self.solution.theta), self.solution.c)
+        self.plant = self.problem.at(self.solution.theta, self.solution.c)
         self.errors: HeldOut = held_out(self.problem, self.solution, base)
 
     @cached_property
@@ -94,7 +94,7 @@ class Refitted:
     @property
     def plant(self) -> Plant:
         """The plant with the values that were found."""
-        return self.problem.with_linear(self.problem.with_shape(self.theta), self.c)
+        return self.problem.at(self.theta, self.c)
 
     @property
     def state(self) -> State:

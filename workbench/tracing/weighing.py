@@ -49,7 +49,7 @@ def confirm(
     levels: Mapping[str, float] | None = None,
 ) -> Confirmed:
     """Return what whole records bear out of additions, asked in this order, and weighed. levels: as found before."""
-    added, fits = nested_fits(late, order, selected.found)
+    added, fits = nested_fits(late, order, selected.found, selected.answer.last.inverses)
     found = weighed(selected, added, fits, late.inverses, criteria)
     return Confirmed(added, fits, noise_rms(late.inverses, fits[-1].plant) if levels is None else levels, found)
 
