@@ -17,6 +17,7 @@ from workbench.inverse.wording import idle
 from workbench.tracing.candidates import ADDITION, CORRECTION, candidates_of
 from workbench.tracing.decimation import decimate
 from workbench.tracing.skew import skew_of
+from workbench.tracing.tracing import trace
 
 KNOWN = {"inertia": True, "viscous": True}
 
@@ -100,6 +101,18 @@ def test_a_joint_without_stiffness_carries_nothing_and_a_sound_one_carries():
     assert found.kind == CARRIES_NOTHING and "no torque" in found.sentence
     loose = idle(inverses, sound.with_values({"linear_stiffness@joint": {"stiffness": 1e-3 * K}}))
     assert "of the load's balance" in loose.sentence and loose.evidence["error"] > 0.9
+
+
+def test_a_joint_of_which_no_law_is_declared_lacks_its_stiffness():
+    """Declared with damping alone it carries nothing, and what it carries is what is missing."""
+    moves = replace(joint(3, name="moves"), role="validation")
+    declared = jointed(**KNOWN).without("linear_stiffness@joint")
+    found = trace(
+        declared, inverse_dynamics([joint(1), joint(2), moves], BAND), only={"linear_stiffness", "clock_skew"}
+    )
+    assert [c.effect for c in found.causes] == ["linear_stiffness"]
+    stiffness = found.after.plant["linear_stiffness@joint"].parameters["stiffness"].value
+    assert stiffness == pytest.approx(K, rel=0.02)
 
 
 @pytest.mark.parametrize("name", ["kr300_axis1", "kr300_axis1_JmJl", "kr300_axis3", "kr300_axis3_JmJl"])

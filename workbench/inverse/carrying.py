@@ -10,6 +10,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from workbench.definition import FORCE, Effect
 from workbench.inverse.balances import balances
 from workbench.inverse.dynamics import InverseDynamics
 from workbench.motion import motion
@@ -48,13 +49,18 @@ def load_errors(inverses: Sequence[InverseDynamics], plant: Plant) -> dict[str, 
 def idle_error(inverses: Sequence[InverseDynamics], plant: Plant) -> float | None:
     """Return the error of the load's balance on the identification records where a fitted plant's joint carries nothing there.
 
-    None where it carries. Infinite where its law has no torque. Then no cause is to be named from its balances.
+    None where it carries, or where no law of its deflection is declared, which then is what it lacks. Infinite where its law has no
+    torque. Then no cause is to be named from its balances.
     """
     free = [p for p in inverses if p.motion.record.role == IDENTIFICATION and not p.motion.record.locked]
-    if plant.kind != TWO_MASS or not free or not any(e.at == "joint" for e in plant.effects):
+    if plant.kind != TWO_MASS or not free or not any(_of_deflection(e) for e in plant.effects):
         return None
     error = load_errors(free, plant).get(IDENTIFICATION, np.inf)
     return None if error < IDLE else error
+
+
+def _of_deflection(e: Effect) -> bool:
+    return e.at == "joint" and e.port == FORCE and bool({"q", "dq"} & set(e.reads))
 
 
 def wound_up(inverses: Sequence[InverseDynamics], plant: Plant) -> tuple[InverseDynamics, ...]:
