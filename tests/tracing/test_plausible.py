@@ -37,6 +37,15 @@ def test_a_share_may_be_all_or_none_and_a_length_or_a_wave_no_longer_than_the_tr
     assert (implausible(effect, plant, plant, inverse_dynamics([record], 60.0)) == "") is machine
 
 
+@pytest.mark.parametrize(("outside", "spring", "machine"), [(2.0, 0.0, True), (-2.0, 0.0, False), (-2.0, 3.0, True)])
+def test_what_pushes_an_axis_away_beyond_a_threshold_is_no_bumper(outside, spring, machine):
+    """Beside a flexure it may be one that softens."""
+    effect = find("piecewise_stiffness")(at="axis", k2=outside, threshold=0.05)
+    plant = Plant(ONE_MASS) + find("inertia") + find("linear_stiffness")(at="axis", stiffness=spring) + effect
+    record = Record("r", IDENTIFICATION, T, {"torque": np.sin(T), "position": 0.1 * np.sin(3.0 * T)})
+    assert (implausible(effect, plant, plant, inverse_dynamics([record], 60.0)) == "") is machine
+
+
 def test_a_memory_of_a_joint_that_is_longer_than_the_joint_deflects_is_a_spring():
     load = 0.1 * np.sin(3.0 * T)
     channels = {"torque": np.sin(T), "position": load + 5e-3 * np.sin(3.0 * T), "load_position": load}

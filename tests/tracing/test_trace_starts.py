@@ -203,11 +203,41 @@ def test_the_second_eccentricity_of_a_disc_is_its_second_harmonic():
     assert turns.value == 2.0 and turns.fixed
 
 
-@pytest.mark.parametrize("second", ["cubic_stiffness@axis", "piecewise_stiffness@axis"])
-def test_a_second_spring_to_ground_is_offered_beside_a_declared_one_alone(second):
+def test_what_bends_a_spring_to_ground_is_offered_beside_a_declared_one_and_a_bumper_without_any():
     bare = Plant(ONE_MASS, rotary=False) + find("inertia")
-    assert second not in offered(bare)
-    assert second in offered(bare + find("linear_stiffness")(at="axis"))
+    sprung = bare + find("linear_stiffness")(at="axis")
+    assert "cubic_stiffness@axis" in offered(sprung) and "cubic_stiffness@axis" not in offered(bare)
+    key = "piecewise_stiffness@axis"
+    assert not offered(sprung)[key][key].parameters["k1"].fixed
+    about_zero = offered(bare)[key][key].parameters["k1"]
+    assert about_zero.fixed and about_zero.value == 0.0
+    # one that is met at once is a spring, and gives way to it
+    assert [[c.yields for c in candidates_of(p) if c.key == key] for p in (bare, sprung)] == [[True], [False]]
+    assert not offered(Plant(TWO_MASS))["piecewise_stiffness@joint"]["piecewise_stiffness@joint"].parameters["k1"].fixed
+
+
+def test_a_slide_that_meets_a_bumper_at_both_ends_has_no_cable():
+    """Rubber beyond 60 mm of 80: 3000 N/m; nothing pulls in between, and no spring is declared."""
+    rng = np.random.default_rng(5)
+
+    def record(name: str, role: str, w: float) -> Record:
+        t = T[:3000]
+        q = 0.08 * np.sin(w * t) * np.cos(0.31 * w * t)
+        a = np.gradient(np.gradient(q, DT, edge_order=2), DT, edge_order=2)
+        bumper = 3000.0 * np.sign(q) * np.maximum(np.abs(q) - 0.06, 0.0)
+        drive = 8.0 * a + bumper + 0.3 * rng.standard_normal(t.size)
+        return Record(name, role, t, {"position": q, "force": drive}, {}, SOURCE, {"position": 1e-6})
+
+    plant = Plant(ONE_MASS, rotary=False) + find("inertia")(inertia=7.0)
+    records = [
+        record("slow", IDENTIFICATION, 3.0),
+        record("fast", IDENTIFICATION, 7.0),
+        record("moves", VALIDATION, 5.0),
+    ]
+    only = {"cable_spring", "cogging", "piecewise_stiffness", "slack_cable"}
+    found = trace(plant, inverse_dynamics(records, BAND), only=only)
+    assert found.verdict == "cause" and [c.effect for c in found.causes] == ["piecewise_stiffness"]
+    assert found.after.plant["piecewise_stiffness"].parameters["threshold"].value == pytest.approx(0.06, abs=1e-3)
 
 
 def test_a_flexure_that_meets_a_progressive_bumper_has_a_second_spring_and_no_cogging():

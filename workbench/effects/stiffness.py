@@ -59,7 +59,7 @@ def cubic_stiffness() -> Effect:
         holds=("conservative", "odd"),
         places=("axis", "joint"),
         signed_at={"k3": ("axis", "joint")},
-        beside={"axis": "linear_stiffness"},
+        beside={"axis": ("linear_stiffness", "")},
         at="joint",
     )
 
@@ -88,7 +88,7 @@ def power_law_stiffness() -> Effect:
         step=step,
         holds=("conservative", "odd"),
         places=("axis", "joint"),
-        beside={"axis": "linear_stiffness"},
+        beside={"axis": ("linear_stiffness", "")},
         at="joint",
         traced=False,
         nearest="cubic_stiffness",
@@ -100,7 +100,8 @@ def power_law_stiffness() -> Effect:
 def piecewise_stiffness() -> Effect:
     """T = k1 x inside |x| <= x_thr, and k1 x + k2 (x - x_thr sgn x) outside: there the slope is k1 + k2, not k2.
 
-    Of a joint in its deflection, of one mass beside a declared spring to ground: a flexure or a slide that meets a bumper or a stop.
+    Of a joint in its deflection; of one mass a bumper or a stop that is met on both sides, by a flexure (beside a declared spring to
+    ground) or by a slide (k1 = 0).
     """
 
     def step(s, z, p):
@@ -124,6 +125,6 @@ def piecewise_stiffness() -> Effect:
         step=step,
         holds=("conservative", "odd"),
         places=("axis", "joint"),
-        beside={"axis": "linear_stiffness"},
+        beside={"axis": ("linear_stiffness", "k1")},
         at="joint",
     )

@@ -4,7 +4,7 @@ from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 
-from workbench.definition import Effect, catalogue
+from workbench.definition import FORCE, Effect, catalogue
 from workbench.effects.families import family_of
 from workbench.effects.free_bank import NAME as FREE_CURVE
 from workbench.plant import Plant, places
@@ -12,6 +12,7 @@ from workbench.tracing.budget import BUDGET, Budget
 from workbench.tracing.data_sheet import from_data_sheet
 from workbench.tracing.discs import of_the_disc, on_the_motor
 from workbench.tracing.evidence import ADDITION, CORRECTION
+from workbench.tracing.offered_as import as_offered, bare
 
 __all__ = ["ADDITION", "CORRECTION"]
 # labels of a periodic effect's further orders; more of them would dress anything that lives in position
@@ -25,7 +26,7 @@ class Candidate:
     instead: keys of declared effects that an addition takes the place of. restored: keys of declared laws that it brings back in the
     place of their free virgin curve. stands: name of the nearest formula, of a free form. part: name that it bears else: of a
     composite of which the rest is declared, the part that is missing; of another law of a class, that class' traced effect. yields: whether
-    it leads only where no other of its class explains as much, simpler or not: a motor's encoder and its gear err alike once a turn.
+    it leads only where no other of its class explains as much, simpler or not: a motor's encoder and its gear err alike once a turn, a bumper that is met at once is a spring.
     """
 
     effect: str
@@ -72,7 +73,6 @@ class Offer:
         return [s for s in found if self.only is None or {s.effect, s.effect.partition(" ")[0]} & set(self.only)]
 
 
-ZERO = "zero"  # parameter of a map of the angle between two encoders
 WHOLE = Offer()  # all of the catalogue, and nothing else
 
 
@@ -82,7 +82,8 @@ def candidates_of(
     declared: Collection[str] = (),
     stands_for: Mapping[str, Effect] = MappingProxyType({}),
 ) -> list[Candidate]:
-    """Return every candidate, in the order of their names (the result does not depend on the order of declaration).
+    """Return every candidate: maps, which take longest to judge, ahead of forces, each in the order of their names, whatever the order of
+    declaration.
 
     own: effects that are offered beside those of the catalogue, and judged as they are: one that the catalogue has and does
     not trace, or one with a parameter that the rig makes known (a ripple once a motor revolution).
@@ -97,7 +98,7 @@ def candidates_of(
                 if (there := on_the_motor(effect, place, plant)) is not None:
                     found += [replace(c, yields=True) for c in _additions(there, place, plant, stands_for)]
     found += _corrections(plant, declared, stands_for)
-    return sorted(found, key=lambda s: (s.effect, s.at, s.kind, not s.instead))
+    return sorted(found, key=lambda s: (s.plant[s.key].port == FORCE, s.effect, s.at, s.kind, not s.instead))
 
 
 def _additions(effect: Effect, place: str, plant: Plant, stands_for: Mapping[str, Effect]) -> list[Candidate]:
@@ -113,7 +114,8 @@ def _additions(effect: Effect, place: str, plant: Plant, stands_for: Mapping[str
         another = next((o for o in (_again(effect, place, n) for n in AGAIN) if o.key not in known), another)
     if another.key in known:
         return []
-    another = _sharing_zero(another, plant)
+    if (another := as_offered(another, plant)) is None:
+        return []
     same = needless(another, plant)
     rest = plant
     for key in same:
@@ -125,7 +127,8 @@ def _additions(effect: Effect, place: str, plant: Plant, stands_for: Mapping[str
             rest = rest + stands_for[key]
     called = (another.nearest or of_the_disc(another, place, plant)) if another.traced else ""
     part = called or _missing_part(another, [stands_for.get(key) or plant[key] for key in same])
-    found = [Candidate(another.named, place, ADDITION, rest + another, instead, restored=restored, part=part)]
+    alone = bare(another)
+    found = [Candidate(another.named, place, ADDITION, rest + another, instead, "", restored, part, yields=alone)]
     if same and FREE_CURVE not in {k.partition("@")[0] for k in same}:
         # the same beside what it may take the place of: two contacts
         found.append(Candidate(another.named, place, ADDITION, plant + another))
@@ -175,13 +178,6 @@ def _missing_part(effect: Effect, replaced: Collection[Effect]) -> str:
     return left[0].name if replaced and len(left) == 1 else ""
 
 
-def _sharing_zero(effect: Effect, plant: Plant) -> Effect:
-    """Return an effect with its zero held where another's is free: two encoders have one zero, and a second would be the same column."""
-    zero = effect.parameters.get(ZERO)
-    shared = zero is not None and any(ZERO in e.parameters and not e.parameters[ZERO].fixed for e in plant.effects)
-    return replace(effect, parameters={**effect.parameters, ZERO: replace(zero, fixed=True)}) if shared else effect
-
-
 def _again(effect: Effect, place: str, label: str) -> Effect:
     """Return an effect of another label, of harmonics the one of that number."""
     if not effect.harmonic:
@@ -198,11 +194,9 @@ def _offered(effect: Effect, place: str, plant: Plant) -> bool:
     """Whether an effect is a candidate at a place: not a second source of the direction of motion there.
 
     Two effects that provide `dir` are two descriptions of one contact; and the second would change what others read. In place
-    of a free virgin curve one may be offered, unless it is a formula for such a curve. What bends another law is offered beside it alone,
-    and no composite beside a part of it, which would be there twice.
+    of a free virgin curve one may be offered, unless it is a formula for such a curve; and no composite beside a part of it, which would
+    be there twice.
     """
-    if place in effect.beside and f"{effect.beside[place]}@{place}" not in {e.key for e in plant.effects}:
-        return False
     here = {e.name for e in plant.effects if e.at == place}
     if any(n in here and "dir" not in catalogue()[n].provides for n in effect.parts):
         return False

@@ -63,6 +63,8 @@ def implausible(effect: Effect, plant: Plant, declared: Plant, inverses: Sequenc
             return f"the travel holds fewer than {RETURNS:g} of its periods, and does not show it to return"
     if effect.name == "cable_spring" and (far := _far(effect, inverses)) > FAR:
         return f"its force hardly changes along the travel: it is relaxed {far:.0f} travels away"
+    if effect.name == "piecewise_stiffness" and _outer(effect, plant) < 0.0:
+        return "beyond its threshold it would drive the axis away instead of holding it"
     if effect.at.startswith("sensor.") and "rate" in effect.parameters and (share := _drift(effect, inverses)) > DRIFTS:
         return f"with it the reading would drift by {100 * share:.0f} % of the travel within a record"
     known = {e.key: e for e in declared.effects}
@@ -79,6 +81,12 @@ def _reach(place: str, plant: Plant, inverses: Sequence[InverseDynamics]) -> flo
     if place == "joint":
         return max(float(np.ptp(p.bodies.body(plant, "joint")[1][POSITION])) for p in inverses)
     return max(float(np.ptp(p.motion.q)) for p in inverses)
+
+
+def _outer(bent: Effect, plant: Plant) -> float:
+    """Return the stiffness beyond a threshold of all springs at its place, straight ones and this."""
+    straight = (e.parameters["stiffness"].value for e in plant.effects if e.at == bent.at and "stiffness" in e.linear)
+    return bent.parameters["k1"].value + bent.parameters["k2"].value + sum(straight)
 
 
 def returns(wave: Effect, inverses: Sequence[InverseDynamics], periods: float = RETURNS) -> bool:

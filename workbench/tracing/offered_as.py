@@ -1,0 +1,30 @@
+"""An effect as it is offered beside what is declared: without what something else says, or would say alone."""
+
+from dataclasses import replace
+
+from workbench.definition import Effect
+from workbench.plant import Plant
+
+ZERO = "zero"  # parameter of a map of the angle between two encoders, which have one zero: a second would be the same column
+CURVE = "force_over_position"  # free form of the springs to ground, which has a bumper's place, too
+
+
+def as_offered(effect: Effect, plant: Plant) -> Effect | None:
+    """Return an effect with the parameters held that another one has, or that it has beside another one alone; None where that is all of it."""
+    if ZERO in effect.parameters and any(ZERO in e.parameters and not e.parameters[ZERO].fixed for e in plant.effects):
+        effect = _held(effect, ZERO)
+    other, name = effect.beside.get(effect.at, ("", ""))
+    here = {e.name for e in plant.effects if e.at == effect.at}
+    if not other or other in here:
+        return effect
+    return _held(effect, name) if name and CURVE not in here else None
+
+
+def bare(effect: Effect) -> bool:
+    """Whether it is offered without what it bends, which is not declared: a bumper is one thing, and no curve is named after it."""
+    name = effect.beside.get(effect.at, ("", ""))[1]
+    return bool(name) and effect.parameters[name].fixed
+
+
+def _held(effect: Effect, name: str) -> Effect:
+    return replace(effect, parameters={**effect.parameters, name: replace(effect.parameters[name], fixed=True)})
