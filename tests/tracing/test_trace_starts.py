@@ -16,6 +16,7 @@ from workbench.record import IDENTIFICATION, VALIDATION, Record, Source
 from workbench.tracing import search
 from workbench.tracing.budget import BUDGET, Budget
 from workbench.tracing.candidates import candidates_of
+from workbench.tracing.judge import ahead
 from workbench.tracing.search import within_reach
 from workbench.tracing.starts import lateness, resolved, starts, strokes
 from workbench.tracing.tracing import trace
@@ -214,6 +215,13 @@ def test_what_bends_a_spring_to_ground_is_offered_beside_a_declared_one_and_a_bu
     # one that is met at once is a spring, and gives way to it
     assert [[c.yields for c in candidates_of(p) if c.key == key] for p in (bare, sprung)] == [[True], [False]]
     assert not offered(Plant(TWO_MASS))["piecewise_stiffness@joint"]["piecewise_stiffness@joint"].parameters["k1"].fixed
+
+
+def test_a_bumper_takes_no_place_among_the_candidates_that_are_fitted_with_everything_free():
+    by = {c.key: c for c in candidates_of(Plant(ONE_MASS, rotary=False) + find("inertia"))}
+    keys = ("cogging@axis", "piecewise_stiffness@axis", "cable_spring@axis", "creep@axis")
+    order = [SimpleNamespace(candidate=by[key]) for key in keys]
+    assert [ahead(order, n) for n in (1, 2, 9)] == [order[:1], order[:3], order]
 
 
 def test_a_slide_that_meets_a_bumper_at_both_ends_has_no_cable():

@@ -112,7 +112,12 @@ def halves(record: Record) -> tuple[Record, Record]:
     def part(name: str, which: slice, history: float | None) -> Record:
         channels = {n: x[which] for n, x in record.channels.items()}
         return replace(
-            record, name=f"{record.name}, {name}", time=record.time[which], channels=channels, history=history
+            record,
+            name=f"{record.name}, {name}",
+            time=record.time[which],
+            channels=channels,
+            history=history,
+            found=None,
         )
 
     return part("first half", slice(middle), record.history), part("second half", slice(middle, None), None)

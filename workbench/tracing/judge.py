@@ -14,6 +14,7 @@ from workbench.plant import Plant
 from workbench.tracing.budget import BUDGET, Budget
 from workbench.tracing.candidates import ADDITION, Candidate
 from workbench.tracing.criteria import Criteria
+from workbench.tracing.offered_as import bare
 from workbench.tracing.result import CandidateScore
 from workbench.tracing.search import fitted, problem_with
 from workbench.tracing.smallest import Smallest, smallest
@@ -76,7 +77,7 @@ def freedom(plant: Plant) -> int:
 
 def refitted(state: State, j: ScoredCandidate, criteria: Criteria) -> dict:
     """Fit a candidate with everything free: what changes of its judgement, as plain data; nothing where that has no value."""
-    plant = free_of(state, j).plant
+    plant = _free_of(state, j).plant
     try:
         after = at_own_starts(freely(plant, state.inverses, j.theta, state), state)
     except NoValue:
@@ -88,7 +89,7 @@ def refitted(state: State, j: ScoredCandidate, criteria: Criteria) -> dict:
 
 def refit_of(state: State, j: ScoredCandidate, theta: np.ndarray, c: np.ndarray, starts: Starts) -> Refitted:
     """Return a candidate's fit with everything free, on the records as they begin with it."""
-    return Refitted(Problem(free_of(state, j).plant, begun_at(state.inverses, starts)), theta, c)
+    return Refitted(Problem(_free_of(state, j).plant, begun_at(state.inverses, starts)), theta, c)
 
 
 def refitted_as(state: State, j: ScoredCandidate, criteria: Criteria) -> ScoredCandidate:
@@ -100,7 +101,7 @@ def refitted_as(state: State, j: ScoredCandidate, criteria: Criteria) -> ScoredC
     return replace(j, refitted=fit, state=fit.state, **more)
 
 
-def free_of(state: State, j: ScoredCandidate) -> Problem:
+def _free_of(state: State, j: ScoredCandidate) -> Problem:
     """Return the problem of a candidate beside the present model with everything free."""
     return problem_with(j.candidate, state.problem, state.solution).free
 
@@ -120,6 +121,13 @@ def still_earns(present: ScoredCandidate, reduced: State, last: State, criteria:
     """Whether an addition earns its place by the state that has it. Asked again without it, its fit may begin where the others made up for
     it (a wave in an angle with a zero of its own), and come to nothing."""
     return scored(reduced, present.candidate, last.errors, last.solution.cost, criteria).earns
+
+
+def ahead(judgements: Sequence[ScoredCandidate], count: int) -> Sequence[ScoredCandidate]:
+    """Return the first of these judgements among which `count` are of laws that are offered whole: a bumper of which no spring is declared is
+    asked beside them and takes no other's place, or what explains as much and is simpler would not be asked."""
+    whole = [i for i, j in enumerate(judgements) if not bare(j.candidate.plant[j.candidate.key])][:count]
+    return judgements[: whole[-1] + 1 if len(whole) == count else len(judgements)]
 
 
 def lighter(judgements: Sequence[ScoredCandidate], chosen: ScoredCandidate | None) -> list[ScoredCandidate]:

@@ -14,7 +14,7 @@ from workbench.processes import shared
 from workbench.tracing import foreseen
 from workbench.tracing.candidates import ADDITION, WHOLE, Offer
 from workbench.tracing.criteria import Criteria
-from workbench.tracing.judge import STANDARD, Progress, ScoredCandidate, judged, refit_of, refitted, refitted_as
+from workbench.tracing.judge import STANDARD, Progress, ScoredCandidate, ahead, judged, refit_of, refitted, refitted_as
 from workbench.tracing.plausible import implausible, returns
 from workbench.tracing.reducing import reduced_to
 from workbench.tracing.slack import gap_first
@@ -47,7 +47,7 @@ def step(
         judgements.append(ScoredCandidate(candidate, **found))
     judgements = _by_gain(judgements)
     least = max(criteria.share / 2, BEHIND * judgements[0].score.gain) if judgements else 0.0
-    leaders = [j for j in judgements[: offer.budget.leading] if j.score.gain > least and j.theta is not None]
+    leaders = [j for j in ahead(judgements, offer.budget.leading) if j.score.gain > least and j.theta is not None]
     for i, more in enumerate(shared(lambda j: refitted(state, j, criteria), leaders)):
         progress(f"fitting {leaders[i].candidate.key} with everything free")
         if more:
