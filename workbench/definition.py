@@ -47,8 +47,8 @@ class Effect:
     """See the module. motions: kinds of axis on which it exists. `linear` parameters enter the output linearly and no state. traced:
     offered as what a model may lack (False: another spelling of an effect that is, or one that a study has to offer). stated: places at
     which it is declared and not offered, because another effect is traced there that says the same. beside: place -> (effect, parameter):
-    where that effect is not declared there, this one is offered with the parameter held at its value, and not at all if that is "". free_at: parameter -> places at which it may be free; elsewhere it is held, because it changes
-    nothing there. signed_at: parameter -> places at which it may be negative; elsewhere it may not. harmonic: parameter of which a
+    where that effect is not declared there, this one is offered with the parameter held at its value, not at all if that is "". free_at:
+    parameter -> places at which it may be free; elsewhere it is held, because it changes nothing there. signed_at: parameter -> places at which it may be negative; elsewhere it may not. harmonic: parameter of which a
     second effect of this name at its place has twice the value. rare: where it explains no more than another effect as simple, a trace names the other one. label: tells effects of one name at one place apart, as two
     resonances. An effect that can be at a joint and at a sensor is the same map of both, and takes its port from `at`.
     family: class of causes, of which the law is a second question (docs/architecture/ has the list). reduces: parameter ->

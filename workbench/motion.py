@@ -161,7 +161,7 @@ class Motion:
 
 
 def motion(record: Record, bandwidth: float) -> Motion:
-    """Return the motion of a record; its first increment holds what was found before it. bandwidth: evaluation bandwidth in Hz.
+    """Return the motion of a record; its first increment holds what lay before it. bandwidth: evaluation bandwidth in Hz.
 
     Raises UnsoundRecord of a record too short for its filter.
     """
@@ -170,7 +170,7 @@ def motion(record: Record, bandwidth: float) -> Motion:
     smooth = LowPass(MOTION_BAND * bandwidth, 1 / record.dt, position.size)
     q, v, a = smooth.derivatives(position, 3)
     dq = increments(position, counts)
-    dq[0] += record.found or 0.0
+    dq[0] += (record.history or 0.0) + (record.found or 0.0)
     made = Motion(
         record=record,
         u=record.drive,

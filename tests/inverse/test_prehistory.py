@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from workbench.definition import find
-from workbench.identification.fit import identify
+from workbench.identification.fit import identify, with_fitted
 from workbench.inverse import prehistory
 from workbench.inverse.balances import predicted
 from workbench.inverse.dynamics import InverseDynamics, inverse_dynamics
@@ -71,3 +71,17 @@ def test_each_record_has_a_start_of_its_own():
     records = [begun_by(-2.5e-3, None, "a"), replace(begun_by(2.5e-3, None, "b"), role="validation")]
     fit = identify(plant(), inverse_dynamics(records, 20.0))
     assert fit.identification < 0.02 and fit.validation < 0.05
+
+
+def test_a_stated_displacement_is_the_motions_first_increment_as_a_found_one_is():
+    relaxed, stated = (inverse_dynamics([begun_by(0.0, h)], 20.0)[0].motion for h in (0.0, 1e-3))
+    found = prehistory.displaced(relaxed, 1e-3)
+    assert stated.dq[0] == found.dq[0] == relaxed.dq[0] + 1e-3
+    assert prehistory.displaced(found, None).dq[0] == relaxed.dq[0]
+
+
+def test_fitted_records_are_replaced_by_their_role_and_not_by_their_name():
+    both = [begun_by(0.0, None, "a"), replace(begun_by(0.0, None, "a"), role="validation")]
+    inverses = inverse_dynamics(both, 20.0)
+    other = prehistory.begun_at(inverses[:1], [1e-3])
+    assert with_fitted(inverses, other) == [other[0], inverses[1]]

@@ -66,24 +66,27 @@ def _begun(plant: Plant, inverses: Sequence[InverseDynamics], theta: np.ndarray 
 
     Those that were found before stay where others leave no less; of records that are not fitted, by what is found at last.
     """
-    problem = Problem(plant, fitted_on(inverses))
-    solution = solve(problem, theta, most=most)
-    for _ in range(prehistory.ROUNDS):
+
+    def on(records: Sequence[InverseDynamics], theta: np.ndarray | None) -> tuple[Problem, Solution]:
+        problem = Problem(plant, records)
+        return problem, solve(problem, theta, most=most)
+
+    def again(fit: tuple[Problem, Solution]) -> tuple[Problem, Solution] | None:
+        problem, solution = fit
         found = prehistory.begun(problem.at(solution.theta, solution.c), problem.inverses)
-        if found is None:
-            break
-        other = Problem(plant, found)
-        more = solve(other, solution.theta, most=most)
-        if more.cost >= solution.cost:
-            break
-        settled = more.cost > prehistory.SETTLED * solution.cost
-        problem, solution = other, more
-        if settled:
-            break
+        return None if found is None else on(found, solution.theta)
+
+    problem, solution = prehistory.by_turns(on(fitted_on(inverses), theta), again, lambda fit: fit[1].cost)
     others = [p for p in inverses if p.motion.record.role != IDENTIFICATION]
-    others = prehistory.begun(problem.at(solution.theta, solution.c), others) or others
-    known = {p.motion.record.name: p for p in (*problem.inverses, *others)}
-    return problem, solution, [known[p.motion.record.name] for p in inverses]
+    seen = prehistory.begun(problem.at(solution.theta, solution.c), others) or others
+    known = dict(zip(map(id, others), seen, strict=True))
+    return problem, solution, with_fitted([known.get(id(p), p) for p in inverses], problem.inverses)
+
+
+def with_fitted(inverses: Sequence[InverseDynamics], found: Sequence[InverseDynamics]) -> list[InverseDynamics]:
+    """Return `inverses` with others for their identification records. found: in the order of `fitted_on`."""
+    known = dict(zip(map(id, fitted_on(inverses)), found, strict=True))
+    return [known.get(id(p), p) for p in inverses]
 
 
 def series_of(plant: Plant, inverse: InverseDynamics) -> tuple[Series, np.ndarray]:

@@ -10,8 +10,9 @@ a record begins at rest or about a turn, and what it held there is a good part o
 h is no parameter of the axis: it is found for validation records, too, as the zeros of two encoders are.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
+from typing import TypeVar
 
 import numpy as np
 
@@ -19,6 +20,8 @@ from workbench.inverse.balances import predicted
 from workbench.inverse.dynamics import InverseDynamics
 from workbench.motion import Motion, motion
 from workbench.plant import Plant
+
+Made = TypeVar("Made")
 
 # Memory over a record's travel from which its start is searched. Presliding of bearings is below 1e-3: the first move erases
 # it. Halved or doubled, no campaign here changes; a gap of a tenth of the travel leaves a third of a record in doubt.
@@ -46,6 +49,22 @@ def begun(plant: Plant, inverses: Sequence[InverseDynamics]) -> tuple[InverseDyn
     if all(new is old for new, old in zip(found, inverses, strict=True)):
         return None
     return tuple(found)
+
+
+def by_turns(fit: Made, again: Callable[[Made], Made | None], cost: Callable[[Made], float]) -> Made:
+    """Return a fit of which starts and parameters were found by turns, as long as it then costs less.
+
+    again(fit): fitted on the records as they begin with `fit`; None where no start changes.
+    """
+    for _ in range(ROUNDS):
+        more = again(fit)
+        if more is None or cost(more) >= cost(fit):
+            break
+        settled = cost(more) > SETTLED * cost(fit)
+        fit = more
+        if settled:
+            break
+    return fit
 
 
 def begun_at(inverses: Sequence[InverseDynamics], starts: Sequence[float | None]) -> tuple[InverseDynamics, ...]:

@@ -26,7 +26,8 @@ class Candidate:
     instead: keys of declared effects that an addition takes the place of. restored: keys of declared laws that it brings back in the
     place of their free virgin curve. stands: name of the nearest formula, of a free form. part: name that it bears else: of a
     composite of which the rest is declared, the part that is missing; of another law of a class, that class' traced effect. yields: whether
-    it leads only where no other of its class explains as much, simpler or not: a motor's encoder and its gear err alike once a turn, a bumper that is met at once is a spring.
+    it leads only where no other of its class explains as much, simpler or not: a motor's encoder and its gear err alike once a turn, a
+    bumper that is met at once is a spring.
     """
 
     effect: str
@@ -47,6 +48,11 @@ class Candidate:
     @property
     def key(self) -> str:
         return f"{self.effect}@{self.at}"
+
+    @property
+    def bare(self) -> bool:
+        """Whether it is offered without what it bends, which is not declared: a bumper is one thing, and no curve is named after it."""
+        return bare(self.plant[self.key])
 
     @property
     def family(self) -> str:
@@ -127,8 +133,9 @@ def _additions(effect: Effect, place: str, plant: Plant, stands_for: Mapping[str
             rest = rest + stands_for[key]
     called = (another.nearest or of_the_disc(another, place, plant)) if another.traced else ""
     part = called or _missing_part(another, [stands_for.get(key) or plant[key] for key in same])
-    alone = bare(another)
-    found = [Candidate(another.named, place, ADDITION, rest + another, instead, "", restored, part, yields=alone)]
+    found = [
+        Candidate(another.named, place, ADDITION, rest + another, instead, "", restored, part, yields=bare(another))
+    ]
     if same and FREE_CURVE not in {k.partition("@")[0] for k in same}:
         # the same beside what it may take the place of: two contacts
         found.append(Candidate(another.named, place, ADDITION, plant + another))

@@ -18,7 +18,6 @@ from workbench.tracing.candidates import ADDITION, AGAIN, WHOLE, Candidate, Offe
 from workbench.tracing.criteria import Criteria
 from workbench.tracing.free_forms import MEMORY, free_forms
 from workbench.tracing.judge import ScoredCandidate, judged, refitted_as
-from workbench.tracing.offered_as import bare
 from workbench.tracing.plausible import BESIDE, RETURNS
 from workbench.tracing.reducing import reduced_to
 from workbench.tracing.spellings import better_spelled, commoner, hardly_returns, no_wave, spelled, spellings_in
@@ -81,7 +80,7 @@ def _freed(
 ) -> ScoredCandidate | None:
     """Return the free-form law that is added in the place of `best`, None where `best` says it as well. Arguments as of `free_law`."""
     formulas = [
-        j for j in judgements if j.candidate.kind == ADDITION and j.score.gain > criteria.share and not _bare(j)
+        j for j in judgements if j.candidate.kind == ADDITION and j.score.gain > criteria.share and not j.candidate.bare
     ]
     asked: dict[tuple[str, str], ScoredCandidate] = {}
     for j in formulas:
@@ -108,10 +107,6 @@ def _freed(
     fitted = refitted_as(state, free, criteria)
     name = reduced_to(fitted, state, criteria) or nearest.candidate.effect
     return replace(fitted, candidate=replace(fitted.candidate, stands=name))
-
-
-def _bare(j: ScoredCandidate) -> bool:
-    return bare(j.candidate.plant[j.candidate.key])
 
 
 def _curve_of(
@@ -149,7 +144,7 @@ def steadier(
     as their `nearest`) are judged, and the free form of its class; a spelling that takes `near` of what the free form takes comes first. A
     free form bears the leading law's name where a formula takes `resembles` of what it takes, else there is none.
     """
-    first = next((j for j in judgements if not _bare(j)), None)
+    first = next((j for j in judgements if not j.candidate.bare), None)
     if first is None or first.score.earns or first.candidate.kind != ADDITION or first.score.gain <= criteria.plain:
         return None
     family, at, name = first.candidate.family, first.candidate.at, first.candidate.name

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 
-from workbench.identification.fit import end_of_search, fitted_on, identify
+from workbench.identification.fit import end_of_search, fitted_on, identify, with_fitted
 from workbench.identification.result import Fit
 from workbench.inverse.dynamics import InverseDynamics
 from workbench.inverse.prehistory import begun_at
@@ -25,18 +25,17 @@ def nested_fits(
 ) -> tuple[list[ScoredCandidate], list[Fit]]:
     """Return what whole records bear out of what was added, and the fits: of the declared plant, and with one more of these each.
 
-    found: the plant that the search ended with. seen: the decimated records that it has seen last.
+    found: the plant that the search ended with. seen: the decimated records that it has seen last, by name.
     The search looks at decimated records and compares commands; a fit of the drive itself has the last word. It starts from the
     values that the search ended with, because a declared model that lacks much is fitted to values far from the machine's;
     and from the fit before it where that comes to nothing.
     """
-    starts = {p.motion.record.name: p.motion.record.found for p in seen}
-    inverses = begun_at(late.inverses, [starts.get(p.motion.record.name) for p in late.inverses])
-    plants = [late.plant]
+    whole = begun_at(fitted_on(late.inverses), [p.motion.record.found for p in seen])
+    inverses, plants = with_fitted(late.inverses, whole), [late.plant]
     for j in added:
         plants.append(valued(brought(plants[-1], j.candidate, found), found))
     # no search needs another one's result
-    ends = [None, *shared(lambda p: end_of_search(p, fitted_on(inverses), SETTLED, FURTHER), plants[1:])]
+    ends = [None, *shared(lambda p: end_of_search(p, whole, SETTLED, FURTHER), plants[1:])]
     fits = [late.fit]
     kept: list[ScoredCandidate] = []
     for i, j in enumerate(added):

@@ -14,7 +14,6 @@ from workbench.plant import Plant
 from workbench.tracing.budget import BUDGET, Budget
 from workbench.tracing.candidates import ADDITION, Candidate
 from workbench.tracing.criteria import Criteria
-from workbench.tracing.offered_as import bare
 from workbench.tracing.result import CandidateScore
 from workbench.tracing.search import fitted, problem_with
 from workbench.tracing.smallest import Smallest, smallest
@@ -126,7 +125,7 @@ def still_earns(present: ScoredCandidate, reduced: State, last: State, criteria:
 def ahead(judgements: Sequence[ScoredCandidate], count: int) -> Sequence[ScoredCandidate]:
     """Return the first of these judgements among which `count` are of laws that are offered whole: a bumper of which no spring is declared is
     asked beside them and takes no other's place, or what explains as much and is simpler would not be asked."""
-    whole = [i for i, j in enumerate(judgements) if not bare(j.candidate.plant[j.candidate.key])][:count]
+    whole = [i for i, j in enumerate(judgements) if not j.candidate.bare][:count]
     return judgements[: whole[-1] + 1 if len(whole) == count else len(judgements)]
 
 

@@ -21,7 +21,7 @@ def as_offered(effect: Effect, plant: Plant) -> Effect | None:
 
 
 def bare(effect: Effect) -> bool:
-    """Whether it is offered without what it bends, which is not declared: a bumper is one thing, and no curve is named after it."""
+    """Whether an effect is without the parameter that it has beside another one alone."""
     name = effect.beside.get(effect.at, ("", ""))[1]
     return bool(name) and effect.parameters[name].fixed
 

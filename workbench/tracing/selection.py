@@ -76,14 +76,14 @@ def select(
     longer = lengthened(known, base.plant, declared.inverses)
     if longer != known:
         known, base = longer, curved(declared, longer, criteria)
-    base = at_own_starts(base, base)  # as every candidate beside it, or the start would be what a candidate takes
+    base = at_own_starts(base)  # as every candidate beside it, or the start would be what a candidate takes
 
     def freshly(state: State) -> State:
         """Return a state with the free curves that take what is of practical size beside what was added, found anew."""
         held = {e.key for e in state.plant.effects}
         here = tuple(law for law in known if {law.key, law.declared.key} & held)
         state = curved(state, here, criteria) if here else state
-        return afresh(at_own_starts(state, state), declared.problem.plant, known)
+        return afresh(at_own_starts(state), declared.problem.plant, known)
 
     offer = replace(offer, stands_for={**offer.stands_for, **{law.key: law.declared for law in known}})
 

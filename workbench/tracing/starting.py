@@ -9,7 +9,7 @@ import numpy as np
 
 from workbench.identification.solve import NoValue
 from workbench.inverse.dynamics import InverseDynamics
-from workbench.inverse.prehistory import ROUNDS, SETTLED, begun, begun_at
+from workbench.inverse.prehistory import begun, begun_at, by_turns
 from workbench.plant import Plant
 from workbench.tracing.near_law import Law, as_declared
 from workbench.tracing.state import State
@@ -24,21 +24,19 @@ def freely(plant: Plant, inverses: Sequence[InverseDynamics], theta: np.ndarray,
     return State(plant, inverses, theta, base=base.solution.cost, most=FURTHER, tolerance=COMPARED)
 
 
-def at_own_starts(after: State, base: State) -> State:
-    """Return a fit on records that begin as it asks for, where nothing is promised and it leaves less so. base: what it is compared with.
+def at_own_starts(state: State, base: State | None = None) -> State:
+    """Return a fit on records that begin as it asks for, where nothing is promised and it leaves less so on held-out blocks.
 
-    An axis that hangs on its friction begins with it loaded. Where that friction is not declared, from relaxed starts whatever forgets
-    soonest would lead; where something else is not, the starts that were found without it make up for it.
+    base: what it is compared with; itself where absent. An axis that hangs on its friction begins with it loaded. Where that friction is
+    not declared, from relaxed starts whatever forgets soonest would lead; where something else is not, the starts that were found without it
+    make up for it.
     """
-    for _ in range(ROUNDS):
-        found = begun(after.plant, after.inverses)
-        if found is None:
-            break
-        before, more = after, freely(after.problem.plant, found, after.solution.theta, base)
-        after = more if more.errors.total < after.errors.total else after
-        if after is before or more.solution.cost > SETTLED * before.solution.cost:
-            break
-    return after
+
+    def again(fit: State) -> State | None:
+        found = begun(fit.plant, fit.inverses)
+        return None if found is None else freely(fit.problem.plant, found, fit.solution.theta, base or state)
+
+    return by_turns(state, again, lambda fit: fit.errors.total)
 
 
 def afresh(state: State, declared: Plant, known: Sequence[Law]) -> State:
@@ -53,8 +51,7 @@ def afresh(state: State, declared: Plant, known: Sequence[Law]) -> State:
         if any(not p.fixed for n, p in e.parameters.items() if n in e.shape) and e.key in plant:
             plant = plant.swap(e)
     try:
-        relaxed = State(plant, begun_at(state.inverses, [None] * len(state.inverses)))
-        other = at_own_starts(relaxed, relaxed)
+        other = at_own_starts(State(plant, begun_at(state.inverses, [None] * len(state.inverses))))
     except NoValue:
         return state
     return other if other.errors.total < state.errors.total else state
