@@ -1,7 +1,7 @@
 """What is asked of a declared model and its records before any effect is tried, in order: each answer may change either.
 
 counts that an encoder lost are put back ─► a slow log's friction turns between its samples ─► an axis that sticks does not count at rest ─► a clock that is late between two
-encoders is held ─► whole records are fitted: does the joint then carry anything? ─► between free zeros it is deflected by its mean torque
+encoders is held ─► declared friction may turn over a speed ─► whole records are fitted: does the joint then carry anything? ─► between free zeros it is deflected by its mean torque
 """
 
 from collections.abc import Collection, Sequence
@@ -21,6 +21,7 @@ from workbench.tracing.decimation import decimate
 from workbench.tracing.mending import Mended, mended
 from workbench.tracing.skew import Skew, skew_of
 from workbench.tracing.slow_log import SlowLog, slow_log
+from workbench.tracing.smooth_turn import SmoothTurn, smooth_turn, taken
 from workbench.tracing.sticking import Sticking, sticking
 
 Only = Collection[str] | None
@@ -30,10 +31,11 @@ Only = Collection[str] | None
 class Declared:
     """declared: the plant as declared. plant: with the clock that the angle between two encoders says is late, held. inverses: that
     count in all that follows. fit: of that plant on whole records, which every extended one is held against, None until all else is
-    known. before: the fit of the declared plant, where there is such a clock. idle: a finding that the fit lets
+    known. before: the fit of the declared plant, where `plant` is another one. idle: a finding that the fit lets
     the joint carry nothing. lost: counts that an encoder loses, which are put back. sticks: where it does, if that is most of the
     residual. slow: where friction turns between the samples of the log. begun: the records as the declared model's friction
-    starts in them, where that is open: a search looks at these, and each fit of whole records finds its own."""
+    starts in them, where that is open: a search looks at these, and each fit of whole records finds its own. turn: declared Coulomb
+    friction that turns over a speed in `plant`, where it does."""
 
     declared: Plant
     plant: Plant
@@ -46,6 +48,7 @@ class Declared:
     sticks: Sticking | None = None
     slow: SlowLog | None = None
     begun: Sequence[InverseDynamics] | None = None
+    turn: SmoothTurn | None = None
 
     @cached_property
     def whole(self) -> Sequence[InverseDynamics]:
@@ -114,6 +117,18 @@ def _hold_late_clock(d: Declared, only: Only, criteria: Criteria) -> Declared:
     return replace(d, plant=skew.candidate.plant, skew=skew, before=identify(d.plant, d.inverses)) if skew else d
 
 
+def _turn_smoothly(d: Declared, only: Only, criteria: Criteria) -> Declared:
+    found = smooth_turn(d.plant, decimate(d.whole, d.plant, criteria.rate), criteria)
+    if found is None:
+        return d
+    plant, turn = found
+    before = identify(d.plant, d.inverses)
+    # of the drive: what a load does near standstill is much of its own small balance, and a matter of counts
+    if taken(before, identify(plant, d.inverses)) < criteria.practical:
+        return d
+    return replace(d, plant=plant, turn=turn, before=d.before or before)
+
+
 def _fitted(d: Declared, only: Only, criteria: Criteria) -> Declared:
     found, started = _fit(d.plant, d.inverses)
     if d.plant.kind != TWO_MASS:
@@ -134,4 +149,4 @@ def _fit(plant: Plant, inverses: Sequence[InverseDynamics]) -> tuple[Fit, Sequen
     return identify(plant, inverses, end_of_search(plant, fitted_on(started)), solved=True), started
 
 
-FIRST = (_put_back, _turn_between, _leave_rest_out, _hold_late_clock, _fitted)
+FIRST = (_put_back, _turn_between, _leave_rest_out, _hold_late_clock, _turn_smoothly, _fitted)

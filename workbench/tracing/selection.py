@@ -110,7 +110,7 @@ def curved(state: State, known: Sequence[Law], criteria: Criteria) -> State:
     plain = State(as_declared(state.plant, known), state.inverses) if stands else state
     found = [s for s in (state if stands else None, _with_curves(state, known)) if s is not None]
     best = min(found, key=lambda s: s.errors.total, default=plain)
-    return best if best is not plain and _size(plain, best) >= 0.5 * criteria.practical else plain
+    return best if best is not plain and size(plain, best) >= 0.5 * criteria.practical else plain
 
 
 def _with_curves(state: State, known: Sequence[Law]) -> State | None:
@@ -124,7 +124,7 @@ def _with_curves(state: State, known: Sequence[Law]) -> State | None:
         return None
 
 
-def _size(before: State, after: State) -> float:
+def size(before: State, after: State) -> float:
     """Return what a state takes away of another's held-out residual, over the drive's rms."""
     return (max(before.errors.total - after.errors.total, 0.0) / before.power) ** 0.5 if before.power > 0.0 else 0.0
 
@@ -148,7 +148,7 @@ def _of_declared_laws(
         if law.key not in {e.key for e in last.plant.effects}:
             continue
         plain = State(as_declared(last.plant, [law]), last.inverses)
-        if _size(plain, last) < criteria.practical:
+        if size(plain, last) < criteria.practical:
             answer = replace(answer, pruned=plain)
             continue
         progress(f"asking what the virgin curve at the {law.declared.at} is")

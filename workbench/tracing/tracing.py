@@ -144,7 +144,9 @@ def _decided(
 def _begun(late: Declared, offer: Offer, criteria: Criteria) -> tuple[State, Offer]:
     """Return where a search begins, and what it offers: nothing where the joint carries nothing."""
     loose, told = within_tolerance(late.plant, criteria.tolerance)
-    offered = replace(offer, only=() if late.idle else offer.only, stands_for=told)
+    turned = late.turn.declared if late.turn else {}
+    declared = [*offer.declared, *turned]
+    offered = replace(offer, only=() if late.idle else offer.only, declared=declared, stands_for=told | turned)
     begun = State(loose, decimate(late.whole, late.plant, criteria.rate))
     if begun.errors.errors.size < FEWEST:
         raise WorkbenchError(too_short(seconds(begun.problem), block_seconds(begun.problem), FEWEST))

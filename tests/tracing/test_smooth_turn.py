@@ -1,0 +1,96 @@
+"""Declared Coulomb friction that turns over a speed: a law that is only nearly right, and no friction that is missing."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from workbench.definition import find
+from workbench.inverse.dynamics import inverse_dynamics
+from workbench.plant import ONE_MASS, Plant
+from workbench.record import IDENTIFICATION, VALIDATION, Record, Source
+from workbench.tracing.criteria import Criteria
+from workbench.tracing.smooth_turn import SLOW, smooth_turn
+from workbench.tracing.tracing import trace
+
+SOURCE = Source(Path("made"), "", "made", {})
+COUNT = 1e-8
+PLANT = Plant(ONE_MASS) + find("inertia")(inertia=0.01) + find("viscous_friction") + find("coulomb_friction")
+FILM = "film_friction@axis"
+NOISE = 0.005  # N*m
+
+
+def seen(force, role: str = IDENTIFICATION, seed: int = 0, weight: float = 0.0):
+    """InverseDynamics over moves with rests between them, in which the axis creeps to its place; the drive is inertia, viscous friction,
+    force(q, v) and a weight's."""
+    t = np.arange(12000) / 1000.0
+    v = 2.0 * np.sin(2 * np.pi * 0.5 * t) ** 3 * (np.sin(2 * np.pi * 0.25 * t) > 0.0)
+    v += 2e-4 * np.sin(2 * np.pi * 1.7 * t + seed)
+    q = np.cumsum(v) / 1000.0
+    a = np.gradient(v, 1e-3)
+    noise = NOISE * np.random.default_rng(seed).normal(size=t.size)
+    drive = 0.01 * a + 0.05 * v + force(q, v) + weight * np.sin(q) + noise
+    return inverse_dynamics(
+        [Record(role, role, t, {"torque": drive, "position": q}, {}, SOURCE, {"position": COUNT})], 60.0
+    )
+
+
+def over(speed: float):
+    return lambda q, v: 0.4 * np.tanh(v / speed)
+
+
+def test_friction_that_turns_over_a_thousandth_of_the_speed_is_the_declared_law_nearly_right():
+    plant, turn = smooth_turn(PLANT, seen(over(4e-3)), Criteria())
+    values = {n: p.value for n, p in plant[FILM].parameters.items()}
+    assert set(turn.declared) == {FILM}
+    assert "coulomb_friction@axis" not in {e.key for e in plant.effects}
+    assert values["limit"] == pytest.approx(0.4, rel=0.02)
+    assert values["speed"] == pytest.approx(4e-3, rel=0.1)
+
+
+def test_friction_over_a_tenth_of_the_speed_is_a_law_of_its_own():
+    """Five times as far as a turn may go."""
+    assert smooth_turn(PLANT, seen(over(5.0 * SLOW * 2.0)), Criteria()) is None
+
+
+def test_friction_that_turns_at_once_stays():
+    assert smooth_turn(PLANT, seen(lambda q, v: 0.4 * np.sign(v)), Criteria()) is None
+
+
+def test_presliding_is_no_turn_over_a_speed():
+    """It builds up over a distance, which the free virgin curve says."""
+
+    def slips(q, v):
+        x, found = 0.0, np.empty(q.size)
+        for i, dq in enumerate(np.diff(q, prepend=q[0])):
+            x = min(max(x + dq, -2e-3), 2e-3)
+            found[i] = 0.4 * x / 2e-3
+        return found
+
+    assert smooth_turn(PLANT, seen(slips), Criteria()) is None
+
+
+def test_a_held_friction_stays():
+    held = PLANT.swap(find("coulomb_friction")(coulomb=0.4, fixed=True))
+    assert smooth_turn(held, seen(over(4e-3)), Criteria()) is None
+
+
+@pytest.fixture(scope="module")
+def both():
+    return {w: [*seen(over(4e-3), weight=w), *seen(over(4e-3), VALIDATION, 1, w)] for w in (0.0, 0.1)}
+
+
+def test_a_complete_model_of_it_lacks_nothing_and_says_the_refinement(both):
+    found = trace(PLANT, both[0.0])
+    ((law,), before) = found.refinements, found.before
+    assert (found.verdict, found.added) == ("nothing_missing", ())
+    assert (law.effect, law.at, law.kind) == ("coulomb_friction", "axis", "law")
+    assert law.size > 10 * Criteria().practical
+    assert "turns over a speed" in found.sentence
+    assert {e.name for e in before.plant.effects} == {e.name for e in PLANT.effects}
+
+
+def test_what_is_missing_beside_it_is_named_alone(both):
+    found = trace(PLANT, both[0.1])
+    assert (found.verdict, found.added) == ("cause", ("gravity",))
+    assert found.after.validation < 0.05 < found.before.validation
