@@ -122,9 +122,10 @@ def _turn_smoothly(d: Declared, only: Only, criteria: Criteria) -> Declared:
     if found is None:
         return d
     plant, turn = found
-    before = identify(d.plant, d.inverses)
-    # of the drive: what a load does near standstill is much of its own small balance, and a matter of counts
-    if taken(before, identify(plant, d.inverses)) < criteria.practical:
+    before, after = (identify(p, d.inverses) for p in (d.plant, plant))
+    # of the drive: what a load does near standstill is much of its own small balance, and a matter of counts; without validation NaN
+    # says nothing
+    if taken(before, after) < criteria.practical or after.validation > before.validation:
         return d
     return replace(d, plant=plant, turn=turn, before=d.before or before)
 
