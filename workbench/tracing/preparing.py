@@ -21,7 +21,7 @@ from workbench.tracing.decimation import decimate
 from workbench.tracing.mending import Mended, mended
 from workbench.tracing.skew import Skew, skew_of
 from workbench.tracing.slow_log import SlowLog, slow_log
-from workbench.tracing.smooth_turn import SmoothTurn, smooth_turn, taken
+from workbench.tracing.smooth_turn import SmoothTurn, smooth_turn
 from workbench.tracing.sticking import Sticking, sticking
 
 Only = Collection[str] | None
@@ -31,11 +31,11 @@ Only = Collection[str] | None
 class Declared:
     """declared: the plant as declared. plant: with the clock that the angle between two encoders says is late, held. inverses: that
     count in all that follows. fit: of that plant on whole records, which every extended one is held against, None until all else is
-    known. before: the fit of the declared plant, where `plant` is another one. idle: a finding that the fit lets
+    known. before: the fit of the declared plant, where there is such a clock. idle: a finding that the fit lets
     the joint carry nothing. lost: counts that an encoder loses, which are put back. sticks: where it does, if that is most of the
     residual. slow: where friction turns between the samples of the log. begun: the records as the declared model's friction
-    starts in them, where that is open: a search looks at these, and each fit of whole records finds its own. turn: declared Coulomb
-    friction that turns over a speed in `plant`, where it does."""
+    starts in them, where that is open: a search looks at these, and each fit of whole records finds its own. turn: Coulomb friction
+    that turns over a speed, where it does; then `declared` and `plant` have it so."""
 
     declared: Plant
     plant: Plant
@@ -118,16 +118,19 @@ def _hold_late_clock(d: Declared, only: Only, criteria: Criteria) -> Declared:
 
 
 def _turn_smoothly(d: Declared, only: Only, criteria: Criteria) -> Declared:
-    found = smooth_turn(d.plant, decimate(d.whole, d.plant, criteria.rate), criteria)
-    if found is None:
+    """What is declared is then friction that turns so: the errors before and after are of what is missing alone."""
+    turn = smooth_turn(d.plant, decimate(d.whole, d.plant, criteria.rate), criteria)
+    if turn is None:
         return d
-    plant, turn = found
-    before, after = (identify(p, d.inverses) for p in (d.plant, plant))
+    turn = replace(turn, before=identify(d.plant, d.inverses))
+    after = identify(turn.of(d.plant), d.inverses)
     # of the drive: what a load does near standstill is much of its own small balance, and a matter of counts; without validation NaN
     # says nothing
-    if taken(before, after) < criteria.practical or after.validation > before.validation:
+    if turn.taken(after) < criteria.practical or after.validation > turn.before.validation:
         return d
-    return replace(d, plant=plant, turn=turn, before=d.before or before)
+    declared = turn.of(d.declared)
+    before = identify(declared, d.inverses) if d.before else None
+    return replace(d, declared=declared, plant=turn.of(d.plant), turn=turn, before=before)
 
 
 def _fitted(d: Declared, only: Only, criteria: Criteria) -> Declared:

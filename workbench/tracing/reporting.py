@@ -71,7 +71,7 @@ def reported(o: Outcome, progress: Progress) -> Trace:
     after = _refined(o.fits[-1], selected, o.inverses) if selected.refined else o.fits[-1]
     causes, refinements = _said_of_each(o, after, progress)
     refinements += curve_of(selected, o.fits[-1], after)
-    refinements += late.turn.refinements(late.before, o.fits[0]) if late.turn else []
+    refinements += late.turn.refinements(o.fits[0]) if late.turn else []
     progress("looking for where the residual lives")
     lives = _residual_place(o) if o.verdict.verdict == UNKNOWN and not late.lost else None
     first = []
@@ -84,10 +84,8 @@ def reported(o: Outcome, progress: Progress) -> Trace:
     shows = shown(selected.steps[0].judgements)
     alone = _of_causes(o)
     refined = after if after.rms != alone.rms else None
-    # what a turn over a speed takes is no cause's
-    held = o.fits[0] if late.turn and not late.skew else before
-    sentence = verdict_sentence(o.verdict.verdict, causes, held, alone, evidence, lives, late.lost, refined)
-    sentence += late.turn.beside(before) if late.turn else ""
+    sentence = verdict_sentence(o.verdict.verdict, causes, before, alone, evidence, lives, late.lost, refined)
+    sentence += late.turn.beside if late.turn else ""
     return Trace(
         o.verdict.verdict,
         sentence + (least_shown(shows) if o.verdict.verdict == NOTHING else ""),

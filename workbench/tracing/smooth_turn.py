@@ -33,26 +33,56 @@ STARTS = (0.001, 0.003, 0.01)  # of the fastest speed at its place, from which t
 SLOW = 0.02
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class SmoothTurn:
-    """declared: the Coulomb frictions, as declared, by the key of what stands in their place."""
+    """declared: the Coulomb frictions, as declared, by the key of what stands in their place. films: these. before: the fit of the plant as
+    it is declared, None until whole records are asked."""
 
     declared: dict[str, Effect]
+    films: tuple[Effect, ...]
+    before: Fit | None = None
 
-    def beside(self, before: Fit) -> str:
-        """Return what is added to a verdict's sentence. before: the fit of the declared plant."""
+    def of(self, plant: Plant) -> Plant:
+        """Return the plant with each of these frictions as one that turns over a speed."""
+        for film in self.films:
+            plant = plant.without(self.declared[film.key].key) + film
+        return plant
+
+    def taken(self, after: Fit) -> float:
+        """Return what a fit takes away of what the plant as it is declared leaves, over the drive's rms, on identification."""
+        return max(self.before.identification**2 - after.identification**2, 0.0) ** 0.5
+
+    @property
+    def beside(self) -> str:
+        """What is added to a verdict's sentence."""
         return (
             f" All this is beside {title(DRY)} that turns over a speed and not at once, a refinement of the declared law: with that as it is "
-            f"declared, {100 * before.identification:.2f} % would be left on identification."
+            f"declared, {100 * self.before.identification:.2f} % would be left on identification."
         )
 
-    def refinements(self, before: Fit, after: Fit) -> list[Refinement]:
-        """Return one a place. before, after: fits of the declared plant and of that in which friction turns over a speed."""
-        return [_refinement(key, e, before, after) for key, e in self.declared.items()]
+    def refinements(self, after: Fit) -> list[Refinement]:
+        """Return one a place. after: the fit of the plant in which friction turns so."""
+        return [self._refinement(key, e, after) for key, e in self.declared.items()]
+
+    def _refinement(self, key: str, dry: Effect, after: Fit) -> Refinement:
+        told = tuple(e for e in after.estimates if f"{e.effect}@{e.at}" == key)
+        speed = next(e for e in told if e.parameter == "speed")
+        return Refinement(
+            effect=dry.named,
+            at=dry.at,
+            kind="law",
+            sentence=(
+                f"The declared law of {title(dry.name)} at the {dry.at} is only nearly right: it does not turn at once, but over a speed "
+                f"of {speed.value:.2g} {speed.unit}, as friction of a film does. With that the identification error goes from "
+                f"{100 * self.before.identification:.2f} % to {100 * after.identification:.2f} %, and all else is held against it."
+            ),
+            parameters=told,
+            size=self.taken(after),
+        )
 
 
-def smooth_turn(plant: Plant, thin: Sequence[InverseDynamics], criteria: Criteria) -> tuple[Plant, SmoothTurn] | None:
-    """Return the plant with each declared Coulomb friction that turns over a speed as that, None where none does.
+def smooth_turn(plant: Plant, thin: Sequence[InverseDynamics], criteria: Criteria) -> SmoothTurn | None:
+    """Return the declared Coulomb frictions that turn over a speed, None where none does.
 
     thin: the identification records as the search sees them. It must take what is of practical size beyond the declared law, and beyond
     the free virgin curve: presliding builds up over a distance.
@@ -66,9 +96,8 @@ def smooth_turn(plant: Plant, thin: Sequence[InverseDynamics], criteria: Criteri
         if turned is not None and size(curved(state, [law], criteria), turned) >= criteria.practical:
             state = turned
             declared[f"{FILM}@{law.declared.at}"] = law.declared
-    for key, e in declared.items():
-        plant = plant.without(e.key) + state.plant[key]
-    return (plant, SmoothTurn(declared)) if declared else None
+    films = tuple(state.plant[key] for key in declared)
+    return SmoothTurn(declared, films) if declared else None
 
 
 def _turned(state: State, dry: Effect, criteria: Criteria) -> State | None:
@@ -95,25 +124,3 @@ def _state(plant: Plant, inverses: Sequence[InverseDynamics], *, solved: bool = 
         return State(plant, inverses, solved=solved)
     except NoValue:
         return None
-
-
-def _refinement(key: str, dry: Effect, before: Fit, after: Fit) -> Refinement:
-    told = tuple(e for e in after.estimates if f"{e.effect}@{e.at}" == key)
-    speed = next(e for e in told if e.parameter == "speed")
-    return Refinement(
-        effect=dry.named,
-        at=dry.at,
-        kind="law",
-        sentence=(
-            f"The declared law of {title(dry.name)} at the {dry.at} is only nearly right: it does not turn at once, but over a speed of "
-            f"{speed.value:.2g} {speed.unit}, as friction of a film does. With that the identification error goes from "
-            f"{100 * before.identification:.2f} % to {100 * after.identification:.2f} %, and all else is held against it."
-        ),
-        parameters=told,
-        size=taken(before, after),
-    )
-
-
-def taken(before: Fit, after: Fit) -> float:
-    """Return what a fit takes away of what another one leaves, over the drive's rms, on identification."""
-    return max(before.identification**2 - after.identification**2, 0.0) ** 0.5
