@@ -76,6 +76,13 @@ def test_a_held_friction_stays():
     assert smooth_turn(held, seen(over(4e-3)), Criteria()) is None
 
 
+def test_beside_a_declared_law_over_speed_or_another_contact_nothing_turns_twice():
+    thin = seen(over(4e-3))
+    assert smooth_turn(PLANT + find("film_friction")(limit=0.1, speed=1.0), thin, Criteria()) is None
+    two = smooth_turn(PLANT + find("coulomb_friction")(coulomb=0.01, label="seal"), thin, Criteria())
+    assert two is None or set(two.declared) == {FILM}
+
+
 @pytest.fixture(scope="module")
 def both():
     return {w: [*seen(over(4e-3), weight=w), *seen(over(4e-3), VALIDATION, 1, w)] for w in (0.0, 0.1)}

@@ -87,7 +87,11 @@ def smooth_turn(plant: Plant, thin: Sequence[InverseDynamics], criteria: Criteri
     thin: the identification records as the search sees them. It must take what is of practical size beyond the declared law, and beyond
     the free virgin curve: presliding builds up over a distance.
     """
-    known = [w for w in laws(plant, thin) if w.declared.name == DRY]
+    # where a law over speed is declared beside it, that says how friction goes with speed
+    over_speed = {e.at for e in plant.effects if e.name in (FILM, POWER)}
+    known = [
+        w for w in laws(plant, thin) if w.declared.key == f"{DRY}@{w.declared.at}" and w.declared.at not in over_speed
+    ]
     declared: dict[str, Effect] = {}
     if (state := _state(plant, thin) if known else None) is None:
         return None
