@@ -119,14 +119,8 @@ def _hold_late_clock(d: Declared, only: Only, criteria: Criteria) -> Declared:
 
 def _turn_smoothly(d: Declared, only: Only, criteria: Criteria) -> Declared:
     """What is declared is then friction that turns so: the errors before and after are of what is missing alone."""
-    turn = smooth_turn(d.plant, decimate(d.whole, d.plant, criteria.rate), criteria)
+    turn = smooth_turn(d.plant, d.inverses, criteria)
     if turn is None:
-        return d
-    turn = replace(turn, before=identify(d.plant, d.inverses))
-    after = identify(turn.of(d.plant), d.inverses)
-    # of the drive: what a load does near standstill is much of its own small balance, and a matter of counts; without validation NaN
-    # says nothing
-    if turn.taken(after) < criteria.practical or after.validation > turn.before.validation:
         return d
     declared = turn.of(d.declared)
     before = identify(declared, d.inverses) if d.before else None

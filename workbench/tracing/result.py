@@ -108,7 +108,7 @@ class Trace:
     """verdict: "cause", "nothing_missing" or "unknown". ranked: candidates, best first, of the first step.
 
     steps: the ranked candidates of every step (one list an addition tried). before, after: fits of the declared and of
-    the extended plant. floor: role -> nrmse that encoder resolution and torque noise alone would leave. unknown: where what
+    the extended plant; in both, declared friction that turns over a speed does so. floor: role -> nrmse that encoder resolution and torque noise alone would leave. unknown: where what
     no effect explains lives. smallest: of each kind, the smallest effect that the records could have shown. refinements: what is
     too small to be a cause. evidence, criteria: what the decision rests on. calibrations: of periodic causes whose phase is a power-up's.
     """

@@ -1,9 +1,9 @@
 """Declared Coulomb friction that turns over a speed, and not at once: that a declared law is only nearly right is no missing effect.
 
-Where an axis creeps to its rest on an oil film, or a drive report's friction is compensated, friction goes through zero with speed, as T = TL tanh(v/vL) does
-with a vL of a few per mille of the fastest motion. Coulomb friction says its full size there, and the residual lives where the axis hardly
-moves: it would lead as nonlinear viscous friction, and hide what is missing. So before any effect is tried it is asked whether the declared
-friction is that, and where it is, all else is searched beside it.
+Where an axis creeps to its rest on an oil film, friction goes through zero with speed, as T = TL tanh(v/vL) does with a vL of a few per
+mille of the fastest motion. Coulomb friction says its full size there, and the residual lives where the axis hardly moves: it would lead
+as nonlinear viscous friction, and hide what is missing. So before any effect is tried it is asked whether the declared friction is that,
+and where it is, all else is searched beside it.
 """
 
 from collections.abc import Sequence
@@ -13,12 +13,14 @@ import numpy as np
 
 from workbench.definition import Effect, catalogue
 from workbench.finding import title
+from workbench.identification.fit import fitted_on, identify
 from workbench.identification.result import Fit
 from workbench.identification.solve import NoValue
 from workbench.inverse.bodies import VELOCITY
 from workbench.inverse.dynamics import InverseDynamics
 from workbench.plant import Plant
 from workbench.tracing.criteria import Criteria
+from workbench.tracing.decimation import decimate
 from workbench.tracing.near_law import laws
 from workbench.tracing.result import Refinement
 from workbench.tracing.selection import curved, size
@@ -35,12 +37,12 @@ SLOW = 0.02
 
 @dataclass(frozen=True, eq=False)
 class SmoothTurn:
-    """declared: the Coulomb frictions, as declared, by the key of what stands in their place. films: these. before: the fit of the plant as
-    it is declared, None until whole records are asked."""
+    """declared: the Coulomb frictions, as declared, by the key of what stands in their place. films: these. before: the fit of whole records
+    with the frictions as declared."""
 
     declared: dict[str, Effect]
     films: tuple[Effect, ...]
-    before: Fit | None = None
+    before: Fit
 
     def of(self, plant: Plant) -> Plant:
         """Return the plant with each of these frictions as one that turns over a speed."""
@@ -81,27 +83,30 @@ class SmoothTurn:
         )
 
 
-def smooth_turn(plant: Plant, thin: Sequence[InverseDynamics], criteria: Criteria) -> SmoothTurn | None:
+def smooth_turn(plant: Plant, inverses: Sequence[InverseDynamics], criteria: Criteria) -> SmoothTurn | None:
     """Return the declared Coulomb frictions that turn over a speed, None where none does.
 
-    thin: the identification records as the search sees them. It must take what is of practical size beyond the declared law, and beyond
-    the free virgin curve: presliding builds up over a distance.
+    It must take what is of practical size beyond the declared law, and beyond the free virgin curve: presliding builds up over a distance;
+    and whole records must bear it out in the drive: what a load does near standstill is much of its own small balance, and a matter of counts.
     """
-    # where a law over speed is declared beside it, that says how friction goes with speed
+    whole = fitted_on(inverses)
+    # where a law over speed is declared beside it, that says how friction goes with speed; a labelled one is a further contact
     over_speed = {e.at for e in plant.effects if e.name in (FILM, POWER)}
-    known = [
-        w for w in laws(plant, thin) if w.declared.key == f"{DRY}@{w.declared.at}" and w.declared.at not in over_speed
-    ]
-    declared: dict[str, Effect] = {}
-    if (state := _state(plant, thin) if known else None) is None:
+    known = [w for w in laws(plant, whole) if w.declared.named == DRY and w.declared.at not in over_speed]
+    if not known or (state := _state(plant, decimate(whole, plant, criteria.rate))) is None:
         return None
+    declared: dict[str, Effect] = {}
     for law in known:
         turned = _turned(state, law.declared, criteria)
         if turned is not None and size(curved(state, [law], criteria), turned) >= criteria.practical:
             state = turned
             declared[f"{FILM}@{law.declared.at}"] = law.declared
-    films = tuple(state.plant[key] for key in declared)
-    return SmoothTurn(declared, films) if declared else None
+    if not declared:
+        return None
+    turn = SmoothTurn(declared, tuple(state.plant[key] for key in declared), identify(plant, inverses))
+    after = identify(turn.of(plant), inverses)
+    refuted = after.validation > turn.before.validation  # without a validation record NaN says nothing
+    return None if refuted or turn.taken(after) < criteria.practical else turn
 
 
 def _turned(state: State, dry: Effect, criteria: Criteria) -> State | None:
