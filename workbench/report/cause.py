@@ -35,7 +35,11 @@ def cause(result: StudyResult) -> Chapter:
         blocks += [Heading("What these records could have shown"), _smallest(trace.smallest)]
     heading = "The cause and its evidence" if trace.verdict == CAUSE else "The candidates that were tried"
     if trace.refinements:
-        blocks.append(Paragraph("Refinements, too small for a cause, leave the verdict as it is:"))
+        blocks.append(
+            Paragraph(
+                "Refinements, too small for a cause or of a law that is declared and only nearly right, leave the verdict as it is:"
+            )
+        )
         blocks.append(Items(tuple(r.sentence for r in trace.refinements)))
     return Chapter(heading, (*blocks, *finding_items(f for f in trace.findings if f.kind not in ALARMS)))
 
