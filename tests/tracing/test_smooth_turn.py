@@ -49,6 +49,33 @@ def test_friction_that_turns_over_a_thousandth_of_the_speed_is_the_declared_law_
     assert values["speed"] == pytest.approx(4e-3, rel=0.1)
 
 
+@pytest.mark.parametrize(
+    ("law", "sharpness"),
+    [
+        (lambda x: 2 / np.pi * np.arctan(x), 1.4),
+        (lambda x: x / (1 + np.abs(x)), 1.0),
+        (lambda x: x / np.hypot(1, x), 2.0),
+    ],
+)
+def test_a_turn_that_is_no_films_is_found_in_its_own_shape(law, sharpness):
+    """arctan (an n of 1.38, to 1 % of its level), v/(|v| + v0) and v/sqrt(v^2 + v0^2), closed forms of n = 1 and 2."""
+    turn = smooth_turn(PLANT, seen(lambda q, v: 0.4 * law(v / 4e-3)), Criteria())
+    (shaped,) = turn.films
+    values = {n: p.value for n, p in shaped.parameters.items()}
+    assert shaped.name == "regularised_coulomb_friction"
+    assert values["coulomb"] == pytest.approx(0.4, rel=0.02)
+    assert values["sharpness"] == pytest.approx(sharpness, rel=0.15)
+
+
+def test_what_a_film_leaves_of_an_arctangent_is_no_further_friction():
+    """Its tail beyond ten times the speed of the turn would be nonlinear viscous friction."""
+    long = seen(lambda q, v: 0.4 * 2 / np.pi * np.arctan(v / 4e-3), weight=0.1)
+    check = seen(lambda q, v: 0.4 * 2 / np.pi * np.arctan(v / 4e-3), VALIDATION, 3, weight=0.1)
+    found = trace(PLANT, [*long, *check])
+    assert [c.effect for c in found.causes] == ["gravity"]
+    assert [r.effect for r in found.refinements] == ["coulomb_friction"]
+
+
 def test_friction_over_a_tenth_of_the_speed_is_a_law_of_its_own():
     """Five times as far as a turn may go."""
     assert smooth_turn(PLANT, seen(over(5.0 * SLOW * 2.0)), Criteria()) is None

@@ -1,4 +1,4 @@
-"""Friction of a lubricant film: sheared until it yields, or with a viscosity that goes with the rate of shear."""
+"""Friction that goes through zero with speed: a film that is sheared until it yields or whose viscosity goes with the rate of shear, and asperities that turn over a speed."""
 
 from workbench.definition import FORCE, Effect, effect
 from workbench.effects.elementary import absolute, power, sign0, tanh
@@ -30,6 +30,39 @@ def film_friction() -> Effect:
             ),
         },
         linear=("limit",),
+        reads=("v",),
+        step=step,
+        holds=("passive", "odd"),
+        traced=False,
+        nearest="nonlinear_viscous_friction",
+    )
+
+
+@effect
+def regularised_coulomb_friction() -> Effect:
+    """T = Tc v/(vr^n + |v|^n)^(1/n): Coulomb friction that turns over a speed, and comes to its level sooner the larger n is.
+
+    n = 1 is v/(|v| + vr), n = 2 v/sqrt(v^2 + vr^2). An arctangent is one of n = 1.4 to 1 % of Tc, tanh one of n = 2.9, an
+    error function one of n = 3.5 to 2 %. Far above vr it is Coulomb friction, far below it viscous with Tc/vr.
+    """
+
+    def step(s, z, p):
+        x = s.v / p.speed
+        return {}, p.coulomb * x * power(1.0 + power(absolute(x), p.sharpness), -1.0 / p.sharpness)
+
+    return Effect(
+        name="regularised_coulomb_friction",
+        cause="dry and mixed friction of asperities that do not turn all at once: it goes through zero over a speed",
+        formula="T = Tc v/(vr^n + |v|^n)^(1/n)",
+        source="Andersson, Soderberg, Bjorklund 2007 (smooth laws of dry and mixed friction); Churchill, Usagi 1972 (two limits joined by n)",
+        port=FORCE,
+        family="friction over speed",
+        parameters={
+            "coulomb": Parameter(0.0, "F", "friction far above the speed of the turn", lower=0.0),
+            "speed": Parameter(0.01, "x/s", "speed over which it turns", lower=1e-9, scale="speed"),
+            "sharpness": Parameter(2.0, "1", "how soon it comes to its level", lower=0.7, upper=8.0, scale="exponent"),
+        },
+        linear=("coulomb",),
         reads=("v",),
         step=step,
         holds=("passive", "odd"),

@@ -27,6 +27,7 @@ from workbench.tracing.selection import curved, size
 from workbench.tracing.state import State
 
 FILM = "film_friction"
+OTHERWISE = "regularised_coulomb_friction"  # comes to its level sooner or later than a film
 DRY = "coulomb_friction"
 POWER = "power_law_friction"
 STARTS = (0.001, 0.003, 0.01)  # of the fastest speed at its place, from which the speed of the turn is searched
@@ -37,7 +38,7 @@ SLOW = 0.02
 
 @dataclass(frozen=True, eq=False)
 class SmoothTurn:
-    """declared: the Coulomb frictions, as declared, by the key of what stands in their place. films: these. before: the fit of whole records
+    """declared: the Coulomb frictions, as declared, by the key of what stands in their place. films: these, of whichever shape. before: the fit of whole records
     with the frictions as declared."""
 
     declared: dict[str, Effect]
@@ -68,6 +69,9 @@ class SmoothTurn:
 
     def _refinement(self, key: str, dry: Effect, after: Fit) -> Refinement:
         told = tuple(e for e in after.estimates if f"{e.effect}@{e.at}" == key)
+        sharp = next(
+            (f" (sharpness {e.value:.2g})" for e in told if e.parameter == "sharpness"), ", as friction of a film does"
+        )
         speed = next(e for e in told if e.parameter == "speed")
         return Refinement(
             effect=dry.named,
@@ -75,7 +79,7 @@ class SmoothTurn:
             kind="law",
             sentence=(
                 f"The declared law of {title(dry.name)} at the {dry.at} is only nearly right: it does not turn at once, but over a speed "
-                f"of {speed.value:.2g} {speed.unit}, as friction of a film does. With that the identification error goes from "
+                f"of {speed.value:.2g} {speed.unit}{sharp}. With that the identification error goes from "
                 f"{100 * self.before.identification:.2f} % to {100 * after.identification:.2f} %, and all else is held against it."
             ),
             parameters=told,
@@ -91,7 +95,7 @@ def smooth_turn(plant: Plant, inverses: Sequence[InverseDynamics], criteria: Cri
     """
     whole = fitted_on(inverses)
     # where a law over speed is declared beside it, that says how friction goes with speed; a labelled one is a further contact
-    over_speed = {e.at for e in plant.effects if e.name in (FILM, POWER)}
+    over_speed = {e.at for e in plant.effects if e.name in (FILM, OTHERWISE, POWER)}
     known = [w for w in laws(plant, whole) if w.declared.named == DRY and w.declared.at not in over_speed]
     if not known or (state := _state(plant, decimate(whole, plant, criteria.rate))) is None:
         return None
@@ -105,8 +109,32 @@ def smooth_turn(plant: Plant, inverses: Sequence[InverseDynamics], criteria: Cri
         return None
     turn = SmoothTurn(declared, tuple(state.plant[key] for key in declared), identify(plant, inverses))
     after = identify(turn.of(plant), inverses)
+    if (shaped := _shaped(turn, state, criteria)) is not None:
+        better = identify(shaped.of(plant), inverses)
+        if not better.validation > after.validation:
+            turn, after = shaped, better
     refuted = after.validation > turn.before.validation  # without a validation record NaN says nothing
     return None if refuted or turn.taken(after) < criteria.practical else turn
+
+
+def _shaped(turn: SmoothTurn, state: State, criteria: Criteria) -> SmoothTurn | None:
+    """Return the turns, of those that a film's shape leaves what is of practical size, in the shape that takes it; None where none does.
+
+    state: with the films. What tanh leaves of an arctangent's long way to its level, 9 % of the friction, would be nonlinear viscous friction.
+    """
+    declared, stand = {}, []
+    for film in turn.films:
+        values = {n: p.value for n, p in film.parameters.items()}
+        other = catalogue()[OTHERWISE](at=film.at, coulomb=values["limit"], speed=values["speed"])
+        found = _state(state.plant.without(film.key) + other, state.inverses)
+        better = found is not None and size(state, found) >= criteria.practical
+        state = found if better else state
+        key = other.key if better else film.key
+        declared[key] = turn.declared[film.key]
+        stand.append(key)
+    if stand == [f.key for f in turn.films]:
+        return None
+    return SmoothTurn(declared, tuple(state.plant[key] for key in stand), turn.before)
 
 
 def _turned(state: State, dry: Effect, criteria: Criteria) -> State | None:
