@@ -14,13 +14,14 @@ import pytest
 from pypdf import PdfReader
 from report_example import further, study
 
+from workbench.definition import find
 from workbench.finding import Finding
 from workbench.report import drawing, write
 from workbench.report.chapters import standard
 from workbench.report.contents import Callout, Chapter, Figure, Heading, Items, Marked, Paragraph, Table
 from workbench.report.model import declared
 from workbench.report.wording import printable
-from workbench.tracing.result import NOTHING, UNKNOWN
+from workbench.tracing.result import NOTHING, UNKNOWN, Refinement
 
 TESTS = Path(__file__).resolve().parents[1]
 HOSTILE = (
@@ -176,6 +177,21 @@ def test_a_report_without_a_cause_shows_one_model(verdict, tone, tmp_path):
     assert ("div", {"class": f"callout {tone}"}) in page.seen
     assert "extended model" not in page.text
     assert ("Between 100 and 400\u00a0mrad/s, moving forward (velocity)." in page.text) == (verdict == UNKNOWN)
+
+
+def test_what_stands_in_the_place_of_a_declared_law_is_said_where_the_model_is_shown(result):
+    fit = result.trace.before
+    film = find("film_friction")
+    told = tuple(replace(e, effect="film_friction", at="axis") for e in fit.estimates[-1:])
+    before = replace(fit, plant=fit.plant.without("coulomb_friction@axis") + film)
+    law = Refinement("coulomb_friction", "axis", "law", "It turns over a speed.", told, 0.1)
+    shown = declared(replace(result, trace=replace(result.trace, before=before, refinements=(law,))))
+    assert "Film friction stands in the place of the declared Coulomb friction" in shown.blocks[0].text
+    # a curve that is a refinement alone stands in the place of nothing
+    assert (
+        declared(replace(result, trace=replace(result.trace, refinements=(law,)))).blocks[0]
+        == declared(result).blocks[0]
+    )
 
 
 def test_what_each_record_says_stands_beside_the_intervals_and_where_they_disagree_apart(result):

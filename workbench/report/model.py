@@ -2,13 +2,14 @@
 
 from collections.abc import Collection, Mapping, Sequence
 
-from workbench.finding import Finding
+from workbench.finding import Finding, capital, located, title
 from workbench.identification.result import Estimate, Fit
 from workbench.identification.wording import DISAGREE
 from workbench.plant import MASSES, Plant
 from workbench.report import numbers
 from workbench.report.contents import BAD, CODE, QUIET, Chapter, Heading, Marked, Paragraph, StudyResult, Table
 from workbench.report.wording import finding_items, named
+from workbench.tracing.result import Refinement
 
 Spread = Mapping[str, tuple[float, float]]
 
@@ -27,12 +28,27 @@ def declared(result: StudyResult) -> Chapter:
         "that the drive gives. Their parameters were fitted to the identification records, all at once."
     )
     blocks = [
-        Paragraph(text),
+        Paragraph(text + _in_place(fit.plant, result.trace.refinements)),
         _effects(fit.plant, "The effects of the declared model."),
         parameters(fit.estimates, f"Parameters of the declared model with 95 % intervals. {_held(fit)}", fit=fit),
         *_on_parameters(fit.findings),
     ]
     return Chapter("The declared model", tuple(blocks))
+
+
+def _in_place(plant: Plant, refinements: Sequence[Refinement]) -> str:
+    """Return which effects stand in the place of declared ones whose law is only nearly right, as sentences; "" where none does."""
+    held = {e.key: e for e in plant.effects}
+    found = []
+    for r in refinements:
+        keys = {f"{e.effect}@{e.at}" for e in r.parameters} & held.keys()
+        if f"{r.effect}@{r.at}" not in held and len(keys) == 1:
+            stands = held[keys.pop()]
+            found.append(
+                f" {capital(located(stands.name, stands.at))} stands in the place of the declared {title(r.effect)}, whose law "
+                "is only nearly right: all errors, before and after, are beside it."
+            )
+    return "".join(found)
 
 
 def extended(result: StudyResult) -> Chapter | None:

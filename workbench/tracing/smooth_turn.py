@@ -73,13 +73,14 @@ class SmoothTurn:
             (f" (sharpness {e.value:.2g})" for e in told if e.parameter == "sharpness"), ", as friction of a film does"
         )
         speed = next(e for e in told if e.parameter == "speed")
+        beside = "that" if len(self.declared) == 1 else f"all {len(self.declared)} that do so"
         return Refinement(
             effect=dry.named,
             at=dry.at,
             kind="law",
             sentence=(
                 f"The declared law of {title(dry.name)} at the {dry.at} is only nearly right: it does not turn at once, but over a speed "
-                f"of {speed.value:.2g} {speed.unit}{sharp}. With that the identification error goes from "
+                f"of {speed.value:.2g} {speed.unit}{sharp}. With {beside} the identification error goes from "
                 f"{100 * self.before.identification:.2f} % to {100 * after.identification:.2f} %, and all else is held against it."
             ),
             parameters=told,
@@ -127,7 +128,7 @@ def _shaped(turn: SmoothTurn, state: State, criteria: Criteria) -> SmoothTurn | 
         values = {n: p.value for n, p in film.parameters.items()}
         other = catalogue()[OTHERWISE](at=film.at, coulomb=values["limit"], speed=values["speed"])
         found = _state(state.plant.without(film.key) + other, state.inverses)
-        better = found is not None and size(state, found) >= criteria.practical
+        better = found is not None and size(state, found) >= criteria.practical and _inside(found.plant[other.key])
         state = found if better else state
         key = other.key if better else film.key
         declared[key] = turn.declared[film.key]
@@ -135,6 +136,12 @@ def _shaped(turn: SmoothTurn, state: State, criteria: Criteria) -> SmoothTurn | 
     if stand == [f.key for f in turn.films]:
         return None
     return SmoothTurn(declared, tuple(state.plant[key] for key in stand), turn.before)
+
+
+def _inside(effect: Effect) -> bool:
+    """Whether an effect's sharpness lies inside its bounds: on one of them it is no shape that was found."""
+    sharpness = effect.parameters["sharpness"]
+    return 1.01 * sharpness.lower < sharpness.value < 0.99 * sharpness.upper
 
 
 def _turned(state: State, dry: Effect, criteria: Criteria) -> State | None:
