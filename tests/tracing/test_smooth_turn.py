@@ -68,10 +68,12 @@ def test_a_turn_that_is_no_films_is_found_in_its_own_shape(law, sharpness):
 
 
 def test_what_a_film_leaves_of_an_arctangent_is_no_further_friction():
-    """Its tail beyond ten times the speed of the turn would be nonlinear viscous friction."""
-    long = seen(lambda q, v: 0.4 * 2 / np.pi * np.arctan(v / 4e-3), weight=0.1)
-    check = seen(lambda q, v: 0.4 * 2 / np.pi * np.arctan(v / 4e-3), VALIDATION, 3, weight=0.1)
-    found = trace(PLANT, [*long, *check])
+    """Its way to its level, up to ten times the speed of the turn, was nonlinear viscous friction beside a film."""
+
+    def late(q, v):
+        return 0.4 * 2 / np.pi * np.arctan(v / 0.012)
+
+    found = trace(PLANT, [*seen(late, weight=0.1), *seen(late, VALIDATION, 3, weight=0.1)])
     assert [c.effect for c in found.causes] == ["gravity"]
     assert [r.effect for r in found.refinements] == ["coulomb_friction"]
 
