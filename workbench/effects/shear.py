@@ -1,4 +1,4 @@
-"""Friction that goes through zero with speed: a film that is sheared until it yields or whose viscosity goes with the rate of shear, and asperities that turn over a speed."""
+"""Friction that goes through zero with speed: a film that yields, asperities that turn over a speed, a lubricant that shears thinner."""
 
 from workbench.definition import FORCE, Effect, effect
 from workbench.effects.elementary import absolute, power, sign0, tanh

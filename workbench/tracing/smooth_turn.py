@@ -3,17 +3,18 @@
 Where an axis creeps to its rest on an oil film, friction goes through zero with speed, as T = TL tanh(v/vL) does with a vL of a few per
 mille of the fastest motion. Coulomb friction says its full size there, and the residual lives where the axis hardly moves: it would lead
 as nonlinear viscous friction, and hide what is missing. So before any effect is tried it is asked whether the declared friction is that,
-and where it is, all else is searched beside it.
+and in which shape, and where it is, all else is searched beside it.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from workbench.definition import Effect, catalogue
 from workbench.finding import title
 from workbench.identification.fit import fitted_on, identify
+from workbench.identification.intervals import on_bound
 from workbench.identification.result import Fit
 from workbench.identification.solve import NoValue
 from workbench.inverse.bodies import VELOCITY
@@ -38,8 +39,8 @@ SLOW = 0.02
 
 @dataclass(frozen=True, eq=False)
 class SmoothTurn:
-    """declared: the Coulomb frictions, as declared, by the key of what stands in their place. films: these, of whichever shape. before: the fit of whole records
-    with the frictions as declared."""
+    """declared: the Coulomb frictions, as declared, by the key of what stands in their place. films: these, of either shape. before: the
+    fit of whole records with the frictions as declared."""
 
     declared: dict[str, Effect]
     films: tuple[Effect, ...]
@@ -123,25 +124,23 @@ def _shaped(turn: SmoothTurn, state: State, criteria: Criteria) -> SmoothTurn | 
 
     state: with the films. What tanh leaves of an arctangent's long way to its level, 9 % of the friction, would be nonlinear viscous friction.
     """
-    declared, stand = {}, []
+    declared: dict[str, Effect] = {}
     for film in turn.films:
         values = {n: p.value for n, p in film.parameters.items()}
         other = catalogue()[OTHERWISE](at=film.at, coulomb=values["limit"], speed=values["speed"])
         found = _state(state.plant.without(film.key) + other, state.inverses)
         better = found is not None and size(state, found) >= criteria.practical and _inside(found.plant[other.key])
         state = found if better else state
-        key = other.key if better else film.key
-        declared[key] = turn.declared[film.key]
-        stand.append(key)
-    if stand == [f.key for f in turn.films]:
+        declared[other.key if better else film.key] = turn.declared[film.key]
+    if declared.keys() == turn.declared.keys():
         return None
-    return SmoothTurn(declared, tuple(state.plant[key] for key in stand), turn.before)
+    return replace(turn, declared=declared, films=tuple(state.plant[key] for key in declared))
 
 
 def _inside(effect: Effect) -> bool:
     """Whether an effect's sharpness lies inside its bounds: on one of them it is no shape that was found."""
     sharpness = effect.parameters["sharpness"]
-    return 1.01 * sharpness.lower < sharpness.value < 0.99 * sharpness.upper
+    return not on_bound(sharpness.value, sharpness.lower, sharpness.upper)
 
 
 def _turned(state: State, dry: Effect, criteria: Criteria) -> State | None:
