@@ -122,3 +122,22 @@ def test_help_imports_nothing_heavy():
     code = "import sys; from workbench.cli import _parser; _parser(); print([m for m in ('numpy', 'casadi', 'numba') if m in sys.modules])"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, cwd=ROOT)
     assert done.stdout.strip() == "[]", done.stderr
+
+
+def _ended(main: str, **given) -> subprocess.CompletedProcess:
+    """Return how a process ends whose command is `main`, a line that prints and returns a code."""
+    code = f"import atexit, sys; from workbench import cli; atexit.register(print, 'last'); cli.main = lambda: {main}; cli.command()"
+    return subprocess.run([sys.executable, "-c", code], text=True, stderr=subprocess.PIPE, timeout=60, **given)
+
+
+def test_a_command_that_has_done_its_work_ends_with_its_code_and_has_said_all():
+    done = _ended("print('x' * 300_000) or 3", stdout=subprocess.PIPE)
+    assert done.returncode == 3 and done.stderr == ""
+    assert done.stdout.split() == ["x" * 300_000, "last"]
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="no device that is always full")
+def test_what_a_full_disk_did_not_take_is_no_success():
+    with open("/dev/full", "w") as full:
+        done = _ended("print('x') or 0", stdout=full)
+    assert done.returncode != 0 and "No space left" in done.stderr

@@ -4,6 +4,7 @@ Only what a call returns goes through a pipe, so it must pickle; what it is call
 elsewhere, and in a fork, all is done by this process. No result depends on which process made it.
 """
 
+import gc
 import os
 import signal
 import sys
@@ -128,6 +129,7 @@ def _undisturbed() -> Iterator[None]:
 
 def _work(function: Callable, items: Sequence, queue: int, end) -> None:
     """What a fork does: send (k, True, result) of each item that it takes, or (k, False, what was raised) and no more."""
+    gc.freeze()  # what the parent made stays: to look through it would copy its pages
     threading.Thread(target=_end_with, args=(parent_process().pid,), daemon=True).start()
     signal.signal(signal.SIGTERM, signal.SIG_DFL)  # at once, whatever it is in
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # whoever interrupts means the process that waits, which ends this one
