@@ -15,6 +15,7 @@ from workbench.plant import ONE_MASS, Plant
 from workbench.record import IDENTIFICATION, VALIDATION, Record, Source
 from workbench.tracing import free_law, greedy, otherwise, ranking, tracing
 from workbench.tracing.candidates import Offer, candidates_of
+from workbench.tracing.evidence import CORRECTION
 from workbench.tracing.judge import STANDARD
 from workbench.tracing.spellings import spellings_of
 from workbench.tracing.starts import resonances
@@ -61,6 +62,20 @@ def test_a_spring_and_a_cogging_are_two_effects_though_one_curve_over_place_take
     monkeypatch.setattr(free_law, "_two_say_it", lambda *_: False)
     curve = free_law.free_law(state, judgements, best, [], STANDARD)
     assert (curve.candidate.effect, curve.candidate.name) == ("force_over_position", "cogging")
+
+
+def test_a_wrong_weight_and_a_cogging_are_two_though_one_curve_over_place_takes_both(monkeypatch):
+    """A data sheet's value that is wrong is no law more: a curve of two dozen knots does not take its place."""
+    over = lambda q: 0.62 * np.sin(q + 0.35) + 0.05 * np.sin(9.0 * q + 0.4)  # noqa: E731
+    records = [recorded(n, IDENTIFICATION, s, lambda v: 0.0 * v, over=over) for n, s in (("a", 4.0), ("bb", 2.5))]
+    plant = PLANT + find("gravity")(cosine=0.55 * np.sin(0.35), sine=0.55 * np.cos(0.35), fixed=True)
+    state = State(plant, inverse_dynamics(records, 50.0))
+    judgements = ranking.step(state, lambda _: None, Offer(only={"cogging", "cable_spring", "gravity"}))
+    best = judgements[0]
+    assert (best.candidate.key, best.candidate.kind) == ("gravity@axis", CORRECTION)
+    assert free_law.free_law(state, judgements, best, [], STANDARD) is None
+    monkeypatch.setattr(free_law, "_two_say_it", lambda *_: False)
+    assert free_law.free_law(state, judgements, best, [], STANDARD).candidate.effect == "force_over_position"
 
 
 def test_stribecks_friction_and_an_asymmetry_are_two_effects_though_one_curve_over_speed_takes_both(monkeypatch):

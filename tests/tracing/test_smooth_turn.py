@@ -1,16 +1,21 @@
 """Declared Coulomb friction that turns over a speed: a law that is only nearly right, and no friction that is missing."""
 
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from workbench.definition import find
+from workbench.identification.fit import identify
 from workbench.inverse.dynamics import inverse_dynamics
 from workbench.plant import ONE_MASS, Plant
 from workbench.record import IDENTIFICATION, VALIDATION, Record, Source
+from workbench.tracing import preparing
+from workbench.tracing.candidates import candidates_of
 from workbench.tracing.criteria import Criteria
-from workbench.tracing.smooth_turn import SLOW, smooth_turn
+from workbench.tracing.smooth_turn import SLOW, SmoothTurn, smooth_turn
+from workbench.tracing.state import State
 from workbench.tracing.tracing import trace
 
 SOURCE = Source(Path("made"), "", "made", {})
@@ -37,6 +42,19 @@ def seen(force, role: str = IDENTIFICATION, seed: int = 0, weight: float = 0.0):
 
 def over(speed: float):
     return lambda q, v: 0.4 * np.tanh(v / speed)
+
+
+def slips(length: float):
+    """The play of a spring that slips: friction that builds up over a distance."""
+
+    def force(q, v):
+        x, found = 0.0, np.empty(q.size)
+        for i, dq in enumerate(np.diff(q, prepend=q[0])):
+            x = min(max(x + dq, -length), length)
+            found[i] = 0.4 * x / length
+        return found
+
+    return force
 
 
 def test_friction_that_turns_over_a_thousandth_of_the_speed_is_the_declared_law_nearly_right():
@@ -89,15 +107,7 @@ def test_friction_that_turns_at_once_stays():
 
 def test_presliding_is_no_turn_over_a_speed():
     """It builds up over a distance, which the free virgin curve says."""
-
-    def slips(q, v):
-        x, found = 0.0, np.empty(q.size)
-        for i, dq in enumerate(np.diff(q, prepend=q[0])):
-            x = min(max(x + dq, -2e-3), 2e-3)
-            found[i] = 0.4 * x / 2e-3
-        return found
-
-    assert smooth_turn(PLANT, seen(slips), Criteria()) is None
+    assert smooth_turn(PLANT, seen(slips(2e-3)), Criteria()) is None
 
 
 def test_a_held_friction_stays():
@@ -132,3 +142,40 @@ def test_what_is_missing_beside_it_is_named_alone(both):
     found = trace(PLANT, both[0.1])
     assert (found.verdict, found.added) == ("cause", ("gravity",))
     assert found.after.validation < 0.05 < found.before.validation
+
+
+# --- asked again beside what was found -------------------------------------------------------------------------------------
+
+
+def turned_on(inverses) -> SmoothTurn:
+    """What a turn is taken for on these records, whether it is one or not."""
+    dry = PLANT["coulomb_friction@axis"]
+    film = find("film_friction")(limit=0.4, speed=4e-3)
+    return SmoothTurn({FILM: dry}, (film,), identify(PLANT, inverses))
+
+
+@pytest.mark.parametrize(("force", "stands"), [(over(4e-3), True), (slips(2e-5), False)])
+@pytest.mark.parametrize("memory", [False, True])
+def test_beside_what_was_found_a_turn_stands_where_friction_turns_so(force, stands, memory):
+    """A memory that was found at its place is no part of the question: it may be what the turn hides."""
+    inverses = seen(force)
+    turn = turned_on(inverses)
+    declared = State(turn.of(PLANT), inverses)
+    added = find("fading_memory") if memory else find("constant_offset")
+    plant = declared.plant + added
+    candidate = next(c for c in candidates_of(declared.plant) if c.key == added.key and not c.instead)
+    found = SimpleNamespace(added=[SimpleNamespace(candidate=candidate)], last=State(plant, inverses))
+    assert turn.stands(found, inverses, Criteria()) is stands
+
+
+def test_a_turn_that_does_not_stand_is_taken_back_and_all_is_asked_of_friction_as_it_is_declared(monkeypatch):
+    monkeypatch.setattr(SmoothTurn, "stands", lambda *_: False)
+    dry = lambda q, v: 0.4 * np.sign(v)  # noqa: E731
+    records = [*seen(dry, weight=0.1), *seen(dry, VALIDATION, 1, 0.1)]
+    monkeypatch.setattr(preparing, "smooth_turn", lambda *_: turned_on(records))
+    said = []
+    found = trace(PLANT, records, said.append)
+    assert "searching once more, with friction as it is declared" in said
+    assert (found.verdict, found.added, found.refinements) == ("cause", ("gravity",), ())
+    assert "turns over a speed" not in found.sentence
+    assert "coulomb_friction@axis" in {e.key for e in found.before.plant.effects}

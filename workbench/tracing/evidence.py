@@ -113,8 +113,15 @@ class Weighed:
     def size(self, role: str) -> float:
         """Return what it takes away, over the rms of the drive or of the joint's torque, in the balance in which it shows most;
         negative where the error grows, NaN without such a record."""
-        before, after = self.errors(role)
-        less = before**2 - after**2
+        return self._less(role, self.behind)
+
+    def size_where(self, other: "Weighed", role: str) -> float:
+        """Return what it takes away in the balance in which another one shows most, or in its own where it is not known there."""
+        return self._less(role, other.behind if self.load_before else self.behind)
+
+    def _less(self, role: str, behind: bool) -> float:
+        before, after = (self.load_before, self.load_after) if behind else (self.before, self.after)
+        less = before[role] ** 2 - after[role] ** 2
         return copysign(sqrt(abs(less)), less)
 
     def in_drive(self, role: str) -> float:

@@ -165,8 +165,8 @@ def steadier(
 def _two_say_it(state: State, best: ScoredCandidate, most: float, criteria: Criteria, offer: Offer) -> bool:
     """Whether a formula with another of its class leaves no more than `most`, one of them periodic and the other not, or one the same in both
     directions and the other a difference between them: a spring and a cogging, Stribeck's friction and an asymmetry are two effects and no
-    law of one. Of the other one every spelling is asked."""
-    if best.candidate.kind != ADDITION or best.refitted is None:
+    law of one; so are a data sheet's wrong value and a cogging. Of the other one every spelling is asked."""
+    if best.refitted is None:
         return False
     beside, own = best.state or best.refitted.state, _symmetry(best.candidate)
     offered = replace(offer, own=(*offer.own, *spellings_in(best.candidate.family)))

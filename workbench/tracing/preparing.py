@@ -69,6 +69,13 @@ def prepared(plant: Plant, inverses: Sequence[InverseDynamics], only: Only, crit
     return found
 
 
+def turned_back(d: Declared, only: Only, criteria: Criteria) -> Declared:
+    """Return what is known of a model whose declared friction turned over a speed, with that friction as it is declared."""
+    declared = d.turn.back(d.declared)
+    before = identify(declared, d.inverses) if d.before else None
+    return _fitted(replace(d, declared=declared, plant=d.turn.back(d.plant), turn=None, before=before), only, criteria)
+
+
 class Rest:
     """Whether rest is most of what is left of records beside what a search found: asked once of each set of effects."""
 

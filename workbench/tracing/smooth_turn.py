@@ -20,12 +20,14 @@ from workbench.identification.solve import NoValue
 from workbench.inverse.bodies import VELOCITY
 from workbench.inverse.dynamics import InverseDynamics
 from workbench.plant import Plant
+from workbench.tracing.answer import Answer
 from workbench.tracing.criteria import Criteria
 from workbench.tracing.decimation import decimate
 from workbench.tracing.near_law import laws
 from workbench.tracing.result import Refinement
 from workbench.tracing.selection import curved, size
 from workbench.tracing.state import State
+from workbench.tracing.sticking import sticking
 
 FILM = "film_friction"
 OTHERWISE = "regularised_coulomb_friction"  # comes to its level sooner or later than a film
@@ -51,6 +53,33 @@ class SmoothTurn:
         for film in self.films:
             plant = plant.without(self.declared[film.key].key) + film
         return plant
+
+    def back(self, plant: Plant) -> Plant:
+        """Return a plant with each of these frictions as it is declared."""
+        for key, dry in self.declared.items():
+            plant = plant.without(key) + dry
+        return plant
+
+    def stands(self, answer: Answer, inverses: Sequence[InverseDynamics], criteria: Criteria) -> bool:
+        """Whether beside what a search found a turn still takes what is of practical size beyond the free virgin curve, where the axis moves and
+        without what was added that has a memory there.
+
+        Of friction that builds up over a distance a turn takes much while something larger hides how it does so; the memory is then found
+        beside it, as if one contact were two. And where an axis sticks a turn dresses rest. inverses: of all records, with which it was found.
+        """
+        places = {e.at for e in self.declared.values()}
+        plant = answer.last.plant
+        for j in answer.added:
+            if j.candidate.at in places and "dir" in plant[j.candidate.key].provides:
+                plant = plant.without(j.candidate.key)
+        straight = self.back(plant)
+        sticks = sticking(straight, inverses)
+        thin = decimate(fitted_on(sticks.inverses if sticks else inverses), straight, criteria.rate)
+        turned, dry = _state(plant, thin), _state(straight, thin)
+        if turned is None or dry is None:
+            return True
+        known = [w for w in laws(dry.plant, thin) if w.declared.key in {e.key for e in self.declared.values()}]
+        return size(curved(dry, known, criteria), turned) >= criteria.practical
 
     def taken(self, after: Fit) -> float:
         """Return what a fit takes away of what the plant as it is declared leaves, over the drive's rms, on identification."""

@@ -29,7 +29,7 @@ from workbench.tracing.foreseen import loaded
 from workbench.tracing.further import foretold
 from workbench.tracing.judge import STANDARD, Progress, ScoredCandidate
 from workbench.tracing.otherwise import as_a_curve, in_place_of_two, otherwise
-from workbench.tracing.preparing import Declared, Rest, prepared
+from workbench.tracing.preparing import Declared, Rest, prepared, turned_back
 from workbench.tracing.reporting import Outcome, reported
 from workbench.tracing.result import Trace
 from workbench.tracing.selection import Selection, select
@@ -74,11 +74,25 @@ def trace(
     offer = Offer(only, own, [e.key for e in plant.effects], budget=budget)
     try:
         late = prepared(plant, inverses, only, criteria)
-        declared, offered = _begun(late, offer, criteria)
+        begun = _begun(late, offer, criteria)
     except NoValue:
         raise WorkbenchError(
             "the declared model has no value on these records: a shape parameter lies far from them; check it and its unit."
         ) from None
+    late, selected, offered = _searched(late, begun, offer, criteria, progress)
+    if late.turn and selected.answer.added and not late.turn.stands(selected.answer, late.inverses, criteria):
+        progress("searching once more, with friction as it is declared")
+        late = turned_back(late, only, criteria)
+        late, selected, offered = _searched(late, _begun(late, offer, criteria), offer, criteria, progress)
+    return _decided(late, *_borne_out(late, selected, offered, criteria, progress), criteria, progress)
+
+
+def _searched(
+    late: Declared, begun: tuple[State, Offer], offer: Offer, criteria: Criteria, progress: Progress
+) -> tuple[Declared, Selection, Offer]:
+    """Return what a search selects beside a declared model, and what it was offered; where rest is most of what is left beside that, with
+    records that count where the axis moves, of a search on these. begun: of the first search."""
+    declared, offered = begun
     rest = Rest(late)
     selected = select(declared, late.whole, offered, criteria, progress, lambda found: rest(found) is not None)
     if selected.answer.added and (moving := rest(selected.dry)) is not None:
@@ -86,7 +100,7 @@ def trace(
         late = moving
         declared, offered = _begun(late, offer, criteria)
         selected = select(declared, late.whole, offered, criteria, progress)
-    return _decided(late, *_borne_out(late, selected, offered, criteria, progress), criteria, progress)
+    return late, selected, offered
 
 
 def _borne_out(
