@@ -12,7 +12,8 @@ from workbench.inverse.dynamics import inverse_dynamics
 from workbench.plant import ONE_MASS, Plant
 from workbench.record import IDENTIFICATION, VALIDATION, Record, Source
 from workbench.tracing import preparing
-from workbench.tracing.candidates import candidates_of
+from workbench.tracing.answer import Answer
+from workbench.tracing.candidates import Offer
 from workbench.tracing.criteria import Criteria
 from workbench.tracing.smooth_turn import SLOW, SmoothTurn, smooth_turn
 from workbench.tracing.state import State
@@ -155,16 +156,15 @@ def turned_on(inverses) -> SmoothTurn:
 
 
 @pytest.mark.parametrize(("force", "stands"), [(over(4e-3), True), (slips(2e-5), False)])
-@pytest.mark.parametrize("memory", [False, True])
-def test_beside_what_was_found_a_turn_stands_where_friction_turns_so(force, stands, memory):
+@pytest.mark.parametrize("what", ["constant_offset", "fading_memory"])
+def test_beside_what_was_found_a_turn_stands_where_friction_turns_so(force, stands, what):
     """A memory that was found at its place is no part of the question: it may be what the turn hides."""
     inverses = seen(force)
     turn = turned_on(inverses)
     declared = State(turn.of(PLANT), inverses)
-    added = find("fading_memory") if memory else find("constant_offset")
-    plant = declared.plant + added
-    candidate = next(c for c in candidates_of(declared.plant) if c.key == added.key and not c.instead)
-    found = SimpleNamespace(added=[SimpleNamespace(candidate=candidate)], last=State(plant, inverses))
+    offered = Offer(stands_for=turn.declared).candidates(declared.plant)
+    candidate = next(c for c in offered if c.key == f"{what}@axis")
+    found = Answer([SimpleNamespace(candidate=candidate)], declared, State(candidate.plant, inverses))
     assert turn.stands(found, inverses, Criteria()) is stands
 
 

@@ -21,6 +21,7 @@ from workbench.inverse.bodies import VELOCITY
 from workbench.inverse.dynamics import InverseDynamics
 from workbench.plant import Plant
 from workbench.tracing.answer import Answer
+from workbench.tracing.candidates import without
 from workbench.tracing.criteria import Criteria
 from workbench.tracing.decimation import decimate
 from workbench.tracing.near_law import laws
@@ -71,7 +72,7 @@ class SmoothTurn:
         plant = answer.last.plant
         for j in answer.added:
             if j.candidate.at in places and "dir" in plant[j.candidate.key].provides:
-                plant = plant.without(j.candidate.key)
+                plant = without(plant, j.candidate, answer.declared.plant)
         straight = self.back(plant)
         sticks = sticking(straight, inverses)
         thin = decimate(fitted_on(sticks.inverses if sticks else inverses), straight, criteria.rate)
