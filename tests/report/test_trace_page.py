@@ -198,3 +198,12 @@ def test_a_map_into_which_no_sample_falls_has_no_part_in_the_prefix_of_the_other
     none, some = [np.nan, np.nan], [0.002, np.nan]
     assert residual_figures._prefix(maps(none, some)) == residual_figures._prefix(maps(some))
     assert residual_figures._prefix(maps(none)) == residual_figures._prefix(maps([0.0]))
+
+
+def test_no_line_is_drawn_across_a_part_where_no_sample_falls():
+    """Of a turn an axis may visit two ends; a bin or two that are empty break nothing."""
+    seen = np.ones(60, bool)
+    seen[[3, 4]] = seen[20:45] = False
+    x, y = residual_figures._where_seen(seen, np.arange(60.0), np.full(60, 2.0))
+    assert np.flatnonzero(np.isnan(x)).tolist() == np.flatnonzero(np.isnan(y)).tolist() == [18]
+    assert (x[17], x[19]) == (19.0, 45.0) and x.size == np.count_nonzero(seen) + 1
