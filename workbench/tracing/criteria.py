@@ -16,7 +16,8 @@ class Criteria:
     practical: share of the drive's rms that an effect must take away to be a cause; less is a refinement. The laws of the
         catalogue are right to about that much on a bench; causes that were known took 1.4 % and more. Halved, near laws are
         named as causes; doubled, causes of 1 % are refinements.
-    lesser: share of what the largest cause takes away, in rms, below which a further one of another name is a refinement: a law of the
+    lesser: share of what the largest cause takes away, in rms and of the balance (drive, joint) in which a further one of another name shows, below
+        which that is a refinement: a law of the
         catalogue is right to some per cent of what it takes, and something is always found for the rest. On 400 axes of other authors two
         dozen second causes took 0.22 and more, and of 20 effects that nobody put there eleven took 0.076 to 0.136; of 38 pairs that a rig
         draws two take less. Halved, the eleven are causes; doubled, seven of the other nine are refinements, and three right ones with them.

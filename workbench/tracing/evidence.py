@@ -107,22 +107,20 @@ class Weighed:
 
     def errors(self, role: str) -> tuple[float, float]:
         """Return the error before and after in the balance in which it shows most."""
-        before, after = (self.load_before, self.load_after) if self.behind else (self.before, self.after)
-        return before[role], after[role]
+        return self._errors(role, self.behind)
 
     def size(self, role: str) -> float:
         """Return what it takes away, over the rms of the drive or of the joint's torque, in the balance in which it shows most;
         negative where the error grows, NaN without such a record."""
-        return self._less(role, self.behind)
+        return _taken(*self.errors(role))
 
     def size_where(self, other: "Weighed", role: str) -> float:
-        """Return what it takes away in the balance in which another one shows most, or in its own where it is not known there."""
-        return self._less(role, other.behind if self.load_before else self.behind)
+        """Return what it takes away in the balance in which another effect shows most, of the drive where it is known of that alone."""
+        return _taken(*self._errors(role, other.behind and bool(self.load_before)))
 
-    def _less(self, role: str, behind: bool) -> float:
+    def _errors(self, role: str, behind: bool) -> tuple[float, float]:
         before, after = (self.load_before, self.load_after) if behind else (self.before, self.after)
-        less = before[role] ** 2 - after[role] ** 2
-        return copysign(sqrt(abs(less)), less)
+        return before[role], after[role]
 
     def in_drive(self, role: str) -> float:
         """Return what it takes away over the rms of the drive, wherever it shows most; 0 where the error grows."""
@@ -136,6 +134,12 @@ class Weighed:
         """Return the share of the residual's power that it takes away there."""
         before, after = self.errors(role)
         return 1.0 - (after / before) ** 2 if before != 0.0 else 0.0
+
+
+def _taken(before: float, after: float) -> float:
+    """Return what is taken away from one error to another one, rms; negative where it grows."""
+    less = before**2 - after**2
+    return copysign(sqrt(abs(less)), less)
 
 
 @dataclass(frozen=True)

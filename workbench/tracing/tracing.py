@@ -42,6 +42,9 @@ from workbench.tracing.wording_search import too_short
 # Blocks of the identification records, by which gains are judged on what was not fitted: with fewer their scatter says nothing. Halved, a command that
 # saturates for half a second is "unknown"; doubled, three measured axes of 1.3 to 2.7 s are refused
 FEWEST = 4
+NO_VALUE = (
+    "the declared model has no value on these records: a shape parameter lies far from them; check it and its unit."
+)
 # Searches at most without what whole records do not bear out. Halved or doubled, no change; with none an actuator has nothing missing at a quarter
 # of its drive
 AGAIN = 2
@@ -74,25 +77,21 @@ def trace(
     offer = Offer(only, own, [e.key for e in plant.effects], budget=budget)
     try:
         late = prepared(plant, inverses, only, criteria)
-        begun = _begun(late, offer, criteria)
     except NoValue:
-        raise WorkbenchError(
-            "the declared model has no value on these records: a shape parameter lies far from them; check it and its unit."
-        ) from None
-    late, selected, offered = _searched(late, begun, offer, criteria, progress)
+        raise WorkbenchError(NO_VALUE) from None
+    late, selected, offered = _searched(late, offer, criteria, progress)
     if late.turn and selected.answer.added and not late.turn.stands(selected.answer, late.inverses, criteria):
         progress("searching once more, with friction as it is declared")
-        late = turned_back(late, only, criteria)
-        late, selected, offered = _searched(late, _begun(late, offer, criteria), offer, criteria, progress)
+        late, selected, offered = _searched(turned_back(late, only, criteria), offer, criteria, progress)
     return _decided(late, *_borne_out(late, selected, offered, criteria, progress), criteria, progress)
 
 
 def _searched(
-    late: Declared, begun: tuple[State, Offer], offer: Offer, criteria: Criteria, progress: Progress
+    late: Declared, offer: Offer, criteria: Criteria, progress: Progress
 ) -> tuple[Declared, Selection, Offer]:
     """Return what a search selects beside a declared model, and what it was offered; where rest is most of what is left beside that, with
-    records that count where the axis moves, of a search on these. begun: of the first search."""
-    declared, offered = begun
+    records that count where the axis moves, of a search on these."""
+    declared, offered = _begun(late, offer, criteria)
     rest = Rest(late)
     selected = select(declared, late.whole, offered, criteria, progress, lambda found: rest(found) is not None)
     if selected.answer.added and (moving := rest(selected.dry)) is not None:
@@ -161,7 +160,10 @@ def _begun(late: Declared, offer: Offer, criteria: Criteria) -> tuple[State, Off
     turned = late.turn.declared if late.turn else {}
     declared = [*offer.declared, *turned]
     offered = replace(offer, only=() if late.idle else offer.only, declared=declared, stands_for=told | turned)
-    begun = State(loose, decimate(late.whole, late.plant, criteria.rate))
+    try:
+        begun = State(loose, decimate(late.whole, late.plant, criteria.rate))
+    except NoValue:
+        raise WorkbenchError(NO_VALUE) from None
     if begun.errors.errors.size < FEWEST:
         raise WorkbenchError(too_short(seconds(begun.problem), block_seconds(begun.problem), FEWEST))
     return begun, offered
