@@ -70,6 +70,7 @@ def coverage(seconds: tuple[float, ...], memory: float, size: float = 0.02, coun
         ((6.0, 6.0, 6.0), 0.05),  # 36 blocks of half a second, ten times the memory
         ((6.0, 6.0, 6.0), 0.3),  # a memory as long as a block
         ((2.5, 2.5), 0.05),  # ten blocks for three parameters: the few-blocks correction carries it
+        ((2.0,), 0.1),  # as few again, and a memory of half a block
     ],
 )
 def test_a_95_per_cent_interval_holds_the_truth(seconds, memory):

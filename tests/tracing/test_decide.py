@@ -255,6 +255,15 @@ CASES = {
         evidence(weighed(id_=(0.2, 0.05), val=(0.2, 0.05)), weighed("flexible_mode", (0.05, 0.038), (0.05, 0.04), foretold=0.02)), CAUSE,
         (CAUSE, CAUSE),
     ),
+    "much that nothing explains hides no cause that takes half of identification and of what could be explained": (
+        evidence(weighed(id_=(0.2, 0.11), val=(0.18, 0.14)), before=0.11, after=0.07), CAUSE, (CAUSE,),
+    ),
+    "but one that leaves more than half of what could be explained only dresses it": (
+        evidence(weighed(id_=(0.2, 0.11), val=(0.18, 0.14)), before=0.11, after=0.08), UNKNOWN, (DRESSING,),
+    ),
+    "and so does one that takes less than half of identification": (
+        evidence(weighed(id_=(0.2, 0.15), val=(0.18, 0.14)), before=0.11, after=0.07), UNKNOWN, (DRESSING,),
+    ),
     "without a validation record the identification records decide": (
         evidence(weighed(val=(float("nan"), float("nan")))), CAUSE, (CAUSE,),
     ),
@@ -266,6 +275,17 @@ def test_a_verdict_follows_from_its_evidence(case):
     given, verdict, roles = CASES[case]
     found = decide(given, STANDARD)
     assert (found.verdict, found.roles) == (verdict, roles)
+
+
+def test_what_takes_most_of_the_drive_comes_before_what_takes_most_of_a_small_balance_of_the_load():
+    gap = weighed("backlash", (0.08, 0.01), (0.08, 0.01))
+    contact = weighed(
+        "fading_memory", (0.024, 0.008), (0.024, 0.008),
+        load_before={"identification": 0.23, "validation": 0.22},
+        load_after={"identification": 0.02, "validation": 0.02},
+    )  # fmt: skip
+    assert contact.size("identification") > gap.size("identification")
+    assert decide(evidence(gap, contact), STANDARD).added == ("backlash", "fading_memory")
 
 
 def test_more_than_the_causes_take_is_something_else():

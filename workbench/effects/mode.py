@@ -77,7 +77,7 @@ def _mode(**own) -> Effect:
         parameters={
             "mass": Parameter(0.0, "F*s^2/x", "inertia or mass of the part that swings", lower=0.0),
             "frequency": Parameter(50.0, "Hz", "its frequency with the axis held", lower=1e-3, scale="resonance"),
-            "damping": Parameter(0.1, "1", "its damping ratio", lower=1e-4, upper=0.95, scale="number"),
+            "damping": Parameter(0.1, "1", "damping ratio", lower=1e-4, upper=0.95, scale="number"),
         },
         linear=("mass",),
         states={"y": 1, "v": 1, "a": 1},

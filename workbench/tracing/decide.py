@@ -12,7 +12,7 @@
 | is what they take of a window of the stroke paid for with residual elsewhere? | unknown |
 | does a stiffness of the joint or an inertia that changes along the stroke, which no effect is, take `explainable` more of the drive than they do? | unknown |
 | has what takes most values that no machine has, and leaves `beside` explainable? | unknown |
-| do the causes take `held` of the validation power, or leave little that is explainable? | cause |
+| do the causes take `held` of the validation power, or of the identification power and of what is explainable, or leave little of that? | cause |
 | is more than `explainable` of the drive predictable from outside the loop? | unknown |
 | does an effect take `held` of the identification power, more than `beside` of the drive, and is not borne out? | unknown |
 | does more than `unaccounted` of the drive stay beyond what noise may leave, in every role? | unknown |
@@ -54,7 +54,7 @@ def decide(evidence: Evidence, criteria: Criteria) -> Verdict:
     """Return the verdict on this evidence."""
     roles = _lesser(evidence.added, tuple(_role(a, criteria) for a in evidence.added), criteria)
     causes = [a for a, r in zip(evidence.added, roles, strict=True) if r == CAUSE]
-    spread = evidence.traded or (evidence.place_instead and not _little_left(evidence, criteria))
+    spread = evidence.traded or (evidence.place_instead and not _little_left(evidence, criteria, criteria.left))
     along = bool(causes) and _less_than_places(evidence, causes, criteria)
     if causes and (
         spread or along or _doubtful(evidence, causes, criteria) or not _answers(evidence, causes, criteria)
@@ -67,10 +67,8 @@ def decide(evidence: Evidence, criteria: Criteria) -> Verdict:
     if causes or evidence.clock:
         size = evidence.after.size
         more = size >= criteria.beside and size >= 0.5 * evidence.before.size and not evidence.idle
-        names = (
-            *(("clock_skew",) if evidence.clock else ()),
-            *(a.effect.partition(" ")[0] for a in sorted(causes, key=lambda a: -a.size(IDENTIFICATION))),
-        )
+        ordered = sorted(causes, key=lambda a: a.order(criteria.practical), reverse=True)
+        names = (*(("clock_skew",) if evidence.clock else ()), *(a.effect.partition(" ")[0] for a in ordered))
         return Verdict(CAUSE, roles, more, _alarms(evidence, roles), tuple(dict.fromkeys(names)))
     # what only dresses a change along the stroke was borne out: something is there, though the reference may foretell none of it
     missing = evidence.before.size >= criteria.explainable or along or _unborne(evidence, roles, criteria)
@@ -141,9 +139,7 @@ def in_question(added: tuple[Weighed, ...], criteria: Criteria) -> list[int]:
     be asked what is foretold of that. Of the drive alone, and of no further order of the largest."""
     roles = tuple(_role(a, criteria) for a in added)
     small = _small(added, roles, criteria)
-    first = max(
-        (a for a, r in zip(added, roles, strict=True) if r == CAUSE), key=lambda a: a.size(IDENTIFICATION), default=None
-    )
+    first = _largest([a for a, r in zip(added, roles, strict=True) if r == CAUSE], criteria)
     further = (r == CAUSE and not s and a is not first for a, r, s in zip(added, roles, small, strict=True))
     return [i for i, (a, f) in enumerate(zip(added, further, strict=True)) if f and _weak(a, first, criteria)]
 
@@ -157,7 +153,7 @@ def _weak(a: Weighed, first: Weighed, criteria: Criteria) -> bool:
 def _small(added: tuple[Weighed, ...], roles: tuple[str, ...], criteria: Criteria) -> tuple[bool, ...]:
     """Whether each effect is small beside the largest cause: by what it takes, or because it says the curve of a larger one."""
     causes = [a for a, r in zip(added, roles, strict=True) if r == CAUSE]
-    first = max(causes, key=lambda a: a.size(IDENTIFICATION), default=None)
+    first = _largest(causes, criteria)
     largest = first.size(IDENTIFICATION) if first else 0.0
     return tuple(
         a.same_curve
@@ -166,6 +162,11 @@ def _small(added: tuple[Weighed, ...], roles: tuple[str, ...], criteria: Criteri
         or (a.implausible and a.size(IDENTIFICATION) < min(largest, criteria.beside))
         for a in added
     )
+
+
+def _largest(causes: list[Weighed], criteria: Criteria) -> Weighed | None:
+    """Return the cause that takes most, or None."""
+    return max(causes, key=lambda a: a.order(criteria.practical), default=None)
 
 
 def _little_of(a: Weighed, first: Weighed, criteria: Criteria) -> bool:
@@ -190,21 +191,26 @@ def _beyond(a: Weighed) -> float:
 def _answers(evidence: Evidence, causes: list[Weighed], criteria: Criteria) -> bool:
     """Whether the causes are the answer: they hold on validation, or leave little of what could be explained.
 
-    What only an injected torque shows (a delay, a lag) is in no reference, and moves excite it little: then it is enough that the
+    Beside much that nothing explains (a bench whose records are noisy, or that lacks more than one thing) it is enough that they take `held` of
+    identification and of what could be explained. What only an injected torque shows (a delay, a lag) is in no reference, and moves excite it
+    little: then it is enough that the
     causes take as much of the identification records, by blocks that were not seen, or a level that wanders in bench time, and that nothing
-    explainable stays. A model that leaves more than `unaccounted` in every role has none.
+    explainable stays. Else a model that leaves more than `unaccounted` in every role has none.
     """
     judge = VALIDATION if isfinite(evidence.declared[VALIDATION]) else IDENTIFICATION
     if _share_of(causes, evidence, judge) >= criteria.held:
         return True
     if any(a.behind and a.share(judge) >= criteria.held for a in causes):
         return True
+    explainable = evidence.before.size >= criteria.explainable
+    much = _share_of(causes, evidence, IDENTIFICATION) >= criteria.held
+    if explainable and much and _little_left(evidence, criteria, 1.0 - criteria.held):
+        return True
     if evidence.left_by(causes[-1]) >= criteria.unaccounted:
         return False
-    if evidence.before.size >= criteria.explainable:
-        return _little_left(evidence, criteria)
-    much = _share_of(causes, evidence, IDENTIFICATION) >= criteria.held or _level_gone(evidence, criteria)
-    return much and evidence.after.size < criteria.explainable
+    if explainable:
+        return _little_left(evidence, criteria, criteria.left)
+    return (much or _level_gone(evidence, criteria)) and evidence.after.size < criteria.explainable
 
 
 def _level_gone(evidence: Evidence, criteria: Criteria) -> bool:
@@ -221,15 +227,12 @@ def _share_of(causes: list[Weighed], evidence: Evidence, role: str) -> float:
     return taken / declared if declared > 0.0 else 0.0
 
 
-def _little_left(evidence: Evidence, criteria: Criteria) -> bool:
-    """Whether what was added leaves little of what could be explained, of every kind that is worth it: a cause leaves no line as it was."""
-    return (
-        all(
-            min(before, after) < criteria.explainable or after**2 <= criteria.left * before**2
-            for before, after in zip(evidence.before.sizes, evidence.after.sizes, strict=True)
-        )
-        and evidence.after.size**2 <= criteria.left * evidence.before.size**2
-    )
+def _little_left(evidence: Evidence, criteria: Criteria, left: float) -> bool:
+    """Whether what was added leaves little of what could be explained, of every kind that is worth it: a cause leaves no line as it was.
+    left: share of its power that is little."""
+    kinds = zip(evidence.before.sizes, evidence.after.sizes, strict=True)
+    gone = all(min(b, a) < criteria.explainable or a**2 <= left * b**2 for b, a in kinds)
+    return gone and evidence.after.size**2 <= left * evidence.before.size**2
 
 
 def _alarms(evidence: Evidence, roles: tuple[str, ...]) -> tuple[str, ...]:

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
 from math import copysign, isfinite, sqrt
 
-from workbench.record import VALIDATION
+from workbench.record import IDENTIFICATION, VALIDATION
 
 ADDITION, CORRECTION = "addition", "correction"
 KINDS = ("exogenous", "time", "line", "burst", "joint")  # of what is explainable
@@ -117,6 +117,12 @@ class Weighed:
     def size_where(self, other: "Weighed", role: str) -> float:
         """Return what it takes away in the balance in which another effect shows most, of the drive where it is known of that alone."""
         return _taken(*self._errors(role, other.behind and bool(self.load_before)))
+
+    def order(self, practical: float) -> tuple[float, float]:
+        """Return by what causes are ordered: what it takes of the drive on identification where that is at least `practical`, then what it takes
+        where it shows most. A load's balance may be small, and most of it a friction that is only nearly right there."""
+        drive = self.in_drive(IDENTIFICATION)
+        return drive if drive >= practical else 0.0, self.size(IDENTIFICATION)
 
     def _errors(self, role: str, behind: bool) -> tuple[float, float]:
         before, after = (self.load_before, self.load_after) if behind else (self.before, self.after)

@@ -8,7 +8,6 @@ from workbench.finding import Finding
 from workbench.identification.fit import identify
 from workbench.identification.result import Estimate, Fit
 from workbench.inverse.dynamics import InverseDynamics
-from workbench.record import IDENTIFICATION
 from workbench.tracing.calibration import Calibration
 from workbench.tracing.candidates import ADDITION, Candidate, without
 from workbench.tracing.criteria import Criteria
@@ -60,9 +59,9 @@ class Outcome:
 
     @property
     def by_size(self) -> list[ScoredCandidate]:
-        """The causes, the one that takes most of the identification records first."""
+        """The causes, the one that takes most of the identification records first, in the order of the verdict."""
         found = [(j, w) for j, w in self.standing if self.role(j) == CAUSE]
-        return [j for j, w in sorted(found, key=lambda x: -x[1].size(IDENTIFICATION))]
+        return [j for j, w in sorted(found, key=lambda x: x[1].order(self.criteria.practical), reverse=True)]
 
 
 def reported(o: Outcome, progress: Progress) -> Trace:
