@@ -251,6 +251,17 @@ CASES = {
         evidence(weighed(id_=(0.2, 0.05), val=(0.2, 0.05)), weighed("flexible_mode", (0.05, 0.038), (0.05, 0.04), foretold=0.0)), CAUSE,
         (CAUSE, REFINEMENT),
     ),
+    "nor one that the load's balance alone shows, and takes less than half of it": (
+        evidence(
+            weighed(id_=(0.2, 0.05), val=(0.2, 0.05)),
+            weighed(
+                "flexible_mode", (0.05, 0.05), (0.05, 0.05),
+                load_before={"identification": 0.055, "validation": 0.067},
+                load_after={"identification": 0.04, "validation": 0.05},
+            ),
+        ),
+        CAUSE, (CAUSE, REFINEMENT),
+    ),
     "it is one where something does": (
         evidence(weighed(id_=(0.2, 0.05), val=(0.2, 0.05)), weighed("flexible_mode", (0.05, 0.038), (0.05, 0.04), foretold=0.02)), CAUSE,
         (CAUSE, CAUSE),
