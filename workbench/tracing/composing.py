@@ -4,6 +4,7 @@ The search finds the parts one after another, each in its own shape. Begun where
 then it is the simpler answer, and its name the cause's. So is a disc's second wave the disc's, whichever of its waves was found first.
 """
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 from workbench.definition import Effect, catalogue
@@ -12,9 +13,14 @@ from workbench.plant import Plant
 from workbench.tracing.answer import Answer
 from workbench.tracing.candidates import ADDITION, AGAIN, Offer, without
 from workbench.tracing.criteria import Criteria
+from workbench.tracing.free_forms import MEMORY
 from workbench.tracing.judge import ScoredCandidate, freedom, scored
+from workbench.tracing.near_law import Law, as_declared
 from workbench.tracing.ranking import MEETS
 from workbench.tracing.state import Refitted, State
+
+# Of friction with memory: of nine that others left out all were of this law's kind, whatever spelling came first
+COMMON = "presliding_hysteresis"
 
 
 def composed(answer: Answer, declared: Plant, criteria: Criteria, offer: Offer) -> Answer:
@@ -27,6 +33,20 @@ def composed(answer: Answer, declared: Plant, criteria: Criteria, offer: Offer) 
                 first = next(i for i, j in enumerate(answer.added) if j in parts)
                 rest = [j for j in answer.added if j not in parts]
                 return replace(answer, added=[*rest[:first], one, *rest[first:]], pruned=one.state)
+    return answer
+
+
+def plainly(answer: Answer, declared: Plant, criteria: Criteria, offer: Offer, known: Sequence[Law]) -> Answer:
+    """Return the answer with the common law of friction with memory in the place of a rarer one that was found, where it leaves no more than what is
+    of practical size beside that: beside free virgin curves of a declared friction the common one is not asked, and a gap before friction may
+    have closed since it was found. known: the declared laws that free curves may stand for."""
+    for i, j in enumerate(answer.added):
+        found = answer.last.plant[j.candidate.key]
+        if j.candidate.kind != ADDITION or found.family != MEMORY or found.name == COMMON or j.candidate.stands:
+            continue
+        one = _in_place(catalogue()[COMMON], [j], answer, declared, criteria, offer, known)
+        if one is not None:
+            answer = replace(answer, added=[*answer.added[:i], one, *answer.added[i + 1 :]], pruned=one.state)
     return answer
 
 
@@ -73,12 +93,15 @@ def _in_place(
     declared: Plant,
     criteria: Criteria,
     offer: Offer,
+    known: Sequence[Law] = (),
 ) -> ScoredCandidate | None:
-    """Return the composite fitted in the place of its parts, begun at their values; None where it leaves plainly more."""
+    """Return the composite fitted in the place of its parts, begun at their values, beside what is declared there; None where it leaves
+    plainly more."""
     last, place = answer.last, parts[0].candidate.at
     rest = last.plant
     for j in parts:
         rest = without(rest, j.candidate, declared)
+    rest = as_declared(rest, [law for law in known if law.declared.at == place])
     asked = replace(offer, only={composite.name}).candidates(rest)
     instead = {k for j in parts for k in j.candidate.instead}
     same = [c for c in asked if (c.effect, c.at) == (composite.name, place)]
