@@ -43,13 +43,14 @@ def joint(
     zero=0.0,
     viscous=BL,
     weight=0.0,
+    coulomb=0.0,
     count=3e-6,
     name="",
     seconds=12.0,
 ) -> Record:
     """One record. late, gains: of the load's clock, or of the motor's (motor). loop: of the joint's deflection, the share that
     lags behind the torque. zero: of one encoder against the other, rad. viscous: behind the joint.
-    weight: of the load out of balance, N*m."""
+    weight: of the load out of balance, N*m. coulomb: dry friction at the motor, N*m."""
     t = np.arange(round(seconds * RATE)) / RATE
 
     def passing(t):
@@ -67,7 +68,8 @@ def joint(
     winding += weight * (np.cos(at) * waved(t, seed, 2) - np.sin(at) * speed**2)
     acceleration = waved(t, seed, 2) + winding / K
     rng = np.random.default_rng(seed + 1000)
-    u = through + JM * acceleration + BM * waved(t, seed, 1) + rng.normal(0.0, 5.0, t.size)
+    turning = waved(t, seed, 1) + (JL * waved(t, seed, 3) + viscous * waved(t, seed, 2)) / K
+    u = through + JM * acceleration + BM * speed + coulomb * np.sign(turning) + rng.normal(0.0, 5.0, t.size)
     read = {n: count * np.round(x / count) for n, x in (("position", q), ("load_position", load))}
     steps = dict.fromkeys(read, count)
     return Record(name or f"r{seed}", "identification", t, {"torque": u, **read}, {}, SOURCE, steps)

@@ -8,6 +8,7 @@ from made_joints import BAND, BL, BM, JL, JM, K, joint, jointed
 from workbench.campaign import load
 from workbench.encoders.angle import Ends
 from workbench.encoders.blocks import Blocks
+from workbench.encoders.clocks import late_clock, plain
 from workbench.encoders.deflection import deflection_of, zeros
 from workbench.inverse.dynamics import InverseDynamics
 from workbench.motion import motion
@@ -39,6 +40,15 @@ def test_known_friction_leaves_lateness_nothing_to_hide_behind():
         and found.late.value == pytest.approx(late, rel=0.05)
         and found.share > 0.5
     )
+
+
+def test_dry_friction_that_nobody_declared_hides_no_lateness():
+    records = [joint(1, late=3e-3, coulomb=6000.0), joint(2, late=3e-3, coulomb=6000.0, zero=1e-3)]
+    assert not plain(told(records))
+    found = late_clock(raw(records, BAND), jointed())
+    assert found.channel == "load_position" and found.seconds.low < 3e-3 < found.seconds.high
+    on_time = [joint(1, coulomb=6000.0), joint(2, coulomb=6000.0, zero=1e-3)]
+    assert late_clock(raw(on_time, BAND), jointed()) is None
 
 
 def test_a_clock_that_gains_is_told_from_one_that_is_late():
