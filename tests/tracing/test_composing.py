@@ -11,7 +11,7 @@ from workbench.inverse.balances import predicted
 from workbench.plant import Geometry
 from workbench.tracing.answer import Answer
 from workbench.tracing.candidates import Offer, candidates_of
-from workbench.tracing.composing import composed, of_one_disc
+from workbench.tracing.composing import composed, of_one_disc, plainly
 from workbench.tracing.judge import STANDARD, ScoredCandidate, judged, refitted_as
 from workbench.tracing.state import State
 from workbench.tracing.tracing import trace
@@ -24,8 +24,8 @@ PARTS = (
 )
 
 
-def found_in_parts(*law):
-    """The answer of a search that found presliding, then Stribeck's peak, where this friction is."""
+def found(names, *law):
+    """The answer of a search that found effects of these names, one after another, where this friction is."""
     (still,) = inverses(lambda t, q, way: 0.0 * t)
     plant = BARE
     for effect in law:
@@ -34,12 +34,31 @@ def found_in_parts(*law):
     noise = 0.002 * np.random.default_rng(3).standard_normal(force.size)
     declared = state = State(PLANT, inverses(lambda t, q, way: force + noise))
     added = []
-    for name in ("presliding_hysteresis", "stribeck_friction"):
+    for name in names:
         candidate = next(c for c in candidates_of(state.plant) if c.effect == name and c.at == "axis")
         j = ScoredCandidate(candidate, **judged(state, candidate, STANDARD))
         added.append(refitted_as(state, j, STANDARD))
         state = added[-1].state
     return Answer(added, declared)
+
+
+def found_in_parts(*law):
+    return found(("presliding_hysteresis", "stribeck_friction"), *law)
+
+
+@pytest.mark.parametrize("rare", ["fading_memory", "friction_behind_gap"])
+def test_a_rarer_memory_that_says_no_more_than_presliding_is_presliding(rare):
+    law = find("presliding_hysteresis")(h0=0.3, x0=0.02)
+    answer = found((rare,), law)
+    one = plainly(answer, PLANT, STANDARD, Offer(), ())
+    assert [j.candidate.name for j in one.added] == ["presliding_hysteresis"]
+    assert {e.key for e in one.last.plant.effects} == {e.key for e in (BARE + law).effects}
+    assert one.last.plant["presliding_hysteresis"].parameters["x0"].value == pytest.approx(0.02, rel=0.1)
+
+
+def test_a_rarer_memory_that_says_more_stays():
+    answer = found(("fading_memory",), find("fading_memory")(h=0.5, x0=0.02))
+    assert plainly(answer, PLANT, STANDARD, Offer(), ()) is answer
 
 
 def test_presliding_and_a_peak_that_bristles_say_in_one_law_are_lugre_friction():

@@ -19,6 +19,11 @@ T = 1e-3 * np.arange(4000)
         ("load_dependent_friction", {"mu": 0.2, "share": 0.0}, True),
         ("load_dependent_friction", {"mu": 1.0, "share": 0.5}, False),
         ("presliding_hysteresis", {"h0": 1.0, "x0": 1.0}, False),  # gives way over a metre, of a travel of 0.2
+        (
+            "presliding_hysteresis",
+            {"h0": 1.0, "x0": 0.1},
+            False,
+        ),  # over half of the travel, by which it has hardly slipped
         ("presliding_hysteresis", {"h0": 1.0, "x0": 1e-3}, True),
         ("slack_cable", {"right": 1.0, "left": 1.0, "place": 0.0, "exponent": 1.0}, True),  # two straight springs
         ("slack_cable", {"right": 1.0, "left": 1.0, "place": 0.0, "exponent": 4.0}, False),

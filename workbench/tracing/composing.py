@@ -103,9 +103,8 @@ def _in_place(
         rest = without(rest, j.candidate, declared)
     rest = as_declared(rest, [law for law in known if law.declared.at == place])
     asked = replace(offer, only={composite.name}).candidates(rest)
-    instead = {k for j in parts for k in j.candidate.instead}
     same = [c for c in asked if (c.effect, c.at) == (composite.name, place)]
-    candidate = min(same, key=lambda c: set(c.instead) != instead, default=None)
+    candidate = max(same, key=lambda c: len(c.instead), default=None)  # in the place of a declared law rather than beside it
     if candidate is None:
         return None
     known = {n: p.value for j in parts for n, p in last.plant[j.candidate.key].parameters.items()}
