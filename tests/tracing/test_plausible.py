@@ -59,3 +59,12 @@ def test_a_memory_of_a_joint_that_is_longer_than_the_joint_deflects_is_a_spring(
         effect = find("fading_memory")(at="joint", h=1.0, x0=length)
         plant = Plant(TWO_MASS) + find("inertia")(at="motor") + find("inertia")(at="load") + effect
         assert (implausible(effect, plant, plant, seen) == "") is machine
+
+
+@pytest.mark.parametrize(("viscous", "machine"), [(0.5, True), (0.1, False)])
+def test_friction_that_grows_less_with_speed_brakes_and_does_not_drive(viscous, machine):
+    """A controller that gives way with speed looks like it, where nothing else moves the axis. The fastest speed is 0.3."""
+    effect = find("nonlinear_viscous_friction")(quadratic=-1.0)
+    plant = Plant(ONE_MASS) + find("inertia") + find("viscous_friction")(viscous=viscous) + effect
+    record = Record("r", IDENTIFICATION, T, {"torque": np.sin(T), "position": 0.1 * np.sin(3.0 * T)})
+    assert (implausible(effect, plant, plant, inverse_dynamics([record], 60.0)) == "") is machine

@@ -7,7 +7,7 @@ import numpy as np
 
 from workbench.definition import Effect
 from workbench.identification.intervals import on_bound
-from workbench.inverse.bodies import POSITION
+from workbench.inverse.bodies import POSITION, VELOCITY
 from workbench.inverse.dynamics import InverseDynamics
 from workbench.plant import Plant
 from workbench.tracing.free_forms import MEMORY
@@ -35,6 +35,7 @@ FAR = 10.0
 # was called one, 0.9: halved or doubled, no change
 SLIPS = 3.0
 FACTOR = 5.0  # by which a data-sheet value may be off before its unit is to be doubted; `check` allows as much
+FRICTION = "friction over speed"
 # parameters that may stand on their bound as a law of their own (a gap: no stiffness inside; a change that has not begun to settle; all of
 # the inertia behind a contact, or none); so may an exponent at 1, which is a straight line
 STANDS = ("k1", "settling", "share")
@@ -71,6 +72,8 @@ def implausible(effect: Effect, plant: Plant, declared: Plant, inverses: Sequenc
             return f"the travel holds fewer than {RETURNS:g} of its periods, and does not show it to return"
     if effect.name == "cable_spring" and (far := _far(effect, inverses)) > FAR:
         return f"its force hardly changes along the travel: it is relaxed {far:.0f} travels away"
+    if effect.family == FRICTION and "passive" not in effect.holds and _power(effect.at, plant, inverses) < 0.0:
+        return "with it friction would drive the axis instead of braking it"
     if effect.name == "piecewise_stiffness" and _outer(effect, plant) < 0.0:
         return "beyond its threshold it would drive the axis away instead of holding it"
     if effect.at.startswith("sensor.") and "rate" in effect.parameters and (share := _drift(effect, inverses)) > DRIFTS:
@@ -94,6 +97,19 @@ def _reach(place: str, plant: Plant, inverses: Sequence[InverseDynamics]) -> flo
     if place == "joint":
         return max(float(np.ptp(p.bodies.body(plant, "joint")[1][POSITION])) for p in inverses)
     return max(float(np.ptp(p.motion.q)) for p in inverses)
+
+
+def _power(place: str, plant: Plant, inverses: Sequence[InverseDynamics]) -> float:
+    """Return the work that all friction at a place takes along the records, over their time step."""
+    row, total = int(place == "load"), 0.0
+    for p in inverses:
+        if p.rows(plant) <= row:
+            continue  # a load that is held does not move
+        speed = p.bodies.body(plant, place)[1][VELOCITY]
+        for e, name, column in p.columns(plant):
+            if e.at == place and e.family.startswith("friction"):
+                total += (e.parameters[name].value if name else 1.0) * float(column[row] @ speed)
+    return total
 
 
 def _outer(bent: Effect, plant: Plant) -> float:
