@@ -102,8 +102,7 @@ def _side(plant: Plant, inverses: Sequence[InverseDynamics], theta: np.ndarray |
     names, covariance, _, _ = intervals.covariance(problem, solution)
     told = {(e.effect, e.at, e.parameter): e for e in intervals.estimates(found, names, covariance, 1.0)}
     values = np.array([found[n.key].parameters[n.parameter].value for n in names])
-    freedom = max(len(problem.blocks(intervals.block_seconds(problem))) - len(names), 1)
-    return Side(found, told, tuple(names), values, covariance, float(freedom)), solution
+    return Side(found, told, tuple(names), values, covariance, float(intervals.freedom(problem))), solution
 
 
 @one_thread

@@ -40,6 +40,11 @@ def block_seconds(problem: Problem) -> float:
     return max(min(SHORTEST, max(total / FEW, PERIODS / band)), total / BLOCKS)
 
 
+def freedom(problem: Problem) -> int:
+    """Degrees of freedom of the covariance: blocks less one, one at least."""
+    return max(len(problem.blocks(block_seconds(problem))) - 1, 1)
+
+
 def on_bound(value: float, lower: float, upper: float) -> bool:
     size = max(abs(value), 1e-300)
     return abs(value - lower) <= AT_BOUND * size or abs(value - upper) <= AT_BOUND * size or value in (lower, upper)
@@ -63,9 +68,8 @@ def covariance(problem: Problem, solution: Solution) -> tuple[list[Name], np.nda
     scores = np.array([scaled[b].T @ solution.residual[b] for b in blocks])
     without = scaled.T @ scaled - np.array([scaled[b].T @ scaled[b] for b in blocks])
     changes = np.einsum("bij,bj->bi", np.linalg.pinv(without, rcond=1e-14, hermitian=True), scores)
-    freedom = max(len(blocks) - 1, 1)
-    cov = changes.T @ changes * (freedom / len(blocks))
-    return inside, cov / np.outer(norms, norms), float(stdtrit(freedom, 0.975)), condition
+    cov = changes.T @ changes * (1.0 - 1.0 / max(len(blocks), 2))
+    return inside, cov / np.outer(norms, norms), float(stdtrit(freedom(problem), 0.975)), condition
 
 
 def _inside(problem: Problem, solution: Solution) -> tuple[list[Name], np.ndarray]:

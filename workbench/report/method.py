@@ -13,6 +13,8 @@ METHODS = (
     "separate, SIAM Journal on Numerical Analysis 10, 1973 (linear parameters inside, shape parameters outside).",
     "K.-Y. Liang, S. L. Zeger: Longitudinal data analysis using generalized linear models, Biometrika 73, 1986 (intervals that "
     "hold under correlated residuals).",
+    "J. G. MacKinnon, M. O. Nielsen, M. D. Webb: Fast and reliable jackknife and bootstrap methods for cluster-robust inference, "
+    "Journal of Applied Econometrics 38, 2023 (the same of few blocks).",
     "F. Al-Bender, W. Symens, J. Swevers, H. Van Brussel: Theoretical analysis of the dynamic behavior of hysteresis elements "
     "in mechanical systems, International Journal of Non-Linear Mechanics 39, 2004 (equivalent stiffness and loss).",
 )
