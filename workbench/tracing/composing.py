@@ -104,7 +104,8 @@ def _in_place(
     rest = as_declared(rest, [law for law in known if law.declared.at == place])
     asked = replace(offer, only={composite.name}).candidates(rest)
     same = [c for c in asked if (c.effect, c.at) == (composite.name, place)]
-    candidate = max(same, key=lambda c: len(c.instead), default=None)  # in the place of a declared law rather than beside it
+    # in the place of a declared law rather than beside it
+    candidate = max(same, key=lambda c: len(c.instead), default=None)
     if candidate is None:
         return None
     known = {n: p.value for j in parts for n, p in last.plant[j.candidate.key].parameters.items()}
