@@ -76,11 +76,11 @@ def swings(n: int = 12_000) -> np.ndarray:
     )
 
 
-def driven(plant: Plant, noise: float = 0.0, q: np.ndarray | None = None) -> InverseDynamics:
+def driven(plant: Plant, noise: float = 0.0, q: np.ndarray | None = None, seed: int = 3) -> InverseDynamics:
     """A record of `plant` on given motion, with white noise in the drive."""
     q = swings() if q is None else q
     u = predicted(InverseDynamics(motion(record(q), BAND)), plant)
-    u = u + noise * np.random.default_rng(3).normal(size=u.size)
+    u = u + noise * np.random.default_rng(seed).normal(size=u.size)
     return InverseDynamics(motion(record(q, u), BAND))
 
 
@@ -164,15 +164,19 @@ def test_friction_over_speed_takes_what_any_law_of_speed_could(name):
 
 
 def test_the_band_of_a_curve_holds_the_law():
-    truth = PLAIN + STRIBECK
-    passes = driven(truth, noise=0.05, q=swings(48_000))
-    knots = knots_of([passes.motion.v], FREE_FORMS["friction over speed"])
-    fit = identify(PLAIN + curves.friction_over_speed(knots, PLAIN.effects), [passes])
-    v = np.array(knots)[1:-1]  # between knots a straight line is off by more than the noise of so long a record
-    found = curve_of(fit, "friction over speed", "axis", v)
-    law = 0.2 + 0.05 * v + 0.15 * np.exp(-((v / 0.15) ** 2))
+    """Of a law that the curve can say: Stribeck's own is bent between knots, by more than the noise of so long a record."""
+    knots = knots_of([driven(PLAIN, q=swings(48_000)).motion.v], FREE_FORMS["friction over speed"])
+    free, v = curves.friction_over_speed(knots, PLAIN.effects), np.array(knots)[1:-1]
+    peak = 0.15 * np.exp(-((np.array(knots) / 0.15) ** 2))
+    drawn = free(**{f"odd{i}": y for i, y in enumerate(peak, 1) if f"odd{i}" in free.parameters})
+    law = curve((PLAIN["coulomb_friction"], PLAIN["viscous_friction"], drawn), v, ([], np.zeros((0, 0)), 2.0)).value
+    held = []
+    for seed in range(6):
+        fit = identify(PLAIN + free, [driven(PLAIN + drawn, noise=0.05, q=swings(48_000), seed=seed)])
+        found = curve_of(fit, "friction over speed", "axis", v)
+        held.append((found.low < law) & (law < found.high))
     assert found.effects == ("coulomb_friction@axis", "viscous_friction@axis", "friction_over_speed@axis")
-    assert ((found.low < law) & (law < found.high)).mean() >= 0.8
+    assert np.mean(held) >= 0.88
     assert (found.high - found.low)[-3:].max() < 0.01  # at the lowest speeds few samples are left, and the band is wide
     assert (found.coordinate, found.x_unit, found.unit) == ("v", "rad/s", "N*m")
 
