@@ -82,9 +82,9 @@ def late_clock(
     if any(e.name in CLOCKS for e in plant.effects):
         return None
     d = deflection_of(inverses, plant)
-    if d is not None and not plain(d, share, worth):
-        plant = _with_friction(plant)
-        d = deflection_of(inverses, plant)
+    rubbing = _with_friction(plant)
+    if d is not None and rubbing is not plant and not plain(d, share, worth):
+        plant, d = rubbing, deflection_of(inverses, rubbing)
     if d is None or not plain(d, share, worth):
         return None
     weighted = _with_weight(plant)

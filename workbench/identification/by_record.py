@@ -1,7 +1,8 @@
 """What each identification record says by itself: linear parameters at the common shape, one record at a time.
 
 A record's own estimate is the common one plus (Phi_k' Phi_k)^-1 Phi_k' e_k, with the residual e_k of the common fit; only
-small matrices are made. Its variance is cluster-robust over blocks of that record alone, as for the common intervals.
+small matrices are made. Its variance is cluster-robust over blocks of that record alone, by scores: a record
+may have too few of them for a jackknife.
 """
 
 from collections.abc import Sequence

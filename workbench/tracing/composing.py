@@ -36,15 +36,15 @@ def composed(answer: Answer, declared: Plant, criteria: Criteria, offer: Offer) 
     return answer
 
 
-def plainly(answer: Answer, declared: Plant, criteria: Criteria, offer: Offer, known: Sequence[Law]) -> Answer:
+def plainly(answer: Answer, declared: Plant, criteria: Criteria, offer: Offer, laws: Sequence[Law]) -> Answer:
     """Return the answer with the common law of friction with memory in the place of a rarer one that was found, where it leaves no more than what is
     of practical size beside that: beside free virgin curves of a declared friction the common one is not asked, and a gap before friction may
-    have closed since it was found. known: the declared laws that free curves may stand for."""
+    have closed since it was found. laws: the declared laws that free curves may stand for."""
     for i, j in enumerate(answer.added):
         found = answer.last.plant[j.candidate.key]
         if j.candidate.kind != ADDITION or found.family != MEMORY or found.name == COMMON or j.candidate.stands:
             continue
-        one = _in_place(catalogue()[COMMON], [j], answer, declared, criteria, offer, known)
+        one = _in_place(catalogue()[COMMON], [j], answer, declared, criteria, offer, laws)
         if one is not None:
             answer = replace(answer, added=[*answer.added[:i], one, *answer.added[i + 1 :]], pruned=one.state)
     return answer
@@ -93,7 +93,7 @@ def _in_place(
     declared: Plant,
     criteria: Criteria,
     offer: Offer,
-    known: Sequence[Law] = (),
+    laws: Sequence[Law] = (),
 ) -> ScoredCandidate | None:
     """Return the composite fitted in the place of its parts, begun at their values, beside what is declared there; None where it leaves
     plainly more."""
@@ -101,7 +101,7 @@ def _in_place(
     rest = last.plant
     for j in parts:
         rest = without(rest, j.candidate, declared)
-    rest = as_declared(rest, [law for law in known if law.declared.at == place])
+    rest = as_declared(rest, [law for law in laws if law.declared.at == place])
     asked = replace(offer, only={composite.name}).candidates(rest)
     same = [c for c in asked if (c.effect, c.at) == (composite.name, place)]
     # in the place of a declared law rather than beside it

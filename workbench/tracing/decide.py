@@ -87,16 +87,15 @@ def _less_than_places(evidence: Evidence, causes: list[Weighed], criteria: Crite
     sample: theirs are laws of the deflection and of the motion, the same at every place. An eccentric encoder is such an inertia by
     another name, so that what takes as much stays the cause; beside what takes most, values that no machine has say nothing against it."""
     more = max(evidence.before.joint, evidence.before.inertia) ** 2 - criteria.explainable**2
-    most = max((a.size(IDENTIFICATION) for a in causes), default=0.0)
-    counted = (a.size(IDENTIFICATION) for a in causes if not a.implausible or a.size(IDENTIFICATION) == most)
+    first = _largest(causes, criteria)
+    counted = (a.size(IDENTIFICATION) for a in causes if not a.implausible or a is first)
     return more > sum(max(size, 0.0) ** 2 for size in counted)
 
 
 def _doubtful(evidence: Evidence, causes: list[Weighed], criteria: Criteria) -> bool:
     """Whether what takes most has values that no machine has and leaves `beside` of the drive to be explained."""
-    return (
-        bool(max(causes, key=lambda a: a.size(IDENTIFICATION)).implausible) and evidence.after.size >= criteria.beside
-    )
+    first = _largest(causes, criteria)
+    return first is not None and bool(first.implausible) and evidence.after.size >= criteria.beside
 
 
 def _unborne(evidence: Evidence, roles: tuple[str, ...], criteria: Criteria) -> bool:
@@ -150,6 +149,7 @@ def _weak(a: Weighed, first: Weighed, criteria: Criteria) -> bool:
 
 
 def _held(a: Weighed, criteria: Criteria) -> bool:
+    """Whether an effect takes `held` of the residual, in the balance in which it shows most, in either role."""
     return any(a.share(role) >= criteria.held for role in (IDENTIFICATION, VALIDATION))
 
 

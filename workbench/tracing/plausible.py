@@ -100,7 +100,7 @@ def _reach(place: str, plant: Plant, inverses: Sequence[InverseDynamics]) -> flo
 
 
 def _power(place: str, plant: Plant, inverses: Sequence[InverseDynamics]) -> float:
-    """Return the work that all friction at a place takes along the records, over their time step."""
+    """Return the work that all friction at a place takes along the records."""
     row, total = int(place == "load"), 0.0
     for p in inverses:
         if p.rows(plant) <= row:
@@ -108,7 +108,7 @@ def _power(place: str, plant: Plant, inverses: Sequence[InverseDynamics]) -> flo
         speed = p.bodies.body(plant, place)[1][VELOCITY]
         for e, name, column in p.columns(plant):
             if e.at == place and e.family.startswith("friction"):
-                total += (e.parameters[name].value if name else 1.0) * float(column[row] @ speed)
+                total += (e.parameters[name].value if name else 1.0) * float(column[row] @ speed) * p.motion.dt
     return total
 
 
