@@ -6,12 +6,14 @@ from conftest import measured
 from made_joints import BAND, BL, BM, JL, JM, K, joint, jointed
 
 from workbench.campaign import load
+from workbench.definition import find
 from workbench.encoders.angle import Ends
 from workbench.encoders.blocks import Blocks
 from workbench.encoders.clocks import late_clock, plain
 from workbench.encoders.deflection import deflection_of, zeros
 from workbench.inverse.dynamics import InverseDynamics
 from workbench.motion import motion
+from workbench.plant import ONE_MASS, Plant
 
 
 def raw(records, band: float) -> list[InverseDynamics]:
@@ -101,6 +103,8 @@ def test_no_second_encoder_says_nothing():
         "one", "identification", record.time, {n: record.channels[n] for n in ("torque", "position")}, {}, record.source
     )
     assert zeros(raw([alone], BAND), jointed()) == {}
+    one = Plant(ONE_MASS) + find("inertia")(inertia=1.0)
+    assert late_clock(raw([alone], BAND), one) is None
 
 
 def test_what_is_known_bounds_friction_behind_the_joint():

@@ -82,8 +82,9 @@ def late_clock(
     if any(e.name in CLOCKS for e in plant.effects):
         return None
     d = deflection_of(inverses, plant)
-    rubbing = _with_friction(plant)
-    if d is not None and rubbing is not plant and not plain(d, share, worth):
+    if d is None:
+        return None
+    if not plain(d, share, worth) and (rubbing := _with_friction(plant)) is not plant:
         plant, d = rubbing, deflection_of(inverses, rubbing)
     if d is None or not plain(d, share, worth):
         return None
