@@ -40,11 +40,10 @@ def bank(c: tuple[float, ...], x0, d):
     The height at knot i is 1 - exp(-c_i) whatever x0 and d are, and exactly one at the last, so that sum k D = 1.
     """
     heights = [0.0] + [1.0 - exp(-v) for v in c[:-1]] + [1.0]
-    slips = [x0 * power(v, 1.0 / d) for v in c]
-    before = [0.0, *slips[:-1]]
-    slopes = [(heights[i + 1] - heights[i]) / (slips[i] - before[i]) for i in range(len(c))] + [0.0]
-    stiffnesses = [slopes[i] - slopes[i + 1] for i in range(len(c))]
-    return ca.vertcat(*stiffnesses), ca.vertcat(*slips)
+    rises = ca.DM([after - before for before, after in zip(heights[:-1], heights[1:], strict=True)])
+    slips = x0 * power(ca.DM(list(c)), 1.0 / d)
+    slopes = ca.vertcat(rises / (slips - ca.vertcat(0.0, slips[:-1])), 0.0)
+    return slopes[:-1] - slopes[1:], slips
 
 
 @effect

@@ -23,6 +23,8 @@ from workbench.tracing.reducing import reduced_to
 from workbench.tracing.spellings import better_spelled, commoner, hardly_returns, no_wave, spelled, spellings_in
 from workbench.tracing.state import State
 
+SPRING, BENT = "linear_stiffness", "piecewise_stiffness"
+
 
 def free_law(
     state: State,
@@ -121,8 +123,15 @@ def _curve_of(
     whole = state.errors.total
     if free is None or whole - free.errors.total < criteria.near * (whole - wave.errors.total):
         return None
-    name = _named_before(free, added) or FREE_FORMS[family].nearest or wave.candidate.effect
+    name = _named_before(free, added) or _nearest(family, at, state) or wave.candidate.effect
     return _bearing(name, free, state, criteria)
+
+
+def _nearest(family: str, at: str, state: State) -> str:
+    """Return the name that a curve of a class bears: what pulls beside a spring that is declared is that one's stiffness, which changes."""
+    nearest = FREE_FORMS[family].nearest
+    springs = {e.key for e in state.plant.effects if "stiffness" in e.linear}
+    return BENT if nearest and f"{SPRING}@{at}" in springs else nearest
 
 
 def _named_before(free: ScoredCandidate, added: Sequence[ScoredCandidate]) -> str:

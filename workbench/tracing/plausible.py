@@ -34,6 +34,9 @@ FAR = 10.0
 # fifteen memories that were found the largest had 0.14 of the travel (a contact that goes to and fro by 10 to 240 um), and a pendulum's gravity, that
 # was called one, 0.9: halved or doubled, no change
 SLIPS = 3.0
+# Periods of a mode within the longest record, below which it is not seen to swing: what other joints of an arm ask of one was a mode of 13.5 s within
+# half a minute. Modes that were missing had hundreds: halved or doubled, no change
+SWINGS = 5.0
 FACTOR = 5.0  # by which a data-sheet value may be off before its unit is to be doubted; `check` allows as much
 FRICTION = "friction over speed"
 # parameters that may stand on their bound as a law of their own (a gap: no stiffness inside; a change that has not begun to settle; all of
@@ -70,6 +73,8 @@ def implausible(effect: Effect, plant: Plant, declared: Plant, inverses: Sequenc
             return f"with it the axis would run {100 * size * values['order'].value:.0f} % too fast in places"
         if effect.name == "kinematic_error" and not returns(effect, inverses):
             return f"the travel holds fewer than {RETURNS:g} of its periods, and does not show it to return"
+    if effect.family == "mode" and (slow := _slow(effect, inverses)):
+        return slow
     if effect.name == "cable_spring" and (far := _far(effect, inverses)) > FAR:
         return f"its force hardly changes along the travel: it is relaxed {far:.0f} travels away"
     if effect.family == FRICTION and "passive" not in effect.holds and _power(effect.at, plant, inverses) < 0.0:
@@ -122,6 +127,17 @@ def returns(wave: Effect, inverses: Sequence[InverseDynamics], periods: float = 
     """Whether the travel shows an effect with an `order` to return: it holds as many of its periods."""
     travel = max(float(np.ptp(p.motion.q)) for p in inverses)
     return wave.parameters["order"].value * travel >= periods * 2.0 * np.pi
+
+
+def _slow(mode: Effect, inverses: Sequence[InverseDynamics]) -> str:
+    """Return that no record holds SWINGS periods of a mode, or ""."""
+    longest = max(float(p.motion.t[-1] - p.motion.t[0]) for p in inverses)
+    periods = mode.parameters["frequency"].value * longest
+    return (
+        f"the longest record holds {periods:.2g} of its periods, and does not show it to swing"
+        if periods < SWINGS
+        else ""
+    )
 
 
 def _drift(trend: Effect, inverses: Sequence[InverseDynamics]) -> float:
