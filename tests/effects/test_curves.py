@@ -22,6 +22,7 @@ from workbench.identification.fit import identify
 from workbench.identification.problem import Name
 from workbench.inverse.balances import predicted
 from workbench.inverse.dynamics import InverseDynamics
+from workbench.kernel import step as kernel_step
 from workbench.kernel.step import build
 from workbench.motion import motion
 from workbench.plant import Geometry, Plant
@@ -92,6 +93,28 @@ PLAIN = Plant("one mass", (INERTIA, COULOMB, VISCOUS))
 
 
 # --- hats and knots -----------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    "law",
+    [
+        curves.force_over_position(np.linspace(-1.0, 1.0, 24), orders=(11.0, 17.5)),
+        curves.friction_over_position(np.linspace(-1.0, 1.0, 24)),
+        curves.friction_over_speed(np.geomspace(0.01, 1.0, 12)),
+    ],
+    ids=lambda e: e.name,
+)
+def test_columns_of_a_long_table_are_the_slopes_of_its_output_to_the_last_bit(monkeypatch, law):
+    rng, values = np.random.default_rng(1), {n: p.value for n, p in law.parameters.items()}
+    signals = {r: rng.uniform(-1.2, 1.2, 500) for r in law.reads}
+    made = []
+    for apart in (0, 10_000):
+        monkeypatch.setattr(kernel_step, "APART", apart)
+        kernel_step._build.cache_clear()
+        made.append(build(law))
+    kernel_step._build.cache_clear()
+    slopes, ones = (m.run(signals, values) for m in made)
+    assert made[0].columns == made[1].columns and np.array_equal(slopes, ones) and slopes.any()
 
 
 def test_hats_are_one_at_their_knot_sum_to_one_and_are_held_outside():

@@ -31,6 +31,8 @@ T = 1e-3 * np.arange(4000)
         ("sensor_trend", {"rate": 1e-2}, False),
         ("cable_spring", {"stiffness": 1.0, "preload": 1.0}, True),  # relaxed 5 travels away
         ("cable_spring", {"stiffness": 1.0, "preload": 4.0}, False),  # 20: a constant force
+        ("flexible_mode", {"mass": 1.0, "frequency": 1.0, "damping": 0.1}, False),  # swings four times
+        ("flexible_mode", {"mass": 1.0, "frequency": 2.0, "damping": 0.1}, True),
         ("kinematic_error", {"sine": 1e-4, "cosine": 1e-4, "order": 50.0}, False),  # 1.6 periods
         ("kinematic_error", {"sine": 1e-4, "cosine": 1e-4, "order": 80.0}, True),  # 2.5
     ],

@@ -134,7 +134,7 @@ def _decided(
         if not first:
             confirmed = confirm(late, order, selected, criteria, confirmed.levels)
         choice = Choice(selected, confirmed, late, offer, criteria, progress)
-        for ask in (soundly, otherwise, as_a_curve, as_a_curve_alone, in_place_of_two) if first else (soundly,):
+        for ask in (soundly, otherwise, as_a_curve, in_place_of_two, as_a_curve_alone) if first else (soundly,):
             choice = ask(choice)
         anew, selected, confirmed = first or choice.selected is not selected, choice.selected, choice.confirmed
         if anew:
