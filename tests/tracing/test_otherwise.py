@@ -183,6 +183,8 @@ def test_a_curve_that_says_alone_what_a_formula_and_others_say_is_all_there_is(m
     )  # fmt: skip
     found = otherwise.as_a_curve_alone(choice)
     assert (found == ("curve", ["curve"])) is taken and (found is choice) is not taken
+    mode.candidate = limit.candidate
+    assert otherwise.as_a_curve_alone(choice) is choice  # two of one class are two
 
 
 def test_a_curve_over_place_beside_a_spring_that_is_declared_is_that_ones_stiffness():

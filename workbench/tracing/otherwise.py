@@ -114,7 +114,7 @@ def as_a_curve(choice: Choice) -> Choice:
 
 def as_a_curve_alone(choice: Choice) -> Choice:
     """Return the choice with the free form of its class alone in the place of the addition that takes most and of all others, where it leaves
-    no more than all of them together, in either role.
+    no more than all of them together, in either role. None of these of that class: a spring and a cogging are two, though one curve takes both.
 
     Of a drive that saturates more steeply than the formula a wrong inertia and a mode dressed what that left.
     """
@@ -124,7 +124,8 @@ def as_a_curve_alone(choice: Choice) -> Choice:
     if choice.largest is None or not any(w.size(IDENTIFICATION) >= criteria.practical for _, w in others):
         return choice
     j, _ = choice.largest
-    if j.candidate.instead:
+    own = (j.candidate.family, j.candidate.at)
+    if j.candidate.instead or any((k.candidate.family, k.candidate.at) == own for k, _ in others):
         return choice
     choice.progress(f"asking whether the law of {j.candidate.key} is all")
     state = choice.less(j, *(k for k, _ in others))
