@@ -144,6 +144,22 @@ def _slopes(effect: Effect, s, z, shape):
     return following, [slope[k] for k in range(len(effect.linear))], given
 
 
+def _outside(effect: Effect, insides: Sequence, shape):
+    """Return (namespaces of symbols, these as one vector, what derives it from the shape): what is derived is evaluated once, outside the
+    loop, and the program sees it as constants."""
+    fresh, derived = [], []
+    for inside in insides:
+        fields = {}
+        for field, value in vars(inside).items():
+            value = ca.densify(ca.SX(value))
+            symbol = ca.SX.sym(field, value.numel())
+            derived.append((symbol, ca.vec(value)))
+            fields[field] = symbol
+        fresh.append(namespace(**fields))
+    values = ca.vertcat(*(value for _, value in derived))
+    return fresh, ca.vertcat(*(x for x, _ in derived)), ca.Function(f"{effect.name}_derive", [shape], [values])
+
+
 def build(effect: Effect) -> Step:
     """Return the effect's columns as a program; cached by the definition, whatever the parameter values."""
     return _build(effect.name, effect.step, effect.derive, tuple(effect.states.items()), Definition(effect))
@@ -171,28 +187,16 @@ def _build(name, step, derive, states, definition) -> Step:
     s, z, _ = symbols(effect)
     shape = ca.SX.sym("shape", len(effect.shape))
     columns = effect.linear or ("",)
-    insides, derived = [], []
-    for column in columns:
-        p = view(effect.shape, shape) | {n: ca.SX(1.0 if n == column else 0.0) for n in effect.linear}
-        insides.append(effect.derive(namespace(**p)) if effect.derive else namespace(**p))
-    if effect.derive:  # evaluated once, outside the loop: the program sees its results as constants
-        fresh = []
-        for inside in insides:
-            fields = {}
-            for field, value in vars(inside).items():
-                value = ca.densify(ca.SX(value))
-                symbol = ca.SX.sym(field, value.numel())
-                derived.append((symbol, ca.vec(value)))
-                fields[field] = symbol
-            fresh.append(namespace(**fields))
-        insides = fresh
-        constants = ca.vertcat(*(symbol for symbol, _ in derived))
-        function = ca.Function(f"{effect.name}_derive", [shape], [ca.vertcat(*(value for _, value in derived))])
-    else:
-        constants, function = shape, None
+    constants, function = shape, None
     if len(columns) > APART and not effect.derive:
         after, outputs, provided = _slopes(effect, s, z, shape)
     else:
+        insides = []
+        for column in columns:
+            p = view(effect.shape, shape) | {n: ca.SX(1.0 if n == column else 0.0) for n in effect.linear}
+            insides.append(effect.derive(namespace(**p)) if effect.derive else namespace(**p))
+        if effect.derive:
+            insides, constants, function = _outside(effect, insides, shape)
         steps = [apply(effect, view(effect.reads, s), z, inside) for inside in insides]
         after, _, provided = steps[0]
         outputs = [output for _, output, _ in steps]

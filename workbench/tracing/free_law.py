@@ -130,8 +130,8 @@ def _curve_of(
 def _nearest(family: str, at: str, state: State) -> str:
     """Return the name that a curve of a class bears: what pulls beside a spring that is declared is that one's stiffness, which changes."""
     nearest = FREE_FORMS[family].nearest
-    springs = {e.key for e in state.plant.effects if "stiffness" in e.linear}
-    return BENT if nearest and f"{SPRING}@{at}" in springs else nearest
+    sprung = any((e.name, e.at) == (SPRING, at) for e in state.plant.effects)
+    return BENT if nearest and sprung else nearest
 
 
 def _named_before(free: ScoredCandidate, added: Sequence[ScoredCandidate]) -> str:

@@ -118,14 +118,15 @@ def as_a_curve_alone(choice: Choice) -> Choice:
 
     Of a drive that saturates more steeply than the formula a wrong inertia and a mode dressed what that left.
     """
-    criteria, now = choice.criteria, choice.confirmed.fits[-1]
-    both = zip(choice.confirmed.added, choice.confirmed.weighed, strict=True)
-    others = [(j, w) for j, w in both if choice.largest is None or j is not choice.largest[0]]
-    if choice.largest is None or not any(w.size(IDENTIFICATION) >= criteria.practical for _, w in others):
+    if choice.largest is None:
         return choice
-    j, _ = choice.largest
+    (j, _), criteria, now = choice.largest, choice.criteria, choice.confirmed.fits[-1]
+    both = zip(choice.confirmed.added, choice.confirmed.weighed, strict=True)
+    others = [(k, w) for k, w in both if k is not j]
     own = (j.candidate.family, j.candidate.at)
     if j.candidate.instead or any((k.candidate.family, k.candidate.at) == own for k, _ in others):
+        return choice
+    if not any(w.size(IDENTIFICATION) >= criteria.practical for _, w in others):
         return choice
     choice.progress(f"asking whether the law of {j.candidate.key} is all")
     state = choice.less(j, *(k for k, _ in others))

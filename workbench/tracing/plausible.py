@@ -35,7 +35,7 @@ FAR = 10.0
 # was called one, 0.9: halved or doubled, no change
 SLIPS = 3.0
 # Periods of a mode within the longest record, below which it is not seen to swing: what other joints of an arm ask of one was a mode of 13.5 s within
-# half a minute. Modes that were missing had hundreds: halved or doubled, no change
+# half a minute, 2.4 periods. Modes that were missing had hundreds: halved or doubled, none of these changes
 SWINGS = 5.0
 FACTOR = 5.0  # by which a data-sheet value may be off before its unit is to be doubted; `check` allows as much
 FRICTION = "friction over speed"
