@@ -358,6 +358,15 @@ def test_each_family_is_offered_where_it_could_act_with_knots_from_the_records()
         assert f.effect.family == f.family and identify(f.candidate.plant, [passes]).identification < 0.02
 
 
+@pytest.mark.parametrize(("order", "offered"), [(40.02, False), (50.0, True)])
+def test_a_gears_curve_over_its_motors_turn_is_not_offered_beside_a_wave_that_is_one_of_its_harmonics(order, offered):
+    """The two would cancel at any size: between them the axis would run a hundred times too fast."""
+    turning = replace(PLAIN, geometry=Geometry(gear_ratio=20.0)) + find("kinematic_error")(
+        at="sensor.position", order=order, sine=1e-4
+    )
+    assert bool(free_forms(turning, [driven(PLAIN)], ["angle over angle"])) is offered
+
+
 @pytest.mark.parametrize("name", ["cogging", "cyclic_friction"])
 def test_waves_of_no_common_order_are_found_in_the_residual(name):
     """Two orders that are no multiples of each other: a law of one order has the larger, the free form both."""

@@ -18,6 +18,7 @@ from workbench.tracing.candidates import ADDITION, Candidate, needless
 from workbench.tracing.starts import resolved
 
 MEMORY = "friction with memory"
+ANGLES = "angle over angle"
 PERIODIC = ("force over position", "friction over position")
 HARMONICS = 4  # of a motor's turn: teeth and waves of a gear, and the second of each
 FASTEST = 0.25  # of the evaluation bandwidth, of a relaxation: what relaxes faster is viscous friction in the band
@@ -86,7 +87,7 @@ def _made_for(
     residuals: Sequence[np.ndarray] = (),
 ) -> Effect | None:
     """Return the free-form law at a place with knots from the records; None where they do not cover its coordinate."""
-    if family == "angle over angle":
+    if family == ANGLES:
         return _of_angle(plant, inverses, place)
     if family == MEMORY:
         knots = _slips(plant, inverses, place)
@@ -104,10 +105,18 @@ def _made_for(
 
 
 def _of_angle(plant: Plant, inverses: Sequence[InverseDynamics], place: str) -> Effect | None:
-    """Return the gear's error over its motor's turn, of the harmonics that the records show; None where they show no turn."""
+    """Return the gear's error over its motor's turn, of the harmonics that the records show; None where they show no turn.
+
+    None, too, where the plant has one of the harmonics at that place: on this travel the two would be one wave, and cancel at any size.
+    """
     order = plant.geometry.gear_ratio
     travel = max(float(np.ptp(p.motion.q)) for p in inverses)
     harmonics = min(HARMONICS, int(resolved(inverses) / order))
+    waves = [e.parameters["order"].value for e in plant.effects if e.at == place and e.family == ANGLES]
+    if any(
+        abs(k - round(k / order) * order) * travel < 2.0 * np.pi for k in waves if 0.5 < k / order < harmonics + 0.5
+    ):
+        return None
     return angle_over_angle(order, harmonics, place) if harmonics and order * travel > 2.0 * np.pi else None
 
 
