@@ -46,6 +46,14 @@ CASES = {
     "one that takes 42 % only dresses": (
         evidence(weighed(id_=(0.09, 0.05), val=(0.09, 0.0685)), before=0.08, after=0.06), UNKNOWN, (DRESSING,),
     ),
+    "what takes a tenth of the drive is no refinement of what takes most of it": (
+        evidence(weighed("constant_offset", (0.92, 0.1415), (1.046, 0.259)), weighed("gravity", (0.1415, 0.0772), (0.259, 0.110))), CAUSE,
+        (CAUSE, CAUSE),
+    ),
+    "what takes less than that, and little of what the largest takes, is": (
+        evidence(weighed("gravity", (0.92, 0.1), (1.046, 0.11)), weighed("coulomb_asymmetry", (0.1, 0.06), (0.11, 0.07))), CAUSE,
+        (CAUSE, REFINEMENT),
+    ),
     "what shows in the drive is held against what the largest takes of that, not of the joint's torque": (
         evidence(
             weighed("cubic_stiffness", (0.095, 0.0204), (0.121, 0.0212), load_before={"identification": 0.175, "validation": 0.251},

@@ -299,6 +299,19 @@ def test_a_rare_law_leads_where_it_takes_plainly_more_than_another_one(rare, fur
     assert ranking.alike(best, other, STANDARD, power) == same
 
 
+@pytest.mark.parametrize(("further", "same"), [(0.09, True), (0.12, False)])
+def test_a_simpler_effect_that_leaves_a_tenth_of_the_drive_more_does_not_explain_the_same(further, same):
+    """An offset takes 97 % of a residual that is nearly all of the drive, gravity 99 %: what it takes more is no near law's."""
+    of = SimpleNamespace(key="k", plant={"k": SimpleNamespace(rare=False)})
+    blocks = 8
+    left = np.full(blocks, 1e-3 / blocks)
+    best, other = (
+        SimpleNamespace(candidate=of, errors=HeldOut(e), score=SimpleNamespace(gain=1.0 - e.sum()))
+        for e in (left, left + further**2 / blocks)
+    )
+    assert ranking.alike(best, other, STANDARD, 1.0) == same
+
+
 def test_lugre_friction_without_presliding_and_without_a_peak_is_nothing_of_its_own():
     motion = SimpleNamespace(counts=1e-3, t=np.array([0.0, 10.0]), record=SimpleNamespace(dt=5e-3))
     state = SimpleNamespace(

@@ -35,7 +35,8 @@ class Criteria:
     unaccounted: share of the drive's rms that may stay beyond what noise may leave, in every role, though nothing foretells it: a model that
         leaves more is not whole, whatever the rest is. Of 108 complete models of other authors the worst left 0.059, of machines 0.09; what acts
         in bench time alone (a wind, a neighbour, a flow that nobody logged) 0.16 to 0.46, a cart whose bridge lets it coast 0.15. Halved, four of
-        the complete ones are "unknown"; doubled, a flow is "nothing is missing" at 0.18, and that cart.
+        the complete ones are "unknown"; doubled, a flow is "nothing is missing" at 0.18, and that cart. Also what a further effect takes at
+        most to be a refinement of the largest cause: gravity beside the offset of a robot's arm took 0.12, and is that offset doubled.
     left: share of the explainable power that may stay where the causes take less than `held` of the validation record, because
         that record excites them little. Halved or doubled, one campaign in thirty changes.
     share: share of the residual's power that an effect must take away on held-out blocks. Halved, chance correlations with

@@ -6,7 +6,7 @@
 | do the counts that an encoder lost take more of the drive than any cause, and at least `explainable`? | unknown |
 | a correction within the fixed value's tolerance, or an effect (a correction beyond its tolerance) below the practical size, or below `explainable` with values that no machine has? | refinement |
 | a memory of the friction that is declared, of which the drive shows less than the practical size on validation, or less than `explainable` behind the joint? | refinement |
-| a further one that takes less than `lesser` of what the largest cause takes of the same balance (a further order of that one is its own), on validation less than the practical size, less than `beside` with values that no machine has, or says the curve that a larger one says? | refinement |
+| a further one that takes less than `lesser` of what the largest cause takes of the same balance (a further order of that one is its own) and less than `unaccounted` of the drive, on validation less than the practical size, less than `beside` with values that no machine has, or says the curve that a larger one says? | refinement |
 | a further one that takes `held` of what the larger ones leave in neither role, of which less than `explainable` is foretold, or which the load's balance alone shows? | refinement |
 | does the error grow on validation, or does the effect explain nearly nothing there? | not borne out |
 | is what they take of a window of the stroke paid for with residual elsewhere? | unknown |
@@ -176,8 +176,9 @@ def _largest(causes: list[Weighed], criteria: Criteria) -> Weighed | None:
 
 def _little_of(a: Weighed, first: Weighed, criteria: Criteria) -> bool:
     """Whether an effect takes less than `lesser` of what the largest cause takes of the balance in which that effect shows: of a joint's torque,
-    which a load's balance is held against, the same law is a larger share than of the drive."""
+    which a load's balance is held against, the same law is a larger share than of the drive. Not what takes `unaccounted` of the drive."""
     least = criteria.lesser * first.size_where(a, IDENTIFICATION)
+    least = least if a.behind else min(least, criteria.unaccounted)
     return a.size(IDENTIFICATION) < least and not _further_of(a, first)
 
 

@@ -236,7 +236,7 @@ def absurd(j: ScoredCandidate, state: State) -> bool:
 
 def alike(best: ScoredCandidate, other: ScoredCandidate, criteria: Criteria, power: float) -> bool:
     """Whether `best` takes away no more of what `other` leaves on held-out blocks than its scatter, than what is of
-    practical size, twice that of a rare one, or than `lesser` of what `other` takes, in rms. power: of the drive.
+    practical size, twice that of a rare one, or than `lesser` of what `other` takes and `unaccounted` of the drive, in rms. power: of that.
 
     A ratio over blocks, as every gain: a few blocks in which much is left would drown a plain difference in scatter.
     """
@@ -245,6 +245,6 @@ def alike(best: ScoredCandidate, other: ScoredCandidate, criteria: Criteria, pow
     more = other.errors.total - best.errors.total
     # what the other takes of the present residual, by its gain and what it leaves
     taken = other.errors.total * other.score.gain / max(1.0 - other.score.gain, 1e-300)
-    small = more <= max(plainly**2 * power, criteria.lesser**2 * taken)
+    small = more <= max(plainly**2 * power, min(criteria.lesser**2 * taken, criteria.unaccounted**2 * power))
     level = further <= max(criteria.alike * scatter, criteria.share) or small
     return level and best.score.gain > criteria.share
