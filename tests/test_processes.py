@@ -13,7 +13,7 @@ import pytest
 
 from workbench import processes
 from workbench.errors import WorkbenchError
-from workbench.processes import count, shared
+from workbench.processes import begun, count, shared
 
 
 @pytest.fixture(autouse=True)
@@ -199,3 +199,39 @@ def _runs(pid: int) -> bool:
         return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
     except OSError:
         return False
+
+
+def test_what_is_begun_goes_on_in_another_process_while_this_one_does_something_else():
+    with begun(lambda: (time.sleep(0.2), os.getpid())[1]) as result:
+        before = time.monotonic()
+        assert len(active_children()) == 1 and time.monotonic() - before < 0.1
+        assert result() != os.getpid()
+    assert not active_children()
+
+
+def test_what_is_begun_and_raises_does_so_where_its_result_is_asked_for():
+    def grumble():
+        raise WorkbenchError("No loop.")
+
+    with begun(grumble) as result:
+        time.sleep(0.05)
+        with pytest.raises(WorkbenchError, match="No loop"):
+            result()
+
+
+def test_what_is_begun_and_killed_is_done_here():
+    parent = os.getpid()
+    with begun(lambda: os.getpid() if os.getpid() == parent else os.kill(os.getpid(), signal.SIGKILL)) as result:
+        assert result() == parent
+
+
+def test_what_is_begun_and_not_asked_for_ends_with_its_block():
+    with begun(lambda: time.sleep(60)):
+        pass
+    assert not active_children()
+
+
+def test_where_one_process_works_what_is_begun_is_done_when_it_is_asked_for(monkeypatch):
+    monkeypatch.setenv(processes.VARIABLE, "1")
+    with begun(os.getpid) as result:
+        assert not active_children() and result() == os.getpid()

@@ -57,6 +57,31 @@ def shared(
     if workers < 2:
         yield from map(function, items)
         return
+    with _forks(function, items, workers) as pipes:
+        meanwhile()
+        made, heard = {}, list(pipes)
+        for i, item in enumerate(items):
+            yield _made(i, made) if _came(i, made, heard) else function(item)
+
+
+@contextmanager
+def begun(function: Callable[[], Made]) -> Iterator[Callable[[], Made]]:
+    """Begin function() in a fork while this process does something else, and give what waits for its result; what it raises is raised there.
+
+    Where one process works, or the fork ends before its time, it is called when the result is asked for. A result that
+    nobody asked for when the block ends is not waited for.
+    """
+    if count() < 2:
+        yield function
+        return
+    with _forks(lambda f: f(), [function], 1) as pipes:
+        made, heard = {}, list(pipes)
+        yield lambda: _made(0, made) if _came(0, made, heard) else function()
+
+
+@contextmanager
+def _forks(function: Callable, items: Sequence, workers: int) -> Iterator[list]:
+    """Give the pipes from which answers come of `workers` forks that share the items, and end these with the block."""
     context = get_context("fork")
     forks, pipes = [], []
     queue = _queue(len(items))
@@ -71,19 +96,7 @@ def shared(
                 end.close()
                 forks.append(fork)
                 pipes.append(pipe)
-        meanwhile()
-        made, heard = {}, list(pipes)
-        for i, item in enumerate(items):
-            while i not in made and heard:
-                for pipe in wait(heard):
-                    _receive(pipe, made, heard)
-            if i not in made:
-                yield function(item)
-                continue
-            sound, result = made.pop(i)
-            if not sound:
-                raise result
-            yield result
+        yield pipes
     finally:
         os.close(queue)
         for fork in forks:
@@ -93,6 +106,22 @@ def shared(
         ):  # when all of them are ending: each gives back memory of its own
             pipe.close()
             fork.join()
+
+
+def _came(i: int, made: dict[int, list], heard: list) -> bool:
+    """Wait for the answer of an item; return whether there is one: a fork that is killed gives none."""
+    while i not in made and heard:
+        for pipe in wait(heard):
+            _receive(pipe, made, heard)
+    return i in made
+
+
+def _made(i: int, made: dict[int, list]) -> Made:
+    """Return the result of an item whose answer came, or raise what its call raised."""
+    sound, result = made.pop(i)
+    if not sound:
+        raise result
+    return result
 
 
 def _queue(items: int) -> int:

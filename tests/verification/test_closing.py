@@ -82,7 +82,7 @@ def test_a_trace_says_why_its_loop_is_not_closed():
     nothing = Plant(ONE_MASS, FRICTION, limits=Limits(drive=3.0))
     for declared, why in ((replace(plant(), limits=Limits()), "actuator_limit"), (nothing, "no inertia")):
         campaign = Campaign(Path("x"), "t", declared, (record(),), 60.0)
-        sentence = closed_loop(campaign, example(), lambda _: None)
+        sentence = closed_loop(campaign, example())
         assert sentence.startswith("The loop is not closed") and why in sentence
 
 

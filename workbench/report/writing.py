@@ -3,7 +3,7 @@
 Nothing of the moment or the machine enters: no date, no path, no random name; fonts come from Typst and matplotlib.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import fields
 from pathlib import Path
 
@@ -18,13 +18,13 @@ from workbench.report.wording import printable
 ATTACHED = ("results.json", "trace.json")  # whichever stands beside the report goes into the PDF
 
 
-def write(result: StudyResult, folder: Path, stem: str = "report") -> None:
+def write(result: StudyResult, folder: Path, stem: str = "report", figures: Mapping[str, bytes] | None = None) -> None:
     """Write report.html, report.pdf and figures/*.svg into an existing folder; the same bytes for the same result.
 
-    stem: of the two files' names.
+    stem: of the two files' names. figures: file name -> SVG of those that are drawn already.
     """
     chapters = standard(result)
-    figures = _drawn(chapters)
+    figures = _drawn(chapters, figures or {})
     data = {
         "title": result.title,
         "name": result.name,
@@ -47,14 +47,24 @@ def write(result: StudyResult, folder: Path, stem: str = "report") -> None:
         (folder / f"{stem}.{ending}").write_bytes(content)
 
 
-def _drawn(chapters: Sequence[Chapter]) -> dict[str, bytes]:
-    """Return file name -> SVG of every figure."""
+def drawn(result: StudyResult) -> dict[str, bytes]:
+    """Return file name -> SVG of every figure of a result that may still lack its loop."""
+    return _drawn(standard(result), {})
+
+
+def _drawn(chapters: Sequence[Chapter], known: Mapping[str, bytes]) -> dict[str, bytes]:
+    """Return file name -> SVG of every figure. known: those that are drawn already."""
     figures = [b for c in chapters for b in c.blocks if isinstance(b, Figure)]
     names = [f"{f.name}.svg" for f in figures]
     if twice := next((f.name for f, n in zip(figures, names, strict=True) if names.count(n) > 1), None):
         raise ValueError(f"Two figures of the report are named '{twice}'.")
     drawing.started()
-    return dict(zip(names, shared(lambda f: f.svg() if callable(f.svg) else f.svg, figures), strict=True))
+    left = {n: f for n, f in zip(names, figures, strict=True) if n not in known}
+    made = {
+        **known,
+        **dict(zip(left, shared(lambda f: f.svg() if callable(f.svg) else f.svg, [*left.values()]), strict=True)),
+    }
+    return {n: made[n] for n in names}
 
 
 def _as_data(block: Block) -> dict:

@@ -1,6 +1,9 @@
 """`workbench trace`: a campaign's trace with its page, written whole."""
 
 from collections.abc import Callable
+from contextlib import nullcontext
+from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 from workbench.campaign import FILE as CAMPAIGN
@@ -8,6 +11,8 @@ from workbench.campaign import Campaign, load
 from workbench.errors import WorkbenchError
 from workbench.inverse.dynamics import inverse_dynamics
 from workbench.outputs import replaceable, whole
+from workbench.processes import begun
+from workbench.report import drawn
 from workbench.report import write as write_page
 from workbench.report.contents import Recorded, StudyResult
 from workbench.residual.residual_maps import ResidualMaps, map_residual
@@ -15,7 +20,6 @@ from workbench.study.configuration import campaign_of
 from workbench.tracing.output import write
 from workbench.tracing.result import Trace
 from workbench.tracing.tracing import trace
-from workbench.verification.closed_loop import ClosedLoop
 from workbench.verification.closing import as_dict as loop_as_dict
 from workbench.verification.closing import closed_loop
 
@@ -43,20 +47,23 @@ def run(
     campaign = load(folder, resample=resample) if folder else campaign
     inverses = inverse_dynamics(campaign.records, campaign.bandwidth)
     found = trace(campaign.plant, inverses, say)
-    maps = map_residual(inverses, found.before, found.extended)
-    closed = closed_loop(campaign, found, say) if closing and found.causes else None
-    say("writing the page")
-    with whole(out, FILE) as beside:
-        page = _page(campaign, found, maps, closed)
-        write(found, beside, maps, {"closed_loop": loop_as_dict(closed)})
-        write_page(page, beside, "trace")  # which carries trace.json
+    loop = nullcontext(lambda: None)
+    if closing and found.causes:
+        say("closing the loop")
+        loop = begun(partial(closed_loop, campaign, found))
+    with loop as closed, whole(out, FILE) as beside:
+        maps = map_residual(inverses, found.before, found.extended)
+        page = _page(campaign, found, maps)
+        say("writing the page")
+        figures = drawn(page)  # while the loop is closed
+        page = replace(page, closed=closed())
+        write(found, beside, maps, {"closed_loop": loop_as_dict(page.closed)})
+        write_page(page, beside, "trace", figures)  # which carries trace.json
     return campaign, found
 
 
-def _page(
-    campaign: Campaign, found: Trace, maps: tuple[ResidualMaps, ...], closed: ClosedLoop | str | None
-) -> StudyResult:
-    """Return what the page of a trace is made of. closed: the loop, a sentence why there is none, or None."""
+def _page(campaign: Campaign, found: Trace, maps: tuple[ResidualMaps, ...]) -> StudyResult:
+    """Return what the page of a trace is made of, the loop aside."""
     folder = campaign.folder.resolve()
     return StudyResult(
         name=folder.parent.name if folder.name == FOLDER else folder.name,
@@ -68,7 +75,6 @@ def _page(
         bandwidth=campaign.bandwidth,
         trace=found,
         findings=(*campaign.findings, *found.every_finding),
-        closed=closed,
         residual_maps=maps,
         kind="Trace of campaign",
         command=f"workbench trace {f'{folder.parent.name}/{FOLDER}' if folder.name == FOLDER else folder.name}",

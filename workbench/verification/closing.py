@@ -1,6 +1,5 @@
 """The loop of a campaign, closed with what a trace found: on which record, or why it is not."""
 
-from collections.abc import Callable
 from dataclasses import replace
 from math import isfinite
 
@@ -26,12 +25,11 @@ def lacking(plant: Plant, record: Record | None) -> str:
     return ""
 
 
-def closed_loop(campaign: Campaign, found: Trace, say: Callable[[str], None]) -> ClosedLoop | str:
+def closed_loop(campaign: Campaign, found: Trace) -> ClosedLoop | str:
     """Return the loop closed with what a trace found, on the validation record whose name comes first, or the sentence why it is not."""
     record = min((r for r in campaign.records if r.role == VALIDATION), key=lambda r: r.name, default=None)
     if missing := lacking(campaign.plant, record):
         return missing
-    say("closing the loop")
     try:
         return close(_in_order(found.before.plant), _in_order(found.after.plant), record)
     except WorkbenchError as error:
