@@ -3,7 +3,7 @@
 Nothing of the moment or the machine enters: no date, no path, no random name; fonts come from Typst and matplotlib.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import fields
 from pathlib import Path
 
@@ -24,7 +24,9 @@ def write(result: StudyResult, folder: Path, stem: str = "report", figures: Mapp
     stem: of the two files' names. figures: file name -> SVG of those that are drawn already.
     """
     chapters = standard(result)
-    figures = _drawn(chapters, figures or {})
+    named, figures = _figures(chapters), figures or {}
+    figures = {**figures, **_drawn(named, figures)}
+    figures = {n: figures[n] for n in named}
     data = {
         "title": result.title,
         "name": result.name,
@@ -47,24 +49,25 @@ def write(result: StudyResult, folder: Path, stem: str = "report", figures: Mapp
         (folder / f"{stem}.{ending}").write_bytes(content)
 
 
-def drawn(result: StudyResult) -> dict[str, bytes]:
-    """Return file name -> SVG of every figure of a result that may still lack its loop."""
-    return _drawn(standard(result), {})
+def drawn(result: StudyResult, beside: StudyResult | None = None) -> dict[str, bytes]:
+    """Return file name -> SVG of every figure of a result, or of those that another one, which lacks something yet, has not."""
+    return _drawn(_figures(standard(result)), _figures(standard(beside)) if beside else ())
 
 
-def _drawn(chapters: Sequence[Chapter], known: Mapping[str, bytes]) -> dict[str, bytes]:
-    """Return file name -> SVG of every figure. known: those that are drawn already."""
+def _figures(chapters: Sequence[Chapter]) -> dict[str, Figure]:
+    """Return file name -> figure of every one in the chapters."""
     figures = [b for c in chapters for b in c.blocks if isinstance(b, Figure)]
     names = [f"{f.name}.svg" for f in figures]
     if twice := next((f.name for f, n in zip(figures, names, strict=True) if names.count(n) > 1), None):
         raise ValueError(f"Two figures of the report are named '{twice}'.")
+    return dict(zip(names, figures, strict=True))
+
+
+def _drawn(figures: Mapping[str, Figure], but: Collection[str]) -> dict[str, bytes]:
+    """Return file name -> SVG of figures but of these names."""
+    left = {n: f for n, f in figures.items() if n not in but}
     drawing.started()
-    left = {n: f for n, f in zip(names, figures, strict=True) if n not in known}
-    made = {
-        **known,
-        **dict(zip(left, shared(lambda f: f.svg() if callable(f.svg) else f.svg, [*left.values()]), strict=True)),
-    }
-    return {n: made[n] for n in names}
+    return dict(zip(left, shared(lambda f: f.svg() if callable(f.svg) else f.svg, [*left.values()]), strict=True))
 
 
 def _as_data(block: Block) -> dict:

@@ -15,11 +15,13 @@ from workbench.processes import begun
 from workbench.report import drawn
 from workbench.report import write as write_page
 from workbench.report.contents import Recorded, StudyResult
+from workbench.report.drawing import started
 from workbench.residual.residual_maps import ResidualMaps, map_residual
 from workbench.study.configuration import campaign_of
 from workbench.tracing.output import write
 from workbench.tracing.result import Trace
 from workbench.tracing.tracing import trace
+from workbench.verification.closed_loop import ClosedLoop
 from workbench.verification.closing import as_dict as loop_as_dict
 from workbench.verification.closing import closed_loop
 
@@ -47,19 +49,25 @@ def run(
     campaign = load(folder, resample=resample) if folder else campaign
     inverses = inverse_dynamics(campaign.records, campaign.bandwidth)
     found = trace(campaign.plant, inverses, say)
-    loop = nullcontext(lambda: None)
+    page = _page(campaign, found, map_residual(inverses, found.before, found.extended))
+    loop = nullcontext(lambda: (None, {}))
     if closing and found.causes:
         say("closing the loop")
-        loop = begun(partial(closed_loop, campaign, found))
+        started()  # once for both processes
+        loop = begun(partial(_closed, campaign, page))
     with loop as closed, whole(out, FILE) as beside:
-        maps = map_residual(inverses, found.before, found.extended)
-        page = _page(campaign, found, maps)
         say("writing the page")
         figures = drawn(page)  # while the loop is closed
-        page = replace(page, closed=closed())
-        write(found, beside, maps, {"closed_loop": loop_as_dict(page.closed)})
-        write_page(page, beside, "trace", figures)  # which carries trace.json
+        of_page, of_loop = closed()
+        write(found, beside, page.residual_maps, {"closed_loop": loop_as_dict(of_page)})
+        write_page(replace(page, closed=of_page), beside, "trace", figures | of_loop)  # which carries trace.json
     return campaign, found
+
+
+def _closed(campaign: Campaign, page: StudyResult) -> tuple[ClosedLoop | str, dict[str, bytes]]:
+    """Return the loop closed with what a page's trace found, and what is drawn of it."""
+    closed = closed_loop(campaign, page.trace)
+    return closed, drawn(replace(page, closed=closed), beside=page)
 
 
 def _page(campaign: Campaign, found: Trace, maps: tuple[ResidualMaps, ...]) -> StudyResult:

@@ -144,6 +144,9 @@ def write(
     for name, prediction in sorted(trace.after.predictions.items()):
         paths[name] = f"predictions/{name}.csv"
         rows = np.column_stack([trace.after.series[name].time, prediction])
-        np.savetxt(folder / paths[name], rows, fmt="%.9g", delimiter=",", header="time_s,prediction", comments="")
+        text = "time_s,prediction\n" + "%.9g,%.9g\n" * len(rows) % tuple(
+            rows.ravel().tolist()
+        )  # a third of savetxt's time
+        (folder / paths[name]).write_text(text, encoding="utf-8")
     text = json.dumps(as_dict(trace, paths) | more, indent=1, allow_nan=False)
     (folder / "trace.json").write_text(text + "\n", encoding="utf-8")
