@@ -50,6 +50,14 @@ CASES = {
         evidence(weighed("constant_offset", (0.92, 0.1415), (1.046, 0.259)), weighed("gravity", (0.1415, 0.0772), (0.259, 0.110))), CAUSE,
         (CAUSE, CAUSE),
     ),
+    "a memory of the declared friction that takes less than `beside` of the drive beside a larger cause is a law that is only nearly right": (
+        evidence(weighed("torque_constant_saturation", (0.0371, 0.0104), (0.033, 0.0096)),
+            weighed("presliding_hysteresis", (0.0104, 0.0038), (0.0096, 0.0032), of_declared=True)), CAUSE, (CAUSE, REFINEMENT),
+    ),
+    "one that takes more is a cause beside it": (
+        evidence(weighed("kinematic_error", (0.09, 0.0632), (0.09, 0.0503)),
+            weighed("fading_memory", (0.0632, 0.0150), (0.0503, 0.0370), of_declared=True)), CAUSE, (CAUSE, CAUSE),
+    ),
     "what takes less than that, and little of what the largest takes, is": (
         evidence(weighed("gravity", (0.92, 0.1), (1.046, 0.11)), weighed("coulomb_asymmetry", (0.1, 0.06), (0.11, 0.07))), CAUSE,
         (CAUSE, REFINEMENT),

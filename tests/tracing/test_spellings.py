@@ -135,6 +135,9 @@ def test_drag_in_a_part_of_the_stroke_is_no_friction_that_returns(periods, shape
         return first.candidate.effect if first.score.earns else ""
 
     assert leads(declared) == name
+    whole = Offer(only={"cyclic_friction"}, declared=declared)
+    steps = greedy.extended(state, state.inverses, lambda _: None, whole, STANDARD, lambda after: after)
+    assert (steps[0].added is None) == (not name)  # nor is the curve of its class a steadier law
     assert leads(fewer) == "cyclic_friction"  # beside what was found it is asked as any other wave
 
 

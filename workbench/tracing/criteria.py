@@ -26,8 +26,10 @@ class Criteria:
         "nothing". Also what an effect with values that no machine has (a wave as long as the travel) takes away at least, to be a
         cause nevertheless.
     beside: share of the drive's rms that stays explainable beside causes, from which something else is said to be missing; also what a
-        further effect with values that no machine has takes at least, to be a cause beside them. Right causes whose law is only nearly
-        right leave up to 1.6 %. Halved, these are called incomplete, and an overdamped mode or a wave as long as the travel is a cause.
+        further effect with values that no machine has takes at least, to be a cause beside them, or a memory of the friction that is declared.
+        Right causes whose law is only nearly right leave up to 1.6 %; the presliding that two authors left in their Coulomb friction takes 1.0 and
+        1.1 % beside a cause, a memory that one left out 6 %. Halved, these are called incomplete or one more cause, and an overdamped mode or a
+        wave as long as the travel is a cause; doubled, no cause that is known is lost.
     held: share of the validation record's residual power that the causes must take away. Right ones took 0.68 and more, what
         only dressed an unknown cause up to 0.42. Halved, dressings are causes; doubled, nothing is a cause. On benches that lack more than
         one thing two right ones took 0.40 and 0.41 of it, with 0.73 and 0.53 of the identification records' and 0.59 and all of what could be

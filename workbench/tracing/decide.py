@@ -6,7 +6,7 @@
 | do the counts that an encoder lost take more of the drive than any cause, and at least `explainable`? | unknown |
 | a correction within the fixed value's tolerance, or an effect (a correction beyond its tolerance) below the practical size, or below `explainable` with values that no machine has? | refinement |
 | a memory of the friction that is declared, of which the drive shows less than the practical size on validation, or less than `explainable` behind the joint? | refinement |
-| a further one that takes less than `lesser` of what the largest cause takes of the same balance (a further order of that one is its own) and less than `unaccounted` of the drive, on validation less than the practical size, less than `beside` with values that no machine has, or says the curve that a larger one says? | refinement |
+| a further one that takes less than `lesser` of what the largest cause takes of the same balance (a further order of that one is its own) and less than `unaccounted` of the drive, on validation less than the practical size, less than `beside` with values that no machine has or of the drive as a memory of the friction that is declared, or says the curve that a larger one says? | refinement |
 | a further one that takes `held` of what the larger ones leave in neither role, of which less than `explainable` is foretold, or which the load's balance alone shows? | refinement |
 | does the error grow on validation, or does the effect explain nearly nothing there? | not borne out |
 | is what they take of a window of the stroke paid for with residual elsewhere? | unknown |
@@ -21,7 +21,7 @@
 """
 
 from dataclasses import dataclass
-from math import isfinite
+from math import inf, isfinite
 
 from workbench.record import IDENTIFICATION, VALIDATION
 from workbench.residual.noise_floor import TOLD
@@ -163,6 +163,7 @@ def _small(added: tuple[Weighed, ...], roles: tuple[str, ...], criteria: Criteri
         or (first is not None and _little_of(a, first, criteria))
         or (a.size(IDENTIFICATION) < largest and a.size(VALIDATION) < criteria.practical)
         or (a.implausible and a.size(IDENTIFICATION) < min(largest, criteria.beside))
+        or (a.of_declared and a is not first and a.in_drive(IDENTIFICATION) < criteria.beside)
         # what is foretold of the drive says nothing of a load's balance: there right ones took 0.5 and more of it, what nobody put there 0.43 at most
         or (a.behind and a is not first and not _held(a, criteria) and not _further_of(a, first))
         for a in added
@@ -177,8 +178,7 @@ def _largest(causes: list[Weighed], criteria: Criteria) -> Weighed | None:
 def _little_of(a: Weighed, first: Weighed, criteria: Criteria) -> bool:
     """Whether an effect takes less than `lesser` of what the largest cause takes of the balance in which that effect shows: of a joint's torque,
     which a load's balance is held against, the same law is a larger share than of the drive. Not what takes `unaccounted` of the drive."""
-    least = criteria.lesser * first.size_where(a, IDENTIFICATION)
-    least = least if a.behind else min(least, criteria.unaccounted)
+    least = min(criteria.lesser * first.size_where(a, IDENTIFICATION), inf if a.behind else criteria.unaccounted)
     return a.size(IDENTIFICATION) < least and not _further_of(a, first)
 
 

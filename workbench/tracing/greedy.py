@@ -12,7 +12,7 @@ from workbench.tracing.counted import by_counts, quantisation_bias
 from workbench.tracing.criteria import Criteria
 from workbench.tracing.free_law import free_law, steadier
 from workbench.tracing.judge import Progress, ScoredCandidate, lighter
-from workbench.tracing.ranking import step
+from workbench.tracing.ranking import any_curve, step
 from workbench.tracing.state import State
 from workbench.tracing.unexplained import PLAIN, noise_alone
 
@@ -42,6 +42,7 @@ def extended(
 
     whole: inverse dynamics of the identification records as they are. Near the floor an effect must take away a plain share, and of more than what counts alone would leave. One effect may be added
     provisionally (see `promised`): it stays where a later one earns its place, and `pruned` asks whether it earns its own.
+    Before anything was added, what may be any curve is asked for no steadier law of its class, and promises nothing.
     freshly: a state with its free virgin curves found anew. enough: asked of what was added, all of it certain, whether the search is to end with
     it. Where nothing is left that could be a cause, no further effect is asked.
     """
@@ -65,12 +66,12 @@ def extended(
         ):
             judgements, best = [free, *judgements], free
         if best is None and not noise_alone(state, level, PLAIN):
-            if (
-                steady := steadier(state, _most_first(judgements), criteria, offer)
-            ) is not None and steady.state is not None:
+            asked = [j for j in judgements if found or not any_curve(j, state)]
+            steady = steadier(state, _most_first(asked), criteria, offer)
+            if steady is not None and steady.state is not None:
                 judgements, best = [steady, *judgements], steady
             elif provisional is None:
-                best = provisional = promised(judgements, criteria)
+                best = provisional = promised(asked, criteria)
         found.append(Step(lighter(judgements, best), best, best is not None and best is provisional))
         if best is None or (provisional is None and enough([s.added for s in found])):
             break

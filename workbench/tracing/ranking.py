@@ -153,7 +153,7 @@ def _plainest_first(
     }
     for _ in range(min(offer.budget.leading, len(judgements))):
         first = judgements[0]
-        if _stranger(first) or (first_of_all and _any_curve(first, state)):
+        if _stranger(first) or (first_of_all and any_curve(first, state)):
             judgements = _pushed_back(judgements, criteria, state)
             continue
         name = reduced_to(first, state, criteria)
@@ -211,7 +211,7 @@ def _stranger(j: ScoredCandidate) -> bool:
     return bool(ratios) and not any(abs(r / s - 1.0) < MEETS for r in ratios for s in small)
 
 
-def _any_curve(j: ScoredCandidate, state: State) -> bool:
+def any_curve(j: ScoredCandidate, state: State) -> bool:
     """Whether a fitted candidate is a wave that draws whatever lives in a part of the stroke: the travel does not show it to return, it leaves
     plainly something, and in its class no law of the catalogue is a curve."""
     if not j.refitted or j.candidate.kind != ADDITION:
