@@ -54,6 +54,16 @@ CASES = {
         evidence(weighed("torque_constant_saturation", (0.0371, 0.0104), (0.033, 0.0096)),
             weighed("presliding_hysteresis", (0.0104, 0.0038), (0.0096, 0.0032), of_declared=True)), CAUSE, (CAUSE, REFINEMENT),
     ),
+    "nor is a memory of a load's friction a cause whose part of the drive is what gives way for it at rest": (
+        evidence(weighed("presliding_hysteresis", (0.0439, 0.0049), (0.0232, 0.0051), of_declared=True, in_motion=0.004,
+            load_before={"identification": 0.26, "validation": 0.358}, load_after={"identification": 0.0132, "validation": 0.0138}),
+            before=0.0), NOTHING, (REFINEMENT,),
+    ),
+    "it is where the load's motion shows it": (
+        evidence(weighed("presliding_hysteresis", (0.0439, 0.0049), (0.0232, 0.0051), of_declared=True, in_motion=0.02,
+            load_before={"identification": 0.26, "validation": 0.358}, load_after={"identification": 0.0132, "validation": 0.0138}),
+            before=0.0), CAUSE, (CAUSE,),
+    ),
     "one that takes more is a cause beside it": (
         evidence(weighed("kinematic_error", (0.09, 0.0632), (0.09, 0.0503)),
             weighed("fading_memory", (0.0632, 0.0150), (0.0503, 0.0370), of_declared=True)), CAUSE, (CAUSE, CAUSE),

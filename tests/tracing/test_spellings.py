@@ -186,3 +186,13 @@ def test_what_comes_to_nothing_when_it_is_asked_again_stays_by_the_state_that_ha
             monkeypatch.setattr(pruning, "State", lambda *_: second.state)
         found = pruning.pruned(answer, PLANT, [judgements], lambda _: None, Offer(), STANDARD)
         assert [j.candidate.key for j in found.added] == [j.candidate.key for j in left]
+
+
+@pytest.mark.parametrize(("mu", "itself"), [(0.08, True), (0.02, True), (0.0, False)])
+def test_a_coefficient_of_friction_is_not_nothing_beside_the_share_of_inertia_that_a_gear_passes(mu, itself):
+    """Both are numbers without a unit: what is small beside the other springs of a law is nothing, and a share is none of them."""
+    state, judgements = asked(lambda q: 0.0 * q, PLANT, "load_dependent_friction")
+    (j,) = judgements
+    plant = j.candidate.plant.with_values({j.candidate.key: {"mu": mu, "share": 0.99}})
+    fitted = replace(j, refitted=SimpleNamespace(plant=plant))
+    assert reducing.reduced_to(fitted, state, STANDARD) == (None if itself else "")

@@ -4,7 +4,10 @@ from types import SimpleNamespace
 
 import pytest
 
+from workbench.tracing.criteria import Criteria
+from workbench.tracing.decide import NOTHING, REFINEMENT, UNKNOWN, Verdict
 from workbench.tracing.headline import verdict_sentence
+from workbench.tracing.reporting import Outcome
 from workbench.tracing.result import Cause
 
 BEFORE = SimpleNamespace(identification=0.75, validation=0.90)
@@ -33,3 +36,21 @@ def test_what_a_refinement_takes_is_not_said_to_be_the_causes_own():
         in sentence
     )
     assert sentence.endswith("With the refinements, too, they are 33.00 % and 25.00 %.")
+
+
+def test_where_nothing_is_missing_what_refinements_leave_is_said_beside_what_the_declared_model_does():
+    size = SimpleNamespace(size=0.0, hum=0.0)
+    evidence = SimpleNamespace(before=size, floor={"identification": 0.0}, clock=False)
+    said = [verdict_sentence("nothing_missing", (), BEFORE, BEFORE, evidence, refined=x) for x in (None, AFTER)]
+    assert "leaves 75.00 % of the drive on identification, and nothing of it" in said[0]
+    assert "leaves 75.00 % of the drive on identification, with its refinements 25.00 %, and nothing of it" in said[1]
+
+
+@pytest.mark.parametrize(
+    ("verdict", "left", "stands"), [(NOTHING, 0.005, True), (NOTHING, 0.0229, False), (UNKNOWN, 0.005, False)]
+)
+def test_where_nothing_is_missing_a_refinement_that_validation_bears_out_stands(verdict, left, stands):
+    fits = [SimpleNamespace(validation=x) for x in (0.0232, left)]
+    confirmed = SimpleNamespace(added=["hysteresis"], weighed=["its sizes"], fits=fits)
+    found = Outcome(None, (), None, confirmed, None, Verdict(verdict, (REFINEMENT,)), None, Criteria())
+    assert found.standing == ([("hysteresis", "its sizes")] if stands else [])

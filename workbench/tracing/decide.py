@@ -5,7 +5,7 @@
 | does the angle between two encoders say that one is late? | cause, whatever else |
 | do the counts that an encoder lost take more of the drive than any cause, and at least `explainable`? | unknown |
 | a correction within the fixed value's tolerance, or an effect (a correction beyond its tolerance) below the practical size, or below `explainable` with values that no machine has? | refinement |
-| a memory of the friction that is declared, of which the drive shows less than the practical size on validation, or less than `explainable` behind the joint? | refinement |
+| a memory of the friction that is declared, of which the drive shows less than the practical size on validation or while the load moves, or less than `explainable` behind the joint? | refinement |
 | a further one that takes less than `lesser` of what the largest cause takes of the same balance (a further order of that one is its own) and less than `unaccounted` of the drive, on validation less than the practical size, less than `beside` with values that no machine has or of the drive as a memory of the friction that is declared, or says the curve that a larger one says? | refinement |
 | a further one that takes `held` of what the larger ones leave in neither role, of which less than `explainable` is foretold, or which the load's balance alone shows? | refinement |
 | does the error grow on validation, or does the effect explain nearly nothing there? | not borne out |
@@ -118,7 +118,7 @@ def _role(a: Weighed, criteria: Criteria) -> str:
         return NOT_BORNE_OUT
     # a declared friction is only nearly right at standstill: a load's small balance shows it, or slow records that nothing else has
     little = a.behind and a.in_drive(IDENTIFICATION) < criteria.explainable
-    if a.of_declared and (little or a.in_drive(VALIDATION) < criteria.practical):
+    if a.of_declared and (little or min(a.in_drive(VALIDATION), a.in_motion) < criteria.practical):
         return REFINEMENT
     if _beyond(a) < (criteria.explainable if a.implausible else criteria.practical):
         return REFINEMENT

@@ -71,7 +71,8 @@ class Weighed:
     the loop, and that one's standard error (`outside.multiplier`). power_up: whether its phase on validation is one of its
     own, with which `after` is then. same_curve: whether a larger addition says the same curve (a joint has one of torque over
     angle; a wave that no machine has beside a spring), so that this one only bends its law. of_declared: whether it is a memory of the dry
-    friction that is declared at its place. foretold: what is explainable of what the larger ones leave, asked where it takes less than `held`
+    friction that is declared at its place; in_motion: at a load, what of the drive it takes where the load's balance counts only while the load
+    moves; infinite where it was not asked. foretold: what is explainable of what the larger ones leave, asked where it takes less than `held`
     of that (`further.foretold`); infinite where it was not asked.
     """
 
@@ -89,6 +90,7 @@ class Weighed:
     power_up: bool = False
     same_curve: bool = False
     of_declared: bool = False
+    in_motion: float = float("inf")
     outside: float = float("nan")
     outside_error: float = float("inf")
     foretold: float = float("inf")

@@ -162,6 +162,11 @@ def _unexplained(evidence: Evidence, place: Window | None, displacement: str) ->
     )
 
 
+def _with(refined: Fit | None) -> str:
+    """Return what refinements leave."""
+    return f"with its refinements {100 * refined.identification:.2f} %, " if refined is not None else ""
+
+
 def verdict_sentence(
     verdict: str,
     causes: Sequence[Cause],
@@ -181,6 +186,6 @@ def verdict_sentence(
     if verdict == UNKNOWN:
         return _unexplained(evidence, lives_in.place if lives_in else None, before.plant.displacement)
     return (
-        f"Nothing is missing: the declared model leaves {100 * before.identification:.2f} % of the drive on identification, and "
+        f"Nothing is missing: the declared model leaves {100 * before.identification:.2f} % of the drive on identification, {_with(refined)}and "
         f"{_foretold(size)} of it could be predicted from outside the loop; {_humming(size)}the rest is noise and disturbance."
     )

@@ -18,14 +18,11 @@ def reduced_to(j: ScoredCandidate, state: State, criteria: Criteria) -> str | No
     if effect.port == TIME and (state.plant.kind == TWO_MASS or _early(effect)):
         return None  # a clock of one of two encoders is no delay of the drive, nor is one that is ahead of it
     counts = max(p.motion.counts for p in state.inverses)
-    # a stiffness is nothing beside a stiffness: what is small is so beside what has its unit
-    largest = {
-        u: max(abs(p.value) for p in effect.parameters.values() if p.unit == u)
-        for u in {p.unit for p in effect.parameters.values()}
-    }
+    # a stiffness is nothing beside a stiffness: what is small is so beside what enters as it does, with its unit; a share is no coefficient of friction
+    linear = {n: effect.parameters[n] for n in effect.linear}
+    largest = {p.unit: max(abs(q.value) for q in linear.values() if q.unit == p.unit) for p in linear.values()}
     near = {
-        n: criteria.neutral * (largest[p.unit] if n in effect.linear else abs(p.value))
-        for n, p in effect.parameters.items()
+        n: criteria.neutral * (largest[p.unit] if n in linear else abs(p.value)) for n, p in effect.parameters.items()
     }
     # a clock that over all the records gains less than half a sample keeps pace
     span = max(p.motion.t[-1] for p in state.inverses) - min(p.motion.t[0] for p in state.inverses)

@@ -11,7 +11,7 @@ from workbench.inverse.dynamics import InverseDynamics
 from workbench.tracing.calibration import Calibration
 from workbench.tracing.candidates import ADDITION, Candidate, without
 from workbench.tracing.criteria import Criteria
-from workbench.tracing.decide import CAUSE, NOTHING, UNKNOWN, Verdict
+from workbench.tracing.decide import CAUSE, NOTHING, REFINEMENT, UNKNOWN, Verdict
 from workbench.tracing.evidence import Evidence, Weighed
 from workbench.tracing.headline import verdict_sentence
 from workbench.tracing.judge import Progress, ScoredCandidate, shown
@@ -48,9 +48,13 @@ class Outcome:
 
     @property
     def standing(self) -> list[tuple[ScoredCandidate, Weighed]]:
-        """What was added, with its evidence: with a cause all of it stands, without one nothing does."""
+        """What was added, with its evidence: with a cause all of it stands; where nothing is missing refinements do that take what is of
+        practical size of the validation records, and else nothing does."""
         every = list(zip(self.confirmed.added, self.confirmed.weighed, strict=True))
-        return every if self.verdict.verdict == CAUSE else []
+        refines = self.verdict.verdict == NOTHING and {*self.verdict.roles} == {REFINEMENT}
+        first, last = self.confirmed.fits[0].validation, self.confirmed.fits[-1].validation
+        less = refines and first**2 - last**2 >= self.criteria.practical**2
+        return every if self.verdict.verdict == CAUSE or less else []
 
     @property
     def fits(self) -> list[Fit]:

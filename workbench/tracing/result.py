@@ -74,7 +74,8 @@ class Cause:
     kind: "addition", or "correction" of a fixed value. was: parameter -> the fixed value that was corrected. law: "catalogue",
     or "free form" where no formula of its class comes near; form: name of that free form (`effect` is the nearest formula), or of the
     composite that a missing part makes with what is declared.
-    size: what it takes away, over the drive's rms, on identification. also: further parts of that composite that are missing.
+    size: what it takes away on identification, over the drive's rms; behind: or, where it shows most in the load's balance, over that of the
+    joint's torque. also: further parts of that composite that are missing.
     """
 
     effect: str
@@ -89,6 +90,7 @@ class Cause:
     was: Mapping[str, float] = field(default_factory=dict)
     law: str = "catalogue"
     size: float = 0.0
+    behind: bool = False
     form: str = ""
     also: tuple[str, ...] = ()
 

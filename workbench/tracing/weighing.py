@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from math import inf
 
 from workbench.definition import catalogue
 from workbench.identification.result import Fit
@@ -14,6 +15,7 @@ from workbench.tracing.criteria import Criteria
 from workbench.tracing.evidence import ADDITION, CORRECTION, Weighed
 from workbench.tracing.free_forms import MEMORY
 from workbench.tracing.full_rate import nested_fits
+from workbench.tracing.in_motion import in_motion
 from workbench.tracing.judge import ScoredCandidate
 from workbench.tracing.near_law import NAME
 from workbench.tracing.outside import multiplier
@@ -69,6 +71,7 @@ def weighed(
         key = j.candidate.key
         present = key in {e.key for e in last.effects}
         before, after = ({r: getattr(fits[k], r) for r in ROLES} for k in (i, i + 1))
+        own = _memory_of(j, declared)
         w = Weighed(
             effect=j.candidate.name,
             at=j.score.at,
@@ -78,7 +81,10 @@ def weighed(
             changed=_change(declared, fits[-1], key) if j.candidate.kind == CORRECTION and present else 0.0,
             tolerance=criteria.tolerance,
             law="free form" if j.candidate.stands else "catalogue",
-            of_declared=_memory_of(j, declared),
+            of_declared=own,
+            in_motion=in_motion(fits[i].plant, fits[i + 1].plant, inverses)
+            if own and j.candidate.at == "load"
+            else inf,
             implausible=implausible(last[key], last, declared, selected.declared.inverses) if present else "",
             load_before=load[i],
             load_after=load[i + 1],

@@ -45,7 +45,7 @@ def cause(
     return Cause(
         name, score.at, sentence, estimates, identification, validation,
         kind=score.kind,
-        was=was, law=weight.law, size=weight.size(IDENTIFICATION),
+        was=was, law=weight.law, size=weight.size(IDENTIFICATION), behind=weight.behind,
         form=score.effect if name != score.effect else "",
         also=also,
     )  # fmt: skip
@@ -82,7 +82,8 @@ def _cause_sentence(
 
 def refinement(c: Cause) -> Refinement:
     """Return what would be a cause, were it not too small for one: nothing says that it is missing."""
-    sentence = f"{capital(title(c.effect))} at the {c.at} takes away {100 * c.size:.2g} % of the drive's rms on the identification records."
+    of = "the joint's torque in the load's balance" if c.behind else "the drive's rms"
+    sentence = f"{capital(title(c.effect))} at the {c.at} takes away {100 * c.size:.2g} % of {of} on the identification records."
     return Refinement(c.effect, c.at, c.kind, sentence, c.parameters, c.size)
 
 
