@@ -64,6 +64,16 @@ CASES = {
             load_before={"identification": 0.26, "validation": 0.358}, load_after={"identification": 0.0132, "validation": 0.0138}),
             before=0.0), CAUSE, (CAUSE,),
     ),
+    "what only noise that came back through the loop looks like is not borne out by what is outside it": (
+        evidence(weighed("actuator_lag", (0.0366, 0.0201), (0.0341, 0.0179), outside=0.079, outside_error=0.041)), UNKNOWN, (NOT_BORNE_OUT,),
+    ),
+    "nor does it refute what shows behind the joint": (
+        evidence(weighed("kinematic_error", (0.0366, 0.03), (0.0341, 0.02), outside=0.0, outside_error=0.04,
+            load_before={"identification": 0.2, "validation": 0.2}, load_after={"identification": 0.02, "validation": 0.02})), CAUSE, (CAUSE,),
+    ),
+    "where what is outside says little either way it refutes nothing": (
+        evidence(weighed("actuator_lag", (0.0366, 0.0201), (0.0341, 0.0179), outside=0.494, outside_error=0.583)), CAUSE, (CAUSE,),
+    ),
     "one that takes more is a cause beside it": (
         evidence(weighed("kinematic_error", (0.09, 0.0632), (0.09, 0.0503)),
             weighed("fading_memory", (0.0632, 0.0150), (0.0503, 0.0370), of_declared=True)), CAUSE, (CAUSE, CAUSE),

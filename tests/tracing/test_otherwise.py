@@ -256,3 +256,14 @@ def test_a_weight_beside_a_cable_is_asked_whether_it_is_what_a_cable_stiffens_by
     assert alone.validation < 1.02 * identify(plant, inverses).validation
     rest = alone.plant["hardening_cable@axis"].parameters
     assert (rest["rest"].value, rest["cubic"].value) == (pytest.approx(0.1, abs=0.01), pytest.approx(12.0, rel=0.05))
+
+
+@pytest.mark.parametrize("absurd", [False, True])
+def test_a_law_with_values_that_no_machine_has_takes_no_other_ones_place(monkeypatch, absurd):
+    here = {c.effect: c for c in candidates_of(PLANT)}
+    score, left = SimpleNamespace(earns=True), SimpleNamespace(total=0.1)
+    law = SimpleNamespace(candidate=here["cable_spring"], score=score, theta=0.0, errors=left, state=object())
+    choice = SimpleNamespace(offer=Offer(), criteria=STANDARD)
+    monkeypatch.setattr(otherwise, "absurd", lambda j, state: absurd)
+    found = otherwise._fitted(object(), [law], law, {"cable_spring"}, choice)
+    assert found == ([] if absurd else [law])

@@ -196,3 +196,21 @@ def test_a_coefficient_of_friction_is_not_nothing_beside_the_share_of_inertia_th
     plant = j.candidate.plant.with_values({j.candidate.key: {"mu": mu, "share": 0.99}})
     fitted = replace(j, refitted=SimpleNamespace(plant=plant))
     assert reducing.reduced_to(fitted, state, STANDARD) == (None if itself else "")
+
+
+@pytest.mark.parametrize(("first", "says", "gives_way"), [("clock_skew", True, True), ("clock_skew", False, False), ("cogging", True, False)])  # fmt: skip
+def test_a_wave_leads_whose_further_orders_take_most_of_what_the_leading_law_leaves(
+    monkeypatch, first, says, gives_way
+):
+    """Of a gear's three orders the first alone takes 0.78, a late encoder 0.82, all three 0.98."""
+    here = {c.effect: c for c in candidates_of(PLANT)}
+    found = [
+        SimpleNamespace(candidate=here[n], refitted=object(), score=SimpleNamespace(earns=True), errors=SimpleNamespace(total=left))
+        for n, left in ((first, 0.18), ("kinematic_error", 0.22), ("cyclic_friction", 0.5))
+    ]  # fmt: skip
+    asked_of = []
+    monkeypatch.setattr(free_law, "_orders_say_it", lambda s, j, most, *_: asked_of.append((j, most)) or says)
+    state = SimpleNamespace(errors=SimpleNamespace(total=1.0))
+    wave = free_law._of_more_orders(state, found, found[0], STANDARD, Offer())
+    assert (wave is found[1]) == gives_way and (wave is None) != gives_way
+    assert all(j is found[1] and most == pytest.approx(0.2 * 0.18) for j, most in asked_of)

@@ -38,6 +38,16 @@ def test_what_a_refinement_takes_is_not_said_to_be_the_causes_own():
     assert sentence.endswith("With the refinements, too, they are 33.00 % and 25.00 %.")
 
 
+def test_what_a_cause_takes_beside_refinements_alone_is_said_with_them():
+    evidence = SimpleNamespace(before=SimpleNamespace(size=0.0, kind=""), floor={"identification": 0.0}, clock=False)
+    worse = SimpleNamespace(identification=0.80, validation=0.95, plant=SimpleNamespace(effects=()))
+    sentence = verdict_sentence("cause", (GRAVITY,), BEFORE, worse, evidence, refined=AFTER)
+    assert sentence.endswith(
+        "With it and the refinements, the validation error falls from 90.00 % to 33.00 % and the identification error "
+        "from 75.00 % to 25.00 %."
+    )
+
+
 def test_where_nothing_is_missing_what_refinements_leave_is_said_beside_what_the_declared_model_does():
     size = SimpleNamespace(size=0.0, hum=0.0)
     evidence = SimpleNamespace(before=size, floor={"identification": 0.0}, clock=False)

@@ -9,6 +9,7 @@
 | a further one that takes less than `lesser` of what the largest cause takes of the same balance (a further order of that one is its own) and less than `unaccounted` of the drive, on validation less than the practical size, less than `beside` with values that no machine has or of the drive as a memory of the friction that is declared, or says the curve that a larger one says? | refinement |
 | a further one that takes `held` of what the larger ones leave in neither role, of which less than `explainable` is foretold, or which the load's balance alone shows? | refinement |
 | does the error grow on validation, or does the effect explain nearly nothing there? | not borne out |
+| does what is outside the loop bear out less than `held` of what it takes, for certain by `alike` standard errors? | not borne out |
 | is what they take of a window of the stroke paid for with residual elsewhere? | unknown |
 | does a stiffness of the joint or an inertia that changes along the stroke, which no effect is, take `explainable` more of the drive than they do? | unknown |
 | has what takes most values that no machine has, and leaves `beside` explainable? | unknown |
@@ -21,10 +22,11 @@
 """
 
 from dataclasses import dataclass
-from math import inf, isfinite
+from math import inf
 
 from workbench.record import IDENTIFICATION, VALIDATION
 from workbench.residual.noise_floor import TOLD
+from workbench.tracing.answering import answers, little_left
 from workbench.tracing.criteria import Criteria
 from workbench.tracing.evidence import CORRECTION, Evidence, Weighed
 
@@ -54,11 +56,9 @@ def decide(evidence: Evidence, criteria: Criteria) -> Verdict:
     """Return the verdict on this evidence."""
     roles = _lesser(evidence.added, tuple(_role(a, criteria) for a in evidence.added), criteria)
     causes = [a for a, r in zip(evidence.added, roles, strict=True) if r == CAUSE]
-    spread = evidence.traded or (evidence.place_instead and not _little_left(evidence, criteria, criteria.left))
+    spread = evidence.traded or (evidence.place_instead and not little_left(evidence, criteria, criteria.left))
     along = bool(causes) and _less_than_places(evidence, causes, criteria)
-    if causes and (
-        spread or along or _doubtful(evidence, causes, criteria) or not _answers(evidence, causes, criteria)
-    ):
+    if causes and (spread or along or _doubtful(evidence, causes, criteria) or not answers(evidence, causes, criteria)):
         roles = tuple(DRESSING if r == CAUSE else r for r in roles)
         causes = []
     if _lost_most(evidence, causes, criteria):
@@ -115,6 +115,8 @@ def _role(a: Weighed, criteria: Criteria) -> str:
     out = a.size(VALIDATION) < 0.0 or a.share(VALIDATION) < criteria.carried * a.share(IDENTIFICATION)
     # what a load does at standstill may be most of its balance there: the drive may bear out what shows a little more behind the joint
     if out and not (a.behind and a.of_drive(VALIDATION) >= criteria.held):
+        return NOT_BORNE_OUT
+    if a.came_back(criteria.held, criteria.alike):
         return NOT_BORNE_OUT
     # a declared friction is only nearly right at standstill: a load's small balance shows it, or slow records that nothing else has
     little = a.behind and a.in_drive(IDENTIFICATION) < criteria.explainable
@@ -192,53 +194,6 @@ def _beyond(a: Weighed) -> float:
     whose gain is known no better than that value."""
     size = a.size(IDENTIFICATION)
     return size * (1.0 - 2.0 * a.tolerance / a.changed) if a.kind == CORRECTION and a.changed > 0.0 else size
-
-
-def _answers(evidence: Evidence, causes: list[Weighed], criteria: Criteria) -> bool:
-    """Whether the causes are the answer: they hold on validation, or leave little of what could be explained.
-
-    Beside much that nothing explains (a bench whose records are noisy, or that lacks more than one thing) it is enough that they take `held` of
-    identification and of what could be explained. What only an injected torque shows (a delay, a lag) is in no reference, and moves excite it
-    little: then it is enough that the
-    causes take as much of the identification records, by blocks that were not seen, or a level that wanders in bench time, and that nothing
-    explainable stays. Else a model that leaves more than `unaccounted` in every role has none.
-    """
-    judge = VALIDATION if isfinite(evidence.declared[VALIDATION]) else IDENTIFICATION
-    if _share_of(causes, evidence, judge) >= criteria.held:
-        return True
-    if any(a.behind and a.share(judge) >= criteria.held for a in causes):
-        return True
-    explainable = evidence.before.size >= criteria.explainable
-    much = _share_of(causes, evidence, IDENTIFICATION) >= criteria.held
-    if explainable and much and _little_left(evidence, criteria, 1.0 - criteria.held):
-        return True
-    if evidence.left_by(causes[-1]) >= criteria.unaccounted:
-        return False
-    if explainable:
-        return _little_left(evidence, criteria, criteria.left)
-    return (much or _level_gone(evidence, criteria)) and evidence.after.size < criteria.explainable
-
-
-def _level_gone(evidence: Evidence, criteria: Criteria) -> bool:
-    """Whether what was added leaves little of a level that wanders in bench time: by itself that may be low-frequency noise, but a law of few
-    numbers takes none of that from blocks that it has not seen."""
-    level = evidence.before.level
-    return level >= criteria.explainable and evidence.after.level**2 <= criteria.left * level**2
-
-
-def _share_of(causes: list[Weighed], evidence: Evidence, role: str) -> float:
-    """Return the share of the declared model's residual power that causes take away together."""
-    taken = sum(max(a.before[role] ** 2 - a.after[role] ** 2, 0.0) for a in causes)
-    declared = evidence.declared[role] ** 2
-    return taken / declared if declared > 0.0 else 0.0
-
-
-def _little_left(evidence: Evidence, criteria: Criteria, left: float) -> bool:
-    """Whether what was added leaves little of what could be explained, of every kind that is worth it: a cause leaves no line as it was.
-    left: share of its power that is little."""
-    kinds = zip(evidence.before.sizes, evidence.after.sizes, strict=True)
-    gone = all(min(b, a) < criteria.explainable or a**2 <= left * b**2 for b, a in kinds)
-    return gone and evidence.after.size**2 <= left * evidence.before.size**2
 
 
 def _alarms(evidence: Evidence, roles: tuple[str, ...]) -> tuple[str, ...]:

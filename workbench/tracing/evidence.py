@@ -138,6 +138,12 @@ class Weighed:
         """Return the share of the drive's residual power that it takes away, wherever it shows most."""
         return self._share(self.before, self.after, role)
 
+    def came_back(self, held: float, errors: float) -> bool:
+        """Whether what is outside the loop bears out less than `held` of what it takes, by so many standard errors: noise that came back through
+        the loop looks like a lag or a late clock. Of the drive alone: what shows behind the joint is in the load's balance. Where no reference was
+        asked NaN says nothing."""
+        return not self.behind and self.outside + errors * self.outside_error < held
+
     def share(self, role: str) -> float:
         """Return the share of the residual's power that it takes away there."""
         before, after = self.errors(role)

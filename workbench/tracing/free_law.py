@@ -44,6 +44,7 @@ def free_law(
     """
     other = commoner(state, judgements, best, criteria, offer)
     other = other or better_spelled(state, best, criteria, offer, judgements)
+    other = other or _of_more_orders(state, judgements, best, criteria, offer)
     judgements = no_wave(state, judgements, best, criteria)
     if other is None and best not in judgements:
         other = min((j for j in judgements if _of_class(j, best)), key=lambda j: (j.errors.total, j.candidate.key))
@@ -194,6 +195,23 @@ def _symmetry(candidate: Candidate) -> tuple[bool, bool]:
     """Return whether a law is periodic, and whether it is even in the motion."""
     effect = candidate.plant[candidate.key]
     return periodic(effect), "even" in effect.holds
+
+
+def _of_more_orders(
+    state: State, judgements: Sequence[ScoredCandidate], best: ScoredCandidate, criteria: Criteria, offer: Offer
+) -> ScoredCandidate | None:
+    """Return a wave that alone takes `near` of what the leading law takes, and with further orders of its own `near` of what that leaves; None
+    where there is none. A law is judged whole, a wave of three orders by its first: a gear's was behind an encoder that is late by 11 ms."""
+    if periodic(best.candidate.plant[best.candidate.key]):
+        return None
+    whole, left = state.errors.total, best.errors.total
+    waves = (
+        j
+        for j in judgements
+        if j is not best and j.candidate.kind == ADDITION and j.refitted and j.score.earns
+        if periodic(j.candidate.plant[j.candidate.key]) and whole - j.errors.total >= criteria.near * (whole - left)
+    )
+    return next((j for j in waves if _orders_say_it(state, j, (1.0 - criteria.near) * left, criteria, offer)), None)
 
 
 def _orders_say_it(state: State, nearest: ScoredCandidate, most: float, criteria: Criteria, offer: Offer) -> bool:

@@ -94,6 +94,10 @@ def _caused(causes: Sequence[Cause], before: Fit, after: Fit, evidence: Evidence
     """Return what is missing, and what becomes of the errors with it; what refinements take away besides is not its own."""
     what = _what_of(causes, after.plant)
     one = what.count(" is ") == 1 and " are " not in what
+    them = "it" if one else "them"
+    if refined is not None and not evidence.clock and after.validation >= before.validation > refined.validation:
+        # what they take shows beside the refinements alone: a load's friction that gives way at rest bends what is fitted
+        them, after, refined = f"{them} and the refinements", refined, None
     falls = "falls" if after.validation < 0.99 * before.validation else "goes"
     where = (
         ", which shows in the angle between the two encoders"
@@ -101,7 +105,7 @@ def _caused(causes: Sequence[Cause], before: Fit, after: Fit, evidence: Evidence
         else ""
     )
     said = (
-        f"{capital(what)}{where}. With {'it' if one else 'them'}, the validation error {falls} from "
+        f"{capital(what)}{where}. With {them}, the validation error {falls} from "
         f"{100 * before.validation:.2f} % to {100 * after.validation:.2f} % and the identification error from "
         f"{100 * before.identification:.2f} % to {100 * after.identification:.2f} %{_at_least(evidence.floor[IDENTIFICATION])}."
     )

@@ -17,6 +17,7 @@ from workbench.tracing.criteria import Criteria
 from workbench.tracing.evidence import Weighed
 from workbench.tracing.free_forms import MEMORY, free_forms
 from workbench.tracing.judge import ScoredCandidate, judged, refitted_as
+from workbench.tracing.ranking import absurd
 from workbench.tracing.spellings import bearing, special_cases, spellings_of
 from workbench.tracing.state import State
 from workbench.tracing.weighing import Confirmed
@@ -203,11 +204,12 @@ def _curves(state: State, j: ScoredCandidate, choice: Choice) -> list[ScoredCand
 def _fitted(
     state: State, found: Sequence[ScoredCandidate], j: ScoredCandidate, named: Collection[str], choice: Choice
 ) -> list[ScoredCandidate]:
-    """Return what of judged laws earns its place where an addition is, with everything free, best first. named: as `_called` takes them."""
+    """Return what of judged laws earns its place where an addition is, with everything free and values that a machine may have, best first.
+    named: as `_called` takes them."""
     here = [k for k in found if k.candidate.at == j.candidate.at and k.score.earns and k.theta is not None]
     best = sorted(here, key=lambda k: (k.errors.total, k.candidate.key))[: choice.offer.budget.laws]
     fitted = (k if k.state else refitted_as(state, k, choice.criteria) for k in best)
-    return [_called(k, j, named) for k in fitted if k.state]
+    return [_called(k, j, named) for k in fitted if k.state and not absurd(k, state)]
 
 
 def _called(k: ScoredCandidate, j: ScoredCandidate, named: Collection[str]) -> ScoredCandidate:

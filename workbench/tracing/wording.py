@@ -143,10 +143,15 @@ def _of_addition(a: Weighed, role: str, along: float, criteria: Criteria):
     """Yield a finding of an addition that stands as no cause. along: share of the drive that what changes along the stroke would take."""
     name = f"{capital(title(a.effect))} at the {a.at}"
     if role == NOT_BORNE_OUT:
+        why = f"on validation it explains {100 * max(a.share(VALIDATION), 0.0):.0f} %"
+        if a.came_back(criteria.held, criteria.alike):
+            why = (
+                f"what is outside the loop bears out {100 * min(max(a.outside, 0.0), 1.0):.0f} % of it; what disturbs the axis comes back "
+                "through the loop as motion, and looks like that"
+            )
         yield Finding(
             NOT_BORNE_OUT, a.effect,
-            f"{name} explains {100 * a.share(IDENTIFICATION):.0f} % of what the identification records leave, but it is not "
-            f"borne out: on validation it explains {100 * max(a.share(VALIDATION), 0.0):.0f} %.",
+            f"{name} explains {100 * a.share(IDENTIFICATION):.0f} % of what the identification records leave, but it is not borne out: {why}.",
             {"identification": a.share(IDENTIFICATION), "validation": a.share(VALIDATION)},
         )  # fmt: skip
     elif role == DRESSING:

@@ -1,0 +1,54 @@
+"""Whether causes answer for what a declared model leaves: by what they take of the records, and by what stays to be explained."""
+
+from math import isfinite
+
+from workbench.record import IDENTIFICATION, VALIDATION
+from workbench.tracing.criteria import Criteria
+from workbench.tracing.evidence import Evidence, Weighed
+
+
+def answers(evidence: Evidence, causes: list[Weighed], criteria: Criteria) -> bool:
+    """Whether the causes are the answer: they hold on validation, or leave little of what could be explained.
+
+    Beside much that nothing explains (a bench whose records are noisy, or that lacks more than one thing) it is enough that they take `held` of
+    identification and of what could be explained. What only an injected torque shows (a delay, a lag) is in no reference, and moves excite it
+    little: then it is enough that the
+    causes take as much of the identification records, by blocks that were not seen, or a level that wanders in bench time, and that nothing
+    explainable stays. Else a model that leaves more than `unaccounted` in every role has none.
+    """
+    judge = VALIDATION if isfinite(evidence.declared[VALIDATION]) else IDENTIFICATION
+    if _share_of(causes, evidence, judge) >= criteria.held:
+        return True
+    if any(a.behind and a.share(judge) >= criteria.held for a in causes):
+        return True
+    explainable = evidence.before.size >= criteria.explainable
+    much = _share_of(causes, evidence, IDENTIFICATION) >= criteria.held
+    if explainable and much and little_left(evidence, criteria, 1.0 - criteria.held):
+        return True
+    if evidence.left_by(causes[-1]) >= criteria.unaccounted:
+        return False
+    if explainable:
+        return little_left(evidence, criteria, criteria.left)
+    return (much or _level_gone(evidence, criteria)) and evidence.after.size < criteria.explainable
+
+
+def _level_gone(evidence: Evidence, criteria: Criteria) -> bool:
+    """Whether what was added leaves little of a level that wanders in bench time: by itself that may be low-frequency noise, but a law of few
+    numbers takes none of that from blocks that it has not seen."""
+    level = evidence.before.level
+    return level >= criteria.explainable and evidence.after.level**2 <= criteria.left * level**2
+
+
+def _share_of(causes: list[Weighed], evidence: Evidence, role: str) -> float:
+    """Return the share of the declared model's residual power that causes take away together."""
+    taken = sum(max(a.before[role] ** 2 - a.after[role] ** 2, 0.0) for a in causes)
+    declared = evidence.declared[role] ** 2
+    return taken / declared if declared > 0.0 else 0.0
+
+
+def little_left(evidence: Evidence, criteria: Criteria, left: float) -> bool:
+    """Whether what was added leaves little of what could be explained, of every kind that is worth it: a cause leaves no line as it was.
+    left: share of its power that is little."""
+    kinds = zip(evidence.before.sizes, evidence.after.sizes, strict=True)
+    gone = all(min(b, a) < criteria.explainable or a**2 <= left * b**2 for b, a in kinds)
+    return gone and evidence.after.size**2 <= left * evidence.before.size**2
