@@ -67,6 +67,10 @@ CASES = {
     "what only noise that came back through the loop looks like is not borne out by what is outside it": (
         evidence(weighed("actuator_lag", (0.0366, 0.0201), (0.0341, 0.0179), outside=0.079, outside_error=0.041)), UNKNOWN, (NOT_BORNE_OUT,),
     ),
+    "of which nothing else is foretold, so that it is noise": (
+        evidence(weighed("actuator_lag", (0.0366, 0.0201), (0.0341, 0.0179), outside=0.079, outside_error=0.041), before=0.0), NOTHING,
+        (NOT_BORNE_OUT,),
+    ),
     "nor does it refute what shows behind the joint": (
         evidence(weighed("kinematic_error", (0.0366, 0.03), (0.0341, 0.02), outside=0.0, outside_error=0.04,
             load_before={"identification": 0.2, "validation": 0.2}, load_after={"identification": 0.02, "validation": 0.02})), CAUSE, (CAUSE,),

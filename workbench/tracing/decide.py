@@ -101,9 +101,11 @@ def _doubtful(evidence: Evidence, causes: list[Weighed], criteria: Criteria) -> 
 def _unborne(evidence: Evidence, roles: tuple[str, ...], criteria: Criteria) -> bool:
     """Whether an effect takes much of the identification records, by `held` and `beside`, and does not hold on validation: it is
     not the cause, but nor is what it takes noise. Where the reference says nothing (an injected torque alone moves the axis),
-    this is all that says so. Of the drive alone: what a load does at standstill is a matter of counts, and much of its small balance."""
+    this is all that says so. Of the drive alone: what a load does at standstill is a matter of counts, and much of its small balance. What came
+    back through the loop is noise."""
     out = [a for a, r in zip(evidence.added, roles, strict=True) if r == NOT_BORNE_OUT]
-    sizes = ((a.before[IDENTIFICATION] ** 2, a.after[IDENTIFICATION] ** 2) for a in (*out, *evidence.refused))
+    told = [a for a in (*out, *evidence.refused) if not a.came_back(criteria.held, criteria.alike)]
+    sizes = ((a.before[IDENTIFICATION] ** 2, a.after[IDENTIFICATION] ** 2) for a in told)
     return any(b - a >= max(criteria.held * b, criteria.beside**2) for b, a in sizes)
 
 
