@@ -259,11 +259,14 @@ def test_a_weight_beside_a_cable_is_asked_whether_it_is_what_a_cable_stiffens_by
 
 
 @pytest.mark.parametrize("absurd", [False, True])
-def test_a_law_with_values_that_no_machine_has_takes_no_other_ones_place(monkeypatch, absurd):
+def test_a_law_with_values_that_no_machine_has_takes_no_two_others_place(monkeypatch, absurd):
     here = {c.effect: c for c in candidates_of(PLANT)}
-    score, left = SimpleNamespace(earns=True), SimpleNamespace(total=0.1)
-    law = SimpleNamespace(candidate=here["cable_spring"], score=score, theta=0.0, errors=left, state=object())
-    choice = SimpleNamespace(offer=Offer(), criteria=STANDARD)
+    two = [SimpleNamespace(candidate=here[n]) for n in ("cable_spring", "gravity")]
+    last = SimpleNamespace(plant={two[0].candidate.key: find("cable_spring")})
+    selected = SimpleNamespace(answer=SimpleNamespace(last=last))
+    choice = SimpleNamespace(
+        offer=Offer(), selected=selected, less=lambda *_: object(), judged=lambda *_: [], criteria=STANDARD
+    )
     monkeypatch.setattr(otherwise, "absurd", lambda j, state: absurd)
-    found = otherwise._fitted(object(), [law], law, {"cable_spring"}, choice)
-    assert found == ([] if absurd else [law])
+    monkeypatch.setattr(otherwise, "_fitted", lambda *_: ["one law"])
+    assert otherwise._laws(choice, *two) == ([] if absurd else ["one law"])

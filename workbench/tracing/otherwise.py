@@ -174,7 +174,7 @@ def _better(fit: Fit, than: Fit, criteria: Criteria, before: Fit | None = None) 
 
 def _laws(choice: Choice, j: ScoredCandidate, *beside: ScoredCandidate) -> list[ScoredCandidate]:
     """Return the other laws of an addition's class at its place, fitted beside all else that was added, best first. beside: another
-    addition, in whose place they would be as well, when those of another spelling alone are asked."""
+    addition, in whose place they would be as well, when those of another spelling alone are asked, and stand if a machine may have their values."""
     state, offer = choice.less(j, *beside), choice.offer
     if state is None:
         return []
@@ -187,7 +187,8 @@ def _laws(choice: Choice, j: ScoredCandidate, *beside: ScoredCandidate) -> list[
         found += choice.judged(state, replace(offer, only={e.name for e in (*asked, *near)}, own=(*offer.own, *near)))
     if not beside:
         found += _curves(state, j, choice)
-    return _fitted(state, found, j, {e.name for e in asked}, choice)
+    fitted = _fitted(state, found, j, {e.name for e in asked}, choice)
+    return [k for k in fitted if not (beside and absurd(k, state))]
 
 
 def _curves(state: State, j: ScoredCandidate, choice: Choice) -> list[ScoredCandidate]:
@@ -204,12 +205,11 @@ def _curves(state: State, j: ScoredCandidate, choice: Choice) -> list[ScoredCand
 def _fitted(
     state: State, found: Sequence[ScoredCandidate], j: ScoredCandidate, named: Collection[str], choice: Choice
 ) -> list[ScoredCandidate]:
-    """Return what of judged laws earns its place where an addition is, with everything free and values that a machine may have, best first.
-    named: as `_called` takes them."""
+    """Return what of judged laws earns its place where an addition is, with everything free, best first. named: as `_called` takes them."""
     here = [k for k in found if k.candidate.at == j.candidate.at and k.score.earns and k.theta is not None]
     best = sorted(here, key=lambda k: (k.errors.total, k.candidate.key))[: choice.offer.budget.laws]
     fitted = (k if k.state else refitted_as(state, k, choice.criteria) for k in best)
-    return [_called(k, j, named) for k in fitted if k.state and not absurd(k, state)]
+    return [_called(k, j, named) for k in fitted if k.state]
 
 
 def _called(k: ScoredCandidate, j: ScoredCandidate, named: Collection[str]) -> ScoredCandidate:
