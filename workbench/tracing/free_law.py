@@ -34,7 +34,8 @@ def free_law(
     criteria: Criteria,
     offer: Offer = WHOLE,
 ) -> ScoredCandidate | None:
-    """Return the law that is added in the place of `best`: another spelling of it, or its class' free form; None where `best` says it as well.
+    """Return the law that is added in the place of `best`: another spelling of it, a wave whose further orders take most of what it leaves, or
+    its class' free form; None where `best` says it as well.
 
     offer: what is judged. added: before it; a formula of the class among them names the free form, which then says it all. A wave that
     hardly returns gives way to a law that may be any curve.

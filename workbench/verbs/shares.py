@@ -10,6 +10,6 @@ SHARES: dict[str, list[tuple[str, float]]] = {
         ("weighing the evidence", 0.44),
         ("looking for where the residual lives", 0.68),
         ("closing the loop", 0.68),
-        ("writing the page", 0.79),
+        ("writing the page", 0.69),
     ]
 }
