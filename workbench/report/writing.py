@@ -24,9 +24,9 @@ def write(result: StudyResult, folder: Path, stem: str = "report", figures: Mapp
     stem: of the two files' names. figures: file name -> SVG of those that are drawn already.
     """
     chapters = standard(result)
-    named, figures = _figures(chapters), figures or {}
-    figures = {**figures, **_drawn(named, figures)}
-    figures = {n: figures[n] for n in named}
+    named, known = _figures(chapters), dict(figures or {})
+    made = known | _drawn(named, known)
+    figures = {n: made[n] for n in named}
     data = {
         "title": result.title,
         "name": result.name,
@@ -42,10 +42,10 @@ def write(result: StudyResult, folder: Path, stem: str = "report", figures: Mapp
     for name, svg in figures.items():
         (folder / "figures" / name).write_bytes(svg)
     beside = {data["attached"]: (folder / data["attached"]).read_bytes()} if data["attached"] else {}
-    made = compiled(_plain(data), figures | beside)
+    pages = compiled(_plain(data), figures | beside)
     alts = {b.name: printable(b.alt) for c in chapters for b in c.blocks if isinstance(b, Figure)}
-    made["html"] = inlined(made["html"].decode("utf-8"), figures, alts).encode("utf-8")
-    for ending, content in made.items():
+    pages["html"] = inlined(pages["html"].decode("utf-8"), figures, alts).encode("utf-8")
+    for ending, content in pages.items():
         (folder / f"{stem}.{ending}").write_bytes(content)
 
 

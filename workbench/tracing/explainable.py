@@ -38,7 +38,10 @@ from workbench.tracing.state import State
 # Of the stroke, widths of the neighbourhood in place. Where a belt's stiffness changes along it, each from 0.01 to 0.1 takes 4.4 to 3.2 %
 # of the drive, and 0.2 takes 2.1; of thirteen complete two-mass axes none takes anything, with any of them
 NEARBY = (0.02, 0.05, 0.1)
-STILL, TURNING = 0.05, 0.06  # of the speed's rms, and s after a reversal, that are standstill
+# Of the speed's rms, and s after a reversal, that are standstill. A complete axis of two masses whose load's friction gives way over 84 counts shows
+# 0.4 % of the drive in motion, near the practical size: halved, 0.65 and 0.8, and that memory is a cause; doubled, 0.1 and 0.04. Beside a gap it
+# shows less than 0.03 % with any of them
+STILL, TURNING = 0.05, 0.06
 HEAVY = 20.0  # evaluation bandwidth over that of the position's low pass, where no reference was logged
 
 

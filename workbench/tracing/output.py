@@ -144,9 +144,7 @@ def write(
     for name, prediction in sorted(trace.after.predictions.items()):
         paths[name] = f"predictions/{name}.csv"
         rows = np.column_stack([trace.after.series[name].time, prediction])
-        text = "time_s,prediction\n" + "%.9g,%.9g\n" * len(rows) % tuple(
-            rows.ravel().tolist()
-        )  # a third of savetxt's time
-        (folder / paths[name]).write_text(text, encoding="utf-8")
+        lines = "%.9g,%.9g\n" * len(rows) % tuple(rows.ravel().tolist())  # in a third of savetxt's time
+        (folder / paths[name]).write_text(f"time_s,prediction\n{lines}", encoding="utf-8")
     text = json.dumps(as_dict(trace, paths) | more, indent=1, allow_nan=False)
     (folder / "trace.json").write_text(text + "\n", encoding="utf-8")

@@ -48,8 +48,8 @@ class CandidateScore:
 class Refinement:
     """What is too small to be a cause, or what a declared law is only nearly right about.
 
-    kind: "addition", "correction" (within the value's tolerance: it is not moved) or "law". size: what it takes away, over the
-    drive's rms, on identification.
+    kind: "addition", "correction" (within the value's tolerance: it is not moved) or "law". size: what it takes away on
+    identification, as a cause's.
     """
 
     effect: str
