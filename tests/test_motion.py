@@ -1,5 +1,6 @@
 """The motion of a record: a filter without phase, derivatives of sines, and a dead band that swallows a toggling count."""
 
+from fractions import Fraction
 from pathlib import Path
 
 import numpy as np
@@ -74,6 +75,24 @@ def test_derivatives_of_rows_have_the_bits_of_one_row_and_one_derivative_at_a_ti
     for order in range(3):
         for row in range(2):
             np.testing.assert_array_equal(found[order, row], f(x[row], order))
+
+
+@pytest.mark.parametrize("ratio", [Fraction(1, 4), Fraction(3, 5), Fraction(4, 15)])
+@pytest.mark.parametrize("n", [N, N + 1, 40])
+def test_what_is_read_at_a_lower_rate_is_the_wave_at_those_times(ratio, n):
+    """Of a wave that the lower rate resolves, 1.5e-5 of which the filter takes; one above half that rate leaves nothing."""
+    f = LowPass(0.4 * RATE * float(ratio), RATE, n)
+    t, read = np.arange(n) / RATE, np.arange(int((n - 1) * ratio) + 1) / (RATE * float(ratio))
+
+    def low(t):
+        return 1.0 + t + np.sin(2 * np.pi * 0.1 * RATE * float(ratio) * t)
+
+    found = f.at_lower_rate(np.stack([low(t), low(t) + np.sin(2 * np.pi * 0.45 * RATE * t)]), ratio, read.size)
+    assert found.shape == (2, read.size)
+    if n >= N:
+        inside = slice(int(400 * ratio), -int(400 * ratio))
+        np.testing.assert_allclose(found[0, inside], low(read)[inside], atol=1e-4)
+        np.testing.assert_allclose(found[1, inside], found[0, inside], atol=1e-3)
 
 
 def test_a_record_whose_ends_lie_apart_does_not_ring_at_a_low_rate():

@@ -7,6 +7,7 @@ that it has no phase and a record may end in motion.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from fractions import Fraction
 from functools import lru_cache
 
 import casadi as ca
@@ -69,18 +70,35 @@ class LowPass:
         spectra = fft.rfft(extended, axis=-1) * responses.reshape(-1, *[1] * (extended.ndim - 1), responses.shape[-1])
         return fft.irfft(spectra, size, axis=-1)[..., left : left + self.n]
 
-    def _extended(self, x: np.ndarray) -> tuple[np.ndarray, int]:
-        """Return x (..., n) with its odd reflections at both ends, and where x begins in it."""
+    def at_lower_rate(self, x: np.ndarray, ratio: Fraction, count: int) -> np.ndarray:
+        """Filter the last axis of x (..., n) and read it at `ratio` of its rate, from the first sample on: (..., count).
+
+        The transform back is as much shorter. What lies above half the lower rate is left out, so that nothing folds.
+        """
+        extended, left = self._extended(np.asarray(x, dtype=float), ratio.denominator)
+        size = extended.shape[-1]
+        lower, first = int(size * ratio), int(left * ratio)
+        kept = slice(lower // 2 + 1)
+        response = _responses(self.bandwidth, self.rate, size, (0,))[0, kept] * float(ratio)
+        spectra = fft.rfft(extended, axis=-1)[..., kept] * response
+        return fft.irfft(spectra, lower, axis=-1)[..., first : first + count]
+
+    def _extended(self, x: np.ndarray, multiple: int = 1) -> tuple[np.ndarray, int]:
+        """Return x (..., n) with its odd reflections at both ends, and where x begins in it: both multiples of `multiple`."""
         pad = min(int(PAD * self.rate), self.n - 1)
-        total = fast_length(self.n + 2 * pad)
+        total = multiple * fast_length(-(-(self.n + 2 * pad) // multiple))
         left = min(pad + (total - self.n - 2 * pad) // 2, self.n - 1)
+        left -= left % multiple
         right = min(total - self.n - left, self.n - 1)
         first, last = x[..., :1], x[..., -1:]
         middle = 0.5 * (first + last)
-        extended = np.empty((*x.shape[:-1], left + self.n + right))
+        extended = np.empty((*x.shape[:-1], total))
         extended[..., left : left + self.n] = x
+        extended[..., left + self.n + right :] = middle
         extended[..., :left] = middle + (2 * first - middle - x[..., left:0:-1]) * _fading(left)[::-1]
-        extended[..., left + self.n :] = middle + (2 * last - middle - x[..., -2 : -right - 2 : -1]) * _fading(right)
+        extended[..., left + self.n : left + self.n + right] = middle + (
+            2 * last - middle - x[..., -2 : -right - 2 : -1]
+        ) * _fading(right)
         return extended, left
 
     @property

@@ -16,6 +16,7 @@ from workbench.inverse.shift import LAGRANGE, Places, between, weights
 from workbench.plant import TWO_MASS, Plant
 from workbench.record import IDENTIFICATION, Record, Source
 from workbench.tracing.candidates import candidates_of
+from workbench.tracing.decimation import decimate
 
 DT, BAND = 1e-3, 100.0
 
@@ -137,6 +138,20 @@ def test_friction_in_the_place_of_a_curve_comes_to_what_the_whole_problem_comes_
         whole = solved_at(all_columns, theta).cost
         assert fast[c.key].cost(theta) == pytest.approx(whole, rel=1e-6), c.key
         assert solved_at(fast[c.key], theta).cost == pytest.approx(whole, rel=1e-6), c.key
+
+
+def test_starts_come_in_the_same_order_by_operators_that_run_at_the_search_s_own_rate():
+    """Of a presliding friction beside a body: which of its lengths is the best shows at a quarter of the rate."""
+    finer = decimate(inverses(), least=4.0)
+    assert finer[0].fine is not None and finer[0].rough.fine is None
+    assert finer[0].rough.rough is finer[0].rough  # nothing rougher than that
+    bare = Plant(TWO_MASS) + find("inertia")(at="motor") + find("inertia")(at="load") + find("linear_stiffness")
+    base = Problem(bare, finer)
+    problem = Linearised(bare + find("presliding_hysteresis")(at="motor", x0=2e-3), base, solve(base))
+    lengths = [np.array([np.log(x)]) for x in (1e-4, 1e-3, 5e-3, 2e-2, 0.1)]
+    exact = np.array([problem.cost(theta) for theta in lengths])
+    rough = np.array([problem.cost(theta, roughly=True) for theta in lengths])
+    assert np.array_equal(np.argsort(rough), np.argsort(exact)) and not np.array_equal(rough, exact)
 
 
 @given(st.floats(0.0, 1.0, exclude_max=True))

@@ -91,8 +91,11 @@ class Linearised(Problem):
         solution, gone = self.solution, ~self.stays[: self.solution.c.size]
         return solution.residual + solution.phi[:, gone] @ solution.c[gone] if gone.any() else solution.residual
 
-    def of_one_more(self, theta: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Return the columns of the force and of what reads from it (N, free) in the order of their names, and what of it is fixed, (N,)."""
+    def of_one_more(self, theta: np.ndarray, roughly: bool = False) -> tuple[np.ndarray, np.ndarray]:
+        """Return the columns of the force and of what reads from it (N, free) in the order of their names, and what of it is fixed, (N,).
+
+        roughly: as `InverseDynamics.rough`.
+        """
         part = read_by(self.with_shape(theta), *self.beside)
         at = {self.free_linear[i]: k for k, i in enumerate(self.at_own)}
         fixed = np.zeros(self.solution.y.size)
@@ -100,7 +103,7 @@ class Linearised(Problem):
         row = 0
         for p, length in zip(self.inverses, self.lengths, strict=True):
             rows = slice(row, row + length)
-            for e, name, column in p.filtered(part, self.beside):
+            for e, name, column in (p.rough if roughly else p).filtered(part, self.beside):
                 values = column * self.base_scale
                 if (index := at.get(Name(e.key, name))) is not None:
                     own[rows, index] = values
@@ -109,15 +112,15 @@ class Linearised(Problem):
             row += length
         return own, fixed
 
-    def cost(self, theta: np.ndarray) -> float:
+    def cost(self, theta: np.ndarray, roughly: bool = False) -> float:
         """Return the squared residual with the linear parameters solved at a shape: infinite where it has no value.
 
         Of a force beside a present model from products with that model's columns, none of which is copied, and from how far
-        that model gives way: what nothing determines stays.
+        that model gives way: what nothing determines stays. roughly: a force beside a present model, as `InverseDynamics.rough`.
         """
         if not self.beside:
             return solved_at(self, theta).cost
-        own, fixed = self.of_one_more(theta)
+        own, fixed = self.of_one_more(theta, roughly)
         present, left = self.present_columns, self.left - fixed
         with np.errstate(all="ignore"):
             across, gram, moment = present.T @ own, own.T @ own, np.concatenate([present.T @ left, own.T @ left])

@@ -6,6 +6,7 @@ forces; those that follow the load, which the others make (`plant.carried`). No 
 
 from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import replace
+from functools import cached_property
 
 import numpy as np
 
@@ -57,6 +58,11 @@ class InverseDynamics:
         self._keep = Kept()
         self.bodies = Bodies(motion, self._keep)
         self.command = Command(motion, self._keep)
+
+    @cached_property
+    def rough(self) -> "InverseDynamics":
+        """The same with operators at the motion's own rate, for what only has to be told apart; itself where no finer rate is read of the record."""
+        return self if self.fine is None or self.times > 1 else InverseDynamics(self.motion, counts=self.counts)
 
     def filtered_drive(self, plant: Plant) -> np.ndarray:
         """Return F(u') (rows, n): the drive, and what drives the load, nothing unless the record says so; less what its payload takes."""

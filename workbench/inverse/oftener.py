@@ -6,6 +6,8 @@ between them is band-limited, so it is read between them, and what the operators
 
 from collections.abc import Callable
 from dataclasses import replace
+from fractions import Fraction
+from functools import partial
 
 import numpy as np
 
@@ -13,6 +15,8 @@ from workbench.inverse.shift import Places
 from workbench.motion import LowPass, Motion, motion
 from workbench.record import Record
 
+RATIOS = 144  # largest q of a ratio p/q of two rates at which a transform gives one from the other
+SAME = 1e-6  # of a fine sample, within which two rates and their beginnings are as the ratio says
 CUT = 0.4  # of the low pass before a lower rate, over that rate
 
 
@@ -36,6 +40,10 @@ def moved_oftener(m: Motion, times: int) -> Motion:
 def to_rate_of(record: Record, fine: Record) -> Callable[[np.ndarray], np.ndarray]:
     """Return what takes outputs (k, fine n) at the rate of `fine` to (k, n) at that of `record`."""
     low_pass = LowPass(CUT / record.dt, 1 / fine.dt, fine.time.size)
+    ratio = Fraction(fine.dt / record.dt).limit_denominator(RATIOS)
+    strays = abs(float(ratio) * record.dt - fine.dt) * fine.time.size + abs(record.time[0] - fine.time[0])
+    if strays < SAME * fine.dt:
+        return partial(low_pass.at_lower_rate, ratio=ratio, count=record.time.size)
     places = Places((record.time - fine.time[0]) / fine.dt)
 
     def coarse(outputs: np.ndarray) -> np.ndarray:

@@ -62,7 +62,7 @@ def worth(problem: Linearised, options: Sequence[np.ndarray], refined: int) -> l
         same = len(costs) == refined and np.isfinite(costs).all() and max(costs) <= (1.0 + WORSE) * min(costs)
         if same and not problem.beside:
             break
-        costs.append(problem.cost(theta))
+        costs.append(problem.cost(theta, roughly=True))
     return costs
 
 
