@@ -262,6 +262,11 @@ CASES = {
     "what takes more than the lost counts is a cause": (evidence(weighed(), lost=0.03), CAUSE, (CAUSE,)),
     "lost counts that take less than could be explained": (evidence(before=0.0, lost=0.004), NOTHING, ()),
     "a clock that the angle says is late needs no torque": (evidence(before=0.0, clock=True), CAUSE, ()),
+    "beside it what takes less than the practical size of validation is a further effect's remainder": (
+        evidence(weighed("kinematic_error", (0.0176, 0.0172), (0.0103, 0.0108), load_before={"identification": 0.0093, "validation": 0.0059},
+            load_after={"identification": 0.0050, "validation": 0.0038}), clock=True), CAUSE, (REFINEMENT,),
+    ),
+    "what takes more is a second cause": (evidence(weighed("stribeck_friction"), clock=True), CAUSE, (CAUSE,)),
     "a friction at the motor enters no balance of the load, which bears it out all the same": (
         evidence(
             replace(

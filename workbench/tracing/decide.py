@@ -6,7 +6,7 @@
 | do the counts that an encoder lost take more of the drive than any cause, and at least `explainable`? | unknown |
 | a correction within the fixed value's tolerance, or an effect (a correction beyond its tolerance) below the practical size, or below `explainable` with values that no machine has? | refinement |
 | a memory of the friction that is declared, of which the drive shows less than the practical size on validation or while the load moves, or less than `explainable` behind the joint? | refinement |
-| a further one that takes less than `lesser` of what the largest cause takes of the same balance (a further order of that one is its own) and less than `unaccounted` of the drive, on validation less than the practical size, less than `beside` with values that no machine has or of the drive as a memory of the friction that is declared, or says the curve that a larger one says? | refinement |
+| a further one (beside an encoder that is late any is) that takes less than `lesser` of what the largest cause takes of the same balance (a further order of that one is its own) and less than `unaccounted` of the drive, on validation less than the practical size, less than `beside` with values that no machine has or of the drive as a memory of the friction that is declared, or says the curve that a larger one says? | refinement |
 | a further one that takes `held` of what the larger ones leave in neither role, of which less than `explainable` is foretold, or which the load's balance alone shows? | refinement |
 | does the error grow on validation, or does the effect explain nearly nothing there? | not borne out |
 | does what is outside the loop bear out less than `held` of what it takes, for certain by `alike` standard errors? | not borne out |
@@ -54,7 +54,7 @@ class Verdict:
 
 def decide(evidence: Evidence, criteria: Criteria) -> Verdict:
     """Return the verdict on this evidence."""
-    roles = _lesser(evidence.added, tuple(_role(a, criteria) for a in evidence.added), criteria)
+    roles = _lesser(evidence, tuple(_role(a, criteria) for a in evidence.added), criteria)
     causes = [a for a, r in zip(evidence.added, roles, strict=True) if r == CAUSE]
     spread = evidence.traded or (evidence.place_instead and not little_left(evidence, criteria, criteria.left))
     along = bool(causes) and _less_than_places(evidence, causes, criteria)
@@ -129,10 +129,12 @@ def _role(a: Weighed, criteria: Criteria) -> str:
     return CAUSE
 
 
-def _lesser(added: tuple[Weighed, ...], roles: tuple[str, ...], criteria: Criteria) -> tuple[str, ...]:
+def _lesser(evidence: Evidence, roles: tuple[str, ...], criteria: Criteria) -> tuple[str, ...]:
     """Return the roles with those for refinements that only make up for the law of the largest cause, or that would be no cause if the
-    larger ones had been declared."""
-    small = _small(added, roles, criteria)
+    larger ones had been declared. Beside an encoder that is late any is a further one."""
+    added = evidence.added
+    hidden = (evidence.clock and a.size(VALIDATION) < criteria.practical for a in added)
+    small = [s or h for s, h in zip(_small(added, roles, criteria), hidden, strict=True)]
     weak = (a.foretold < criteria.explainable for a in added)
     return tuple(REFINEMENT if r == CAUSE and (s or w) else r for r, s, w in zip(roles, small, weak, strict=True))
 
