@@ -374,6 +374,15 @@ def test_what_is_foretold_is_asked_of_further_causes_alone_that_take_little_of_t
         assert in_question((largest, further), STANDARD) == asked
 
 
+def test_what_came_before_the_larger_one_is_held_against_what_that_leaves():
+    ripple = weighed(id_=(0.101, 0.0858), val=(0.1297, 0.1021))
+    larger = weighed("coulomb_asymmetry", (0.0858, 0.0167), (0.1021, 0.0156))
+    assert ripple.share("identification") < 0.3 < 0.9 < ripple.share("identification", (larger,)) <= 1.0
+    assert in_question((ripple, larger), STANDARD) == []
+    grows = weighed(id_=(0.1, 0.12), val=(0.1, 0.12))
+    assert grows.share("identification", (larger,)) == grows.share("identification") < 0.0
+
+
 def test_where_nothing_outside_a_place_is_left_to_compare_with_trace_json_holds_no_infinite_number():
     place = Window("time", ((1.0, 1.2),), EITHER, 0.9, 0.1, 3.0, outside=float("inf"))
     told = described(Unexplained(place, 3.0), evidence())

@@ -145,18 +145,30 @@ def in_question(added: tuple[Weighed, ...], criteria: Criteria) -> list[int]:
     roles = tuple(_role(a, criteria) for a in added)
     small = _small(added, roles, criteria)
     first = _largest([a for a, r in zip(added, roles, strict=True) if r == CAUSE], criteria)
+    held = _held(added, roles, criteria)
     further = (r == CAUSE and not s and a is not first for a, r, s in zip(added, roles, small, strict=True))
-    return [i for i, (a, f) in enumerate(zip(added, further, strict=True)) if f and _weak(a, first, criteria)]
+    weak = (
+        f and not h and not a.behind and not _further_of(a, first) for a, f, h in zip(added, further, held, strict=True)
+    )
+    return [i for i, w in enumerate(weak) if w]
 
 
-def _weak(a: Weighed, first: Weighed, criteria: Criteria) -> bool:
-    """Whether an effect takes less than `held` of the drive's residual beside the larger ones; without a validation record NaN says nothing."""
-    return not _held(a, criteria) and not a.behind and not _further_of(a, first)
+def _held(added: tuple[Weighed, ...], roles: tuple[str, ...], criteria: Criteria) -> list[bool]:
+    """Whether each effect takes `held` of what the larger ones leave, in the balance in which it shows most, in either role: those that came
+    before it, and larger causes that came after it. Without a validation record NaN says nothing."""
 
+    def larger(i: int) -> list[Weighed]:
+        least = added[i].order(criteria.practical)
+        return [
+            a
+            for a, r in zip(added[i + 1 :], roles[i + 1 :], strict=True)
+            if r == CAUSE and a.order(criteria.practical) > least
+        ]
 
-def _held(a: Weighed, criteria: Criteria) -> bool:
-    """Whether an effect takes `held` of the residual, in the balance in which it shows most, in either role."""
-    return any(a.share(role) >= criteria.held for role in (IDENTIFICATION, VALIDATION))
+    return [
+        any(a.share(role, larger(i)) >= criteria.held for role in (IDENTIFICATION, VALIDATION))
+        for i, a in enumerate(added)
+    ]
 
 
 def _small(added: tuple[Weighed, ...], roles: tuple[str, ...], criteria: Criteria) -> tuple[bool, ...]:
@@ -171,8 +183,8 @@ def _small(added: tuple[Weighed, ...], roles: tuple[str, ...], criteria: Criteri
         or (a.implausible and a.size(IDENTIFICATION) < min(largest, criteria.beside))
         or (a.of_declared and a is not first and a.in_drive(IDENTIFICATION) < criteria.beside)
         # what is foretold of the drive says nothing of a load's balance: there right ones took 0.5 and more of it, what nobody put there 0.43 at most
-        or (a.behind and a is not first and not _held(a, criteria) and not _further_of(a, first))
-        for a in added
+        or (a.behind and a is not first and not held and not _further_of(a, first))
+        for a, held in zip(added, _held(added, roles, criteria), strict=True)
     )
 
 

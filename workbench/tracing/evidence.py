@@ -3,7 +3,7 @@
 Sizes are rms over the rms of the filtered drive: identification records pooled, or validation records pooled.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from math import copysign, isfinite, sqrt
 
@@ -144,10 +144,14 @@ class Weighed:
         asked NaN says nothing."""
         return not self.behind and self.outside + errors * self.outside_error < held
 
-    def share(self, role: str) -> float:
-        """Return the share of the residual's power that it takes away there."""
+    def share(self, role: str, later: Sequence["Weighed"] = ()) -> float:
+        """Return the share of the residual's power that it takes away there; later: of what those that came after it leave, as far as that is
+        more than what it takes."""
         before, after = self.errors(role)
-        return 1.0 - (after / before) ** 2 if before != 0.0 else 0.0
+        taken = before**2 - after**2
+        others = sum(max(b.size_where(self, role), 0.0) ** 2 for b in later) if taken > 0.0 else 0.0
+        left = before**2 - min(others, after**2)
+        return taken / left if left != 0.0 else 0.0
 
 
 def _taken(before: float, after: float) -> float:
