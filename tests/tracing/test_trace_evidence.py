@@ -14,7 +14,7 @@ from workbench.identification.cross_validation import HeldOut, followed
 from workbench.identification.fit import fitted_on
 from workbench.identification.problem import Problem
 from workbench.inverse.dynamics import InverseDynamics, inverse_dynamics
-from workbench.plant import ONE_MASS, Plant
+from workbench.plant import ONE_MASS, TWO_MASS, Geometry, Plant
 from workbench.tracing import ranking, reducing
 from workbench.tracing.answer import Answer
 from workbench.tracing.candidates import Candidate, brought, candidates_of, without
@@ -22,6 +22,7 @@ from workbench.tracing.counted import quantisation_bias
 from workbench.tracing.decimation import decimate
 from workbench.tracing.greedy import Step, earned, promised, spent
 from workbench.tracing.judge import STANDARD, ScoredCandidate, judged
+from workbench.tracing.orders import stranger
 from workbench.tracing.ranking import simplest_first
 from workbench.tracing.result import CAUSE, NOTHING, CandidateScore
 from workbench.tracing.state import State
@@ -346,6 +347,19 @@ def test_values_that_no_machine_has_lead_only_where_no_plausible_effect_takes_ne
 def test_a_further_wave_is_of_one_mechanism_where_orders_stand_as_small_numbers(order, strange):
     first, more = (find("cogging")(label=label, order=n) for label, n in (("", 47.0), ("2", order)))
     plant = Plant(ONE_MASS) + first + more
-    candidate = Candidate(more.named, "axis", "addition", plant)
-    fitted = SimpleNamespace(candidate=candidate, refitted=SimpleNamespace(plant=plant))
-    assert ranking._stranger(fitted) == strange
+    assert stranger(more, plant, [swung(0.5)]) == strange
+
+
+def test_orders_of_the_axis_and_of_its_motor_are_none_where_the_travel_holds_a_turn():
+    geometry = Geometry(gear_ratio=16.0)
+    first, more = (find("kinematic_error")(at="joint", label=label, order=n) for label, n in (("", 16.0), ("2", 3.0)))
+    plant = replace(Plant(TWO_MASS), geometry=geometry) + first + more
+    assert not stranger(more, plant, [swung(7.0)])
+    assert stranger(more, plant, [swung(6.0)])  # three waves a turn, of which the travel holds less than a turn
+    of_motor = more(order=40.0)
+    assert not stranger(of_motor, plant.swap(of_motor), [swung(7.0)])  # 5/2 of the motor's turn
+    assert stranger(more, replace(plant, rotary=False), [swung(7.0)])
+
+
+def swung(travel: float) -> SimpleNamespace:
+    return SimpleNamespace(motion=SimpleNamespace(q=np.array([0.0, travel])))

@@ -16,7 +16,7 @@ from workbench.tracing.criteria import Criteria
 from workbench.tracing.free_forms import MEMORY
 from workbench.tracing.judge import ScoredCandidate, freedom, scored
 from workbench.tracing.near_law import Law, as_declared
-from workbench.tracing.ranking import MEETS
+from workbench.tracing.orders import MEETS
 from workbench.tracing.state import Refitted, State
 
 # Of friction with memory: of nine that others left out all were of this law's kind, whatever spelling came first

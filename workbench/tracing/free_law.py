@@ -13,6 +13,7 @@ from dataclasses import replace
 
 from workbench.effects.families import FREE_FORMS
 from workbench.processes import shared
+from workbench.tracing import spellings
 from workbench.tracing.budget import Budget
 from workbench.tracing.candidates import ADDITION, AGAIN, WHOLE, Candidate, Offer, periodic
 from workbench.tracing.criteria import Criteria
@@ -20,7 +21,6 @@ from workbench.tracing.free_forms import MEMORY, free_forms
 from workbench.tracing.judge import ScoredCandidate, judged, refitted_as
 from workbench.tracing.plausible import BESIDE, RETURNS
 from workbench.tracing.reducing import reduced_to
-from workbench.tracing.spellings import better_spelled, commoner, hardly_returns, no_wave, spelled, spellings_in
 from workbench.tracing.state import State
 
 SPRING, BENT = "linear_stiffness", "piecewise_stiffness"
@@ -43,14 +43,16 @@ def free_law(
     more than what is of practical size beside it, or so does with another formula of its class; it names the class from `resembles` of it on,
     or what the free form is by its values (waves of one turn of the axis are its encoder's).
     """
-    other = commoner(state, judgements, best, criteria, offer)
-    other = other or better_spelled(state, best, criteria, offer, judgements)
+    other = spellings.commoner(state, judgements, best, criteria, offer)
+    other = other or spellings.better_spelled(state, best, criteria, offer, judgements)
     other = other or _of_more_orders(state, judgements, best, criteria, offer)
-    judgements = no_wave(state, judgements, best, criteria)
+    judgements = spellings.no_wave(state, judgements, best, criteria)
     if other is None and best not in judgements:
-        other = min((j for j in judgements if _of_class(j, best)), key=lambda j: (j.errors.total, j.candidate.key))
+        other = min(
+            (j for j in judgements if spellings.of_class(j, best)), key=lambda j: (j.errors.total, j.candidate.key)
+        )
     leads = other or best
-    if hardly_returns(leads, state, BESIDE if _beside_curve(leads, added) else RETURNS):
+    if spellings.hardly_returns(leads, state, BESIDE if _beside_curve(leads, added) else RETURNS):
         free = _curve_of(state, leads, added, criteria, offer)
     else:
         free = _freed(state, judgements, leads, added, criteria, offer)
@@ -59,13 +61,7 @@ def free_law(
 
 def _beside_curve(wave: ScoredCandidate, added: Sequence[ScoredCandidate]) -> bool:
     """Whether a curve of a wave's class, which is no wave itself, was added before at its place."""
-    return any(_of_class(wave, j) and not periodic(j.candidate.plant[j.candidate.key]) for j in added)
-
-
-def _of_class(j: ScoredCandidate, best: ScoredCandidate) -> bool:
-    """Whether a judgement is an addition of another one's class at its place."""
-    a, b = j.candidate, best.candidate
-    return (a.kind, a.family, a.at) == (ADDITION, b.family, b.at)
+    return any(spellings.of_class(wave, j) and not periodic(j.candidate.plant[j.candidate.key]) for j in added)
 
 
 def _as_well(state: State, j: ScoredCandidate, than: ScoredCandidate, criteria: Criteria) -> bool:
@@ -99,18 +95,23 @@ def _freed(
     whole = state.errors.total
     most = whole - free.errors.total
     family = free.candidate.family
+    earlier, others = _named_before(free, added), []
+    if not earlier:
+        others = spellings.spelled(state, [j for j in judgements if spellings.of_class(j, free)], criteria, offer)
+        nearest = min([asked[(family, free.candidate.at)], *others], key=lambda j: (j.errors.total, j.candidate.key))
+        if nearest in others and _as_well(state, nearest, free, criteria):
+            return refitted_as(state, nearest, criteria)
     if (best.candidate.family, best.candidate.at) == (family, free.candidate.at):
         if _two_say_it(state, best, whole - criteria.near * most, criteria, offer):
             return None
-    nearest = asked[(family, free.candidate.at)]
-    if earlier := _named_before(free, added):
+    if earlier:
         return _bearing(earlier, free, state, criteria)
     named = whole - nearest.errors.total >= criteria.resembles * most
     if not named and not _orders_say_it(state, nearest, whole - criteria.near * most, criteria, offer):
         return None
     fitted = refitted_as(state, free, criteria)
-    name = reduced_to(fitted, state, criteria) or nearest.candidate.effect
-    return replace(fitted, candidate=replace(fitted.candidate, stands=name))
+    known = nearest.candidate.part if nearest in others else nearest.candidate.effect
+    return replace(fitted, candidate=replace(fitted.candidate, stands=reduced_to(fitted, state, criteria) or known))
 
 
 def _curve_of(
@@ -138,7 +139,7 @@ def _nearest(family: str, at: str, state: State) -> str:
 
 def _named_before(free: ScoredCandidate, added: Sequence[ScoredCandidate]) -> str:
     """Return the name of what was added of a free form's class at its place, "" where nothing was."""
-    return next((j.candidate.name for j in added if _of_class(free, j)), "")
+    return next((j.candidate.name for j in added if spellings.of_class(free, j)), "")
 
 
 def _bearing(name: str, free: ScoredCandidate, state: State, criteria: Criteria) -> ScoredCandidate:
@@ -159,7 +160,7 @@ def steadier(
     if first is None or first.score.earns or first.candidate.kind != ADDITION or first.score.gain <= criteria.plain:
         return None
     family, at, name = first.candidate.family, first.candidate.at, first.candidate.name
-    formulas = [j for j in spelled(state, [first], criteria, offer) if j.errors.total <= first.errors.total]
+    formulas = [j for j in spellings.spelled(state, [first], criteria, offer) if j.errors.total <= first.errors.total]
     free = {(family, at)} if family in FREE_FORMS and family != MEMORY else set()
     forms = [j for j in _judged_forms(state, free, criteria, offer.budget) if j.errors.total <= first.errors.total]
     best, form = (min(x, key=lambda j: (j.errors.total, j.candidate.key), default=None) for x in (formulas, forms))
@@ -180,7 +181,7 @@ def _two_say_it(state: State, best: ScoredCandidate, most: float, criteria: Crit
     if best.refitted is None:
         return False
     beside, own = best.state or best.refitted.state, _symmetry(best.candidate)
-    offered = replace(offer, own=(*offer.own, *spellings_in(best.candidate.family)))
+    offered = replace(offer, own=(*offer.own, *spellings.spellings_in(best.candidate.family)))
     others = [
         c
         for c in offered.candidates(beside.plant)

@@ -15,16 +15,13 @@ from workbench.tracing import foreseen
 from workbench.tracing.candidates import ADDITION, WHOLE, Offer
 from workbench.tracing.criteria import Criteria
 from workbench.tracing.judge import STANDARD, Progress, ScoredCandidate, ahead, judged, refit_of, refitted, refitted_as
+from workbench.tracing.orders import stranger
 from workbench.tracing.plausible import implausible, returns
 from workbench.tracing.reducing import reduced_to
 from workbench.tracing.slack import gap_first
 from workbench.tracing.state import State
 
 BEHIND = 0.4  # of the best one's gain, below which a candidate is not
-# Orders of one mechanism are those of its shafts and teeth: two stand as small numbers. What lives in position without being
-# periodic is dressed by waves whose orders do not. Halved, orders 5 and 6 of a shaft are strangers; doubled, nearly none are.
-SMALL = 6
-MEETS = 0.01  # relative error of a ratio of orders: their intervals are a few per mille
 # Share of the residual's power from which a wave that is not seen to return is a sine nevertheless: of a window half as long as its period a sine
 # takes 8/pi^2 = 0.81 (a bath that a belt dips into 0.86), of a sine all (a rig's friction of 1.7 periods 0.97). Halved, windows are cyclic friction;
 # doubled (1 at most), that friction is "unknown"
@@ -153,7 +150,7 @@ def _plainest_first(
     }
     for _ in range(min(offer.budget.leading, len(judgements))):
         first = judgements[0]
-        if _stranger(first) or (first_of_all and any_curve(first, state)):
+        if _stranger(first, state) or (first_of_all and any_curve(first, state)):
             judgements = _pushed_back(judgements, criteria, state)
             continue
         name = reduced_to(first, state, criteria)
@@ -196,19 +193,11 @@ def _as_simple(
     return first
 
 
-def _stranger(j: ScoredCandidate) -> bool:
-    """Whether a fitted candidate is a further wave of an effect whose order stands to none of its waves as small numbers."""
+def _stranger(j: ScoredCandidate, state: State) -> bool:
+    """Whether a fitted candidate is a further wave of an order that no mechanism has beside the waves that are there."""
     if not j.refitted or j.candidate.kind != ADDITION:
         return False
-    effect, plant = j.refitted.plant[j.candidate.key], j.refitted.plant
-    others = [e for e in plant.effects if (e.name, e.at) == (effect.name, effect.at) and e.key != effect.key]
-    name = next((n for n, p in effect.parameters.items() if p.scale == "order"), None)
-    if name is None or not others:
-        return False
-    order = effect.parameters[name].value
-    ratios = [order / e.parameters[name].value for e in others if e.parameters[name].value > 0.0]
-    small = [p / q for p in range(1, SMALL + 1) for q in range(1, SMALL + 1)]
-    return bool(ratios) and not any(abs(r / s - 1.0) < MEETS for r in ratios for s in small)
+    return stranger(j.refitted.plant[j.candidate.key], j.refitted.plant, state.inverses)
 
 
 def any_curve(j: ScoredCandidate, state: State) -> bool:

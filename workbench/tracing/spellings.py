@@ -63,17 +63,17 @@ def better_spelled(
     offer: Offer,
     judgements: Sequence[ScoredCandidate] = (),
 ) -> ScoredCandidate | None:
-    """Return another spelling of the leading law, or of one of the `judgements` that takes `resembles` of what it takes, that takes plainly
-    more; None where there is none.
+    """Return another spelling of the leading law, of another one of its class, or of one of the `judgements` that takes `resembles` of what it
+    takes, that takes plainly more; None where there is none.
 
     Plainly is what tells any two effects apart (`ranking.alike`): a spelling is a law with a number more, no curve that bends to everything.
     A flexure that stiffens to many times its stiffness at rest is a spring's law by another spelling, and friction behind a gap by what
     leads: of straight springs none comes near to it. It bears the leading law's name where that is a special case of it and takes `near` of
-    what it takes.
+    what it takes. A hose that pulls at one end alone is far from a spring, and a spring with a play about zero is nearer to it.
     """
     least_taken = criteria.resembles * (state.errors.total - best.errors.total)
     others = [j for j in judgements if j is not best and j.theta is not None]
-    laws = [best, *(j for j in others if state.errors.total - j.errors.total >= least_taken)]
+    laws = [best, *(j for j in others if of_class(j, best) or state.errors.total - j.errors.total >= least_taken)]
     found = spelled(state, [j for j in laws if j.candidate.kind == ADDITION], criteria, offer)
     least = min(found, key=lambda j: (j.errors.total, j.candidate.key), default=None)
     if least is None or least.errors.total >= best.errors.total:
@@ -126,12 +126,7 @@ def no_wave(
 ) -> list[ScoredCandidate]:
     """Return judgements without the waves of the leading law's class that hardly return within the travel, where another law of that
     class takes `resembles` of what leads; all of them else. What is not seen to return may be any curve."""
-    here = [
-        j
-        for j in judgements
-        if (j.candidate.kind, j.candidate.family, j.candidate.at)
-        == (ADDITION, best.candidate.family, best.candidate.at)
-    ]
+    here = [j for j in judgements if of_class(j, best)]
     waves = {j.candidate.key for j in here if hardly_returns(j, state)}
     taken = criteria.resembles * (state.errors.total - best.errors.total)
     if best.candidate.key not in waves or not any(
@@ -139,6 +134,12 @@ def no_wave(
     ):
         return [*judgements]
     return [j for j in judgements if j.candidate.key not in waves]
+
+
+def of_class(j: ScoredCandidate, best: ScoredCandidate) -> bool:
+    """Whether a judgement is an addition of another one's class at its place."""
+    a, b = j.candidate, best.candidate
+    return (a.kind, a.family, a.at) == (ADDITION, b.family, b.at)
 
 
 def hardly_returns(j: ScoredCandidate, state: State, periods: float = RETURNS) -> bool:
