@@ -1,4 +1,4 @@
-"""A drive that is reported late is a clock that is ahead at the position, and no delay; one that acts late is a delay."""
+"""A drive that is reported late is a transport delay of its channel, one that acts late is one of its command."""
 
 import numpy as np
 import pytest
@@ -29,12 +29,11 @@ def reported(name: str, role: str, late: float, seed: int) -> Record:
     )
 
 
-@pytest.mark.parametrize(("late", "name"), [(LATE, "clock_skew"), (-LATE, "transport_delay")])
-def test_a_late_report_is_a_clock_and_a_late_drive_a_delay(late, name):
+@pytest.mark.parametrize(("late", "place"), [(LATE, "sensor.force"), (-LATE, "command")])
+def test_a_report_and_a_drive_that_are_late_are_delays_of_their_own_place(late, place):
     plant = Plant(ONE_MASS, rotary=False) + find("inertia") + find("viscous_friction")
     records = [reported("a", IDENTIFICATION, late, 1), reported("b", VALIDATION, late, 2)]
     offered = ("clock_skew", "transport_delay", "actuator_lag", "flexible_mode")
     found = trace(plant, inverse_dynamics(records, BAND), only=offered)
-    assert found.verdict == "cause" and found.added == (name,)
-    values = {p.parameter: p.value for p in found.causes[0].parameters}
-    assert values["offset" if late > 0 else "delay"] == pytest.approx(-late, rel=0.02)
+    assert found.verdict == "cause" and found.added == ("transport_delay",) and found.causes[0].at == place
+    assert {p.parameter: p.value for p in found.causes[0].parameters}["delay"] == pytest.approx(abs(late), rel=0.02)

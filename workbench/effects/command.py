@@ -8,14 +8,14 @@ from workbench.parameter import Parameter
 
 @effect
 def transport_delay() -> Effect:
-    """u'(t) = u(t - delay)."""
+    """u'(t) = u(t - delay). At the drive's own channel u' is what it reports, and the report is late."""
 
     def step(s, z, p):
         return {}, p.delay
 
     return Effect(
         name="transport_delay",
-        cause="bus cycles and computation between the logged command and the torque",
+        cause="bus cycles and computation between the logged command and the torque, or between the torque and its report",
         formula="u'(t) = u(t - delay)",
         source="Astrom and Wittenmark, Computer-Controlled Systems, 1997",
         port=TIME,
@@ -23,7 +23,7 @@ def transport_delay() -> Effect:
         reduces={"delay": (0.0, "")},
         parameters={"delay": Parameter(0.0, "s", "transport delay", lower=0.0, upper=0.05, scale="time")},
         step=step,
-        places=("command",),
+        places=("command", "drive"),
         at="command",
     )
 

@@ -63,7 +63,7 @@ class Command:
         return u
 
     def _forward(self, effect: Effect, u: np.ndarray, path: tuple) -> np.ndarray:
-        values = {n: p.value for n, p in effect.parameters.items()}
+        values = _named(effect)
         many = _steps_a_sample(effect)
         fine = self.keep(("finer", path), lambda: finer(u)) if many > 1 else u
         signals = {"u": fine, **self._clock(many)}
@@ -73,6 +73,8 @@ class Command:
     def _true(self, effect: Effect, reported: np.ndarray) -> np.ndarray:
         """Return the drive (n,) behind its channel's reading."""
         clock = self._clock(1)
+        if effect.port == fx.TIME:
+            return shifted(reported, -build(effect).run(clock, _named(effect))[0], self.motion.dt)
         signals = [reported, *(np.broadcast_to(clock[r], reported.shape) for r in effect.reads if r != "q")]
         return map_lanes(inverse(Definition(effect)), np.stack(signals), values_of(effect))[0]
 
@@ -96,7 +98,7 @@ class Command:
         known = [x for x in (float(np.abs(m.u).max()), plant.limits.drive) if 0.0 < x < np.inf]
         most = REACH * max(known, default=np.inf)
         for e in reversed(command_maps(plant)):
-            values = {n: p.value for n, p in e.parameters.items()}
+            values = _named(e)
             if e.port == fx.TIME:
                 delay = build(e).run({"t": m.t}, values)[0]
                 u = shifted(u, -delay, m.dt)
@@ -110,8 +112,13 @@ class Command:
                 )[0][::many]
                 u = np.clip(np.where(np.isfinite(found), found, np.copysign(most, u)), -most, most)
         for e in _channel_maps(plant):
-            u = build(e).run({"q": u, **self._clock(1)}, {n: p.value for n, p in e.parameters.items()})[0]
+            read = build(e).run({"q": u, **self._clock(1)}, _named(e))[0]
+            u = shifted(u, read, m.dt) if e.port == fx.TIME else read
         return u
+
+
+def _named(effect: Effect) -> dict[str, float]:
+    return {n: p.value for n, p in effect.parameters.items()}
 
 
 def _steps_a_sample(effect: Effect) -> int:

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 
-from workbench.definition import catalogue
+from workbench.definition import DRIVE_CHANNELS, catalogue
 from workbench.finding import capital, title
 from workbench.identification.result import Fit
 from workbench.plant import Plant
@@ -75,7 +75,9 @@ def _named(causes: Sequence[Cause], plant: Plant) -> list[str]:
 
 
 def _name_of(c: Cause, plant: Plant) -> str:
-    """Return the name of a cause, with its place where the plant has another effect of this name."""
+    """Return the name of a cause, with its place where the plant has another effect of this name, or where it is what the drive reports."""
+    if c.at in DRIVE_CHANNELS:
+        return f"{c.title} of the drive's report"
     alike = [e for e in plant.effects if e.named == c.effect]
     return f"{c.title} at the {c.at}" if len(alike) > 1 else c.title
 

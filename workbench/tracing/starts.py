@@ -15,7 +15,7 @@ from workbench.frequency.spectra import densities
 from workbench.identification.problem import to_search
 from workbench.inverse.bodies import POSITION
 from workbench.inverse.dynamics import InverseDynamics
-from workbench.plant import Plant
+from workbench.plant import SENSORS, Plant
 from workbench.residual.orders import order_spectrum, peaks
 from workbench.tracing.budget import BUDGET, Budget
 
@@ -158,8 +158,9 @@ def starts(
             values.insert(0, 0.0)  # what changes nothing: from there the slope points to either side
         grids.append([to_search(p.at(v)) for v in dict.fromkeys(values)])
     found = [dict(zip(free, combination, strict=True)) for combination in product(*grids)][: budget.starts]
-    if effect.port == TIME and effect.at.startswith("sensor."):
-        late = lateness(inverses, plant, effect.at.partition(".")[2])
+    channel = effect.at.partition(".")[2]
+    if effect.port == TIME and channel in SENSORS:
+        late = lateness(inverses, plant, channel)
         own = {n: p for n in free if (p := effect.parameters[n]).scale in late}
         told = {n: to_search(p.at(float(np.clip(late[p.scale], p.lower, p.upper)))) for n, p in own.items()}
         found += [told] if told else []
