@@ -37,3 +37,6 @@ def test_a_report_and_a_drive_that_are_late_are_delays_of_their_own_place(late, 
     found = trace(plant, inverse_dynamics(records, BAND), only=offered)
     assert found.verdict == "cause" and found.added == ("transport_delay",) and found.causes[0].at == place
     assert {p.parameter: p.value for p in found.causes[0].parameters}["delay"] == pytest.approx(abs(late), rel=0.02)
+    assert (
+        "clock_skew" not in found.causes[0].rivals
+    )  # that keeps pace: the same by another name, which no motion tells apart

@@ -15,8 +15,8 @@ def reduced_to(j: ScoredCandidate, state: State, criteria: Criteria) -> str | No
     if not j.refitted or j.candidate.kind != ADDITION:
         return None
     effect = j.refitted.plant[j.candidate.key]
-    if effect.port == TIME and (state.plant.kind == TWO_MASS or _early(effect)):
-        return None  # a clock of one of two encoders is no delay of the drive, nor is one that is ahead of it
+    if effect.port == TIME and state.plant.kind == TWO_MASS:
+        return None  # a clock of one of two encoders is no delay of the drive
     counts = max(p.motion.counts for p in state.inverses)
     # a stiffness is nothing beside a stiffness: what is small is so beside what enters as it does, with its unit; a share is no coefficient of friction
     linear = {n: effect.parameters[n] for n in effect.linear}
@@ -37,11 +37,6 @@ def reduced_to(j: ScoredCandidate, state: State, criteria: Criteria) -> str | No
 def nothing_of_its_own(j: ScoredCandidate, state: State, criteria: Criteria) -> bool:
     """Whether a fitted addition has the values of no effect at all: LuGre without presliding and without Stribeck's peak."""
     return reduced_to(j, state, criteria) == ""
-
-
-def _early(effect: Effect) -> bool:
-    """Whether an effect says that its channel is ahead of the drive: the drive's report is late, and no command acts before it is given."""
-    return any(p.value < 0.0 for p in effect.parameters.values() if p.scale == "time")
 
 
 def simpler(effect: Effect, intervals: Mapping[str, tuple[float, float]], counts: float) -> str | None:

@@ -10,6 +10,7 @@ from workbench.tracing.criteria import Criteria
 from workbench.tracing.decimation import decimate
 from workbench.tracing.judge import ScoredCandidate
 from workbench.tracing.ranking import alike
+from workbench.tracing.reducing import reduced_to
 
 PLANNED = (
     6.5  # rate over the evaluation bandwidth at which motions are compared: a coarser one parts what does not part
@@ -26,13 +27,15 @@ def rivals(
 ) -> list[ScoredCandidate]:
     """Return the candidates that could not be told from an added one in the step in which it was chosen, best first.
 
-    What was added beside it is no rival: it explains something else.
+    What was added beside it is no rival: it explains something else. Nor is what by its values says the same: a clock that keeps pace is a delay.
     """
     level: dict[str, ScoredCandidate] = {}
     for judgements in steps:
         if any(j is found for j in judgements):
             for j in judgements:
-                if j is not found and j.refitted and j.score.earns and alike(found, j, criteria, power):
+                if j is found or not (j.refitted and j.score.earns and alike(found, j, criteria, power)):
+                    continue
+                if reduced_to(j, j.refitted.state, criteria) != found.candidate.effect:
                     level.setdefault(j.score.effect, j)
     taken = {j.score.effect for j in added}
     return [j for name, j in level.items() if name not in taken][:MOST]
