@@ -86,6 +86,10 @@ CASES = {
         evidence(weighed("gravity", (0.92, 0.1), (1.046, 0.11)), weighed("coulomb_asymmetry", (0.1, 0.06), (0.11, 0.07))), CAUSE,
         (CAUSE, REFINEMENT),
     ),
+    "unless validation, which excites the largest little, is mostly what it takes": (
+        evidence(weighed("cogging", (0.0889, 0.0155), (0.0264, 0.0179)), weighed("nonlinear_viscous_friction", (0.0155, 0.0126), (0.0179, 0.0068))),
+        CAUSE, (CAUSE, CAUSE),
+    ),
     "what shows in the drive is held against what the largest takes of that, not of the joint's torque": (
         evidence(
             weighed("cubic_stiffness", (0.095, 0.0204), (0.121, 0.0212), load_before={"identification": 0.175, "validation": 0.251},

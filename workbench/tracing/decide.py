@@ -6,7 +6,7 @@
 | do the counts that an encoder lost take more of the drive than any cause, and at least `explainable`? | unknown |
 | a correction within the fixed value's tolerance, or an effect (a correction beyond its tolerance) below the practical size, or below `explainable` with values that no machine has? | refinement |
 | a memory of the friction that is declared, of which the drive shows less than the practical size on validation or while the load moves, or less than `explainable` behind the joint? | refinement |
-| a further one (beside an encoder that is late any is) that takes less than `lesser` of what the largest cause takes of the same balance (a further order of that one is its own) and less than `unaccounted` of the drive, on validation less than the practical size, less than `beside` with values that no machine has or of the drive as a memory of the friction that is declared, or says the curve that a larger one says? | refinement |
+| a further one (beside an encoder that is late any is) that takes less than `lesser` of what the largest cause takes of the same balance (a further order of that one is its own) and less than `unaccounted` of the drive (unless it takes `held` of validation, and of what that one does there), on validation less than the practical size, less than `beside` with values that no machine has or of the drive as a memory of the friction that is declared, or says the curve that a larger one says? | refinement |
 | a further one that takes `held` of what the larger ones leave in neither role, of which less than `explainable` is foretold, or which the load's balance alone shows? | refinement |
 | does the error grow on validation, or does the effect explain nearly nothing there? | not borne out |
 | does what is outside the loop bear out less than `held` of what it takes, for certain by `alike` standard errors? | not borne out |
@@ -195,9 +195,13 @@ def _largest(causes: list[Weighed], criteria: Criteria) -> Weighed | None:
 
 def _little_of(a: Weighed, first: Weighed, criteria: Criteria) -> bool:
     """Whether an effect takes less than `lesser` of what the largest cause takes of the balance in which that effect shows: of a joint's torque,
-    which a load's balance is held against, the same law is a larger share than of the drive. Not what takes `unaccounted` of the drive."""
+    which a load's balance is held against, the same law is a larger share than of the drive. Not what takes `unaccounted` of the drive, nor what
+    takes `held` of the validation record, and of what the largest takes there: that one may be excited little (a cogging at line speed)."""
     least = min(criteria.lesser * first.size_where(a, IDENTIFICATION), inf if a.behind else criteria.unaccounted)
-    return a.size(IDENTIFICATION) < least and not _further_of(a, first)
+    carried = a.share(VALIDATION) >= criteria.held and a.size(VALIDATION) >= criteria.held * first.size_where(
+        a, VALIDATION
+    )
+    return a.size(IDENTIFICATION) < least and not carried and not _further_of(a, first)
 
 
 def _further_of(a: Weighed, first: Weighed | None) -> bool:
