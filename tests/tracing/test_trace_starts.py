@@ -141,7 +141,7 @@ def test_starts_of_a_wave_that_has_no_size_yet_are_not_all_tried():
     def costs(*values, beside=None):
         tried.clear()
         left = list(values)
-        cost = lambda theta: (tried.append(theta), left.pop(0))[1]  # noqa: E731
+        cost = lambda theta, roughly: (tried.append(theta), left.pop(0))[1]  # noqa: E731
         return search.worth(SimpleNamespace(cost=cost, beside=beside), options, BUDGET.refined)
 
     assert costs(2.0, 2.0, 1.0, 1.0, 1.0) == [2.0, 2.0] and len(tried) == 2
