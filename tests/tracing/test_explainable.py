@@ -16,6 +16,7 @@ from workbench.record import IDENTIFICATION, Record
 from workbench.tracing.criteria import Criteria
 from workbench.tracing.evidence import Explainable
 from workbench.tracing.explainable import _bursts, explainable
+from workbench.tracing.neighbours import gained
 from workbench.tracing.state import State
 
 DT, N, INERTIA, BAND = 1e-3, 20000, 0.02, 90.0
@@ -116,3 +117,16 @@ def test_neither_a_level_that_wanders_nor_one_that_changes_sign_is_a_burst_and_a
     parts = [SimpleNamespace(residual=noise + r, moves=np.ones(N, bool), dt=DT) for r in (wanders, turns, pushed)]
     assert [_bursts([p], 5.0) < 1e-2 * float(p.residual @ p.residual) for p in parts[:2]] == [True, True]
     assert _bursts(parts[2:], 5.0) == pytest.approx(40 * 0.05**2, rel=0.1)
+
+
+def test_one_block_that_is_told_badly_hides_nothing_and_one_that_is_told_well_proves_nothing():
+    """Of 40 stretches each holds 1; half of it is told of all but one."""
+    before, after = np.ones(40), np.full(40, 0.5)
+    after[3] = 10.0
+    assert gained(before, after) == pytest.approx(40.0 - 29.5)
+    assert gained(before, np.where(np.arange(40) == 3, 50.0, 0.5)) == 0.0  # more is lost by it than the others gain
+    well = np.ones(40)
+    well[3] = 0.0
+    assert gained(before + 30.0 * (well == 0.0), well) == 0.0
+    noise = np.random.default_rng(0).normal(0.0, 0.3, 40)
+    assert gained(before, before - noise + 0.02) == 0.0
