@@ -19,9 +19,13 @@ from workbench.tracing.judge import STANDARD, ScoredCandidate
 from workbench.tracing.state import State
 
 
-def asked(over, plant=PLANT, *only: str):
-    """The state of a declared model of which a force over position is missing, and what a round says of these effects."""
+def asked(over, plant=PLANT, *only: str, zero: float = 0.0):
+    """The state of a declared model of which a force over position is missing, and what a round says of these effects.
+
+    zero: by which positions read more than `over` is asked at."""
     records = [recorded(n, IDENTIFICATION, s, lambda v: 0.0 * v, 5.0, over) for n, s in (("a", 1.0), ("bb", 0.7))]
+    read = ("position", "reference")
+    records = [replace(r, channels=r.channels | {n: r.channels[n] + zero for n in read}) for r in records]
     state = State(plant, inverse_dynamics(records, 50.0))
     return state, ranking.step(state, lambda _: None, Offer(only=set(only)))
 
@@ -170,6 +174,16 @@ def test_a_spring_that_stiffens_to_many_times_its_stiffness_leads_by_its_other_s
     found = spellings.better_spelled(state, gap, STANDARD, Offer(), judgements)
     assert (found.candidate.effect, found.candidate.name) == ("hardening_cable", "cable_spring")
     assert found.score.gain > 0.99
+
+
+def test_a_hose_that_pulls_near_one_end_leads_though_a_spring_with_a_play_is_nearer_to_it_than_a_straight_one():
+    """Every law of the leading one's class is asked for its spellings, however little of it its own formula takes."""
+    hose = lambda q: 3.0 * np.maximum(q - 0.15, 0.0)  # noqa: E731
+    state, judgements = asked(hose, PLANT, "cable_spring", "piecewise_stiffness", zero=0.05)
+    play, straight = judgements[0], next(j for j in judgements if j.candidate.effect == "cable_spring")
+    assert play.candidate.effect == "piecewise_stiffness" and straight.score.gain < STANDARD.resembles * play.score.gain
+    found = spellings.better_spelled(state, play, STANDARD, Offer(), judgements)
+    assert (found.candidate.effect, found.candidate.name) == ("slack_cable", "cable_spring") and found.score.gain > 0.99
 
 
 def test_what_comes_to_nothing_when_it_is_asked_again_stays_by_the_state_that_has_it(monkeypatch):

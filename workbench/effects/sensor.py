@@ -62,8 +62,7 @@ def clock_skew() -> Effect:
 
     return _clock(
         name="clock_skew",
-        cause="channels logged by two devices whose clocks were not started together, or do not run alike; of one that is ahead "
-        "(offset < 0) also a drive that is reported late",
+        cause="channels logged by two devices whose clocks were not started together, or do not run alike",
         formula="y(t) = x(t - d - s t)",
         source="measurement practice",
         reads=("t",),

@@ -36,6 +36,9 @@ class Criteria:
         explained: so much of both is enough, too. Of 32 unknown causes the nearest dressing took 0.59 and 0.42 of these. Also the share of what
         an effect takes that what is outside the loop must bear out: of 186 additions on 117 axes it is 0.82 and more of every right one of which it
         is certain by `alike`, and 0.08, 0.28 and -0.5 of three that nobody put there. Halved, the first alone is refused; doubled, right ones are.
+        And the share of the validation record, and of what the largest cause takes there, that makes a further effect a cause which takes less
+        than `lesser` of identification: a right one took 0.85 of both, four remainders of the largest 0.44 and 0.15 at most. Halved, these are
+        refinements still; doubled, that one is, too.
     unaccounted: share of the drive's rms that may stay beyond what noise may leave, in every role, though nothing foretells it: a model that
         leaves more is not whole, whatever the rest is. Of 108 complete models of other authors the worst left 0.059, of machines 0.09; what acts
         in bench time alone (a wind, a neighbour, a flow that nobody logged) 0.16 to 0.46, a cart whose bridge lets it coast 0.15. Halved, four of

@@ -95,23 +95,18 @@ def _freed(
     whole = state.errors.total
     most = whole - free.errors.total
     family = free.candidate.family
-    earlier, others = _named_before(free, added), []
-    if not earlier:
-        others = spellings.spelled(state, [j for j in judgements if spellings.of_class(j, free)], criteria, offer)
-        nearest = min([asked[(family, free.candidate.at)], *others], key=lambda j: (j.errors.total, j.candidate.key))
-        if nearest in others and _as_well(state, nearest, free, criteria):
-            return refitted_as(state, nearest, criteria)
     if (best.candidate.family, best.candidate.at) == (family, free.candidate.at):
         if _two_say_it(state, best, whole - criteria.near * most, criteria, offer):
             return None
-    if earlier:
+    nearest = asked[(family, free.candidate.at)]
+    if earlier := _named_before(free, added):
         return _bearing(earlier, free, state, criteria)
     named = whole - nearest.errors.total >= criteria.resembles * most
     if not named and not _orders_say_it(state, nearest, whole - criteria.near * most, criteria, offer):
         return None
     fitted = refitted_as(state, free, criteria)
-    known = nearest.candidate.part if nearest in others else nearest.candidate.effect
-    return replace(fitted, candidate=replace(fitted.candidate, stands=reduced_to(fitted, state, criteria) or known))
+    name = reduced_to(fitted, state, criteria) or nearest.candidate.effect
+    return replace(fitted, candidate=replace(fitted.candidate, stands=name))
 
 
 def _curve_of(
