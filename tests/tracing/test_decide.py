@@ -141,6 +141,12 @@ CASES = {
             before=Explainable(inertia=0.037),
         ), CAUSE, (CAUSE,),
     ),
+    "one of ten degrees that takes hardly more than it dresses it: an arm whose inertia changes": (
+        replace(
+            evidence(weighed("encoder_eccentricity", (0.0659, 0.0262), (0.0633, 0.0294), implausible="an eccentricity of degrees"), before=0.0),
+            before=Explainable(exogenous=0.0561, inertia=0.0594),
+        ), UNKNOWN, (DRESSING,),
+    ),
     "an inertia that changes along the stroke is no sixth kind of what is explainable": (
         replace(evidence(), before=Explainable(exogenous=0.004, inertia=0.02)), NOTHING, (),
     ),

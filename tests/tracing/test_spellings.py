@@ -12,7 +12,18 @@ from workbench.effects import free_maps
 from workbench.inverse.dynamics import inverse_dynamics
 from workbench.plant import TWO_MASS, Geometry, Plant
 from workbench.record import IDENTIFICATION
-from workbench.tracing import free_law, greedy, plausible, pruning, ranking, reducing, selection, spellings
+from workbench.tracing import (
+    free_forms,
+    free_law,
+    greedy,
+    plausible,
+    pruning,
+    ranking,
+    reducing,
+    selection,
+    spellings,
+    waves,
+)
 from workbench.tracing.answer import Answer
 from workbench.tracing.candidates import ADDITION, Candidate, Offer, candidates_of
 from workbench.tracing.judge import STANDARD, ScoredCandidate
@@ -48,15 +59,13 @@ def test_a_straight_spring_needs_no_other_spelling():
 
 
 def test_a_wave_of_many_orders_is_its_class_and_a_bump_at_one_place_is_none():
-    waves = lambda q: 0.08 * (np.sin(24 * q) + np.sin(37 * q + 1.0) + np.sin(61 * q + 2.0) + np.sin(83 * q))  # noqa: E731
+    several = lambda q: 0.08 * (np.sin(24 * q) + np.sin(37 * q + 1.0) + np.sin(61 * q + 2.0) + np.sin(83 * q))  # noqa: E731
     bump = lambda q: 0.3 * np.exp(-(((q - 0.1) / 0.02) ** 2))  # noqa: E731
     named = []
-    for over in (waves, bump):
+    for over in (several, bump):
         state, judgements = asked(over, PLANT, "cogging")
         wave = next(j for j in judgements if j.candidate.effect == "cogging")
-        named.append(
-            free_law._orders_say_it(state, wave, (1.0 - STANDARD.near) * state.errors.total, STANDARD, Offer())
-        )
+        named.append(waves.orders_say_it(state, wave, (1.0 - STANDARD.near) * state.errors.total, STANDARD, Offer()))
     assert named == [True, False]
 
 
@@ -92,9 +101,9 @@ def test_a_spelled_law_is_asked_again_as_itself_and_keeps_its_name():
 def test_a_wave_that_hardly_returns_gives_way_to_a_hose_that_pulls_at_one_end():
     over = lambda q: 0.6 * (1.0 - np.exp(-((np.maximum(q - 0.08, 0.0) / 0.06) ** 1.5)))  # noqa: E731
     state, judgements = asked(over, PLANT, "cable_spring", "cogging")
-    waves = [j for j in judgements if j.candidate.effect == "cogging"]
-    wide = [replace(w, refitted=SimpleNamespace(plant=w.candidate.plant.swap(w.candidate.plant[w.candidate.key](order=9.0)))) for w in waves]  # fmt: skip
-    narrow = [replace(w, refitted=SimpleNamespace(plant=w.candidate.plant.swap(w.candidate.plant[w.candidate.key](order=90.0)))) for w in waves]  # fmt: skip
+    found = [j for j in judgements if j.candidate.effect == "cogging"]
+    wide = [replace(w, refitted=SimpleNamespace(plant=w.candidate.plant.swap(w.candidate.plant[w.candidate.key](order=9.0)))) for w in found]  # fmt: skip
+    narrow = [replace(w, refitted=SimpleNamespace(plant=w.candidate.plant.swap(w.candidate.plant[w.candidate.key](order=90.0)))) for w in found]  # fmt: skip
     others = [j for j in judgements if j.candidate.effect != "cogging"]
     assert spellings.no_wave(state, [*wide, *others], wide[0], STANDARD) == others
     assert spellings.no_wave(state, [*narrow, *others], narrow[0], STANDARD) == [*narrow, *others]
@@ -145,16 +154,67 @@ def test_drag_in_a_part_of_the_stroke_is_no_friction_that_returns(periods, shape
     assert leads(fewer) == "cyclic_friction"  # beside what was found it is asked as any other wave
 
 
+def test_orders_that_hardly_return_draw_what_lives_in_two_places_and_say_no_wave(monkeypatch):
+    """Dirt in two places of a rail: a wave takes a third of what a curve does, and with further orders nearly all of it."""
+    state, judgements = asked(lambda q: 0.0 * q, PLANT, "cyclic_friction")
+    wave = next(j for j in judgements if j.candidate.effect == "cyclic_friction")
+    third, most = (SimpleNamespace(total=x * state.errors.total) for x in (0.7, 0.1))
+    beside = SimpleNamespace(plant=wave.candidate.plant)
+    monkeypatch.setattr(waves, "judged_forms", lambda *_: [SimpleNamespace(errors=most)])
+    monkeypatch.setattr(waves, "refitted_as", lambda s, j, c: replace(j, refitted=SimpleNamespace(state=beside)))
+    monkeypatch.setattr(
+        waves, "judged", lambda *_: {"score": wave.score, "errors": most, "freedom": 4, "theta": np.zeros(1)}
+    )
+    poor = replace(wave, errors=third, theta=np.zeros(1))
+    for odd in (True, False):
+        monkeypatch.setattr(waves, "hardly_returns", lambda *_, odd=odd: odd)
+        assert waves.lives_in_places(state, poor, STANDARD, Offer()) is odd
+    assert not waves.lives_in_places(state, replace(poor, errors=most), STANDARD, Offer())  # it says it alone
+    spring = SimpleNamespace(candidate=replace(wave.candidate, effect="cogging", plant=PLANT + find("cogging")))
+    assert not waves.lives_in_places(state, spring, STANDARD, Offer())  # a curve of its class has a law
+
+
+@pytest.mark.parametrize(("turns", "rotary", "order", "seen"), [(1.07, True, 0.94, True), (1.07, True, 0.8, False), (0.98, True, 1.0, False), (1.07, False, 0.94, False), (1.07, False, 1.9, True)])  # fmt: skip
+def test_what_lives_in_place_returns_with_a_turn_of_a_rotary_axis(turns, rotary, order, seen):
+    """Friction of a table that is turned to and fro by a little more than a turn: of its three orders the first comes out at 0.94."""
+    motion = SimpleNamespace(q=np.linspace(0.0, 2.0 * np.pi * turns, 100))
+    wave = find("cyclic_friction")(order=order)
+    assert plausible.returns(wave, [SimpleNamespace(motion=motion)], rotary=rotary) == seen
+
+
+def test_a_disc_that_is_in_the_model_is_a_harmonic_of_its_axis_no_gears_curve_is_offered_beside():
+    """Of one mass the gear's error stands at the encoder, where a disc's has turns and no order."""
+    state, _ = asked(lambda q: 0.0 * q, PLANT, "cogging")
+    long = [
+        SimpleNamespace(motion=SimpleNamespace(**vars(p.motion) | {"q": 20.0 * p.motion.q})) for p in state.inverses
+    ]
+    geared = replace(PLANT, geometry=Geometry(gear_ratio=3.0))
+    disc = find("encoder_eccentricity")(at="sensor.position", turns=3.0)
+    assert free_forms._of_angle(geared, long, "sensor.position") is not None
+    assert free_forms._of_angle(geared + disc, long, "sensor.position") is None
+
+
+def test_a_slack_cable_beside_a_declared_spring_is_that_one_which_stiffens():
+    """A valve's second spring, from 27 mm on."""
+    over = lambda q: 3.0 * np.maximum(q - 0.1, 0.0) ** 1.5  # noqa: E731
+    for plant, name in ((PLANT, "cable_spring"), (PLANT + find("linear_stiffness")(at="axis", stiffness=0.1), "piecewise_stiffness")):  # fmt: skip
+        state, judgements = asked(over, plant, "cable_spring", "cubic_stiffness", "piecewise_stiffness")
+        slack = next(j for j in spellings.spelled(state, [next(j for j in judgements if j.candidate.effect == "cable_spring")], STANDARD, Offer()) if j.candidate.effect == "slack_cable")  # fmt: skip
+        assert slack.candidate.name == "cable_spring" and spellings.sprung("axis", state) == (name != "cable_spring")
+        straight = replace(slack, errors=state.errors, candidate=next(j for j in judgements).candidate)
+        assert spellings.better_spelled(state, straight, STANDARD, Offer(), judgements).candidate.name == name
+
+
 @pytest.mark.parametrize(("order", "named"), [(1.0, "encoder_eccentricity"), (16.0, "kinematic_error")])
 def test_waves_of_an_encoder_over_one_turn_of_its_axis_are_its_eccentricity(order, named):
     """What shows most in the acceleration is their second harmonic, so that the nearest formula is a kinematic error of order 2."""
     plant = replace(PLANT, geometry=Geometry(gear_ratio=order))
     state, judgements = asked(lambda q: 0.0 * q, plant, "kinematic_error", "encoder_eccentricity")
-    waves = free_maps.angle_over_angle(order, 2, "sensor.position")
+    error = free_maps.angle_over_angle(order, 2, "sensor.position")
     j = ScoredCandidate(
-        Candidate(waves.name, waves.at, ADDITION, plant + waves), judgements[0].score, judgements[0].errors, 4
+        Candidate(error.name, error.at, ADDITION, plant + error), judgements[0].score, judgements[0].errors, 4
     )
-    fitted = replace(j, refitted=SimpleNamespace(plant=plant + waves))
+    fitted = replace(j, refitted=SimpleNamespace(plant=plant + error))
     assert (reducing.reduced_to(fitted, state, STANDARD) or "kinematic_error") == named
 
 
@@ -223,8 +283,8 @@ def test_a_wave_leads_whose_further_orders_take_most_of_what_the_leading_law_lea
         for n, left in ((first, 0.18), ("kinematic_error", 0.22), ("cyclic_friction", 0.5))
     ]  # fmt: skip
     asked_of = []
-    monkeypatch.setattr(free_law, "_orders_say_it", lambda s, j, most, *_: asked_of.append((j, most)) or says)
+    monkeypatch.setattr(waves, "orders_say_it", lambda s, j, most, *_: asked_of.append((j, most)) or says)
     state = SimpleNamespace(errors=SimpleNamespace(total=1.0))
-    wave = free_law._of_more_orders(state, found, found[0], STANDARD, Offer())
+    wave = waves.of_more_orders(state, found, found[0], STANDARD, Offer())
     assert (wave is found[1]) == gives_way and (wave is None) != gives_way
     assert all(j is found[1] and most == pytest.approx(0.2 * 0.18) for j, most in asked_of)

@@ -18,7 +18,7 @@ from workbench.report.closed_loop import closed_loop as chapter_of
 from workbench.report.contents import Callout, Figure, Table
 from workbench.verification.assumed import judge, loop_of
 from workbench.verification.closed_loop import DECLARED, EXTENDED, as_dict, close, rise_of
-from workbench.verification.closing import closed_loop, lacking
+from workbench.verification.closing import closed_loop, lacking, record_of
 
 FRICTION = (find("viscous_friction")(viscous=0.01), find("coulomb_friction")(coulomb=0.1))
 
@@ -76,6 +76,12 @@ def test_what_a_campaign_lacks_is_said():
     assert "state actuator_limit" in lacking(replace(plant(), limits=Limits()), record())
     assert "no record" in lacking(plant(), None)
     assert "actuator_limit" in absent(lacking(replace(plant(), limits=Limits()), record())).blocks[0].text
+
+
+def test_the_loop_is_closed_along_the_validation_record_whose_name_comes_first():
+    a, b = (replace(record(), name=n) for n in "ab")
+    campaign = Campaign(Path("x"), "t", plant(), (b, replace(a, role="identification"), replace(a, name="c")), 60.0)
+    assert record_of(campaign).name == "b" and record_of(replace(campaign, records=campaign.records[1:2])) is None
 
 
 def test_a_trace_says_why_its_loop_is_not_closed():

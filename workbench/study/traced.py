@@ -23,7 +23,7 @@ from workbench.tracing.result import Trace
 from workbench.tracing.tracing import trace
 from workbench.verification.closed_loop import ClosedLoop
 from workbench.verification.closing import as_dict as loop_as_dict
-from workbench.verification.closing import closed_loop
+from workbench.verification.closing import closed_loop, lacking, record_of
 
 Say = Callable[[str], None]
 
@@ -52,7 +52,8 @@ def run(
     page = _page(campaign, found, map_residual(inverses, found.before, found.extended))
     loop = nullcontext(lambda: (None, {}))
     if closing and found.causes:
-        say("closing the loop")
+        if not lacking(campaign.plant, record_of(campaign)):
+            say("closing the loop")
         started()  # once for both processes
         loop = begun(partial(_closed, campaign, page))
     with loop as closed, whole(out, FILE) as beside:

@@ -85,11 +85,13 @@ def _lost_most(evidence: Evidence, causes: list[Weighed], criteria: Criteria) ->
 def _less_than_places(evidence: Evidence, causes: list[Weighed], criteria: Criteria) -> bool:
     """Whether causes together take plainly less than a stiffness of the joint, or an inertia, that changes along the stroke does, out of
     sample: theirs are laws of the deflection and of the motion, the same at every place. An eccentric encoder is such an inertia by
-    another name, so that what takes as much stays the cause; beside what takes most, values that no machine has say nothing against it."""
+    another name, so that what takes as much stays the cause; beside what takes most, values that no machine has say nothing against it. Where
+    what takes most has such values itself, `near` of it is as much: an arm whose inertia changes is an encoder that is eccentric by ten degrees."""
     more = max(evidence.before.joint, evidence.before.inertia) ** 2 - criteria.explainable**2
     first = _largest(causes, criteria)
     counted = (a.size(IDENTIFICATION) for a in causes if not a.implausible or a is first)
-    return more > sum(max(size, 0.0) ** 2 for size in counted)
+    taken = sum(max(size, 0.0) ** 2 for size in counted)
+    return more > taken * (criteria.near if first is not None and first.implausible else 1.0)
 
 
 def _doubtful(evidence: Evidence, causes: list[Weighed], criteria: Criteria) -> bool:

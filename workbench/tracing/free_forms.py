@@ -112,7 +112,8 @@ def _of_angle(plant: Plant, inverses: Sequence[InverseDynamics], place: str) -> 
     order = plant.geometry.gear_ratio
     travel = max(float(np.ptp(p.motion.q)) for p in inverses)
     harmonics = min(HARMONICS, int(resolved(inverses) / order))
-    waves = [e.parameters["order"].value for e in plant.effects if e.at == place and e.family == ANGLES]
+    there = (e.parameters for e in plant.effects if e.at == place and e.family == ANGLES)
+    waves = [(p["order"] if "order" in p else p["turns"]).value for p in there]  # a disc's error has turns
     if any(
         abs(k - round(k / order) * order) * travel < 2.0 * np.pi for k in waves if 0.5 < k / order < harmonics + 0.5
     ):

@@ -8,22 +8,20 @@ Where the best formula takes much, and from block to block another share, it ben
 stands for friction that levels off. Another spelling of its law, or the free form, may say the same of every block.
 """
 
-from collections.abc import Collection, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 
 from workbench.effects.families import FREE_FORMS
 from workbench.processes import shared
 from workbench.tracing import spellings
-from workbench.tracing.budget import Budget
-from workbench.tracing.candidates import ADDITION, AGAIN, WHOLE, Candidate, Offer, periodic
+from workbench.tracing.candidates import ADDITION, WHOLE, Candidate, Offer, periodic
 from workbench.tracing.criteria import Criteria
-from workbench.tracing.free_forms import MEMORY, free_forms
+from workbench.tracing.free_forms import MEMORY
 from workbench.tracing.judge import ScoredCandidate, judged, refitted_as
 from workbench.tracing.plausible import BESIDE, RETURNS
 from workbench.tracing.reducing import reduced_to
 from workbench.tracing.state import State
-
-SPRING, BENT = "linear_stiffness", "piecewise_stiffness"
+from workbench.tracing.waves import judged_forms, of_more_orders, orders_say_it
 
 
 def free_law(
@@ -45,7 +43,7 @@ def free_law(
     """
     other = spellings.commoner(state, judgements, best, criteria, offer)
     other = other or spellings.better_spelled(state, best, criteria, offer, judgements)
-    other = other or _of_more_orders(state, judgements, best, criteria, offer)
+    other = other or of_more_orders(state, judgements, best, criteria, offer)
     judgements = spellings.no_wave(state, judgements, best, criteria)
     if other is None and best not in judgements:
         other = min(
@@ -86,7 +84,7 @@ def _freed(
     for j in formulas:
         asked.setdefault((j.candidate.family, j.candidate.at), j)
     asked = {k: j for k, j in list(asked.items())[: offer.budget.families] if k[0] in FREE_FORMS and k[0] != MEMORY}
-    forms = _judged_forms(state, asked, criteria, offer.budget)
+    forms = judged_forms(state, asked, criteria, offer.budget)
     if not forms:
         return None
     free = min(forms, key=lambda j: (j.errors.total, j.candidate.key))
@@ -102,7 +100,7 @@ def _freed(
     if earlier := _named_before(free, added):
         return _bearing(earlier, free, state, criteria)
     named = whole - nearest.errors.total >= criteria.resembles * most
-    if not named and not _orders_say_it(state, nearest, whole - criteria.near * most, criteria, offer):
+    if not named and not orders_say_it(state, nearest, whole - criteria.near * most, criteria, offer):
         return None
     fitted = refitted_as(state, free, criteria)
     name = reduced_to(fitted, state, criteria) or nearest.candidate.effect
@@ -116,7 +114,7 @@ def _curve_of(
     any curve; None where there is none. It bears the name of what was found of the class before, else of the law that a curve is nearest to."""
     family, at = wave.candidate.family, wave.candidate.at
     asked = {(family, at)} if family in FREE_FORMS else set()
-    forms = _judged_forms(state, asked, criteria, offer.budget)
+    forms = judged_forms(state, asked, criteria, offer.budget)
     free = min(forms, key=lambda j: (j.errors.total, j.candidate.key), default=None)
     whole = state.errors.total
     if free is None or whole - free.errors.total < criteria.near * (whole - wave.errors.total):
@@ -128,8 +126,7 @@ def _curve_of(
 def _nearest(family: str, at: str, state: State) -> str:
     """Return the name that a curve of a class bears: what pulls beside a spring that is declared is that one's stiffness, which changes."""
     nearest = FREE_FORMS[family].nearest
-    sprung = any((e.name, e.at) == (SPRING, at) for e in state.plant.effects)
-    return BENT if nearest and sprung else nearest
+    return spellings.BENT if nearest and spellings.sprung(at, state) else nearest
 
 
 def _named_before(free: ScoredCandidate, added: Sequence[ScoredCandidate]) -> str:
@@ -157,7 +154,7 @@ def steadier(
     family, at, name = first.candidate.family, first.candidate.at, first.candidate.name
     formulas = [j for j in spellings.spelled(state, [first], criteria, offer) if j.errors.total <= first.errors.total]
     free = {(family, at)} if family in FREE_FORMS and family != MEMORY else set()
-    forms = [j for j in _judged_forms(state, free, criteria, offer.budget) if j.errors.total <= first.errors.total]
+    forms = [j for j in judged_forms(state, free, criteria, offer.budget) if j.errors.total <= first.errors.total]
     best, form = (min(x, key=lambda j: (j.errors.total, j.candidate.key), default=None) for x in (formulas, forms))
     whole = state.errors.total
     most = whole - form.errors.total if form else 0.0
@@ -192,54 +189,3 @@ def _symmetry(candidate: Candidate) -> tuple[bool, bool]:
     """Return whether a law is periodic, and whether it is even in the motion."""
     effect = candidate.plant[candidate.key]
     return periodic(effect), "even" in effect.holds
-
-
-def _of_more_orders(
-    state: State, judgements: Sequence[ScoredCandidate], best: ScoredCandidate, criteria: Criteria, offer: Offer
-) -> ScoredCandidate | None:
-    """Return a wave that alone takes `near` of what the leading law takes, and with further orders of its own `near` of what that leaves; None
-    where there is none. A law is judged whole, a wave of three orders by its first: a gear's was behind an encoder that is late by 11 ms."""
-    if periodic(best.candidate.plant[best.candidate.key]):
-        return None
-    whole, left = state.errors.total, best.errors.total
-    waves = (
-        j
-        for j in judgements
-        if j is not best and j.candidate.kind == ADDITION and j.refitted and j.score.earns
-        if periodic(j.candidate.plant[j.candidate.key]) and whole - j.errors.total >= criteria.near * (whole - left)
-    )
-    return next((j for j in waves if _orders_say_it(state, j, (1.0 - criteria.near) * left, criteria, offer)), None)
-
-
-def _orders_say_it(state: State, nearest: ScoredCandidate, most: float, criteria: Criteria, offer: Offer) -> bool:
-    """Whether a periodic formula and further orders of it, as many as a search would add, leave no more than `most`: a wave of several
-    orders, of which none takes much of the whole."""
-    own = nearest.candidate.plant[nearest.candidate.key]
-    if not periodic(own) or nearest.theta is None:
-        return False
-    for _ in AGAIN:
-        nearest = nearest if nearest.refitted else refitted_as(state, nearest, criteria)
-        state = nearest.refitted.state if nearest.refitted else state
-        further = [c for c in offer.candidates(state.plant) if c.kind == ADDITION and c.at == own.at]
-        # one candidate: the same effect at its next order
-        again = [c for c in further if c.plant[c.key].name == own.name and c.key != nearest.candidate.key]
-        found = [ScoredCandidate(c, **judged(state, c, criteria, offer.budget)) for c in again]
-        nearest = min((j for j in found if j.theta is not None), key=lambda j: j.errors.total, default=None)
-        if nearest is None or nearest.errors.total <= most:
-            return nearest is not None
-    return False
-
-
-def _judged_forms(
-    state: State, asked: Collection[tuple[str, str]], criteria: Criteria, budget: Budget
-) -> list[ScoredCandidate]:
-    """Return the free forms that earn their place. asked: (family, place) of those that are judged."""
-    families = sorted({family for family, _ in asked})
-    forms = [
-        f
-        for f in free_forms(state.plant, state.inverses, families, state.residuals)
-        if (f.family, f.candidate.at) in asked
-    ]
-    found = shared(lambda f: judged(state, f.candidate, criteria, budget), forms)
-    scored = [ScoredCandidate(f.candidate, **one) for f, one in zip(forms, found, strict=True)]
-    return [j for j in scored if j.score.earns and j.theta is not None]

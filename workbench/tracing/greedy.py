@@ -12,9 +12,10 @@ from workbench.tracing.counted import by_counts, quantisation_bias
 from workbench.tracing.criteria import Criteria
 from workbench.tracing.free_law import free_law, steadier
 from workbench.tracing.judge import Progress, ScoredCandidate, lighter
-from workbench.tracing.ranking import any_curve, step
+from workbench.tracing.ranking import any_curve, pushed_back, step
 from workbench.tracing.state import State
 from workbench.tracing.unexplained import PLAIN, noise_alone
+from workbench.tracing.waves import lives_in_places
 
 
 @dataclass(frozen=True)
@@ -65,6 +66,9 @@ def extended(
             and (free := free_law(state, judgements, best, [s.added for s in found], criteria, offer)) is not None
         ):
             judgements, best = [free, *judgements], free
+        elif best is not None and not found and lives_in_places(state, best, criteria, offer):
+            judgements = pushed_back(judgements, criteria, state)
+            best = leading(judgements, least)
         if best is None and not noise_alone(state, level, PLAIN):
             asked = [j for j in judgements if found or not any_curve(j, state)]
             steady = steadier(state, _most_first(asked), criteria, offer)

@@ -20,6 +20,9 @@ STEEPEST = 0.1
 # a belt dips into, over a third of the stroke, friction of 1.5. Halved, they are again; doubled, two of 25 cyclic frictions that were missing (2.5
 # and 2.8, others 4.4 and more) would be any curve; of thirteen cogging forces the travel held 5.2 and more
 RETURNS = 2.0
+# Order from which a wave is one of the axis' own turn, where the travel holds that: of friction that has three orders of a table's turn the first
+# alone comes out at 0.94, over 1.07 turns
+ONCE = 0.9
 # The same beside a curve over place that was found before at that place: what its formula leaves of it is drawn by a wave of 2.1 periods (a dress
 # pack that comes taut at both ends of a wrist's stroke). Halved, it is a cogging again; doubled, a cogging of five periods beside a cable is asked
 # for a curve that says as much
@@ -71,7 +74,7 @@ def implausible(effect: Effect, plant: Plant, declared: Plant, inverses: Sequenc
             return "an eccentricity of degrees would not have been mounted"
         if effect.name == "kinematic_error" and size * values["order"].value > STEEPEST:
             return f"with it the axis would run {100 * size * values['order'].value:.0f} % too fast in places"
-        if effect.name == "kinematic_error" and not returns(effect, inverses):
+        if effect.name == "kinematic_error" and not returns(effect, inverses, rotary=plant.rotary):
             return f"the travel holds fewer than {RETURNS:g} of its periods, and does not show it to return"
     if effect.family == "mode" and (slow := _slow(effect, inverses)):
         return slow
@@ -123,10 +126,12 @@ def _outer(bent: Effect, plant: Plant) -> float:
     return bent.parameters["k1"].value + bent.parameters["k2"].value + sum(straight)
 
 
-def returns(wave: Effect, inverses: Sequence[InverseDynamics], periods: float = RETURNS) -> bool:
-    """Whether the travel shows an effect with an `order` to return: it holds as many of its periods."""
+def returns(wave: Effect, inverses: Sequence[InverseDynamics], periods: float = RETURNS, rotary: bool = False) -> bool:
+    """Whether the travel shows an effect with an `order` to return: it holds as many of its periods; or, of a rotary axis, a turn, with which
+    all that lives in its place returns, and the wave as good as one period."""
     travel = max(float(np.ptp(p.motion.q)) for p in inverses)
-    return wave.parameters["order"].value * travel >= periods * 2.0 * np.pi
+    order = wave.parameters["order"].value
+    return order * travel >= periods * 2.0 * np.pi or (rotary and travel >= 2.0 * np.pi and order >= ONCE)
 
 
 def _slow(mode: Effect, inverses: Sequence[InverseDynamics]) -> str:

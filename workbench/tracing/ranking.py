@@ -151,7 +151,7 @@ def _plainest_first(
     for _ in range(min(offer.budget.leading, len(judgements))):
         first = judgements[0]
         if _stranger(first, state) or (first_of_all and any_curve(first, state)):
-            judgements = _pushed_back(judgements, criteria, state)
+            judgements = pushed_back(judgements, criteria, state)
             continue
         name = reduced_to(first, state, criteria)
         if name is None:
@@ -162,7 +162,7 @@ def _plainest_first(
             *first.candidate.restored,
         }
         if said or (first.candidate.at in curved and "masing" in catalogue()[name].holds):
-            judgements = _pushed_back(judgements, criteria, state)
+            judgements = pushed_back(judgements, criteria, state)
             continue
         other = next((j for j in judgements if j.candidate.effect == name and j.theta is not None), None)
         if other is None:
@@ -174,7 +174,7 @@ def _plainest_first(
             )
             judgements = [other, *(j for j in judgements if j.candidate is not other.candidate)]
             break
-        judgements = _pushed_back(judgements, criteria, state)
+        judgements = pushed_back(judgements, criteria, state)
     return judgements
 
 
@@ -208,10 +208,10 @@ def any_curve(j: ScoredCandidate, state: State) -> bool:
     wave = j.refitted.plant[j.candidate.key]
     form = FREE_FORMS.get(family_of(wave))
     curved = "order" not in wave.parameters or form is None or bool(form.nearest)
-    return not curved and j.score.gain < SINE and not returns(wave, state.inverses)
+    return not curved and j.score.gain < SINE and not returns(wave, state.inverses, rotary=state.plant.rotary)
 
 
-def _pushed_back(judgements: Sequence[ScoredCandidate], criteria: Criteria, state: State) -> list[ScoredCandidate]:
+def pushed_back(judgements: Sequence[ScoredCandidate], criteria: Criteria, state: State) -> list[ScoredCandidate]:
     """Return judgements with the first behind all others, as one that does not earn its place."""
     first, *rest = judgements
     return [*simplest_first(rest, criteria, state), replace(first, score=replace(first.score, earns=False))]

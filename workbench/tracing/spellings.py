@@ -16,6 +16,8 @@ from workbench.tracing.plausible import RETURNS, returns
 from workbench.tracing.ranking import absurd, alike
 from workbench.tracing.state import State
 
+SPRING, BENT, CABLE = "linear_stiffness", "piecewise_stiffness", "cable_spring"
+
 
 def spellings_of(candidate: Candidate) -> list[Effect]:
     """Return the effects that are another spelling of a candidate's law, by the name that it bears."""
@@ -70,6 +72,7 @@ def better_spelled(
     A flexure that stiffens to many times its stiffness at rest is a spring's law by another spelling, and friction behind a gap by what
     leads: of straight springs none comes near to it. It bears the leading law's name where that is a special case of it and takes `near` of
     what it takes. A hose that pulls at one end alone is far from a spring, and a spring with a play about zero is nearer to it.
+    A cable's other spelling beside a declared spring is that one's stiffness, which changes.
     """
     least_taken = criteria.resembles * (state.errors.total - best.errors.total)
     others = [j for j in judgements if j is not best and j.theta is not None]
@@ -82,7 +85,9 @@ def better_spelled(
         return None
     near = criteria.near * (state.errors.total - least.errors.total)
     special = best.candidate.at == least.candidate.at and best.candidate.name in special_cases(least)
-    return bearing(best, least) if special and state.errors.total - best.errors.total >= near else least
+    if special and state.errors.total - best.errors.total >= near:
+        return bearing(best, least)
+    return _called(BENT, least) if least.candidate.name == CABLE and sprung(least.candidate.at, state) else least
 
 
 def special_cases(j: ScoredCandidate) -> set[str]:
@@ -92,7 +97,16 @@ def special_cases(j: ScoredCandidate) -> set[str]:
 
 def bearing(known: ScoredCandidate, j: ScoredCandidate) -> ScoredCandidate:
     """Return a judgement under another one's name."""
-    return replace(j, candidate=replace(j.candidate, part=known.candidate.name))
+    return _called(known.candidate.name, j)
+
+
+def _called(name: str, j: ScoredCandidate) -> ScoredCandidate:
+    return replace(j, candidate=replace(j.candidate, part=name))
+
+
+def sprung(at: str, state: State) -> bool:
+    """Whether a spring is declared at a place: what pulls beside it from somewhere on is that one's stiffness, which changes, and no cable."""
+    return any((e.name, e.at) == (SPRING, at) for e in state.plant.effects)
 
 
 def commoner(
@@ -147,7 +161,7 @@ def hardly_returns(j: ScoredCandidate, state: State, periods: float = RETURNS) -
     effect = j.refitted.plant[j.candidate.key] if j.refitted else None
     if effect is None or effect.port != FORCE or "order" not in effect.parameters:
         return False
-    return not returns(effect, state.inverses, periods)
+    return not returns(effect, state.inverses, periods, state.plant.rotary and periods == RETURNS)
 
 
 def _law(j: ScoredCandidate) -> Effect:

@@ -25,9 +25,14 @@ def lacking(plant: Plant, record: Record | None) -> str:
     return ""
 
 
+def record_of(campaign: Campaign) -> Record | None:
+    """Return the record along which a campaign's loop is closed, None where there is none."""
+    return min((r for r in campaign.records if r.role == VALIDATION), key=lambda r: r.name, default=None)
+
+
 def closed_loop(campaign: Campaign, found: Trace) -> ClosedLoop | str:
     """Return the loop closed with what a trace found, on the validation record whose name comes first, or the sentence why it is not."""
-    record = min((r for r in campaign.records if r.role == VALIDATION), key=lambda r: r.name, default=None)
+    record = record_of(campaign)
     if missing := lacking(campaign.plant, record):
         return missing
     try:

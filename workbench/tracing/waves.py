@@ -1,0 +1,83 @@
+"""Waves of several orders, and what is none: what lives in a few places of a stroke is drawn by orders, too, some of which hardly return."""
+
+from collections.abc import Collection, Sequence
+
+from workbench.effects.families import FREE_FORMS
+from workbench.processes import shared
+from workbench.tracing.budget import Budget
+from workbench.tracing.candidates import ADDITION, AGAIN, Offer, periodic
+from workbench.tracing.criteria import Criteria
+from workbench.tracing.free_forms import free_forms
+from workbench.tracing.judge import ScoredCandidate, judged, refitted_as
+from workbench.tracing.spellings import hardly_returns
+from workbench.tracing.state import State
+
+
+def of_more_orders(
+    state: State, judgements: Sequence[ScoredCandidate], best: ScoredCandidate, criteria: Criteria, offer: Offer
+) -> ScoredCandidate | None:
+    """Return a wave that alone takes `near` of what the leading law takes, and with further orders of its own `near` of what that leaves; None
+    where there is none. A law is judged whole, a wave of three orders by its first: a gear's was behind an encoder that is late by 11 ms."""
+    if periodic(best.candidate.plant[best.candidate.key]):
+        return None
+    whole, left = state.errors.total, best.errors.total
+    waves = (
+        j
+        for j in judgements
+        if j is not best and j.candidate.kind == ADDITION and j.refitted and j.score.earns
+        if periodic(j.candidate.plant[j.candidate.key]) and whole - j.errors.total >= criteria.near * (whole - left)
+    )
+    return next((j for j in waves if orders_say_it(state, j, (1.0 - criteria.near) * left, criteria, offer)), None)
+
+
+def orders_say_it(state: State, nearest: ScoredCandidate, most: float, criteria: Criteria, offer: Offer) -> bool:
+    """Whether a periodic formula and further orders of it, as many as a search would add, leave no more than `most`: a wave of several
+    orders, of which none takes much of the whole, and each is seen to return: any curve is drawn by what hardly returns beside what does."""
+    own = nearest.candidate.plant[nearest.candidate.key]
+    if not periodic(own) or nearest.theta is None:
+        return False
+    for _ in AGAIN:
+        nearest = nearest if nearest.refitted else refitted_as(state, nearest, criteria)
+        if nearest.refitted is None or hardly_returns(nearest, state):
+            return False
+        state = nearest.refitted.state
+        further = [c for c in offer.candidates(state.plant) if c.kind == ADDITION and c.at == own.at]
+        # one candidate: the same effect at its next order
+        again = [c for c in further if c.plant[c.key].name == own.name and c.key != nearest.candidate.key]
+        found = [ScoredCandidate(c, **judged(state, c, criteria, offer.budget)) for c in again]
+        nearest = min((j for j in found if j.theta is not None), key=lambda j: j.errors.total, default=None)
+        if nearest is None or nearest.errors.total <= most:
+            return nearest is not None and not hardly_returns(refitted_as(state, nearest, criteria), state)
+    return False
+
+
+def lives_in_places(state: State, best: ScoredCandidate, criteria: Criteria, offer: Offer) -> bool:
+    """Whether a wave is what lives in places: in its class no law of the catalogue is a curve, and a curve takes so much that neither the wave
+    takes `resembles` of it nor its further orders say it. Of dirt in two places of a rail a wave takes a third of what a curve does."""
+    family, at = best.candidate.family, best.candidate.at
+    form = FREE_FORMS.get(family)
+    if form is None or form.nearest or not periodic(best.candidate.plant[best.candidate.key]):
+        return False
+    found = judged_forms(state, {(family, at)}, criteria, offer.budget)
+    if not found:
+        return False
+    whole = state.errors.total
+    most = whole - min(j.errors.total for j in found)
+    if whole - best.errors.total >= criteria.resembles * most:
+        return False
+    return not orders_say_it(state, best, whole - criteria.near * most, criteria, offer)
+
+
+def judged_forms(
+    state: State, asked: Collection[tuple[str, str]], criteria: Criteria, budget: Budget
+) -> list[ScoredCandidate]:
+    """Return the free forms that earn their place. asked: (family, place) of those that are judged."""
+    families = sorted({family for family, _ in asked})
+    forms = [
+        f
+        for f in free_forms(state.plant, state.inverses, families, state.residuals)
+        if (f.family, f.candidate.at) in asked
+    ]
+    found = shared(lambda f: judged(state, f.candidate, criteria, budget), forms)
+    scored = [ScoredCandidate(f.candidate, **one) for f, one in zip(forms, found, strict=True)]
+    return [j for j in scored if j.score.earns and j.theta is not None]
