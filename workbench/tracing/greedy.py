@@ -67,7 +67,7 @@ def extended(
         ):
             judgements, best = [free, *judgements], free
         elif best is not None and not found and lives_in_places(state, best, criteria, offer):
-            judgements = pushed_back(judgements, criteria, state)
+            judgements = pushed_back(judgements, criteria, state)  # and nothing is asked beside what it leaves
             best = leading(judgements, least)
         if best is None and not noise_alone(state, level, PLAIN):
             asked = [j for j in judgements if found or not any_curve(j, state)]

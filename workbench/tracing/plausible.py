@@ -21,7 +21,7 @@ STEEPEST = 0.1
 # and 2.8, others 4.4 and more) would be any curve; of thirteen cogging forces the travel held 5.2 and more
 RETURNS = 2.0
 # Order from which a wave is one of the axis' own turn, where the travel holds that: of friction that has three orders of a table's turn the first
-# alone comes out at 0.94, over 1.07 turns
+# alone comes out at 0.94, over 1.07 turns. Doubled, it is any curve again; halved, it stays. An angle's wave of one turn is an encoder's, not a gear's
 ONCE = 0.9
 # The same beside a curve over place that was found before at that place: what its formula leaves of it is drawn by a wave of 2.1 periods (a dress
 # pack that comes taut at both ends of a wrist's stroke). Halved, it is a cogging again; doubled, a cogging of five periods beside a cable is asked
@@ -74,7 +74,7 @@ def implausible(effect: Effect, plant: Plant, declared: Plant, inverses: Sequenc
             return "an eccentricity of degrees would not have been mounted"
         if effect.name == "kinematic_error" and size * values["order"].value > STEEPEST:
             return f"with it the axis would run {100 * size * values['order'].value:.0f} % too fast in places"
-        if effect.name == "kinematic_error" and not returns(effect, inverses, rotary=plant.rotary):
+        if effect.name == "kinematic_error" and not returns(effect, inverses):
             return f"the travel holds fewer than {RETURNS:g} of its periods, and does not show it to return"
     if effect.family == "mode" and (slow := _slow(effect, inverses)):
         return slow
