@@ -182,6 +182,16 @@ def test_what_lives_in_place_returns_with_a_turn_of_a_rotary_axis(turns, rotary,
     assert plausible.returns(wave, [SimpleNamespace(motion=motion)], rotary=rotary) == seen
 
 
+@pytest.mark.parametrize(("name", "hardly"), [("cyclic_friction", False), ("cogging", True)])
+def test_a_turn_shows_friction_to_return_and_a_cable_winds_on(name, hardly):
+    """A hose on a table that is turned by a little more than a turn is no cogging of its one turn."""
+    plant = PLANT + find(name)(order=0.94)
+    state = SimpleNamespace(plant=PLANT, inverses=[SimpleNamespace(motion=SimpleNamespace(q=np.linspace(0.0, 6.7, 9)))])
+    candidate = Candidate(name, "axis", ADDITION, plant)
+    assert PLANT.rotary and spellings.hardly_returns(SimpleNamespace(candidate=candidate, refitted=SimpleNamespace(plant=plant)), state) is hardly  # fmt: skip
+    assert spellings.hardly_returns(SimpleNamespace(candidate=candidate, refitted=None), state) is False
+
+
 def test_a_disc_that_is_in_the_model_is_a_harmonic_of_its_axis_no_gears_curve_is_offered_beside():
     """Of one mass the gear's error stands at the encoder, where a disc's has turns and no order."""
     state, _ = asked(lambda q: 0.0 * q, PLANT, "cogging")

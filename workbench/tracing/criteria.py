@@ -59,7 +59,8 @@ class Criteria:
     tolerance: relative error of a fixed value, where the campaign states none; a correction within it is a refinement, and what counts of
         another one is what it takes beyond twice as much, since a drive's gain is known no better.
     near: share of what a free-form law takes, from which a law of the catalogue says it as well. Halved, a wrong formula of the
-        class is named; doubled (1.0 at most), only exact laws are.
+        class is named; doubled (1.0 at most), only exact laws are. And share of what an effect of values that no machine has takes, from which an
+        inertia that changes along the stroke is it: of an arm 0.88, of a disc that is eccentric 0.74. Halved, that disc is one; doubled, the arm is a disc.
     neutral: relative distance within which a parameter stands at the value of a simpler law, which is then the better answer. Halved, a gap
         with soft flanks is two springs; doubled, friction that grows with the load is given away for less (d19).
     resembles: share of what a free-form law takes, that the nearest formula must take for the free form to bear its name. Halved,

@@ -43,7 +43,8 @@ def extended(
 
     whole: inverse dynamics of the identification records as they are. Near the floor an effect must take away a plain share, and of more than what counts alone would leave. One effect may be added
     provisionally (see `promised`): it stays where a later one earns its place, and `pruned` asks whether it earns its own.
-    Before anything was added, what may be any curve is asked for no steadier law of its class, and promises nothing.
+    Before anything was added, what may be any curve is asked for no steadier law of its class, and promises nothing; and where what leads
+    lives in places, the search ends.
     freshly: a state with its free virgin curves found anew. enough: asked of what was added, all of it certain, whether the search is to end with
     it. Where nothing is left that could be a cause, no further effect is asked.
     """
@@ -67,8 +68,7 @@ def extended(
         ):
             judgements, best = [free, *judgements], free
         elif best is not None and not found and lives_in_places(state, best, criteria, offer):
-            judgements = pushed_back(judgements, criteria, state)  # and nothing is asked beside what it leaves
-            best = leading(judgements, least)
+            judgements, best = pushed_back(judgements, criteria, state), None
         if best is None and not noise_alone(state, level, PLAIN):
             asked = [j for j in judgements if found or not any_curve(j, state)]
             steady = steadier(state, _most_first(asked), criteria, offer)

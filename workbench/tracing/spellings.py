@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from workbench.definition import FORCE, Effect, catalogue
+from workbench.effects.families import FREE_FORMS
 from workbench.processes import shared
 from workbench.tracing.candidates import ADDITION, Candidate, Offer
 from workbench.tracing.criteria import Criteria
@@ -157,11 +158,14 @@ def of_class(j: ScoredCandidate, best: ScoredCandidate) -> bool:
 
 
 def hardly_returns(j: ScoredCandidate, state: State, periods: float = RETURNS) -> bool:
-    """Whether a fitted force in position is a wave that the travel does not show to return: it holds fewer of its periods."""
+    """Whether a fitted force in position is a wave that the travel does not show to return: it holds fewer of its periods. A turn of a rotary
+    axis shows that friction returns; what pulls may be a cable, which winds on from turn to turn."""
     effect = j.refitted.plant[j.candidate.key] if j.refitted else None
     if effect is None or effect.port != FORCE or "order" not in effect.parameters:
         return False
-    return not returns(effect, state.inverses, periods, state.plant.rotary and periods == RETURNS)
+    form = FREE_FORMS.get(j.candidate.family)
+    winds = form is None or bool(form.nearest)
+    return not returns(effect, state.inverses, periods, rotary=state.plant.rotary and periods == RETURNS and not winds)
 
 
 def _law(j: ScoredCandidate) -> Effect:

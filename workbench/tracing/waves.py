@@ -58,12 +58,13 @@ def lives_in_places(state: State, best: ScoredCandidate, criteria: Criteria, off
     form = FREE_FORMS.get(family)
     if form is None or form.nearest or not periodic(best.candidate.plant[best.candidate.key]):
         return False
-    found = judged_forms(state, {(family, at)}, criteria, offer.budget)
-    if not found:
-        return False
     whole = state.errors.total
-    most = whole - min(j.errors.total for j in found)
-    if whole - best.errors.total >= criteria.resembles * most:
+    taken = whole - best.errors.total
+    if taken >= criteria.resembles * whole:
+        return False  # whatever a curve takes
+    found = judged_forms(state, {(family, at)}, criteria, offer.budget)
+    most = max((whole - j.errors.total for j in found), default=0.0)
+    if taken >= criteria.resembles * most:
         return False
     return not orders_say_it(state, best, whole - criteria.near * most, criteria, offer)
 
