@@ -99,6 +99,16 @@ def test_how_much_is_explained_is_said_and_a_caution_where_most_is_not(after, sa
     assert explained(evidence(0.004, 0.004), 0.01, gains=True) == ()  # there is next to nothing to explain
 
 
+def test_what_only_dresses_what_is_missing_explains_nothing_of_it():
+    """An eccentric disc took 92 % of an arm's inertia that changes, and is in no model of the page."""
+    (block,) = explained(evidence(0.4, 0.02), 0.01, gains=False, stands=False)
+    assert block.text.startswith("Explained is nothing of what could be explained") and block.tone is BAD
+    assert "What was tried would take 95\u00a0% of that, but does not stand" in block.text
+    assert "do not rely on this model" in block.text
+    (alone,) = explained(evidence(0.4, 0.4), 0.01, gains=False, stands=False)
+    assert "What was tried" not in alone.text
+
+
 def result():
     plain = study()
     advice = advised(row("PI cascade", 0.1, 70e-6), row("fixed PD", 0.11, 8e-3))

@@ -34,7 +34,8 @@ def finding(result: StudyResult) -> Chapter:
     trace = result.trace
     blocks = [Callout(trace.sentence, TONES.get(trace.verdict, PLAIN))]
     if trace.evidence:
-        blocks += explained(trace.evidence, trace.criteria.explainable, bool(result.advice))
+        stands = trace.verdict != UNKNOWN
+        blocks += explained(trace.evidence, trace.criteria.explainable, bool(result.advice), stands)
     blocks += _uncertain(result)
     blocks += [Callout(f.sentence, BAD) for f in trace.findings if f.kind in ALARMS]
     if result.advice:
