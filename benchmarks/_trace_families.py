@@ -107,8 +107,8 @@ def judged(truth: dict, said: dict, place: bool | None) -> dict:
 
 
 def placed(truth: dict, said: dict, campaign) -> bool | None:
-    """Whether an unknown cause's place is right; None where none is stated."""
-    if not truth.get("where") or not said["unknown"]:
+    """Whether an unknown cause's place is right; None where none is stated, or in words alone."""
+    if not truth.get("where") or isinstance(truth["where"], str) or not said["unknown"]:
         return None
     coordinate, spans = truth["where"]
     if coordinate == "time":

@@ -298,3 +298,26 @@ def test_a_wave_leads_whose_further_orders_take_most_of_what_the_leading_law_lea
     wave = waves.of_more_orders(state, found, found[0], STANDARD, Offer())
     assert (wave is found[1]) == gives_way and (wave is None) != gives_way
     assert all(j is found[1] and most == pytest.approx(0.2 * 0.18) for j, most in asked_of)
+
+
+@pytest.mark.parametrize(("loaded", "drawn"), [(0.25, True), (0.0, False)])
+def test_friction_that_a_spring_loads_is_not_made_needless_by_a_curve_over_place_that_draws_it_too(loaded, drawn):
+    """A drive's offset counts as a load in the model, so that the formula leaves a little, which a curve over place takes with all the rest."""
+
+    def rubbing(name, speed):
+        plain = recorded(name, IDENTIFICATION, speed, lambda v: 0.0 * v, 8.0, lambda q: 1.2 * q + 0.03)
+        q = plain.channels["reference"]
+        rubs = (loaded * np.abs(1.2 * q) + 0.01 * np.cos(9.0 * q)) * np.sign(np.gradient(q))
+        return replace(plain, channels={**plain.channels, "torque": plain.channels["torque"] + rubs})
+
+    plant = PLANT + find("linear_stiffness")(at="axis", stiffness=1.0) + find("constant_offset")
+    inverses = inverse_dynamics([rubbing("a", 1.0), rubbing("bb", 0.7)], 50.0)
+    state = State(plant, inverses)
+    formula = Candidate("load_dependent_friction", "axis", ADDITION, plant + find("load_dependent_friction"))
+    (form,) = free_forms.free_forms(plant, inverses, ["friction over position"], state.residuals)
+    free = replace(form.candidate, stands="cyclic_friction")
+    reduced = State(free.plant, inverses)
+    last = State(free.plant + find("load_dependent_friction"), inverses)
+    added = [SimpleNamespace(candidate=c) for c in (formula, free)]
+    assert pruning._drawn_by_a_curve(Answer(added, state, last), 0, reduced, plant, STANDARD) is drawn
+    assert not pruning._drawn_by_a_curve(Answer(added[:1], state, last), 0, reduced, plant, STANDARD)

@@ -14,7 +14,7 @@ from workbench.tracing.answer import Answer
 from workbench.tracing.candidates import ADDITION, AGAIN, Offer, without
 from workbench.tracing.criteria import Criteria
 from workbench.tracing.free_forms import MEMORY
-from workbench.tracing.judge import ScoredCandidate, freedom, scored
+from workbench.tracing.judge import ScoredCandidate, freedom, scored_as
 from workbench.tracing.near_law import Law, as_declared
 from workbench.tracing.orders import MEETS
 from workbench.tracing.state import Refitted, State
@@ -119,8 +119,8 @@ def _in_place(
     if after.errors.total > last.errors.total + criteria.practical**2 * last.power:
         return None
     fit = Refitted(after.problem, after.solution.theta, after.solution.c)
-    score = scored(before, candidate, after.errors, after.solution.cost, criteria)
+    score, errors = scored_as(before, candidate, after, criteria)
     found = ScoredCandidate(
-        candidate, score, after.errors, freedom(candidate.plant), after.solution.theta, refitted=fit, state=after
+        candidate, score, errors, freedom(candidate.plant), after.solution.theta, refitted=fit, state=after
     )
     return found if score.earns else None

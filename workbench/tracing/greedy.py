@@ -70,7 +70,7 @@ def extended(
         elif best is not None and not found and lives_in_places(state, best, criteria, offer):
             judgements, best = pushed_back(judgements, criteria, state), None
         if best is None and not noise_alone(state, level, PLAIN):
-            asked = [j for j in judgements if found or not any_curve(j, state)]
+            asked = [j for j in judgements if found or not any_curve(j, state, criteria)]
             steady = steadier(state, _most_first(asked), criteria, offer)
             if steady is not None and steady.state is not None:
                 judgements, best = [steady, *judgements], steady

@@ -15,6 +15,7 @@ from workbench.tracing.budget import BUDGET, Budget
 from workbench.tracing.candidates import ADDITION, Candidate
 from workbench.tracing.criteria import Criteria
 from workbench.tracing.result import CandidateScore
+from workbench.tracing.scale_of_joint import beside
 from workbench.tracing.search import fitted, problem_with
 from workbench.tracing.smallest import Smallest, smallest
 from workbench.tracing.starting import at_own_starts, freely
@@ -60,8 +61,9 @@ def judged(state: State, candidate: Candidate, criteria: Criteria, budget: Budge
         )
         return {"score": hopeless, "errors": state.errors, "freedom": freedom(candidate.plant)}
     errors = held_out(problem, solution, state.solution.cost, LOST)
+    errors, cost = beside((state.problem, state.solution), problem, solution, errors)
     return {
-        "score": scored(state, candidate, errors, solution.cost, criteria),
+        "score": _scored(state, candidate, errors, cost, criteria),
         "errors": errors,
         "freedom": freedom(candidate.plant),
         "theta": problem.free_start(solution),
@@ -81,9 +83,9 @@ def refitted(state: State, j: ScoredCandidate, criteria: Criteria) -> dict:
         after = at_own_starts(freely(plant, state.inverses, j.theta, state), state)
     except NoValue:
         return {}
-    score = scored(state, j.candidate, after.errors, after.solution.cost, criteria)
+    score, errors = scored_as(state, j.candidate, after, criteria)
     starts = tuple(p.motion.record.found for p in after.inverses)
-    return {"score": score, "errors": after.errors, "fit": (after.solution.theta, after.solution.c, starts)}
+    return {"score": score, "errors": errors, "fit": (after.solution.theta, after.solution.c, starts)}
 
 
 def refit_of(state: State, j: ScoredCandidate, theta: np.ndarray, c: np.ndarray, starts: Starts) -> Refitted:
@@ -105,7 +107,7 @@ def _free_of(state: State, j: ScoredCandidate) -> Problem:
     return problem_with(j.candidate, state.problem, state.solution).free
 
 
-def scored(state: State, candidate: Candidate, errors: HeldOut, cost: float, criteria: Criteria) -> CandidateScore:
+def _scored(state: State, candidate: Candidate, errors: HeldOut, cost: float, criteria: Criteria) -> CandidateScore:
     """Return the score of a candidate, by its held-out errors against those of the present state."""
     g, scatter = gain(state.errors, errors)
     return CandidateScore(
@@ -116,10 +118,16 @@ def scored(state: State, candidate: Candidate, errors: HeldOut, cost: float, cri
     )  # fmt: skip
 
 
+def scored_as(state: State, candidate: Candidate, after: State, criteria: Criteria) -> tuple[CandidateScore, HeldOut]:
+    """Return the score of a candidate that ended in a state of its own, and its held-out errors, beside the present state."""
+    errors, cost = beside((state.problem, state.solution), after.problem, after.solution, after.errors)
+    return _scored(state, candidate, errors, cost, criteria), errors
+
+
 def still_earns(present: ScoredCandidate, reduced: State, last: State, criteria: Criteria) -> bool:
     """Whether an addition earns its place by the state that has it. Asked again without it, its fit may begin where the others made up for
     it (a wave in an angle with a zero of its own), and come to nothing."""
-    return scored(reduced, present.candidate, last.errors, last.solution.cost, criteria).earns
+    return scored_as(reduced, present.candidate, last, criteria)[0].earns
 
 
 def ahead(judgements: Sequence[ScoredCandidate], count: int) -> Sequence[ScoredCandidate]:

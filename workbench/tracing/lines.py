@@ -4,7 +4,7 @@ A line at a multiple of the mains' frequency is the supply's, and no law of an a
 sensor inside a current loop hums, the loop holds its reading, so that the motor is given the hum and the report shows none.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -44,24 +44,46 @@ class Line:
 
 def strongest_lines(parts: Sequence[Part], least: float) -> tuple[Line, Line]:
     """Return the strongest spectral line that is not of the mains, and the strongest that is; none where none stands out of its
-    surroundings by `least` in power, or where the reference or the drive has it."""
+    surroundings by `least` in power, or where the reference or the drive has it. A line is of all records in which one of its frequency
+    stands out."""
     whole = sum(float(p.residual @ p.residual) for p in parts)
+    if whole <= 0.0:
+        return Line(), Line()
+    standing = [list(_standing(p, least)) for p in parts]
     best = [Line(), Line()]
-    for p in parts:
-        own, drive, reference = (_lines(x, p.dt, p.bandwidth) for x in (p.residual, p.drive, p.reference))
-        if own is None or whole <= 0.0:
-            continue
-        f, power, ratio = own
-        known = (drive[2] > 0.5 * ratio) | (reference[2] > least)
-        mains = _of_mains(f)
-        for i, these in enumerate((~mains, mains)):
-            stands = np.where(known | ~these | ~_peaks(power), 0.0, ratio)
-            k = int(np.argmax(stands))
-            if stands[k] < least:
-                continue
-            inside = power[max(k - LOBE, 0) : k + LOBE + 1].sum() / power.sum() * float(p.residual @ p.residual) / whole
-            best[i] = max(best[i], Line(float(inside), float(f[k])), key=lambda x: x.share)
+    for own in standing:
+        for seed in own:
+            alike = ([x for x in others if x.mains == seed.mains and x.near(seed)] for others in standing)
+            power = sum(max(x.power for x in found) for found in alike if found)
+            best[seed.mains] = max(best[seed.mains], Line(power / whole, seed.frequency), key=lambda x: x.share)
     return best[0], best[1]
+
+
+@dataclass(frozen=True)
+class _Standing:
+    """One line of one record: frequency, Hz; width of a bin, Hz; power of the residual in it; mains: whether it is the supply's."""
+
+    frequency: float
+    width: float
+    power: float
+    mains: bool
+
+    def near(self, other: "_Standing") -> bool:
+        """Whether another record's line may be the same: its frequency is known to a bin of either."""
+        return abs(self.frequency - other.frequency) <= self.width + other.width
+
+
+def _standing(p: Part, least: float) -> Iterator[_Standing]:
+    """Yield the lines of a record that stand out of their surroundings by `least`, and that neither the reference nor the drive has."""
+    own, drive, reference = (_lines(x, p.dt, p.bandwidth) for x in (p.residual, p.drive, p.reference))
+    if own is None:
+        return
+    f, power, ratio = own
+    known = (drive[2] > 0.5 * ratio) | (reference[2] > least)
+    mains, unit = _of_mains(f), float(p.residual @ p.residual) / power.sum()
+    for k in np.flatnonzero(~known & _peaks(power) & (ratio >= least)):
+        inside = float(power[max(k - LOBE, 0) : k + LOBE + 1].sum())
+        yield _Standing(float(f[k]), float(f[1]), unit * inside, bool(mains[k]))
 
 
 def _peaks(power: np.ndarray) -> np.ndarray:
@@ -86,8 +108,7 @@ def _lines(x: np.ndarray, dt: float, bandwidth: float) -> tuple[np.ndarray, np.n
     if f.size < 200:
         return None
     ratio = power / _median_around(power)
-    ratio[: 4 * LOBE] = 0.0  # too few neighbours
-    ratio[f < 1.0] = 0.0  # slow changes are the business of bench time
+    ratio[: 4 * LOBE] = 0.0  # too few neighbours, and periods: a level that wanders is the business of bench time
     return f, power, ratio
 
 

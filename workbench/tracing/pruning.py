@@ -66,6 +66,8 @@ def pruned(
             if not any(nothing_of_its_own(j, reduced, criteria) for j in again):
                 continue
             best = None  # it is nothing, and what leads in its stead leaves more: neither stays
+        if best is None and _drawn_by_a_curve(answer, i, reduced, declared, criteria):
+            continue
         if best is None:
             left = [_named_after(k, present, criteria) for k in rest]
             fewer = _simpler(answer, i, reduced, declared, criteria) or Answer(left, answer.declared, reduced)
@@ -92,6 +94,26 @@ def _named_after(j: ScoredCandidate, needless: ScoredCandidate, criteria: Criter
     if not free.stands or (free.family, free.at) != (formula.family, formula.at):
         return j
     return replace(j, candidate=replace(free, stands=formula.name))
+
+
+def _drawn_by_a_curve(answer: Answer, i: int, reduced: State, declared: Plant, criteria: Criteria) -> bool:
+    """Whether the i-th of an answer is a formula that a later free form of another class at its place makes needless, and that takes `near` of what
+    that one takes, with fewer values: a curve over place draws the friction of what a spring loads, too. reduced: the state without the i-th.
+    """
+    present = answer.added[i].candidate
+    for j in answer.added[i + 1 :]:
+        free = j.candidate
+        if not free.stands or free.at != present.at or free.family == present.family:
+            continue
+        try:
+            alone = State(without(answer.last.plant, free, declared), answer.last.inverses)
+            whole = State(without(reduced.plant, free, declared), answer.last.inverses).errors.total
+        except NoValue:
+            continue
+        taken, most = whole - alone.errors.total, whole - reduced.errors.total
+        if freedom(alone.plant) < freedom(reduced.plant) and taken >= criteria.near * most:
+            return True
+    return False
 
 
 def _simpler(answer: Answer, i: int, reduced: State, declared: Plant, criteria: Criteria) -> Answer | None:

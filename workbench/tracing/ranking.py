@@ -150,7 +150,7 @@ def _plainest_first(
     }
     for _ in range(min(offer.budget.leading, len(judgements))):
         first = judgements[0]
-        if _stranger(first, state) or (first_of_all and any_curve(first, state)):
+        if _stranger(first, state) or (first_of_all and any_curve(first, state, criteria)):
             judgements = pushed_back(judgements, criteria, state)
             continue
         name = reduced_to(first, state, criteria)
@@ -200,7 +200,7 @@ def _stranger(j: ScoredCandidate, state: State) -> bool:
     return stranger(j.refitted.plant[j.candidate.key], j.refitted.plant, state.inverses)
 
 
-def any_curve(j: ScoredCandidate, state: State) -> bool:
+def any_curve(j: ScoredCandidate, state: State, criteria: Criteria) -> bool:
     """Whether a fitted candidate is a wave that draws whatever lives in a part of the stroke: the travel does not show it to return, it leaves
     plainly something, and in its class no law of the catalogue is a curve."""
     if not j.refitted or j.candidate.kind != ADDITION:
@@ -208,7 +208,9 @@ def any_curve(j: ScoredCandidate, state: State) -> bool:
     wave = j.refitted.plant[j.candidate.key]
     form = FREE_FORMS.get(family_of(wave))
     curved = "order" not in wave.parameters or form is None or bool(form.nearest)
-    return not curved and j.score.gain < SINE and not returns(wave, state.inverses, rotary=state.plant.rotary)
+    # the angle between two encoders is measured: what takes `near` of it is the gear's, of whatever shape
+    sure = criteria.near if j.candidate.at == "joint" else SINE
+    return not curved and j.score.gain < sure and not returns(wave, state.inverses, rotary=state.plant.rotary)
 
 
 def pushed_back(judgements: Sequence[ScoredCandidate], criteria: Criteria, state: State) -> list[ScoredCandidate]:
