@@ -21,10 +21,11 @@ ORDER, COUNT = 60.0, 1e-6
 ASKED = {"inertia", "kinematic_error"}
 
 
-def geared(wave: float, order: float = ORDER) -> Record:
-    """A record whose gear errs by a wave of the load's place, rad."""
+def geared(wave: float, order: float = ORDER, cogs: float = 0.0) -> Record:
+    """A record whose gear errs by a wave of the load's place, rad; cogs: of the load, N*m, of the same order."""
     t = np.arange(round(16.0 * RATE)) / RATE
-    place, through = waved(t, 5, 0), JL * waved(t, 5, 2) + BL * waved(t, 5, 1)
+    place = waved(t, 5, 0)
+    through = JL * waved(t, 5, 2) + BL * waved(t, 5, 1) + cogs * np.sin(order * place)
     motor = place + through / K + wave * np.sin(order * place + 0.4)
     speed = np.gradient(motor, t)
     drive = through + JM * np.gradient(speed, t) + BM * speed + np.random.default_rng(2).normal(0.0, 5.0, t.size)
@@ -87,3 +88,20 @@ def test_a_wave_of_the_angle_between_two_encoders_may_be_as_long_as_half_the_tra
         candidate=candidate, refitted=SimpleNamespace(plant=plant), score=SimpleNamespace(gain=gain)
     )
     assert any_curve(asked, SimpleNamespace(inverses=inverses, plant=plant), STANDARD) is any
+
+
+@pytest.mark.parametrize("wave", [2e-5, 5e-5])
+def test_a_gears_wave_is_found_in_the_loads_balance_though_a_fit_of_free_masses_hides_it_in_the_drives(wave):
+    state = State(jointed(), inverse_dynamics([geared(wave)], BAND))
+    assert state.plant["linear_stiffness@joint"].parameters["stiffness"].value < 0.5 * K
+    best = step(state, lambda _: None, Offer(only={"kinematic_error", "creep"}))[0]
+    assert best.score.effect == "kinematic_error" and best.score.gain > 0.95
+    assert best.refitted.plant["linear_stiffness@joint"].parameters["stiffness"].value == pytest.approx(K, rel=0.02)
+
+
+def test_what_cogs_behind_the_joint_is_searched_where_it_shows():
+    state = State(held(JM), inverse_dynamics([geared(0.0, 37.0, 60.0)], BAND))
+    best = step(state, lambda _: None, Offer(only={"cogging"}))[0]
+    values = best.refitted.plant[best.candidate.key].parameters
+    assert (best.score.effect, best.score.at) == ("cogging", "load") and best.score.gain > 0.9
+    assert values["order"].value == pytest.approx(37.0, rel=2e-3)

@@ -314,7 +314,7 @@ def test_friction_that_a_spring_loads_is_not_made_needless_by_a_curve_over_place
     inverses = inverse_dynamics([rubbing("a", 1.0), rubbing("bb", 0.7)], 50.0)
     state = State(plant, inverses)
     formula = Candidate("load_dependent_friction", "axis", ADDITION, plant + find("load_dependent_friction"))
-    (form,) = free_forms.free_forms(plant, inverses, ["friction over position"], state.residuals)
+    (form,) = free_forms.free_forms(plant, inverses, ["friction over position"], state.left_at)
     free = replace(form.candidate, stands="cyclic_friction")
     reduced = State(free.plant, inverses)
     last = State(free.plant + find("load_dependent_friction"), inverses)

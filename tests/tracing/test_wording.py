@@ -64,3 +64,14 @@ def test_where_nothing_is_missing_a_refinement_that_validation_bears_out_stands(
     confirmed = SimpleNamespace(added=["hysteresis"], weighed=["its sizes"], fits=fits)
     found = Outcome(None, (), None, confirmed, None, Verdict(verdict, (REFINEMENT,)), None, Criteria())
     assert found.standing == ([("hysteresis", "its sizes")] if stands else [])
+
+
+def test_without_a_validation_record_the_headline_says_so_and_gives_no_number_that_is_none():
+    evidence = SimpleNamespace(before=SimpleNamespace(size=0.0, kind=""), floor={"identification": 0.001}, clock=False)
+    before, after, refined = (
+        SimpleNamespace(identification=x, validation=float("nan"), plant=AFTER.plant) for x in (0.0431, 0.0066, 0.006)
+    )
+    assert verdict_sentence("cause", (GRAVITY,), before, after, evidence, refined=refined) == (
+        "Gravity is missing. With it, the identification error falls from 4.31 % to 0.66 % (noise alone would leave 0.1 % or more); "
+        "no validation record bears it out. With the refinements, too, it is 0.60 %."
+    )

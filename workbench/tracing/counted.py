@@ -53,7 +53,7 @@ def quantisation_bias(
         return 0.0
     try:
         alone = State(within_reach(state.plant, made), made)  # whose travel is not quite that of the records
-        _, solution = fitted(candidate, alone.problem, alone.solution, alone.residuals, budget)
+        _, solution = fitted(candidate, alone.problem, alone.solution, alone.left_at(candidate.at), budget)
     except NoValue:
         return 0.0
     taken = max(alone.solution.cost - solution.cost, 0.0)

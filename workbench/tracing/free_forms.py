@@ -1,6 +1,6 @@
 """The free-form law of each family as a candidate, with knots from the records: what could any law of the family take?"""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -40,11 +40,11 @@ def free_forms(
     plant: Plant,
     inverses: Sequence[InverseDynamics],
     families: Sequence[str] | None = None,
-    residuals: Sequence[np.ndarray] = (),
+    left_at: Callable[[str], Sequence[np.ndarray]] = lambda place: (),
 ) -> list[Free]:
     """Return the free-form law of each family (of these, all where None) at every place of a plant where it could act.
 
-    inverses: of the identification records, from which the knots come. residuals: (n,) each, zero where nothing counts, whose
+    inverses: of the identification records, from which the knots come. left_at: residuals by place, (n,) each, zero where nothing counts, whose
     peaks over position are the orders of what is periodic; none where they are not given. A family is left out where the records do not cover its
     coordinate (a travel of nothing, a bank without a friction that it could take the place of).
     """
@@ -55,7 +55,7 @@ def free_forms(
         for place in places(plant.kind, _sample(form)):
             if family != MEMORY and family_of(_sample(form)(at=place)) != family:
                 continue
-            made = _made_for(form, family, plant, inverses, place, residuals)
+            made = _made_for(form, family, plant, inverses, place, left_at)
             if made is None or made.key in (e.key for e in plant.effects):
                 continue
             instead = needless(made, plant) or _replaced(made, plant)
@@ -84,7 +84,7 @@ def _made_for(
     plant: Plant,
     inverses: Sequence[InverseDynamics],
     place: str,
-    residuals: Sequence[np.ndarray] = (),
+    left_at: Callable[[str], Sequence[np.ndarray]],
 ) -> Effect | None:
     """Return the free-form law at a place with knots from the records; None where they do not cover its coordinate."""
     if family == ANGLES:
@@ -97,7 +97,8 @@ def _made_for(
         knots = knots_of([_values(form, plant, p, place) for p in inverses], form)
     if not knots:
         return None
-    if family in PERIODIC and place != "joint" and len(residuals):
+    residuals = left_at(place) if family in PERIODIC and place != "joint" else ()
+    if len(residuals):
         signed = [np.sign(p.motion.v) * r for p, r in zip(inverses, residuals, strict=True)]
         waves = _orders(inverses, signed if family == "friction over position" else residuals)
         return form.make(knots, plant.effects, place, orders=waves)

@@ -1,6 +1,7 @@
 """The verdict of a trace as one sentence that a person reads first: what is missing, and what becomes of the errors with it."""
 
 from collections.abc import Sequence
+from math import isfinite
 
 from workbench.definition import DRIVE_CHANNELS, catalogue
 from workbench.finding import capital, title
@@ -100,23 +101,29 @@ def _caused(causes: Sequence[Cause], before: Fit, after: Fit, evidence: Evidence
     if refined is not None and not evidence.clock and after.validation >= before.validation > refined.validation:
         # what they take shows beside the refinements alone: a load's friction that gives way at rest bends what is fitted
         them, after, refined = f"{them} and the refinements", refined, None
-    falls = "falls" if after.validation < 0.99 * before.validation else "goes"
+    alone = not isfinite(before.validation)  # no record was kept from the fit
+    errors = (before.identification, after.identification) if alone else (before.validation, after.validation)
+    falls = "falls" if errors[1] < 0.99 * errors[0] else "goes"
     where = (
         ", which shows in the angle between the two encoders"
         if [c.effect for c in causes] == ["clock_skew"] and evidence.clock
         else ""
     )
-    said = (
-        f"{capital(what)}{where}. With {them}, the validation error {falls} from "
-        f"{100 * before.validation:.2f} % to {100 * after.validation:.2f} % and the identification error from "
-        f"{100 * before.identification:.2f} % to {100 * after.identification:.2f} %{_at_least(evidence.floor[IDENTIFICATION])}."
-    )
+    said = f"{capital(what)}{where}. With {them}, the {IDENTIFICATION if alone else VALIDATION} error {falls} from {_pair(*errors)}"
+    if not alone:
+        said = f"{said} and the identification error from {_pair(before.identification, after.identification)}"
+    said = f"{said}{_at_least(evidence.floor[IDENTIFICATION])}{'; no validation record bears it out' if alone else ''}."
     if refined is None:
         return said
-    return (
-        f"{said} With the refinements, too, they are {100 * refined.validation:.2f} % and "
-        f"{100 * refined.identification:.2f} %."
-    )
+    they = f"it is {100 * refined.identification:.2f} %"
+    if not alone:
+        they = f"they are {100 * refined.validation:.2f} % and {100 * refined.identification:.2f} %"
+    return f"{said} With the refinements, too, {they}."
+
+
+def _pair(before: float, after: float) -> str:
+    """Return "4.31 % to 0.66 %"."""
+    return f"{100 * before:.2f} % to {100 * after:.2f} %"
 
 
 def _foretold(size: Explainable) -> str:

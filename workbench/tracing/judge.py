@@ -53,7 +53,7 @@ def judged(state: State, candidate: Candidate, criteria: Criteria, budget: Budge
     Plain data, because it may come from another process.
     """
     try:
-        problem, solution = fitted(candidate, state.problem, state.solution, state.residuals, budget)
+        problem, solution = fitted(candidate, state.problem, state.solution, state.left_at(candidate.at), budget)
     except NoValue:
         whole = float(np.sqrt(state.errors.total / state.power))
         hopeless = CandidateScore(

@@ -196,7 +196,7 @@ def _curves(state: State, j: ScoredCandidate, choice: Choice) -> list[ScoredCand
     family = j.candidate.family
     if family not in FREE_FORMS or family == MEMORY or j.candidate.stands:
         return []
-    forms = free_forms(state.plant, state.inverses, [family], state.residuals)
+    forms = free_forms(state.plant, state.inverses, [family], state.left_at)
     return [
         ScoredCandidate(f.candidate, **judged(state, f.candidate, choice.criteria, choice.offer.budget)) for f in forms
     ]

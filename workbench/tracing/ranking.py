@@ -35,7 +35,7 @@ def step(
     """Judge every candidate that is offered; return them best first, those that lead fitted with everything free."""
     candidates = offer.candidates(state.plant)
     # made here, else by every process for itself
-    _ = state.power, state.residuals, state.absorbed, state.solution.columns, state.solution.gram
+    _ = state.power, state.residuals, state.of_loads, state.absorbed, state.solution.columns, state.solution.gram
     judgements = []
     for candidate, found in zip(
         candidates, shared(lambda s: judged(state, s, criteria, offer.budget), candidates, foreseen.loaded), strict=True

@@ -74,9 +74,28 @@ class State:
 
     @cached_property
     def residuals(self) -> list[np.ndarray]:
-        """Residual of each identification record (n,), zero in the trimmed ends."""
+        """Residual of the drive in each identification record (n,), zero in the trimmed ends."""
+        return self._whole(self.problem.drive_part(self.solution.residual))
+
+    def left_at(self, place: str) -> list[np.ndarray]:
+        """Return the residuals in which an effect at a place shows: of the drive, or behind the joint and in it of the load. What acts on the load
+        is in no drive; an error of the angle between two encoders is, beside what the motor's mass makes of it."""
+        return self.of_loads if place in ("load", "joint") else self.residuals
+
+    @cached_property
+    def of_loads(self) -> list[np.ndarray]:
+        """Residual of the load's balance in each record (n,), zero in the trimmed ends; of the drive where a record has no such balance."""
+        parts, row = self.problem.drive_part(self.solution.residual), 0
+        for i, (p, length) in enumerate(zip(self.inverses, self.problem.lengths, strict=True)):
+            if p.rows(self.plant) > 1:
+                parts[i] = self.solution.residual[row + 1 : row + length : 2]
+            row += length
+        return self._whole(parts)
+
+    def _whole(self, parts: Sequence[np.ndarray]) -> list[np.ndarray]:
+        """Return the kept samples of each record within all of them."""
         found = []
-        for p, part in zip(self.inverses, self.problem.drive_part(self.solution.residual), strict=True):
+        for p, part in zip(self.inverses, parts, strict=True):
             full = np.zeros(p.motion.u.size)
             full[p.motion.keep] = part
             found.append(full)

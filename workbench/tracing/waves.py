@@ -76,7 +76,7 @@ def judged_forms(
     families = sorted({family for family, _ in asked})
     forms = [
         f
-        for f in free_forms(state.plant, state.inverses, families, state.residuals)
+        for f in free_forms(state.plant, state.inverses, families, state.left_at)
         if (f.family, f.candidate.at) in asked
     ]
     found = shared(lambda f: judged(state, f.candidate, criteria, budget), forms)
