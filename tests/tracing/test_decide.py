@@ -187,6 +187,11 @@ CASES = {
     "a further effect that takes a fifth of it is a cause": (
         evidence(weighed(id_=(0.2, 0.04), val=(0.2, 0.04)), weighed("sensor_trend", (0.04, 0.008), (0.04, 0.008))), CAUSE, (CAUSE, CAUSE),
     ),
+    "a disc's error beside a gap that is the zero between the encoders alone is a refinement": (
+        evidence(
+            weighed("backlash", (0.13, 0.0458), (0.09, 0.0456)), weighed("encoder_eccentricity", (0.0458, 0.01), (0.0456, 0.0076), of_zero=True)
+        ), CAUSE, (CAUSE, REFINEMENT),
+    ),
     "a joint has one curve, however many laws make it up": (
         evidence(
             weighed("backlash", (0.2, 0.05), (0.2, 0.05)), weighed("cubic_stiffness", (0.05, 0.02), (0.05, 0.02), same_curve=True)

@@ -174,12 +174,14 @@ def _held(added: tuple[Weighed, ...], roles: tuple[str, ...], criteria: Criteria
 
 
 def _small(added: tuple[Weighed, ...], roles: tuple[str, ...], criteria: Criteria) -> tuple[bool, ...]:
-    """Whether each effect is small beside the largest cause: by what it takes, or because it says the curve of a larger one."""
+    """Whether each effect is small beside the largest cause: by what it takes, or because it says the curve of a larger one, or is
+    no more than where two encoders were set to zero."""
     causes = [a for a, r in zip(added, roles, strict=True) if r == CAUSE]
     first = _largest(causes, criteria)
     largest = first.size(IDENTIFICATION) if first else 0.0
     return tuple(
         a.same_curve
+        or a.of_zero
         or (first is not None and _little_of(a, first, criteria))
         or (a.size(IDENTIFICATION) < largest and a.size(VALIDATION) < criteria.practical)
         or (a.implausible and a.size(IDENTIFICATION) < min(largest, criteria.beside))

@@ -73,7 +73,8 @@ class Weighed:
     angle; a wave that no machine has beside a spring), so that this one only bends its law. of_declared: whether it is a memory of the dry
     friction that is declared at its place; in_motion: at a load, what of the drive it takes where the load's balance counts only while the load
     moves; infinite where it was not asked. foretold: what is explainable of what the larger ones leave, asked where it takes less than `held`
-    of that (`further.foretold`); infinite where it was not asked.
+    of that (`further.foretold`); infinite where it was not asked. of_zero: whether it is an angle's map of which the zero between two encoders
+    alone says all but what is of practical size (a joint that begins at a flank of its gap).
     """
 
     effect: str
@@ -89,6 +90,7 @@ class Weighed:
     load_after: Mapping[str, float] = field(default_factory=dict)
     power_up: bool = False
     same_curve: bool = False
+    of_zero: bool = False
     of_declared: bool = False
     in_motion: float = float("inf")
     outside: float = float("nan")

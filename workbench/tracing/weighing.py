@@ -4,8 +4,11 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from math import inf
 
+import numpy as np
+
 from workbench.definition import catalogue
 from workbench.identification.result import Fit
+from workbench.inverse.balances import predicted
 from workbench.inverse.carrying import load_errors
 from workbench.inverse.dynamics import InverseDynamics
 from workbench.plant import ONE_MASS, TWO_MASS, Plant
@@ -18,6 +21,7 @@ from workbench.tracing.full_rate import nested_fits
 from workbench.tracing.in_motion import in_motion
 from workbench.tracing.judge import ScoredCandidate
 from workbench.tracing.near_law import NAME
+from workbench.tracing.offered_as import ZERO
 from workbench.tracing.outside import multiplier
 from workbench.tracing.plausible import implausible
 from workbench.tracing.power_up import calibrate, periodic
@@ -86,6 +90,7 @@ def weighed(
             if own and j.candidate.at == "load"
             else inf,
             implausible=implausible(last[key], last, declared, selected.declared.inverses) if present else "",
+            of_zero=present and of_zero(last, key, selected.declared.inverses, criteria),
             load_before=load[i],
             load_after=load[i + 1],
             **_outside(fits[i].plant, fits[i + 1].plant, selected.declared.inverses),
@@ -100,6 +105,21 @@ def _memory_of(j: ScoredCandidate, declared: Plant) -> bool:
     return j.candidate.family == MEMORY and any(
         e.at == at and {"dir"} & {*e.reads, *e.provides} for e in declared.effects
     )
+
+
+def of_zero(plant: Plant, key: str, inverses: Sequence[InverseDynamics], criteria: Criteria) -> bool:
+    """Whether the zero between two encoders alone says what an angle's map does: without its wave the drive changes by less than what is of
+    practical size. A joint that begins at a flank of its gap is not relaxed there, and a disc's error was the only thing that could say so."""
+    effect = plant[key]
+    if ZERO not in effect.parameters or effect.parameters[ZERO].fixed:
+        return False
+    flat = plant.with_values({key: dict.fromkeys(("sine", "cosine"), 0.0)})
+    changed, whole = 0.0, 0.0
+    for p in inverses:
+        m = p.motion
+        more, drive = m.filter(np.stack([predicted(p, plant) - predicted(p, flat), m.u]))[:, m.keep]
+        changed, whole = changed + float(more @ more), whole + float(drive @ drive)
+    return changed < criteria.practical**2 * whole
 
 
 def bends(w: Weighed, found: Sequence[Weighed], kind: str) -> bool:

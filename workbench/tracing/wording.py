@@ -80,10 +80,13 @@ def _cause_sentence(
     return sentence
 
 
-def refinement(c: Cause) -> Refinement:
-    """Return what would be a cause, were it not too small for one: nothing says that it is missing."""
+def refinement(c: Cause, of_zero: bool = False) -> Refinement:
+    """Return what would be a cause, were it not too small for one: nothing says that it is missing. of_zero: whether all of it is the zero of
+    one encoder against the other."""
     of = "the joint's torque in the load's balance" if c.behind else "the drive's rms"
     sentence = f"{capital(title(c.effect))} at the {c.at} takes away {100 * c.size:.2g} % of {of} on the identification records."
+    if of_zero:
+        sentence += " All of that is its zero: the encoders were set to zero where the joint is not relaxed, as at a flank of a gap."
     return Refinement(c.effect, c.at, c.kind, sentence, c.parameters, c.size)
 
 
