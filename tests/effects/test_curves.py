@@ -376,7 +376,7 @@ def test_waves_of_no_common_order_are_found_in_the_residual(name):
     left = passes.motion.filter(passes.motion.u) - before.series["moves"].predicted
     left[: passes.motion.keep.start] = left[passes.motion.keep.stop :] = 0.0
     family = "force over position" if name == "cogging" else "friction over position"
-    (free,) = free_forms(PLAIN, [passes], [family], [left])
+    (free,) = free_forms(PLAIN, [passes], [family], lambda place: [left])
     found = sorted(p.value for n, p in free.effect.parameters.items() if n.startswith("order"))
     for order in (47.0, 75.3):
         assert min(abs(k - order) for k in found) < 0.5
