@@ -86,7 +86,8 @@ def judged(truth: dict, said: dict, place: bool | None) -> dict:
     """What the ledger counts of one campaign: truth as truth.json has it, said as `traced` returns it."""
     of, missing = kind_of(truth["missing"]), truth["missing"]
     known = missing if of in (SINGLE, PAIR) else []
-    before, after, best = truth["nrmse_declared"], said["after"]["validation"], truth["nrmse_true"]
+    # of what no name fits an author may know no true structure: no share is told there
+    before, after, best = truth.get("nrmse_declared", 0.0), said["after"]["validation"], truth.get("nrmse_true", 0.0)
     share = max(-1.0, min(1.0, (before - after) / (before - best))) if before > 1.1 * best else None
     if share is not None and not set(known) & set(said["added"]):
         share = min(share, 0.0)

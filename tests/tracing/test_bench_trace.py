@@ -11,7 +11,7 @@ import pytest
 from benchmarks import trace as bench
 from benchmarks._trace_copies import COPIES, NOISE
 from benchmarks._trace_draw import NONE, OUTSIDE, PAIR, SINGLE, clash, spec, specs
-from benchmarks._trace_families import cases, known
+from benchmarks._trace_families import cases, known, placed
 from benchmarks._trace_families import judged as of_family
 from benchmarks._trace_ledger import ledger
 from benchmarks._trace_measured import judged_axis
@@ -152,6 +152,13 @@ def test_a_campaign_of_any_family_is_judged_by_its_truth():
     assert missed["of"] == OUTSIDE and missed["nothing"] and not missed["unknown"]
     assert of_family(TRUTH | {"missing": []}, SAID, None)["alarm"]
     assert of_family(TRUTH, SAID | {"after": {"identification": 0.01, "validation": 0.06}}, None)["below"]
+
+
+def test_an_unknown_cause_may_be_placed_in_words_and_have_no_true_error():
+    told = {"missing": ["unknown"], "cause": "a neighbour that stamps", "where": "moments, 1.4 s apart"}
+    said = SAID | {"verdict": "unknown", "added": [], "unknown": {"coordinate": "time"}}
+    found = of_family(told, said, placed(told, said, None))
+    assert found["unknown"] and found["place"] is None and found["share"] is None
 
 
 def test_a_fixed_value_that_moves_unnamed_is_seen():
