@@ -86,9 +86,10 @@ def judged(truth: dict, said: dict, place: bool | None) -> dict:
     """What the ledger counts of one campaign: truth as truth.json has it, said as `traced` returns it."""
     of, missing = kind_of(truth["missing"]), truth["missing"]
     known = missing if of in (SINGLE, PAIR) else []
-    # of what no name fits an author may know no true structure: no share is told there
-    before, after, best = truth.get("nrmse_declared", 0.0), said["after"]["validation"], truth.get("nrmse_true", 0.0)
-    share = max(-1.0, min(1.0, (before - after) / (before - best))) if before > 1.1 * best else None
+    after, share = said["after"]["validation"], None
+    if known:  # of what no name fits an author may know no true structure
+        before, best = truth["nrmse_declared"], truth["nrmse_true"]
+        share = max(-1.0, min(1.0, (before - after) / (before - best))) if before > 1.1 * best else None
     if share is not None and not set(known) & set(said["added"]):
         share = min(share, 0.0)
     return {
@@ -100,7 +101,7 @@ def judged(truth: dict, said: dict, place: bool | None) -> dict:
         "nothing": of != NONE and said["verdict"] == "nothing_missing",
         "unknown": said["verdict"] == "unknown",
         "place": place,
-        "share": share if known else None,
+        "share": share,
         "worse": after > 1.02 * said["before"]["validation"],
         "moved": said["moved"],
         "below": said["after"]["identification"] < BELOW * said["floor"]["identification"],

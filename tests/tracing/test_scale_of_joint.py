@@ -12,6 +12,7 @@ from workbench.inverse.dynamics import inverse_dynamics
 from workbench.plant import Plant
 from workbench.record import IDENTIFICATION, Record
 from workbench.tracing.candidates import ADDITION, Candidate, Offer
+from workbench.tracing.criteria import Criteria
 from workbench.tracing.judge import STANDARD
 from workbench.tracing.ranking import any_curve, step
 from workbench.tracing.scale_of_joint import beside
@@ -114,3 +115,10 @@ def test_a_discs_error_that_is_the_zero_between_two_encoders_is_told_as_such(amp
     plant = held(JM) + disc
     assert of_zero(plant, disc.key, inverse_dynamics([geared(0.0)], BAND), STANDARD) is alone
     assert not of_zero(plant, "linear_stiffness@joint", inverse_dynamics([geared(0.0)], BAND), STANDARD)
+
+
+def test_a_gears_wave_that_the_loads_balance_shows_and_the_drive_hardly_is_no_zero():
+    wave = find("kinematic_error")(at="joint", order=ORDER, sine=-3.8e-6 * np.cos(0.4), cosine=-3.8e-6 * np.sin(0.4))
+    inverses = inverse_dynamics([geared(3.8e-6)], BAND)
+    assert of_zero(held(JM) + wave, wave.key, inverses, Criteria(practical=0.05))
+    assert not of_zero(held(JM) + wave, wave.key, inverses, STANDARD)

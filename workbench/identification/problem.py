@@ -206,6 +206,15 @@ class Problem:
             residual[a : b : p.rows(self.plant)] for a, b, p in zip(edges[:-1], edges[1:], self.inverses, strict=True)
         ]
 
+    @property
+    def load_rows(self) -> list[slice]:
+        """Rows of the load's balance in a stacked vector, of each record; none (an empty slice) where a record has no such balance."""
+        edges = np.cumsum([0, *self.lengths])
+        return [
+            slice(a + 1, b, 2) if p.rows(self.plant) > 1 else slice(0)
+            for a, b, p in zip(edges[:-1], edges[1:], self.inverses, strict=True)
+        ]
+
     def blocks(self, seconds: float) -> list[slice]:
         """Return contiguous blocks of about this length, none across records."""
         found, row = [], 0

@@ -74,7 +74,7 @@ class Weighed:
     friction that is declared at its place; in_motion: at a load, what of the drive it takes where the load's balance counts only while the load
     moves; infinite where it was not asked. foretold: what is explainable of what the larger ones leave, asked where it takes less than `held`
     of that (`further.foretold`); infinite where it was not asked. of_zero: whether it is an angle's map of which the zero between two encoders
-    alone says all but what is of practical size (a joint that begins at a flank of its gap).
+    alone says all but what is of practical size, in either balance (a joint that begins at a flank of its gap).
     """
 
     effect: str

@@ -80,10 +80,10 @@ def _standing(p: Part, least: float) -> Iterator[_Standing]:
         return
     f, power, ratio = own
     known = (drive[2] > 0.5 * ratio) | (reference[2] > least)
-    mains, unit = _of_mains(f), float(p.residual @ p.residual) / power.sum()
+    mains, whole = _of_mains(f), float(p.residual @ p.residual)
     for k in np.flatnonzero(~known & _peaks(power) & (ratio >= least)):
-        inside = float(power[max(k - LOBE, 0) : k + LOBE + 1].sum())
-        yield _Standing(float(f[k]), float(f[1]), unit * inside, bool(mains[k]))
+        inside = float(power[max(k - LOBE, 0) : k + LOBE + 1].sum() / power.sum())
+        yield _Standing(float(f[k]), float(f[1]), inside * whole, bool(mains[k]))
 
 
 def _peaks(power: np.ndarray) -> np.ndarray:

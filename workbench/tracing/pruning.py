@@ -61,13 +61,13 @@ def pruned(
         stays = present.score.earns and still_earns(present, reduced, answer.last, criteria)
         if best is None and (stays or any(j.score.earns for j in again)):
             continue  # what earns its place is not needless, though nothing leads where the simplest of equals earns none
+        if best is None and _drawn_by_a_curve(answer, i, reduced, declared, criteria):
+            continue
         another = best is not None and best not in again
         if another and present.score.earns and not _better(best, present, answer.last, criteria):
             if not any(nothing_of_its_own(j, reduced, criteria) for j in again):
                 continue
             best = None  # it is nothing, and what leads in its stead leaves more: neither stays
-        if best is None and _drawn_by_a_curve(answer, i, reduced, declared, criteria):
-            continue
         if best is None:
             left = [_named_after(k, present, criteria) for k in rest]
             fewer = _simpler(answer, i, reduced, declared, criteria) or Answer(left, answer.declared, reduced)

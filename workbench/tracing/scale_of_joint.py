@@ -26,13 +26,11 @@ def beside(
     if after >= before:
         return errors, solution.cost
     loads = np.zeros(solution.y.size)
-    for rows in _of_loads(problem):
+    for rows in problem.load_rows:
         loads[rows] = solution.residual[rows] ** 2
     more = before / max(after, LEAST * before) - 1.0
-    blocks = problem.blocks(block_seconds(problem))
-    return HeldOut(errors.errors + more * np.array([loads[b].sum() for b in blocks])), solution.cost + more * float(
-        loads.sum()
-    )
+    told = [float(loads[b].sum()) for b in problem.blocks(block_seconds(problem))]
+    return HeldOut(errors.errors + more * np.array(told)), solution.cost + more * sum(told)
 
 
 def _carried(problem: Problem, solution: Solution) -> float:
@@ -41,15 +39,5 @@ def _carried(problem: Problem, solution: Solution) -> float:
     own = [i for i, n in enumerate(problem.free_linear) if n.key.endswith("@joint")]
     if not own:
         return 0.0
-    torques = (solution.phi[rows][:, own] @ solution.c[own] for rows in _of_loads(problem))
-    return sum(float(t.size * np.var(t)) for t in torques)
-
-
-def _of_loads(problem: Problem) -> list[slice]:
-    """Return the rows of the load's balance, of each record that has one."""
-    found, row = [], 0
-    for p, length in zip(problem.inverses, problem.lengths, strict=True):
-        if p.rows(problem.plant) > 1:
-            found.append(slice(row + 1, row + length, 2))
-        row += length
-    return found
+    torques = (solution.phi[rows][:, own] @ solution.c[own] for rows in problem.load_rows)
+    return sum(float(t.size * np.var(t)) for t in torques if t.size)

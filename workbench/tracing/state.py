@@ -85,12 +85,9 @@ class State:
     @cached_property
     def of_loads(self) -> list[np.ndarray]:
         """Residual of the load's balance in each record (n,), zero in the trimmed ends; of the drive where a record has no such balance."""
-        parts, row = self.problem.drive_part(self.solution.residual), 0
-        for i, (p, length) in enumerate(zip(self.inverses, self.problem.lengths, strict=True)):
-            if p.rows(self.plant) > 1:
-                parts[i] = self.solution.residual[row + 1 : row + length : 2]
-            row += length
-        return self._whole(parts)
+        residual = self.solution.residual
+        parts = zip(self.problem.load_rows, self.problem.drive_part(residual), strict=True)
+        return self._whole([residual[rows] if residual[rows].size else drive for rows, drive in parts])
 
     def _whole(self, parts: Sequence[np.ndarray]) -> list[np.ndarray]:
         """Return the kept samples of each record within all of them."""

@@ -108,12 +108,15 @@ def _memory_of(j: ScoredCandidate, declared: Plant) -> bool:
 
 
 def of_zero(plant: Plant, key: str, inverses: Sequence[InverseDynamics], criteria: Criteria) -> bool:
-    """Whether the zero between two encoders alone says what an angle's map does: without its wave the drive changes by less than what is of
-    practical size. A joint that begins at a flank of its gap is not relaxed there, and a disc's error was the only thing that could say so."""
+    """Whether the zero between two encoders alone says what an angle's map does: without its wave neither the drive changes by what is of
+    practical size, nor what the load's balance leaves over the joint's torque. A joint that begins at a flank of its gap is not relaxed there, and a disc's error was the only thing that could say so."""
     effect = plant[key]
     if ZERO not in effect.parameters or effect.parameters[ZERO].fixed:
         return False
     flat = plant.with_values({key: dict.fromkeys(("sine", "cosine"), 0.0)})
+    loads = [load_errors(inverses, p).get(IDENTIFICATION, 0.0) for p in (flat, plant)]
+    if loads[0] ** 2 - loads[1] ** 2 >= criteria.practical**2:
+        return False
     changed, whole = 0.0, 0.0
     for p in inverses:
         m = p.motion
