@@ -105,6 +105,27 @@ def test_a_record_that_begins_with_its_joint_wound_up_has_its_encoders_zeros_nev
     assert [r.zero for r in relaxed(begun, BAND)] == pytest.approx([1e-4, -1e-4, 2e-4], abs=2e-6)
 
 
+def test_a_weight_that_winds_the_joint_up_with_place_is_no_zero():
+    """An arm that leans on its joint, here this way and there that way, has a mean angle between its encoders in every record."""
+
+    def leaning(record: Record, q: np.ndarray) -> Record:
+        """Return a record of a load that goes slowly between two places, and of a joint that holds its weight and turns it."""
+        t = record.time
+        load = q[0] + (q[1] - q[0]) * (0.5 - 0.5 * np.cos(2 * np.pi * 0.6 * t)) + 0.02 * np.sin(2 * np.pi * 3.1 * t)
+        carried = 4.0 * np.sin(load) + 0.008 * np.gradient(np.gradient(load, DT), DT)
+        channels = {"torque": carried, "position": load + carried / STIFFNESS, "load_position": load}
+        return replace(record, channels=channels, resolution=dict.fromkeys(("position", "load_position"), 1e-6))
+
+    places = ((-0.9, -0.2), (0.1, 0.8), (-0.3, 0.6))
+    records = [leaning(r, np.array(q)) for r, q in zip(recorded(elastic(), 0.0, 0.0, 0.0), places, strict=True)]
+    assert relaxed(records, BAND) == tuple(records)
+    apart = [
+        replace(r, channels={**r.channels, "load_position": r.channels["load_position"] - 0.03 * k})
+        for k, r in enumerate(records)
+    ]
+    assert [r.zero for r in relaxed(apart, BAND)] == pytest.approx([0.0, 0.03, 0.06], abs=4e-4)
+
+
 def clamped(zero: float) -> Record:
     """Return a record of the same motor whose load is held; what the load encoder reads there is where it was set to zero."""
     t = DT * np.arange(8000)

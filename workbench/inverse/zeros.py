@@ -3,7 +3,10 @@
 Two encoders that were set to zero with the joint relaxed agree at rest. Others have a zero of their own, and it changes from
 record to record where one of them is incremental. It is read off the angle between them, from motion alone:
 
-    q_m - q_l = x0 + c1 a_l + c2 v_l + c3 sign(v_l)        x0 of each record, c of all: what drives the load, and lateness
+    q_m - q_l = x0 + c1 a_l + c2 v_l + c3 sign(v_l) + c4 (q_l - p)        x0 of each record, c of all
+
+c1 to c3 are what drives the load, and lateness; c4 is a weight or a spring that the joint holds, which winds it up with place, as seen from p,
+the place of the travel nearest to the encoder's zero. Without it an arm that hangs on its joint had zeros that lie apart.
 
 Where the zeros lie apart by less, a record's first reading tells: it starts at rest, the joint relaxed but for a weight, if the
 motion says nearly the same. Both
@@ -20,9 +23,11 @@ from workbench.motion import MOTION_BAND, LowPass
 from workbench.record import Record
 
 # Angle between encoders at rest over the rms of what is left of it, the elastic deflection of a moving joint, from which
-# their zeros are free. It is 1.6 and more on axes with separate zeros, and 0.11 at most on others; half of it and twice
-# as much change neither. Also how far a first reading may lie from it: of 23 axes whose records begin with their encoders apart it does by
-# 0.42 at most, and by 0.77 and 1.05 of two whose joints friction holds wound up; halved, four that have separate zeros have none.
+# their zeros are free. Of 78 axes it is 0.70 and more on six with zeros of their own, and 0.55 at most on others, of which it was up to 1.7
+# where a weight winds the joint up and c4 was not asked; halved, seven more have free zeros; doubled, two have none. Also how far a first reading
+# may lie from it: of 23 axes whose records begin with their encoders apart it does by
+# 0.42 at most, and by 0.77 and 1.05 of two whose joints friction holds wound up, by 0.74 to 1.15 of four that a weight winds up; halved, four that
+# have separate zeros have none.
 APART = 0.5
 STARTS = 1.5  # coarser counts between the first readings, from which they are not one: two encoders with one zero round apart by one
 
@@ -30,11 +35,13 @@ STARTS = 1.5  # coarser counts between the first readings, from which they are n
 def _angles(records: Sequence[Record], bandwidth: float) -> tuple[np.ndarray, np.ndarray] | None:
     """Return (x0 (records,), rms of the angle about x0) of records with two encoders; None where these do not tell."""
     columns, apart, which = [], [], []
+    lowest, highest = (f(f(r.channels["load_position"]) for r in records) for f in (min, max))
+    nearest = min(max(0.0, lowest), highest)
     for k, r in enumerate(records):
         smooth = LowPass(MOTION_BAND * bandwidth, 1 / r.dt, r.time.size)
-        _, v, a = smooth.derivatives(r.channels["load_position"], 3)
+        q, v, a = smooth.derivatives(r.channels["load_position"], 3)
         keep = slice(smooth.trim, r.time.size - smooth.trim)
-        columns.append(np.column_stack([a, v, np.sign(v)])[keep])
+        columns.append(np.column_stack([a, v, np.sign(v), q - nearest])[keep])
         apart.append(smooth(r.channels["position"] - r.channels["load_position"])[keep])
         which.append(np.full(len(apart[-1]), k))
     which = np.concatenate(which)
