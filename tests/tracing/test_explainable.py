@@ -13,6 +13,7 @@ from workbench.definition import find
 from workbench.inverse.dynamics import inverse_dynamics
 from workbench.plant import ONE_MASS, Plant
 from workbench.record import IDENTIFICATION, Record
+from workbench.tracing import explainable as X
 from workbench.tracing.criteria import Criteria
 from workbench.tracing.evidence import Explainable
 from workbench.tracing.explainable import _bursts, explainable
@@ -153,3 +154,24 @@ def test_one_block_that_is_told_badly_hides_nothing_and_one_that_is_told_well_pr
     assert gained(before + 30.0 * (well == 0.0), well) == 0.0
     noise = np.random.default_rng(0).normal(0.0, 0.3, 40)
     assert gained(before, before - noise + 0.02) == 0.0
+
+
+def test_a_knot_that_is_passed_in_blocks_of_one_fold_alone_is_not_foretold_by_the_tail_that_others_see(monkeypatch):
+    """Of a curve's knot the other folds see next to nothing: what noise there asks of it would be no residual of the axis."""
+    size, count = 100, 4 * X.FOLDS
+    blocks = [slice(i * size, (i + 1) * size) for i in range(count)]
+    rng = np.random.default_rng(2)
+    column, residual = np.zeros(size * count), rng.standard_normal(size * count)
+    for i in (0, X.FOLDS):
+        column[blocks[i]] = rng.standard_normal(size)
+    column[blocks[1]] = 1e-3 * residual[blocks[1]]  # the tail, which noise happens to follow
+    column /= np.linalg.norm(column)
+    model = SimpleNamespace(columns=column[:, None], best=lambda gram, moment: moment / np.diag(gram))
+    monkeypatch.setattr(X, "Deviations", lambda *_: model)
+    state = SimpleNamespace(
+        problem=SimpleNamespace(blocks=lambda _: blocks), solution=SimpleNamespace(residual=residual)
+    )
+    unseen = X._unseen(state)
+    assert np.linalg.norm(unseen) < 1.1 * np.linalg.norm(residual)
+    monkeypatch.setattr(X, "COMMON", 0.0)
+    assert np.linalg.norm(X._unseen(state)) > 10.0 * np.linalg.norm(residual)
