@@ -14,7 +14,11 @@ def reduced_to(j: ScoredCandidate, state: State, criteria: Criteria) -> str | No
     """Return the name of the simpler effect that a fitted addition is, "" for none at all, None where it is itself."""
     if not j.refitted or j.candidate.kind != ADDITION:
         return None
-    effect = j.refitted.plant[j.candidate.key]
+    return by_values(j.refitted.plant[j.candidate.key], state, criteria)
+
+
+def by_values(effect: Effect, state: State, criteria: Criteria) -> str | None:
+    """Return the name of the simpler effect that a fitted one is on the records of a state, "" for none at all, None where it is itself."""
     if effect.port == TIME and state.plant.kind == TWO_MASS:
         return None  # a clock of one of two encoders is no delay of the drive
     counts = max(p.motion.counts for p in state.inverses)
