@@ -59,7 +59,7 @@ def test_a_spring_and_a_cogging_are_two_effects_though_one_curve_over_place_take
     judgements = ranking.step(state, lambda _: None, Offer(only={"cogging", "cable_spring"}))
     best = judgements[0]
     assert (best.candidate.effect, free_law.free_law(state, judgements, best, [], STANDARD)) == ("cogging", None)
-    monkeypatch.setattr(free_law, "_two_say_it", lambda *_: False)
+    monkeypatch.setattr(free_law, "two_say_it", lambda *_: False)
     curve = free_law.free_law(state, judgements, best, [], STANDARD)
     assert (curve.candidate.effect, curve.candidate.name) == ("force_over_position", "cogging")
 
@@ -74,7 +74,7 @@ def test_a_wrong_weight_and_a_cogging_are_two_though_one_curve_over_place_takes_
     best = judgements[0]
     assert (best.candidate.key, best.candidate.kind) == ("gravity@axis", CORRECTION)
     assert free_law.free_law(state, judgements, best, [], STANDARD) is None
-    monkeypatch.setattr(free_law, "_two_say_it", lambda *_: False)
+    monkeypatch.setattr(free_law, "two_say_it", lambda *_: False)
     assert free_law.free_law(state, judgements, best, [], STANDARD).candidate.effect == "force_over_position"
 
 
@@ -87,7 +87,7 @@ def test_stribecks_friction_and_an_asymmetry_are_two_effects_though_one_curve_ov
     best = judgements[0]
     assert best.candidate.effect in ("coulomb_asymmetry", "stribeck_friction")
     assert free_law.free_law(state, judgements, best, [], STANDARD) is None
-    monkeypatch.setattr(free_law, "_two_say_it", lambda *_: False)
+    monkeypatch.setattr(free_law, "two_say_it", lambda *_: False)
     assert free_law.free_law(state, judgements, best, [], STANDARD).candidate.effect == "friction_over_speed"
 
 

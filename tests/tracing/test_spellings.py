@@ -170,8 +170,21 @@ def test_orders_that_hardly_return_draw_what_lives_in_two_places_and_say_no_wave
         monkeypatch.setattr(waves, "hardly_returns", lambda *_, odd=odd: odd)
         assert waves.lives_in_places(state, poor, STANDARD, Offer()) is odd
     assert not waves.lives_in_places(state, replace(poor, errors=most), STANDARD, Offer())  # it says it alone
-    spring = SimpleNamespace(candidate=replace(wave.candidate, effect="cogging", plant=PLANT + find("cogging")))
-    assert not waves.lives_in_places(state, spring, STANDARD, Offer())  # a curve of its class has a law
+    monkeypatch.setattr(waves, "two_say_it", lambda *_: True)
+    assert not waves.lives_in_places(state, poor, STANDARD, Offer())  # it and another law of its class say it
+
+
+@pytest.mark.parametrize("beside", [0.0, 3.0], ids=["alone", "beside a spring"])
+def test_a_bump_at_the_joint_of_two_rails_is_no_cogging_and_a_cogging_beside_a_spring_is_one(beside):
+    """Of the bump a wave takes less than half of what a curve takes; so it does of a spring and a cogging, which two laws say."""
+
+    def over(q):
+        bump = 0.3 * np.exp(-(((q - 0.1) / 0.06) ** 2))
+        return 0.1 * np.sin(60.0 * q) + beside * q if beside else bump
+
+    state, judgements = asked(over, PLANT, "cogging")
+    wave = next(j for j in judgements if j.candidate.effect == "cogging")
+    assert waves.lives_in_places(state, wave, STANDARD, Offer()) is (not beside)
 
 
 @pytest.mark.parametrize(("turns", "rotary", "order", "seen"), [(1.07, True, 0.94, True), (1.07, True, 0.8, False), (0.98, True, 1.0, False), (1.07, False, 0.94, False), (1.07, False, 1.9, True)])  # fmt: skip
@@ -321,3 +334,30 @@ def test_friction_that_a_spring_loads_is_not_made_needless_by_a_curve_over_place
     added = [SimpleNamespace(candidate=c) for c in (formula, free)]
     assert pruning._drawn_by_a_curve(Answer(added, state, last), 0, reduced, plant, STANDARD) is drawn
     assert not pruning._drawn_by_a_curve(Answer(added[:1], state, last), 0, reduced, plant, STANDARD)
+
+
+@pytest.mark.parametrize(("offset", "law"), [(0.05, "relieved_friction"), (0.0, "load_dependent_friction")])
+def test_an_offset_of_the_drive_is_no_load_of_a_nut_that_a_spring_presses(offset, law):
+    """In the model all that stands still counts as carried; what is not is the law's own number, and the cause is friction over load."""
+
+    def rubbing(name, speed):
+        plain = recorded(name, IDENTIFICATION, speed, lambda v: 0.0 * v, 8.0, lambda q: 1.2 * q + offset)
+        q = plain.channels["reference"]
+        rubs = 0.25 * np.abs(1.2 * q) * np.sign(np.gradient(q))
+        return replace(plain, channels={**plain.channels, "torque": plain.channels["torque"] + rubs})
+
+    plant = PLANT + find("linear_stiffness")(at="axis", stiffness=1.0) + find("constant_offset")
+    state = State(plant, inverse_dynamics([rubbing("a", 1.0), rubbing("bb", 0.7)], 50.0))
+    steps = greedy.extended(
+        state,
+        state.inverses,
+        lambda _: None,
+        Offer(only={"load_dependent_friction"}),
+        STANDARD,
+        lambda s: s,
+    )
+    added = steps[0].added
+    assert (added.candidate.effect, added.candidate.name) == (law, "load_dependent_friction")
+    values = {n: p.value for n, p in added.state.plant[added.candidate.key].parameters.items()}
+    assert values["mu"] == pytest.approx(0.25, rel=0.05)
+    assert values.get("relief", 0.0) == pytest.approx(offset, abs=0.02)

@@ -39,6 +39,40 @@ def load_dependent_friction() -> Effect:
 
 
 @effect
+def relieved_friction() -> Effect:
+    """T = mu |tau + share tau_inertia - relief| dir: friction in proportion to what the contact carries, of which a constant is no part.
+
+    Of one mass all that stands still counts as carried; but an offset of the drive, or a weight that is balanced before the gear, does not pass
+    it. relief is that constant, with the sign of what the axis holds.
+    """
+
+    def step(s, z, p):
+        return {}, p.mu * absolute(s.tau + p.share * s.tau_inertia - p.relief) * s.dir
+
+    return Effect(
+        name="relieved_friction",
+        cause="tooth and bearing contacts rub in proportion to the torque that they carry, of which a constant offset is no part",
+        formula="T = mu |tau + share tau_inertia - relief| dir",
+        source="Bittencourt and Gunnarsson 2012; Amontons' law",
+        port=FORCE,
+        family="friction over load",
+        reduces={"mu": (0.0, "")},
+        parameters={
+            "mu": Parameter(0.0, "1", "friction per torque carried", lower=0.0, upper=1.0),
+            "share": Parameter(0.5, "1", "share of inertia behind the contact", lower=0.0, upper=1.0, scale="number"),
+            "relief": Parameter(0.0, "F", "what the axis holds and the contact does not carry", scale="load"),
+        },
+        linear=("mu",),
+        reads=("tau", "tau_inertia", "dir"),
+        step=step,
+        places=("axis",),
+        holds=("passive",),
+        traced=False,
+        nearest="load_dependent_friction",
+    )
+
+
+@effect
 def friction_drift() -> Effect:
     """T = r (1 - exp(-e t))/e dir: Coulomb friction that goes over to another level, t on the bench clock that runs on from
     record to record.

@@ -12,16 +12,15 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from workbench.effects.families import FREE_FORMS
-from workbench.processes import shared
 from workbench.tracing import spellings
-from workbench.tracing.candidates import ADDITION, WHOLE, Candidate, Offer, periodic
+from workbench.tracing.candidates import ADDITION, WHOLE, Offer, periodic
 from workbench.tracing.criteria import Criteria
 from workbench.tracing.free_forms import MEMORY
-from workbench.tracing.judge import ScoredCandidate, judged, refitted_as
+from workbench.tracing.judge import ScoredCandidate, refitted_as
 from workbench.tracing.plausible import BESIDE, RETURNS
 from workbench.tracing.reducing import reduced_to
 from workbench.tracing.state import State
-from workbench.tracing.waves import judged_forms, of_more_orders, orders_say_it
+from workbench.tracing.waves import judged_forms, of_more_orders, orders_say_it, two_say_it
 
 
 def free_law(
@@ -94,7 +93,7 @@ def _freed(
     most = whole - free.errors.total
     family = free.candidate.family
     if (best.candidate.family, best.candidate.at) == (family, free.candidate.at):
-        if _two_say_it(state, best, whole - criteria.near * most, criteria, offer):
+        if two_say_it(state, best, whole - criteria.near * most, criteria, offer):
             return None
     nearest = asked[(family, free.candidate.at)]
     if earlier := _named_before(free, added):
@@ -164,28 +163,3 @@ def steadier(
     if form is None or whole - nearest.errors.total < criteria.resembles * most:
         return None
     return refitted_as(state, replace(form, candidate=replace(form.candidate, stands=name)), criteria)
-
-
-def _two_say_it(state: State, best: ScoredCandidate, most: float, criteria: Criteria, offer: Offer) -> bool:
-    """Whether a formula with another of its class leaves no more than `most`, one of them periodic and the other not, or one the same in both
-    directions and the other a difference between them: a spring and a cogging, Stribeck's friction and an asymmetry are two effects and no
-    law of one; so are a data sheet's wrong value and a cogging. Of the other one every spelling is asked."""
-    if best.refitted is None:
-        return False
-    beside, own = best.state or best.refitted.state, _symmetry(best.candidate)
-    offered = replace(offer, own=(*offer.own, *spellings.spellings_in(best.candidate.family)))
-    others = [
-        c
-        for c in offered.candidates(beside.plant)
-        if (c.kind, c.family, c.at) == (ADDITION, best.candidate.family, best.candidate.at)
-        and not c.instead
-        and _symmetry(c) != own
-    ]
-    found = shared(lambda c: judged(beside, c, criteria, offer.budget), others)
-    return any(one["errors"].total <= most for one in found if one.get("theta") is not None)
-
-
-def _symmetry(candidate: Candidate) -> tuple[bool, bool]:
-    """Return whether a law is periodic, and whether it is even in the motion."""
-    effect = candidate.plant[candidate.key]
-    return periodic(effect), "even" in effect.holds

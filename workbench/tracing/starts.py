@@ -72,6 +72,9 @@ def _grid(
     if scale == "place":  # within the stroke that all the records cover
         low, high = min(float(m.q.min()) for m in motions), max(float(m.q.max()) for m in motions)
         return list(np.linspace(low, high, budget.strokes + 2)[1:-1])
+    if scale == "load":
+        rms = float(np.sqrt(np.mean(np.concatenate([m.u for m in motions]) ** 2)))
+        return list(rms * np.array([-0.6, -0.2, -0.07, 0.07, 0.2, 0.6]))
     if scale == "time":
         return list(min(m.dt for m in motions) * np.array([0.1, 0.5, 1.5, 4.0]))
     if scale == "rate":

@@ -1,15 +1,16 @@
 """Waves of several orders, and what is none: what lives in a few places of a stroke is drawn by orders, too, some of which hardly return."""
 
 from collections.abc import Collection, Sequence
+from dataclasses import replace
 
 from workbench.effects.families import FREE_FORMS
 from workbench.processes import shared
 from workbench.tracing.budget import Budget
-from workbench.tracing.candidates import ADDITION, AGAIN, Offer, periodic
+from workbench.tracing.candidates import ADDITION, AGAIN, Candidate, Offer, periodic
 from workbench.tracing.criteria import Criteria
 from workbench.tracing.free_forms import free_forms
 from workbench.tracing.judge import ScoredCandidate, judged, refitted_as
-from workbench.tracing.spellings import hardly_returns
+from workbench.tracing.spellings import hardly_returns, spellings_in
 from workbench.tracing.state import State
 
 
@@ -52,11 +53,11 @@ def orders_say_it(state: State, nearest: ScoredCandidate, most: float, criteria:
 
 
 def lives_in_places(state: State, best: ScoredCandidate, criteria: Criteria, offer: Offer) -> bool:
-    """Whether a wave is what lives in places: in its class no law of the catalogue is a curve, and a curve takes so much that neither the wave
-    takes `resembles` of it nor its further orders say it. Of dirt in two places of a rail a wave takes a third of what a curve does."""
+    """Whether a wave is what lives in places: a curve of its class takes so much that neither the wave takes `resembles` of it, nor its further
+    orders say it, nor a law of the class beside it. Of dirt in two places of a rail a wave takes a third of what a curve does, of the joint of
+    two rails a quarter."""
     family, at = best.candidate.family, best.candidate.at
-    form = FREE_FORMS.get(family)
-    if form is None or form.nearest or not periodic(best.candidate.plant[best.candidate.key]):
+    if family not in FREE_FORMS or not periodic(best.candidate.plant[best.candidate.key]):
         return False
     whole = state.errors.total
     taken = whole - best.errors.total
@@ -66,7 +67,33 @@ def lives_in_places(state: State, best: ScoredCandidate, criteria: Criteria, off
     most = max((whole - j.errors.total for j in found), default=0.0)
     if taken >= criteria.resembles * most:
         return False
-    return not orders_say_it(state, best, whole - criteria.near * most, criteria, offer)
+    least = whole - criteria.near * most
+    return not (orders_say_it(state, best, least, criteria, offer) or two_say_it(state, best, least, criteria, offer))
+
+
+def two_say_it(state: State, best: ScoredCandidate, most: float, criteria: Criteria, offer: Offer) -> bool:
+    """Whether a formula with another of its class leaves no more than `most`, one of them periodic and the other not, or one the same in both
+    directions and the other a difference between them: a spring and a cogging, Stribeck's friction and an asymmetry are two effects and no
+    law of one; so are a data sheet's wrong value and a cogging. Of the other one every spelling is asked."""
+    if best.refitted is None:
+        return False
+    beside, own = best.state or best.refitted.state, _symmetry(best.candidate)
+    offered = replace(offer, own=(*offer.own, *spellings_in(best.candidate.family)))
+    others = [
+        c
+        for c in offered.candidates(beside.plant)
+        if (c.kind, c.family, c.at) == (ADDITION, best.candidate.family, best.candidate.at)
+        and not c.instead
+        and _symmetry(c) != own
+    ]
+    found = shared(lambda c: judged(beside, c, criteria, offer.budget), others)
+    return any(one["errors"].total <= most for one in found if one.get("theta") is not None)
+
+
+def _symmetry(candidate: Candidate) -> tuple[bool, bool]:
+    """Return whether a law is periodic, and whether it is even in the motion."""
+    effect = candidate.plant[candidate.key]
+    return periodic(effect), "even" in effect.holds
 
 
 def judged_forms(
