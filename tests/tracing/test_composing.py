@@ -11,7 +11,7 @@ from workbench.inverse.balances import predicted
 from workbench.plant import Geometry
 from workbench.tracing.answer import Answer
 from workbench.tracing.candidates import Offer, candidates_of
-from workbench.tracing.composing import composed, of_one_disc, plainly
+from workbench.tracing.composing import composed, of_one_disc, of_the_axis, plainly
 from workbench.tracing.judge import STANDARD, ScoredCandidate, judged, refitted_as
 from workbench.tracing.state import State
 from workbench.tracing.tracing import trace
@@ -101,3 +101,20 @@ def test_a_length_beside_ideal_coulomb_friction_is_presliding_and_no_near_law():
     found = trace(PLANT, seen)
     assert [c.effect for c in found.causes] == ["presliding_hysteresis"]
     assert found.after.plant["coulomb_friction"].parameters["coulomb"].value == pytest.approx(0.5, rel=0.05)
+
+
+@pytest.mark.parametrize(("rest", "beside", "name"), [(0.0, "", "linear_stiffness"), (0.05, "", "cable_spring"), (0.0, "constant_offset", "cable_spring")])  # fmt: skip
+def test_a_spring_that_is_relaxed_at_zero_is_the_axis_own_and_one_at_rest_elsewhere_a_cable(rest, beside, name):
+    """Beside a constant force that is known nothing tells the two apart."""
+    pulls = 0.8
+    records = inverses(lambda t, q, way: pulls * (q - rest) + 0.01 * np.random.default_rng(5).standard_normal(t.size))
+    plant = PLANT + find(beside) if beside else PLANT
+    declared = State(plant, records)
+    candidate = next(c for c in candidates_of(plant) if (c.effect, c.at) == ("cable_spring", "axis"))
+    j = ScoredCandidate(candidate, **judged(declared, candidate, STANDARD))
+    answer = Answer([refitted_as(declared, j, STANDARD)], declared)
+    one = of_the_axis(answer, plant, STANDARD)
+    assert [j.candidate.name for j in one.added] == [name]
+    (spring,) = (e for e in one.last.plant.effects if e.name == name)
+    assert spring.parameters["stiffness"].value == pytest.approx(pulls, rel=0.05)
+    assert one.added[0].score.earns and (one is answer) == (name == "cable_spring")

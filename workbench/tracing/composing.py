@@ -11,16 +11,18 @@ from workbench.definition import Effect, catalogue
 from workbench.identification.solve import NoValue
 from workbench.plant import Plant
 from workbench.tracing.answer import Answer
-from workbench.tracing.candidates import ADDITION, AGAIN, Offer, without
+from workbench.tracing.candidates import ADDITION, AGAIN, Candidate, Offer, without
 from workbench.tracing.criteria import Criteria
 from workbench.tracing.free_forms import MEMORY
-from workbench.tracing.judge import ScoredCandidate, freedom, scored_as
+from workbench.tracing.judge import ScoredCandidate, freedom, scored_as, still_earns
 from workbench.tracing.near_law import Law, as_declared
 from workbench.tracing.orders import MEETS
+from workbench.tracing.spellings import CABLE, SPRING
 from workbench.tracing.state import Refitted, State
 
 # Of friction with memory: of nine that others left out all were of this law's kind, whatever spelling came first
 COMMON = "presliding_hysteresis"
+CONSTANT = ("constant_offset", "gravity")  # forces that a preload may hide in
 
 
 def composed(answer: Answer, declared: Plant, criteria: Criteria, offer: Offer) -> Answer:
@@ -66,6 +68,27 @@ def of_one_disc(answer: Answer) -> Answer:
         return replace(j, candidate=replace(j.candidate, part=disc.name)) if disc else j
 
     return replace(answer, added=[named(j) for j in answer.added])
+
+
+def of_the_axis(answer: Answer, declared: Plant, criteria: Criteria) -> Answer:
+    """Return the answer with a spring that is relaxed at the encoder's zero in the place of a cable whose preload earns no place of its own: a
+    cable or a hose is at rest wherever it happens to be. Where a constant force is known at its place nothing tells the two apart, and it is
+    a cable. declared: what the search began with."""
+    plant = answer.last.plant
+    for i, j in enumerate(answer.added):
+        here = {e.name for e in plant.effects if e.at == j.candidate.at}
+        cable = plant[j.candidate.key].name == CABLE and not j.candidate.stands
+        if j.candidate.kind != ADDITION or not cable or here & {SPRING, *CONSTANT}:
+            continue
+        rest = without(plant, j.candidate, declared)
+        spring = catalogue()[SPRING](at=j.candidate.at, stiffness=plant[j.candidate.key].parameters["stiffness"].value)
+        candidate = Candidate(SPRING, spring.at, ADDITION, rest + spring)
+        before, after = State(rest, answer.last.inverses), State(candidate.plant, answer.last.inverses)
+        if not still_earns(j, after, answer.last, criteria):
+            one = _found(candidate, before, after, criteria)
+            answer = replace(answer, added=[*answer.added[:i], one, *answer.added[i + 1 :]], pruned=after)
+            plant = after.plant
+    return answer
 
 
 def _harmonic(order: float, of: float) -> bool:
@@ -118,9 +141,14 @@ def _in_place(
         return None
     if after.errors.total > last.errors.total + criteria.practical**2 * last.power:
         return None
+    found = _found(candidate, before, after, criteria)
+    return found if found.score.earns else None
+
+
+def _found(candidate: Candidate, before: State, after: State, criteria: Criteria) -> ScoredCandidate:
+    """Return the judgement of a candidate that ended in the state `after`, beside what the state `before` has."""
     fit = Refitted(after.problem, after.solution.theta, after.solution.c)
     score, errors = scored_as(before, candidate, after, criteria)
-    found = ScoredCandidate(
+    return ScoredCandidate(
         candidate, score, errors, freedom(candidate.plant), after.solution.theta, refitted=fit, state=after
     )
-    return found if score.earns else None
