@@ -14,7 +14,9 @@ from workbench.inverse.dynamics import inverse_dynamics
 from workbench.plant import ONE_MASS, Plant
 from workbench.record import IDENTIFICATION, Record
 from workbench.tracing import explainable as X
+from workbench.tracing.counted import edge
 from workbench.tracing.criteria import Criteria
+from workbench.tracing.decimation import decimate
 from workbench.tracing.evidence import Explainable
 from workbench.tracing.explainable import _bursts, explainable
 from workbench.tracing.neighbours import gained
@@ -141,6 +143,31 @@ def test_neither_a_level_that_wanders_nor_one_that_changes_sign_is_a_burst_and_a
     parts = [SimpleNamespace(residual=noise + r, moves=np.ones(N, bool), dt=DT) for r in (wanders, turns, pushed)]
     assert [_bursts([p], 5.0) < 1e-2 * float(p.residual @ p.residual) for p in parts[:2]] == [True, True]
     assert _bursts(parts[2:], 5.0) == pytest.approx(40 * 0.05**2, rel=0.1)
+
+
+@pytest.mark.parametrize(("count", "pushed", "told"), [(1e-5, 0.0, False), (1e-7, 0.0, False), (1e-5, 300.0, True)], ids=["coarse", "fine", "pushed"])  # fmt: skip
+def test_an_axis_that_creeps_from_count_to_count_is_not_pushed_and_one_that_is_pushed_is(
+    count, pushed, told, monkeypatch
+):
+    """Each count of a heavy axis is a jerk of what its mass asks for, and stands out where it moves slowly."""
+    mass, band = 200.0, 50.0
+    rng = np.random.default_rng(7)
+    t = T[:16000]
+    q = 0.02 * np.sin(0.9 * t) ** 3  # slow, and slower about its turns
+    push = pushed * np.exp(-(((t - 5.0) / 0.03) ** 2))
+    drive = mass * np.gradient(np.gradient(q, DT), DT) + 0.2 * rng.standard_normal(t.size) + push
+    read = {"position": count * np.round(q / count), "reference": q}
+    record = Record("r", IDENTIFICATION, t, {"force": drive, **read}, {}, resolution={"position": count})
+    plant = Plant(ONE_MASS, rotary=False) + find("inertia")(inertia=mass, fixed=True)
+    state = State(plant, decimate(inverse_dynamics([record], band), plant))
+    largest = max(float(np.abs(r).max()) for r in state.residuals)
+    step = edge(state.inverses[0], plant)
+    if not pushed and count > 1e-6:
+        assert 0.7 * step < largest < X.EDGES * step  # what counts make is what a count makes
+        monkeypatch.setattr(X, "edge", lambda *_: 0.0)
+        assert explainable(state, Criteria()).burst > 0.0  # by what is usual alone
+        monkeypatch.undo()
+    assert (explainable(state, Criteria()).burst > 0.0) is told
 
 
 def test_one_block_that_is_told_badly_hides_nothing_and_one_that_is_told_well_proves_nothing():

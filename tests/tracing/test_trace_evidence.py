@@ -15,9 +15,9 @@ from workbench.identification.fit import fitted_on
 from workbench.identification.problem import Problem
 from workbench.inverse.dynamics import InverseDynamics, inverse_dynamics
 from workbench.plant import ONE_MASS, TWO_MASS, Geometry, Plant
-from workbench.tracing import ranking, reducing
+from workbench.tracing import greedy, ranking, reducing
 from workbench.tracing.answer import Answer
-from workbench.tracing.candidates import Candidate, brought, candidates_of, without
+from workbench.tracing.candidates import Candidate, Offer, brought, candidates_of, without
 from workbench.tracing.counted import quantisation_bias
 from workbench.tracing.decimation import decimate
 from workbench.tracing.greedy import Step, earned, promised, spent
@@ -143,6 +143,30 @@ def test_an_inertia_set_free_explains_what_counts_leave_as_errors_in_variables_s
             taken = judged(state, s, STANDARD)["score"].gain
             assert shares[count] == pytest.approx(taken, abs=0.05)
     assert shares[COARSE] > 0.1 and shares[FINE] < 0.2 * shares[COARSE]
+
+
+def test_what_counts_would_have_taken_leads_no_longer_and_what_is_behind_it_is_asked(monkeypatch):
+    """A mode takes what the counts of a heavy axis make above its resonance; friction behind it takes less, and takes it of the drive."""
+    found = [
+        SimpleNamespace(score=judgement(gain, 0.01, earns=True).score, state=None, refitted=None, candidate=name)
+        for name, gain in (("mode", 0.5), ("friction", 0.33), ("wave", 0.2))
+    ]
+    for j in found:
+        j.refitted = SimpleNamespace(state=j.candidate)
+    found = [ScoredCandidate(j.candidate, j.score, None, 1, refitted=j.refitted, state=j.refitted.state) for j in found]
+    monkeypatch.setattr(
+        greedy, "pushed_back", lambda js, *_: [*js[1:], replace(js[0], score=replace(js[0].score, earns=False))]
+    )
+    for spurious, leads in (
+        ({"mode": 0.45}, "friction"),
+        ({}, "mode"),
+        (dict.fromkeys(("mode", "friction", "wave"), 0.4), None),
+    ):
+        monkeypatch.setattr(greedy, "quantisation_bias", lambda c, *_, of=spurious: of.get(c, 0.0))
+        judgements, best = greedy._beyond_counts([*found], found[0], 0.15, None, (), Offer(), STANDARD)
+        assert (best.candidate if best else None) == leads
+        assert {j.candidate for j in judgements} == {"mode", "friction", "wave"}
+        assert sum(not j.score.earns for j in judgements) == (3 if leads is None else len(spurious))
 
 
 @pytest.mark.parametrize(

@@ -27,6 +27,7 @@ from workbench.inverse.dynamics import InverseDynamics
 from workbench.motion import MOTION_BAND, LowPass
 from workbench.plant import TWO_MASS
 from workbench.tracing.along_stroke import by_place
+from workbench.tracing.counted import edge
 from workbench.tracing.criteria import Criteria
 from workbench.tracing.evidence import Explainable
 from workbench.tracing.foreseen import BLOCK, FOLDS, LEAST_LEAF, foreseen, numbered
@@ -42,6 +43,8 @@ NEARBY = (0.02, 0.05, 0.1)
 # 0.4 % of the drive in motion, near the practical size: halved, 0.65 and 0.8, and that memory is a cause; doubled, 0.1 and 0.04. Beside a gap it
 # shows less than 0.03 % with any of them
 STILL, TURNING = 0.05, 0.06
+# Jerks of one count of an encoder (`counted.edge`), that a sample of a burst is larger than: two counts may follow each other
+EDGES = 2.0
 HEAVY = 20.0  # evaluation bandwidth over that of the position's low pass, where no reference was logged
 
 
@@ -63,7 +66,7 @@ def explainable(state: State, criteria: Criteria) -> Explainable:
         exogenous=unit * sqrt(_exogenous(parts)),
         time=unit * sqrt(time),
         line=unit * sqrt(line.share * whole),
-        burst=unit * sqrt(burst if (burst := _bursts(parts, criteria.burst)) > criteria.share * whole else 0.0),
+        burst=unit * sqrt(_beyond_counts(state, parts, criteria.burst, criteria.share * whole)),
         frequency=line.frequency,
         hum=unit * sqrt(hum.share * whole),
         mains=hum.frequency,
@@ -166,15 +169,24 @@ def _over_place(state: State, parts: Sequence[Part]) -> float:
     return best
 
 
-def _bursts(parts: Sequence[Part], least: float) -> float:
-    """Return the power of moving samples beyond `least` robust standard deviations of their surroundings of 2 s."""
+def _beyond_counts(state: State, parts: Sequence[Part], usual: float, least: float) -> float:
+    """Return the power of bursts, 0 where it is no more than `least`: beyond what a count of the encoders makes, too, which is asked where they are."""
+    power = _bursts(parts, usual)
+    if power > least:
+        power = _bursts(parts, usual, [EDGES * edge(p, state.plant) for p in state.inverses])
+    return power if power > least else 0.0
+
+
+def _bursts(parts: Sequence[Part], least: float, counts: Sequence[float] = ()) -> float:
+    """Return the power of moving samples beyond `least` robust standard deviations of their surroundings of 2 s, and beyond what each record's
+    `counts` make, none where they are not given."""
     power = 0.0
-    for p in parts:
+    for p, edges in zip(parts, counts or [0.0] * len(parts), strict=True):
         count = max(1, round(p.residual.size * p.dt / 2.0))
         for r, moves in zip(np.array_split(p.residual, count), np.array_split(p.moves, count), strict=True):
             x = r[moves]
             if x.size >= LEAST_LEAF:
                 # about zero, where a fit leaves it: a level that wanders is usual, and so is a friction that changes sign
                 usual = 1.4826 * np.median(np.abs(x))
-                power += float(np.sum(x[np.abs(x) > least * usual] ** 2))
+                power += float(np.sum(x[np.abs(x) > max(least * usual, edges)] ** 2))
     return power

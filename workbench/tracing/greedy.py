@@ -58,10 +58,8 @@ def extended(
         judgements = step(state, progress, offer, criteria)
         least = criteria.plain if noise_alone(state, level, PLAIN) else 0.0
         best = leading(judgements, least)
-        if best is not None and least > 0.0:
-            spurious = quantisation_bias(best.candidate, state, whole, offer.budget)
-            if best.score.gain - spurious <= least:
-                judgements[0], best = replace(best, score=by_counts(best.score, spurious)), None
+        if least > 0.0:
+            judgements, best = _beyond_counts(judgements, best, least, state, whole, offer, criteria)
         if (
             best is not None
             and (free := free_law(state, judgements, best, [s.added for s in found], criteria, offer)) is not None
@@ -82,6 +80,34 @@ def extended(
         state = freshly(best.state)
         quiet = noise_rms(whole, state.plant)
     return earned(found)
+
+
+def _beyond_counts(
+    judgements: list[ScoredCandidate],
+    best: ScoredCandidate | None,
+    least: float,
+    state: State,
+    whole: Sequence[InverseDynamics],
+    offer: Offer,
+    criteria: Criteria,
+) -> tuple[list[ScoredCandidate], ScoredCandidate | None]:
+    """Return judgements, those last that take no more than `least` beyond what counts alone would have them take, and the one that then leads, None
+    where none does. best: which led.
+
+    A mode that lets go of the inertia above its resonance takes what the counts of a heavy axis make there, and friction is behind it.
+    """
+    for _ in range(offer.budget.leading):
+        if best is None:
+            break
+        spurious = quantisation_bias(best.candidate, state, whole, offer.budget)
+        if best.score.gain - spurious > least:
+            break
+        judgements = [replace(best, score=by_counts(best.score, spurious)), *judgements[1:]]
+        judgements = pushed_back(judgements, criteria, state)
+        if (first := judgements[0]).refitted and first.state is None:
+            judgements[0] = replace(first, state=first.refitted.state)
+        best = leading(judgements, least)
+    return judgements, best
 
 
 def spent(state: State, first: State, quiet: Mapping[str, float], criteria: Criteria) -> bool:
