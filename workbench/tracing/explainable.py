@@ -43,13 +43,14 @@ NEARBY = (0.02, 0.05, 0.1)
 # 0.4 % of the drive in motion, near the practical size: halved, 0.65 and 0.8, and that memory is a cause; doubled, 0.1 and 0.04. Beside a gap it
 # shows less than 0.03 % with any of them
 STILL, TURNING = 0.05, 0.06
-# Jerks of one count of an encoder (`counted.edge`), that a sample of a burst is larger than: two counts may follow each other
+# Jerks of one count of an encoder (`counted.edge`), that a sample of a burst is larger than: two counts may follow each other.
+# Halved or doubled, three axes whose moments it weighs keep their verdicts
 EDGES = 2.0
 HEAVY = 20.0  # evaluation bandwidth over that of the position's low pass, where no reference was logged
 
 
 # Of all blocks' weight, that holds each fit to the others at the common one: a knot of a curve that the axis passes in two blocks of one fold alone
-# went to 80 000 N, and left 126 % of the drive there. A tenth and ten times as much change nothing else
+# went to 80 000 N, and left 126 % of the drive there. A tenth and ten times as much say the same of it
 COMMON = 1e-3
 
 
