@@ -1,6 +1,7 @@
 """One composite in the place of its parts; presliding beside Coulomb friction."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -8,9 +9,9 @@ from test_near_law import PLANT, inverses, stops
 
 from workbench.definition import find
 from workbench.inverse.balances import predicted
-from workbench.plant import Geometry
+from workbench.plant import TWO_MASS, Geometry, Plant
 from workbench.tracing.answer import Answer
-from workbench.tracing.candidates import Offer, candidates_of
+from workbench.tracing.candidates import ADDITION, Candidate, Offer, candidates_of
 from workbench.tracing.composing import composed, of_one_disc, of_the_axis, plainly
 from workbench.tracing.judge import STANDARD, ScoredCandidate, judged, refitted_as
 from workbench.tracing.state import State
@@ -118,3 +119,13 @@ def test_a_spring_that_is_relaxed_at_zero_is_the_axis_own_and_one_at_rest_elsewh
     (spring,) = (e for e in one.last.plant.effects if e.name == name)
     assert spring.parameters["stiffness"].value == pytest.approx(pulls, rel=0.05)
     assert one.added[0].score.earns and (one is answer) == (name == "cable_spring")
+
+
+def test_a_cable_behind_a_joint_whose_encoders_have_zeros_of_their_own_stays_one():
+    """There the joint's mean torque is what closes the load's balance, and holds the preload as any constant would."""
+    cable = find("cable_spring")(at="load", stiffness=2.0)
+    motion = SimpleNamespace(record=SimpleNamespace(zero=0.01))
+    last = SimpleNamespace(plant=Plant(TWO_MASS) + cable, inverses=[SimpleNamespace(motion=motion)])
+    added = SimpleNamespace(candidate=Candidate("cable_spring", "load", ADDITION, last.plant))
+    answer = Answer([added], last, last)
+    assert of_the_axis(answer, Plant(TWO_MASS), STANDARD) is answer

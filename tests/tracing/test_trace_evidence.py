@@ -157,6 +157,7 @@ def test_what_counts_would_have_taken_leads_no_longer_and_what_is_behind_it_is_a
     monkeypatch.setattr(
         greedy, "pushed_back", lambda js, *_: [*js[1:], replace(js[0], score=replace(js[0].score, earns=False))]
     )
+    monkeypatch.setattr(greedy, "led", lambda js, *_: js)
     for spurious, leads in (
         ({"mode": 0.45}, "friction"),
         ({}, "mode"),

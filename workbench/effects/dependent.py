@@ -1,5 +1,8 @@
 """Dry friction that depends on something beside the motion: on the load, and on time."""
 
+from collections.abc import Mapping
+from types import MappingProxyType
+
 from workbench.definition import FORCE, Effect, effect
 from workbench.effects.elementary import absolute
 from workbench.effects.settling import going_over, gone_over
@@ -18,23 +21,12 @@ def load_dependent_friction() -> Effect:
     def step(s, z, p):
         return {}, p.mu * absolute(s.tau + p.share * s.tau_inertia) * s.dir
 
-    return Effect(
+    return _rubbing(
         name="load_dependent_friction",
         cause="tooth and bearing contacts rub in proportion to the torque that they carry",
         formula="T = mu |tau + share tau_inertia| dir",
-        source="Bittencourt and Gunnarsson 2012; Amontons' law",
-        port=FORCE,
-        family="friction over load",
-        reduces={"mu": (0.0, "")},
-        parameters={
-            "mu": Parameter(0.0, "1", "friction per torque carried", lower=0.0, upper=1.0),
-            "share": Parameter(0.5, "1", "share of inertia behind the contact", lower=0.0, upper=1.0, scale="number"),
-        },
-        linear=("mu",),
-        reads=("tau", "tau_inertia", "dir"),
         step=step,
         free_at={"share": ("axis",)},
-        holds=("passive",),
     )
 
 
@@ -49,10 +41,22 @@ def relieved_friction() -> Effect:
     def step(s, z, p):
         return {}, p.mu * absolute(s.tau + p.share * s.tau_inertia - p.relief) * s.dir
 
-    return Effect(
+    return _rubbing(
         name="relieved_friction",
         cause="tooth and bearing contacts rub in proportion to the torque that they carry, of which a constant offset is no part",
         formula="T = mu |tau + share tau_inertia - relief| dir",
+        more={"relief": Parameter(0.0, "F", "what the axis holds and the contact does not carry", scale="load")},
+        step=step,
+        places=("axis",),
+        traced=False,
+        nearest="load_dependent_friction",
+    )
+
+
+def _rubbing(more: Mapping[str, Parameter] = MappingProxyType({}), **own) -> Effect:
+    """Return the effect of friction in proportion to a load. more: parameters beside mu and share. own: what else is its own."""
+    return Effect(
+        **own,
         source="Bittencourt and Gunnarsson 2012; Amontons' law",
         port=FORCE,
         family="friction over load",
@@ -60,15 +64,11 @@ def relieved_friction() -> Effect:
         parameters={
             "mu": Parameter(0.0, "1", "friction per torque carried", lower=0.0, upper=1.0),
             "share": Parameter(0.5, "1", "share of inertia behind the contact", lower=0.0, upper=1.0, scale="number"),
-            "relief": Parameter(0.0, "F", "what the axis holds and the contact does not carry", scale="load"),
+            **more,
         },
         linear=("mu",),
         reads=("tau", "tau_inertia", "dir"),
-        step=step,
-        places=("axis",),
         holds=("passive",),
-        traced=False,
-        nearest="load_dependent_friction",
     )
 
 

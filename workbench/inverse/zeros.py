@@ -35,8 +35,8 @@ STARTS = 1.5  # coarser counts between the first readings, from which they are n
 def _angles(records: Sequence[Record], bandwidth: float) -> tuple[np.ndarray, np.ndarray] | None:
     """Return (x0 (records,), rms of the angle about x0) of records with two encoders; None where these do not tell."""
     columns, apart, which = [], [], []
-    lowest, highest = (f(f(r.channels["load_position"]) for r in records) for f in (min, max))
-    nearest = min(max(0.0, lowest), highest)
+    places = np.concatenate([r.channels["load_position"] for r in records])
+    nearest = float(np.clip(0.0, places.min(), places.max()))
     for k, r in enumerate(records):
         smooth = LowPass(MOTION_BAND * bandwidth, 1 / r.dt, r.time.size)
         q, v, a = smooth.derivatives(r.channels["load_position"], 3)

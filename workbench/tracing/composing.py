@@ -72,18 +72,26 @@ def of_one_disc(answer: Answer) -> Answer:
 
 def of_the_axis(answer: Answer, declared: Plant, criteria: Criteria) -> Answer:
     """Return the answer with a spring that is relaxed at the encoder's zero in the place of a cable whose preload earns no place of its own: a
-    cable or a hose is at rest wherever it happens to be. Where a constant force is known at its place nothing tells the two apart, and it is
-    a cable. declared: what the search began with."""
-    plant = answer.last.plant
+    cable or a hose is at rest wherever it happens to be. Where a constant force is known at its place, or a joint between encoders of separate
+    zeros carries it, nothing tells the two apart, and it is a cable. declared: what the search began with."""
+    plant, zeroed = answer.last.plant, any(p.motion.record.zero is not None for p in answer.last.inverses)
     for i, j in enumerate(answer.added):
         here = {e.name for e in plant.effects if e.at == j.candidate.at}
         cable = plant[j.candidate.key].name == CABLE and not j.candidate.stands
-        if j.candidate.kind != ADDITION or not cable or here & {SPRING, *CONSTANT}:
+        if (
+            j.candidate.kind != ADDITION
+            or not cable
+            or here & {SPRING, *CONSTANT}
+            or (zeroed and j.candidate.at == "load")
+        ):
             continue
         rest = without(plant, j.candidate, declared)
         spring = catalogue()[SPRING](at=j.candidate.at, stiffness=plant[j.candidate.key].parameters["stiffness"].value)
         candidate = Candidate(SPRING, spring.at, ADDITION, rest + spring)
-        before, after = State(rest, answer.last.inverses), State(candidate.plant, answer.last.inverses)
+        try:
+            before, after = State(rest, answer.last.inverses), State(candidate.plant, answer.last.inverses)
+        except NoValue:
+            continue
         if not still_earns(j, after, answer.last, criteria):
             one = _found(candidate, before, after, criteria)
             answer = replace(answer, added=[*answer.added[:i], one, *answer.added[i + 1 :]], pruned=after)

@@ -12,7 +12,7 @@ from workbench.tracing.counted import by_counts, quantisation_bias
 from workbench.tracing.criteria import Criteria
 from workbench.tracing.free_law import free_law, steadier
 from workbench.tracing.judge import Progress, ScoredCandidate, lighter
-from workbench.tracing.ranking import any_curve, pushed_back, step
+from workbench.tracing.ranking import any_curve, led, pushed_back, step
 from workbench.tracing.state import State
 from workbench.tracing.unexplained import PLAIN, noise_alone
 from workbench.tracing.waves import lives_in_places
@@ -103,9 +103,7 @@ def _beyond_counts(
         if best.score.gain - spurious > least:
             break
         judgements = [replace(best, score=by_counts(best.score, spurious)), *judgements[1:]]
-        judgements = pushed_back(judgements, criteria, state)
-        if (first := judgements[0]).refitted and first.state is None:
-            judgements[0] = replace(first, state=first.refitted.state)
+        judgements = led(pushed_back(judgements, criteria, state), criteria, state, offer)
         best = leading(judgements, least)
     return judgements, best
 

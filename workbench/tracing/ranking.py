@@ -51,6 +51,11 @@ def step(
             fit = refit_of(state, leaders[i], *more.pop("fit"))
             judgements[judgements.index(leaders[i])] = replace(leaders[i], refitted=fit, **more)
     judgements = gap_first(simplest_first(judgements, criteria, state), criteria, state)
+    return led(judgements, criteria, state, offer)
+
+
+def led(judgements: Sequence[ScoredCandidate], criteria: Criteria, state: State, offer: Offer) -> list[ScoredCandidate]:
+    """Return ordered judgements with the plainest first, and that one's state."""
     judgements = _plainest_first(judgements, criteria, state, offer)
     if judgements and (first := judgements[0]).refitted:
         judgements[0] = replace(first, state=first.refitted.state)
