@@ -13,7 +13,7 @@ from workbench.plant import TWO_MASS, Geometry, Plant
 from workbench.tracing.answer import Answer
 from workbench.tracing.candidates import ADDITION, Candidate, Offer, candidates_of
 from workbench.tracing.composing import composed, of_one_disc, of_the_axis, plainly
-from workbench.tracing.judge import STANDARD, ScoredCandidate, judged, refitted_as
+from workbench.tracing.judge import STANDARD, ScoredCandidate, judged, refitted_as, scored_as
 from workbench.tracing.state import State
 from workbench.tracing.tracing import trace
 
@@ -119,6 +119,19 @@ def test_a_spring_that_is_relaxed_at_zero_is_the_axis_own_and_one_at_rest_elsewh
     (spring,) = (e for e in one.last.plant.effects if e.name == name)
     assert spring.parameters["stiffness"].value == pytest.approx(pulls, rel=0.05)
     assert one.added[0].score.earns and (one is answer) == (name == "cable_spring")
+
+
+def test_a_rest_that_is_certain_is_a_cable_s_however_little_it_takes():
+    noise = np.random.default_rng(5).standard_normal
+    records = inverses(lambda t, q, way: 0.8 * (q - 0.01) + 0.1 * noise(t.size), seconds=40.0)
+    declared = State(PLANT, records)
+    candidate = next(c for c in candidates_of(PLANT) if (c.effect, c.at) == ("cable_spring", "axis"))
+    j = ScoredCandidate(candidate, **judged(declared, candidate, STANDARD))
+    answer = Answer([refitted_as(declared, j, STANDARD)], declared)
+    spring = PLANT + find("linear_stiffness")(at="axis", stiffness=0.8)
+    told = scored_as(State(spring, answer.last.inverses), answer.added[0].candidate, answer.last, STANDARD)[0]
+    assert not told.earns and told.gain < STANDARD.share
+    assert of_the_axis(answer, PLANT, STANDARD) is answer
 
 
 def test_a_cable_behind_a_joint_whose_encoders_have_zeros_of_their_own_stays_one():

@@ -60,6 +60,27 @@ def test_a_pump_that_slips_two_per_cent_behind_the_mains_is():
     assert left(0.0, 0.005, 49.0).line > 0.02
 
 
+@pytest.mark.parametrize(("rubbing", "found"), [((), True), (("coulomb_friction",), False)])
+def test_an_axis_that_has_no_friction_never_stands_still(rubbing, found):
+    # a damping that ends in the middle of the travel, on an axis that turns six to ten times a second: where it rubs, each turn shows counts
+    t, f = T, 6.0 + 4.0 * T / T[-1]
+    phase = 2 * np.pi * np.cumsum(f) * DT
+    slow = 0.3 * np.sin(0.7 * t)
+    q, v = slow + 0.05 * np.sin(phase), 0.21 * np.cos(0.7 * t) + 0.05 * 2 * np.pi * f * np.cos(phase)
+    a = -0.147 * np.sin(0.7 * t) - 0.05 * (2 * np.pi * f) ** 2 * np.sin(phase)
+    drive = (
+        INERTIA * a
+        + 0.1 * v * (1.0 + 0.5 * np.tanh(q / 0.02))
+        + 2e-3 * np.random.default_rng(3).standard_normal(t.size)
+    )
+    record = Record("r", IDENTIFICATION, t, {"torque": drive, "position": q, "reference": q})
+    plant = Plant(ONE_MASS) + find("inertia")(inertia=INERTIA) + find("viscous_friction")(viscous=0.1)
+    for name in rubbing:
+        plant += find(name)()
+    size = explainable(State(plant, inverse_dynamics([record], BAND)), Criteria()).exogenous
+    assert (size > 0.02) is found
+
+
 def swayed(frequency: float, seconds: tuple[float, ...]) -> float:
     """Return the line that is explainable, N*m, where the bench sways through all records: the axis feels 5 mN*m that nobody reports."""
     records, begun, w = [], 0.0, 2 * np.pi * frequency

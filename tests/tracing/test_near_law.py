@@ -1,5 +1,6 @@
 """Free virgin curves in the place of declared friction, and data-sheet values within their tolerance."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -15,7 +16,7 @@ from workbench.tracing.candidates import CORRECTION, Offer, candidates_of
 from workbench.tracing.criteria import Criteria
 from workbench.tracing.data_sheet import within_tolerance
 from workbench.tracing.decide import Verdict
-from workbench.tracing.near_law import FURTHEST, heights, laws, lengthened
+from workbench.tracing.near_law import FURTHEST, count_at, heights, laws, lengthened
 from workbench.tracing.selection import curved
 from workbench.tracing.state import State
 from workbench.tracing.tracing import later
@@ -35,6 +36,14 @@ def inverses(force, start: float = 0.0, seconds: float = 6.0):
     drive = 0.01 * a + 0.05 * v + force(t, q, np.sign(v))
     made = Record("made", IDENTIFICATION, t, {"torque": drive, "position": q}, {}, SOURCE, {"position": COUNT})
     return inverse_dynamics([made], 100.0)
+
+
+@pytest.mark.parametrize(("count", "found"), [(1e-8, 1e-8), (0.0, 6.9e-7)], ids=["known", "not known"])
+def test_a_length_is_held_against_the_encoder_s_own_count_however_fine_that_is(count, found):
+    """A cobot's joint gave way over eight counts of 2e-7 of its travel, and that was no presliding: a millionth of the travel was taken for the count."""
+    (seen,) = inverses(lambda t, q, way: 0.1 * way)
+    record = replace(seen.motion.record, resolution={"position": count} if count else {})
+    assert count_at("axis", inverse_dynamics([record], 100.0)) == pytest.approx(found, rel=0.05)
 
 
 def stops(q: np.ndarray, length: float, level: float) -> np.ndarray:

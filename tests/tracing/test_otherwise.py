@@ -91,6 +91,35 @@ def test_stribecks_friction_and_an_asymmetry_are_two_effects_though_one_curve_ov
     assert free_law.free_law(state, judgements, best, [], STANDARD).candidate.effect == "friction_over_speed"
 
 
+def test_an_asymmetry_and_a_square_of_speed_are_two_effects_whatever_leads(monkeypatch):
+    """Something else led before a syringe pump's asymmetry, which with a square of speed is the whole curve."""
+    force = lambda v: 0.15 + 0.15 * np.abs(v) + 2.0 * v * np.abs(v)  # noqa: E731
+    records = [recorded(n, IDENTIFICATION, s, force) for n, s in (("a", 1.0), ("bb", 0.4))]
+    state = State(PLANT, inverse_dynamics(records, 50.0))
+    offer = Offer(only={"coulomb_asymmetry", "nonlinear_viscous_friction", "constant_offset"})
+    judgements = ranking.step(state, lambda _: None, offer)
+    other = next(j for j in judgements if j.candidate.effect == "constant_offset")
+    led = free_law.free_law(state, judgements, other, [], STANDARD)
+    assert (led.candidate.effect, led.candidate.stands) == ("coulomb_asymmetry", "")
+    monkeypatch.setattr(free_law, "two_say_it", lambda *_: False)
+    assert free_law.free_law(state, judgements, other, [], STANDARD).candidate.effect == "friction_over_speed"
+
+
+@pytest.mark.parametrize("beside", ["nonlinear_viscous_friction", "cogging"])
+def test_the_curve_of_a_class_takes_no_formula_s_place_beside_another_of_its_class(monkeypatch, beside):
+    here = {c.effect: c for c in candidates_of(PLANT)}
+    j, k = (SimpleNamespace(candidate=here[n]) for n in ("coulomb_asymmetry", beside))
+    last = SimpleNamespace(plant=here["coulomb_asymmetry"].plant)
+    choice = SimpleNamespace(
+        offer=Offer(), less=lambda *_: last, judged=lambda *_: [], confirmed=SimpleNamespace(added=[j, k]),
+        selected=SimpleNamespace(answer=SimpleNamespace(last=last)),
+    )  # fmt: skip
+    monkeypatch.setattr(otherwise, "_curves", lambda *_: ["curve"])
+    monkeypatch.setattr(otherwise, "_fitted", lambda state, found, *_: found)
+    monkeypatch.setattr(otherwise, "absurd", lambda *_: False)
+    assert otherwise._laws(choice, j) == ([] if beside == "nonlinear_viscous_friction" else ["curve"])
+
+
 def test_a_composite_bears_the_name_of_the_part_that_is_missing():
     named = {s.effect: s.name for s in candidates_of(PLANT) if s.instead}
     assert named["friction_behind_gap"] == "backlash"  # the friction is declared

@@ -13,7 +13,7 @@ from workbench.identification.intervals import FEW, block_seconds
 from workbench.inverse.dynamics import inverse_dynamics
 from workbench.plant import TWO_MASS, Plant
 from workbench.record import IDENTIFICATION, VALIDATION
-from workbench.tracing import pruning, ranking, tracing, weighing
+from workbench.tracing import pruning, ranking, sound, tracing, weighing
 from workbench.tracing.answer import Answer
 from workbench.tracing.candidates import ADDITION, Candidate, Offer, candidates_of
 from workbench.tracing.judge import STANDARD
@@ -193,3 +193,16 @@ def test_in_an_effects_stead_is_asked_what_took_a_quarter_of_what_it_takes():
         "creep",
         "gravity",
     }  # cogging explains too little of anything
+
+
+def test_where_what_gives_way_is_not_asked_again_others_are_held_against_the_best_of_them():
+    """Seven laws were fitted to whole records, for 45 s, though the first took twice what the next one does."""
+
+    def other(effect: str, gain: float, earns: bool = True):
+        candidate = SimpleNamespace(effect=effect, key=f"{effect}@axis")
+        return SimpleNamespace(candidate=candidate, state=object(), score=SimpleNamespace(gain=gain, earns=earns))
+
+    asked = [other("a", 0.72), other("b", 0.6), other("c", 0.45), other("d", 0.9, earns=False)]
+    choice = SimpleNamespace(less=lambda j: object(), judged=lambda *_: asked, criteria=STANDARD, offer=None)
+    assert [k.candidate.effect for k in sound._others(choice, other("gone", 1.0))] == ["a", "b"]
+    assert [k.candidate.effect for k in sound._others(choice, other("b", 1.0))] == ["a"]

@@ -4,7 +4,7 @@ In a closed loop noise becomes motion, so that of pure noise more than half is "
 outside the loop is not moved by it: the reference and its past, where it is, which way it goes, how far since it turned, and
 bench time (instruments: Young 2011; Janot, Gautier, Brunot 2019). Five kinds are asked, each out of sample:
 
-- exogenous: boosted trees over the reference's motion, blocks of BLOCK s left out by turns, no standstill;
+- exogenous: boosted trees over the reference's motion, blocks of BLOCK s left out by turns, no standstill of an axis that rubs;
 - time: a stretch of STRETCH s from its neighbours in bench time, as what goes with the direction, the speed or the acceleration (a
   friction, a damping, a mass that changes), and not as well as a level;
 - line: the strongest line of the spectrum that neither the reference nor the drive has. Hum of the mains is told apart (`lines`);
@@ -21,11 +21,12 @@ from math import sqrt
 
 import numpy as np
 
+from workbench.definition import FORCE
 from workbench.identification.cross_validation import Deviations, folds_of
 from workbench.inverse.bodies import POSITION
 from workbench.inverse.dynamics import InverseDynamics
 from workbench.motion import MOTION_BAND, LowPass
-from workbench.plant import TWO_MASS
+from workbench.plant import TWO_MASS, Plant
 from workbench.tracing.along_stroke import by_place
 from workbench.tracing.counted import edge
 from workbench.tracing.criteria import Criteria
@@ -57,7 +58,8 @@ COMMON = 1e-3
 def explainable(state: State, criteria: Criteria) -> Explainable:
     """Return what could be explained of a state's residual of the drive, over the drive's rms."""
     residuals = without_the_days(state, _unseen(state))
-    parts = [part(p, r, state.plant.geometry.gear_ratio) for p, r in zip(state.inverses, residuals, strict=True)]
+    ratio, rubs = state.plant.geometry.gear_ratio, _rubs(state.plant)
+    parts = [part(p, r, ratio, rubs=rubs) for p, r in zip(state.inverses, residuals, strict=True)]
     whole = sum(float(p.residual @ p.residual) for p in parts)
     unit = 1.0 / sqrt(state.power) if state.power > 0.0 else 0.0
     referenced = all("reference" in p.motion.record.channels for p in state.inverses)
@@ -93,8 +95,15 @@ def _unseen(state: State) -> np.ndarray:
     return found
 
 
-def part(p: InverseDynamics, residual: np.ndarray, ratio: float) -> Part:
-    """Return a record's Part. residual: of the drive, in the samples that count. ratio: motor turns per output turn."""
+def _rubs(plant: Plant) -> bool:
+    """Whether a plant has friction that holds at rest or remembers its turns. What has none never stands still: a lens on leaf springs turns
+    at 10 Hz, and a magnet that leaves its gap on one side would show in a sixth of what it leaves."""
+    return any(e.port == FORCE and {"dq", "dir"} & {*e.reads} for e in plant.effects)
+
+
+def part(p: InverseDynamics, residual: np.ndarray, ratio: float, *, rubs: bool = True) -> Part:
+    """Return a record's Part. residual: of the drive, in the samples that count. ratio: motor turns per output turn. rubs: whether the axis
+    has friction, of which a turn shows but counts."""
     m = p.motion
     keep = m.keep
     logged = m.record.channels.get("reference")
@@ -106,7 +115,7 @@ def part(p: InverseDynamics, residual: np.ndarray, ratio: float) -> Part:
     turn = 2.0 * np.pi / max(ratio, 1e-12)
     features = [q, v, a, way, np.log(_travelled(q, way) + 1e-3 * np.ptp(q) + 1e-300), np.abs(v)]
     features += [np.roll(a, near), np.roll(a, -near), np.roll(v, far), np.mod(q, turn)]
-    moves = moving(m.v, m.dt, keep)
+    moves = moving(m.v, m.dt, keep) if rubs else np.ones(m.v.size, dtype=bool)
     if p.counts is not None:  # where the balance does not count nothing is left, and what is usual there is no measure
         moves &= p.counts[0]
     return Part(

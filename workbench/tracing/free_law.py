@@ -99,6 +99,11 @@ def _freed(
     if earlier := _named_before(free, added):
         return _bearing(earlier, free, state, criteria)
     named = whole - nearest.errors.total >= criteria.resembles * most
+    if named and best.candidate.family != family:
+        # a drive that fades was before an asymmetry, which with a square of speed is the whole curve
+        nearest = nearest if nearest.refitted else refitted_as(state, nearest, criteria)
+        if two_say_it(state, nearest, whole - criteria.near * most, criteria, offer):
+            return nearest if nearest.state else refitted_as(state, nearest, criteria)
     if not named and not orders_say_it(state, nearest, whole - criteria.near * most, criteria, offer):
         return None
     fitted = refitted_as(state, free, criteria)

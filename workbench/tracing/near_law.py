@@ -26,7 +26,7 @@ FIRST, COUNTS, TRAVEL, APART = 0.3, 100.0, 1e-2, 2.1
 # Where the longest element carries more than CARRIES of the height the curve has not ended there: it goes on to FURTHEST of the
 # travel: beyond it lies what a gap or a spring does (a band brake with a gap of 5 % of its travel was taken for a curve).
 CARRIES, FURTHEST = 0.1, 0.03
-UNSEEN = 1e-6  # of the travel: stands for a count where none is known
+UNSEEN = 1e-6  # of the travel: stands for a count where none is known, and where one is finer no curve begins before it
 KEPT = 1e-3  # of the curve's height, below which an element is left out
 SEEN = 2.0  # encoder counts above which a presliding length is the axis' own and not a matter of counts
 
@@ -62,7 +62,7 @@ def laws(plant: Plant, inverses: Sequence[InverseDynamics]) -> tuple[Law, ...]:
 
 def _slips_at(place: str, inverses: Sequence[InverseDynamics]) -> tuple[float, ...]:
     """Return the slips of the free curve of a Coulomb friction, SI."""
-    count = count_at(place, inverses)
+    count = max(count_at(place, inverses), _unseen(inverses))
     last = max(COUNTS * count, TRAVEL * max(float(np.ptp(p.motion.q)) for p in inverses))
     return tuple(np.geomspace(FIRST * count, last, 1 + int(np.ceil(np.log(last / (FIRST * count)) / np.log(APART)))))
 
@@ -86,8 +86,12 @@ def lengthened(known: Sequence[Law], plant: Plant, inverses: Sequence[InverseDyn
 def count_at(place: str, inverses: Sequence[InverseDynamics]) -> float:
     """Return the encoder's count at a place in SI, UNSEEN of the travel where it is not known."""
     known = [p.bodies.counts(CHANNEL.get(place, "position")) for p in inverses]
-    travel = max(float(np.ptp(p.motion.q)) for p in inverses)
-    return max([*known, UNSEEN * travel])
+    return max(known, default=0.0) or _unseen(inverses)
+
+
+def _unseen(inverses: Sequence[InverseDynamics]) -> float:
+    """Return what stands for a count where none is known, SI."""
+    return UNSEEN * max(float(np.ptp(p.motion.q)) for p in inverses)
 
 
 def as_declared(plant: Plant, known: Sequence[Law]) -> Plant:

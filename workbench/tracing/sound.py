@@ -61,10 +61,10 @@ def _others(choice: Choice, j: ScoredCandidate) -> Iterator[ScoredCandidate]:
     if state is None:
         return
     asked = choice.judged(state, choice.offer)
-    least = choice.criteria.near * max((k.score.gain for k in asked if k.candidate.key == j.candidate.key), default=0.0)
-    for k in asked:
-        if k.candidate.effect == j.candidate.effect or not k.score.earns or k.score.gain < least:
-            continue
+    others = [k for k in asked if k.candidate.effect != j.candidate.effect and k.score.earns]
+    # a law that stands in a declared one's place is not asked again: then what the best of the others takes is the measure
+    taken = [k.score.gain for k in asked if k.candidate.key == j.candidate.key] or [k.score.gain for k in others]
+    for k in (k for k in others if k.score.gain >= choice.criteria.near * max(taken)):
         fitted = k if k.state else refitted_as(state, k, choice.criteria)
         if fitted.state:
             yield fitted
