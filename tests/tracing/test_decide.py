@@ -141,6 +141,17 @@ CASES = {
             before=Explainable(inertia=0.037),
         ), CAUSE, (CAUSE,),
     ),
+    "a memory of the friction that is declared takes nothing of it: a crank of which presliding was not declared, either": (
+        replace(
+            evidence(
+                weighed("presliding_hysteresis", (0.0890, 0.0670), (0.1166, 0.0848), of_declared=True),
+                weighed("encoder_eccentricity", (0.0670, 0.0496), (0.0848, 0.0696), implausible="an eccentricity of degrees"),
+                weighed("inertia", (0.0496, 0.0297), (0.0696, 0.0469), CORRECTION, changed=0.2, tolerance=0.01),
+            ),
+            before=Explainable(exogenous=0.0512, inertia=0.0636),
+        ),
+        UNKNOWN, (DRESSING, DRESSING, DRESSING),
+    ),
     "one of ten degrees that takes hardly more than it dresses it: an arm whose inertia changes": (
         replace(
             evidence(weighed("encoder_eccentricity", (0.0659, 0.0262), (0.0633, 0.0294), implausible="an eccentricity of degrees"), before=0.0),
