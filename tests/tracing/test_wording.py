@@ -5,11 +5,12 @@ from types import SimpleNamespace
 import pytest
 
 from workbench.tracing.criteria import Criteria
-from workbench.tracing.decide import NOTHING, REFINEMENT, UNKNOWN, Verdict
+from workbench.tracing.decide import CAUSE, NOT_BORNE_OUT, NOTHING, REFINEMENT, UNKNOWN, Verdict
+from workbench.tracing.evidence import ADDITION, Evidence, Explainable, Weighed
 from workbench.tracing.headline import verdict_sentence
 from workbench.tracing.reporting import Outcome
 from workbench.tracing.result import Cause
-from workbench.tracing.wording import refinement
+from workbench.tracing.wording import findings_of, refinement
 
 BEFORE = SimpleNamespace(identification=0.75, validation=0.90)
 AFTER = SimpleNamespace(identification=0.25, validation=0.33, plant=SimpleNamespace(effects=()))
@@ -83,3 +84,16 @@ def test_a_refinement_that_is_the_zero_between_two_encoders_says_so():
     assert refinement(found, of_zero=True).sentence.endswith("takes away 1.3 % of the drive's rms on the identification records. All of that is "
         "its zero: the encoders were set to zero where the joint is not relaxed, as at a flank of a gap.")  # fmt: skip
     assert refinement(found).sentence.endswith("on the identification records.")
+
+
+@pytest.mark.parametrize(
+    ("at", "begins"), [("axis", "A second cable spring at the axis"), ("load", "Cable spring at the load")]
+)
+def test_what_bears_a_cause_s_name_and_is_not_borne_out_is_said_to_be_a_second_one(at, begins):
+    both = {"identification": 0.03, "validation": 0.04}
+    stands = Weighed("cable_spring", "axis", ADDITION, {"identification": 0.09, "validation": 0.07}, both)
+    out = Weighed("cable_spring", at, ADDITION, both, both)
+    evidence = Evidence(stands.before, {"identification": 0.0}, Explainable(), Explainable(), (stands, out))
+    verdict = Verdict(CAUSE, (CAUSE, NOT_BORNE_OUT), added=("cable_spring",))
+    (found,) = findings_of(verdict, evidence, (), None, Criteria())
+    assert found.sentence.startswith(f"{begins} explains 0 %")

@@ -118,8 +118,11 @@ def findings_of(verdict: Verdict, evidence: Evidence, causes: Sequence[Cause], p
         )  # fmt: skip
     yield from not_carried(causes, criteria)
     refused = [(a, NOT_BORNE_OUT) for a in evidence.refused]
-    for a, role in (*refused, *zip(evidence.added, verdict.roles, strict=True)):
-        yield from _of_addition(a, role, max(evidence.before.joint, evidence.before.inertia), criteria)
+    weighed = [*zip(evidence.added, verdict.roles, strict=True)]
+    stands = {(a.effect, a.at) for a, role in weighed if role == CAUSE}
+    for a, role in (*refused, *weighed):
+        along = max(evidence.before.joint, evidence.before.inertia)
+        yield from _of_addition(a, role, along, criteria, again=(a.effect, a.at) in stands)
     if verdict.something_else:
         yield Finding(
             SOMETHING_ELSE, evidence.after.kind,
@@ -142,9 +145,10 @@ def gave_way(w: Weighed) -> Finding:
     )  # fmt: skip
 
 
-def _of_addition(a: Weighed, role: str, along: float, criteria: Criteria):
-    """Yield a finding of an addition that stands as no cause. along: share of the drive that what changes along the stroke would take."""
-    name = f"{capital(title(a.effect))} at the {a.at}"
+def _of_addition(a: Weighed, role: str, along: float, criteria: Criteria, *, again: bool):
+    """Yield a finding of an addition that stands as no cause. along: share of the drive that what changes along the stroke would take. again:
+    whether a cause bears its name, and it was one more of its class."""
+    name = f"{capital(f'a second {title(a.effect)}' if again else title(a.effect))} at the {a.at}"
     if role == NOT_BORNE_OUT:
         why = f"on validation it explains {100 * max(a.share(VALIDATION), 0.0):.0f} %"
         if a.came_back(criteria.held, criteria.alike):
