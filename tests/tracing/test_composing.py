@@ -25,15 +25,15 @@ PARTS = (
 )
 
 
-def found(names, *law):
-    """The answer of a search that found effects of these names, one after another, where this friction is."""
+def found(names, *law, declared=PLANT):
+    """The answer of a search that found effects of these names beside a declared plant, one after another, where this friction is."""
     (still,) = inverses(lambda t, q, way: 0.0 * t)
     plant = BARE
     for effect in law:
         plant = plant + effect
     force = predicted(still, plant) - predicted(still, BARE)
     noise = 0.002 * np.random.default_rng(3).standard_normal(force.size)
-    declared = state = State(PLANT, inverses(lambda t, q, way: force + noise))
+    declared = state = State(declared, inverses(lambda t, q, way: force + noise))
     added = []
     for name in names:
         candidate = next(c for c in candidates_of(state.plant) if c.effect == name and c.at == "axis")
@@ -43,8 +43,8 @@ def found(names, *law):
     return Answer(added, declared)
 
 
-def found_in_parts(*law):
-    return found(("presliding_hysteresis", "stribeck_friction"), *law)
+def found_in_parts(*law, declared=BARE):
+    return found(("presliding_hysteresis", "stribeck_friction"), *law, declared=declared)
 
 
 @pytest.mark.parametrize("rare", ["fading_memory", "friction_behind_gap"])
@@ -64,18 +64,24 @@ def test_a_rarer_memory_that_says_more_stays():
 
 def test_presliding_and_a_peak_that_bristles_say_in_one_law_are_lugre_friction():
     answer = found_in_parts(LUGRE)
-    one = composed(answer, PLANT, STANDARD, Offer())
+    one = composed(answer, BARE, STANDARD, Offer())
     assert [j.candidate.name for j in one.added] == ["lugre_friction"]
     assert one.last.errors.total <= answer.last.errors.total + STANDARD.practical**2 * answer.last.power
     assert {e.key for e in one.last.plant.effects} == {e.key for e in (BARE + LUGRE).effects}
     assert one.last.plant["lugre_friction"].parameters["x0"].value == pytest.approx(4e-4, rel=0.1)
 
 
+def test_beside_dry_friction_that_is_declared_they_are_what_is_missing_each():
+    """A screw whose balls give way over 1.5 um lacked Stribeck's peak, and was said to lack LuGre friction."""
+    answer = found_in_parts(LUGRE, declared=PLANT)
+    assert composed(answer, PLANT, STANDARD, Offer()) is answer
+
+
 def test_parts_that_no_bristles_of_one_length_say_stay_two():
     answer = found_in_parts(*PARTS)
-    assert composed(answer, PLANT, STANDARD, Offer()) is answer
+    assert composed(answer, BARE, STANDARD, Offer()) is answer
     alone = Answer(answer.added[:1], answer.declared)
-    assert composed(alone, PLANT, STANDARD, Offer()) is alone
+    assert composed(alone, BARE, STANDARD, Offer()) is alone
 
 
 @pytest.mark.parametrize(("order", "name"), [(40.0, "encoder_eccentricity"), (50.0, "kinematic_error")])

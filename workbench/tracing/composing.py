@@ -27,9 +27,12 @@ CONSTANT = ("constant_offset", "gravity")  # forces that a preload may hide in
 
 def composed(answer: Answer, declared: Plant, criteria: Criteria, offer: Offer) -> Answer:
     """Return the answer with a composite of the catalogue in the place of all of its parts, where it leaves no more than what is of
-    practical size beside them; the answer itself where none does. declared: what the search began with."""
+    practical size beside them; the answer itself where none does. declared: what the search began with, beside whose dry friction what gives way is
+    asked by itself."""
     for composite in catalogue().values():
         for parts in _whole(composite, answer):
+            if any(_gives_way(j, declared) for j in parts):
+                continue  # what the declared law is only nearly right in is no part of what is missing
             one = _in_place(composite, parts, answer, declared, criteria, offer)
             if one is not None:
                 first = next(i for i, j in enumerate(answer.added) if j in parts)
@@ -99,6 +102,12 @@ def of_the_axis(answer: Answer, declared: Plant, criteria: Criteria) -> Answer:
             answer = replace(answer, added=[*answer.added[:i], one, *answer.added[i + 1 :]], pruned=after)
             plant = after.plant
     return answer
+
+
+def _gives_way(j: ScoredCandidate, declared: Plant) -> bool:
+    """Whether an addition is the memory of a friction that is declared, and dry."""
+    here = (e for e in declared.effects if e.at == j.candidate.at)
+    return j.candidate.family == MEMORY and any("dir" in {*e.reads, *e.provides} for e in here)
 
 
 def _harmonic(order: float, of: float) -> bool:

@@ -5,7 +5,8 @@
 | does the angle between two encoders say that one is late? | cause, whatever else |
 | do the counts that an encoder lost take more of the drive than any cause, and at least `explainable`? | unknown |
 | a correction within the fixed value's tolerance, or an effect (a correction beyond its tolerance) below the practical size, or below `explainable` with values that no machine has? | refinement |
-| a memory of the friction that is declared, of which the drive shows less than the practical size on validation or while the load moves, or less than `explainable` behind the joint? | refinement |
+| a memory of the friction that is declared, of which the drive shows less than the practical size on validation or while the load moves, or less than `explainable` behind the joint, or (of asperities or bristles alone) less than `beside`? | refinement |
+| the same beside another cause, that takes less than `unaccounted` of the drive? | refinement |
 | a further one (beside an encoder that is late any is) that takes less than `lesser` of what the largest cause takes of the same balance (a further order of that one is its own) and less than `unaccounted` of the drive (unless it takes `held` of validation, and of what that one does there), on validation less than the practical size, less than `beside` with values that no machine has or of the drive as a memory of the friction that is declared, or says the curve that a larger one says? | refinement |
 | a further one that takes `held` of what the larger ones leave in neither role, of which less than `explainable` is foretold, or which the load's balance alone shows? | refinement |
 | does the error grow on validation, or does the effect explain nearly nothing there? | not borne out |
@@ -32,6 +33,7 @@ from workbench.tracing.evidence import CORRECTION, Evidence, Weighed
 
 CAUSE, NOTHING, UNKNOWN = "cause", "nothing_missing", "unknown"
 REFINEMENT, NOT_BORNE_OUT, DRESSING = "refinement", "not borne out", "dressing"
+MEMORIES = ("presliding_hysteresis", "fading_memory")  # that are all of what a law makes of friction that gives way
 
 
 @dataclass(frozen=True)
@@ -54,7 +56,10 @@ class Verdict:
 
 def decide(evidence: Evidence, criteria: Criteria) -> Verdict:
     """Return the verdict on this evidence."""
-    roles = _lesser(evidence, tuple(_role(a, criteria) for a in evidence.added), criteria)
+    own = tuple(_role(a, criteria) for a in evidence.added)
+    roles = _lesser(evidence, own, criteria)
+    if any(r == CAUSE and not a.of_declared for a, r in zip(evidence.added, roles, strict=True)):
+        roles = _lesser(evidence, _but_near_laws(evidence, own, criteria), criteria)
     causes = [a for a, r in zip(evidence.added, roles, strict=True) if r == CAUSE]
     spread = evidence.traded or (evidence.place_instead and not little_left(evidence, criteria, criteria.left))
     along = bool(causes) and _less_than_places(evidence, causes, criteria)
@@ -74,6 +79,16 @@ def decide(evidence: Evidence, criteria: Criteria) -> Verdict:
     missing = evidence.before.size >= criteria.explainable or along or _unborne(evidence, roles, criteria)
     missing = missing or evidence.unaccounted >= criteria.unaccounted or evidence.astray
     return Verdict(UNKNOWN if missing else NOTHING, roles, False, _alarms(evidence, roles))
+
+
+def _but_near_laws(evidence: Evidence, roles: tuple[str, ...], criteria: Criteria) -> tuple[str, ...]:
+    """Return the roles beside another cause: there a memory of the declared friction is that law's, which is only nearly right, up to `unaccounted`
+    of the drive. Every contact gives way; of who declares it dry few have left that out."""
+    near = (
+        a.effect in MEMORIES and a.of_declared and a.in_drive(IDENTIFICATION) < criteria.unaccounted
+        for a in evidence.added
+    )
+    return tuple(REFINEMENT if r == CAUSE and n else r for r, n in zip(roles, near, strict=True))
 
 
 def _lost_most(evidence: Evidence, causes: list[Weighed], criteria: Criteria) -> bool:
@@ -127,6 +142,8 @@ def _role(a: Weighed, criteria: Criteria) -> str:
     # a declared friction is only nearly right at standstill: a load's small balance shows it, or slow records that nothing else has
     little = a.behind and a.in_drive(IDENTIFICATION) < criteria.explainable
     if a.of_declared and (little or min(a.in_drive(VALIDATION), a.in_motion) < criteria.practical):
+        return REFINEMENT
+    if a.of_declared and a.effect in MEMORIES and a.in_drive(IDENTIFICATION) < criteria.beside:
         return REFINEMENT
     if _beyond(a) < (criteria.explainable if a.implausible else criteria.practical):
         return REFINEMENT
