@@ -154,7 +154,7 @@ CASES = {
             before=Explainable(inertia=0.037),
         ), CAUSE, (CAUSE,),
     ),
-    "a memory of the friction that is declared takes nothing of it: a crank of which presliding was not declared, either": (
+    "what the declared friction is only nearly right in takes nothing of it: a crank whose Coulomb friction gives way": (
         replace(
             evidence(
                 weighed("presliding_hysteresis", (0.0890, 0.0670), (0.1166, 0.0848), of_declared=True),
@@ -164,6 +164,12 @@ CASES = {
             before=Explainable(exogenous=0.0512, inertia=0.0636),
         ),
         UNKNOWN, (REFINEMENT, DRESSING, DRESSING),
+    ),
+    "a memory that is most of everything is no near law, and takes what such an inertia would: a contact that is no drive": (
+        replace(
+            evidence(weighed("presliding_length", (0.61, 0.05), (0.60, 0.053), of_declared=True), before=0.44), before=Explainable(exogenous=0.44, inertia=0.29)
+        ),
+        CAUSE, (CAUSE,),
     ),
     "one of ten degrees that takes hardly more than it dresses it: an arm whose inertia changes": (
         replace(

@@ -103,10 +103,8 @@ def _less_than_places(evidence: Evidence, causes: list[Weighed], criteria: Crite
     another name, so that what takes as much stays the cause; beside what takes most, values that no machine has say nothing against it. Where
     what takes most has such values itself, `near` of it is as much: an arm whose inertia changes is an encoder that is eccentric by ten degrees."""
     more = max(evidence.before.joint, evidence.before.inertia) ** 2 - criteria.explainable**2
-    # beside the free curve of the declared friction, which took what a memory of it takes
-    others = [a for a in causes if not a.of_declared]
-    first = _largest(others, criteria)
-    counted = (a.size(IDENTIFICATION) for a in others if not a.implausible or a is first)
+    first = _largest(causes, criteria)
+    counted = (a.size(IDENTIFICATION) for a in causes if not a.implausible or a is first)
     taken = sum(max(size, 0.0) ** 2 for size in counted)
     return more > taken * (criteria.near if first is not None and first.implausible else 1.0)
 
