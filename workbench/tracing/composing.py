@@ -15,7 +15,7 @@ from workbench.tracing.candidates import ADDITION, AGAIN, Candidate, Offer, with
 from workbench.tracing.criteria import Criteria
 from workbench.tracing.free_forms import MEMORY
 from workbench.tracing.judge import ScoredCandidate, freedom, scored_as
-from workbench.tracing.near_law import Law, as_declared
+from workbench.tracing.near_law import Law, as_declared, gives_way
 from workbench.tracing.orders import MEETS
 from workbench.tracing.spellings import CABLE, SPRING
 from workbench.tracing.state import Refitted, State
@@ -31,7 +31,7 @@ def composed(answer: Answer, declared: Plant, criteria: Criteria, offer: Offer) 
     asked by itself."""
     for composite in catalogue().values():
         for parts in _whole(composite, answer):
-            if any(_gives_way(j, declared) for j in parts):
+            if any(gives_way(j.candidate, declared) for j in parts):
                 continue  # what the declared law is only nearly right in is no part of what is missing
             one = _in_place(composite, parts, answer, declared, criteria, offer)
             if one is not None:
@@ -102,12 +102,6 @@ def of_the_axis(answer: Answer, declared: Plant, criteria: Criteria) -> Answer:
             answer = replace(answer, added=[*answer.added[:i], one, *answer.added[i + 1 :]], pruned=after)
             plant = after.plant
     return answer
-
-
-def _gives_way(j: ScoredCandidate, declared: Plant) -> bool:
-    """Whether an addition is the memory of a friction that is declared, and dry."""
-    here = (e for e in declared.effects if e.at == j.candidate.at)
-    return j.candidate.family == MEMORY and any("dir" in {*e.reads, *e.provides} for e in here)
 
 
 def _harmonic(order: float, of: float) -> bool:

@@ -83,6 +83,11 @@ def dry(plant: Plant) -> list[str]:
     return sorted({e.at for e in plant.effects if e.port == FORCE and e.reads == ("dir",)} - given)
 
 
+def rubs(plant: Plant) -> bool:
+    """Whether a plant has friction that holds at rest or remembers its turns."""
+    return any(e.port == FORCE and {"dq", "dir"} & {*e.reads} for e in plant.effects)
+
+
 def still(p: InverseDynamics, place: str, window: float, about: float = 0.0) -> np.ndarray:
     """Return where (n,) the encoder of a place stays within one count for `window` s about a sample, or does within `about` s of it."""
     from scipy.ndimage import maximum_filter1d, minimum_filter1d

@@ -21,15 +21,15 @@ from math import sqrt
 
 import numpy as np
 
-from workbench.definition import FORCE
 from workbench.identification.cross_validation import Deviations, folds_of
 from workbench.inverse.bodies import POSITION
 from workbench.inverse.dynamics import InverseDynamics
 from workbench.motion import MOTION_BAND, LowPass
-from workbench.plant import TWO_MASS, Plant
+from workbench.plant import TWO_MASS
 from workbench.tracing.along_stroke import by_place
 from workbench.tracing.counted import edge
 from workbench.tracing.criteria import Criteria
+from workbench.tracing.decimation import rubs
 from workbench.tracing.evidence import Explainable
 from workbench.tracing.foreseen import BLOCK, FOLDS, LEAST_LEAF, foreseen, numbered
 from workbench.tracing.lines import Part, strongest_lines
@@ -48,8 +48,6 @@ STILL, TURNING = 0.05, 0.06
 # Halved or doubled, three axes whose moments it weighs keep their verdicts
 EDGES = 2.0
 HEAVY = 20.0  # evaluation bandwidth over that of the position's low pass, where no reference was logged
-
-
 # Of all blocks' weight, that holds each fit to the others at the common one: a knot of a curve that the axis passes in two blocks of one fold alone
 # went to 80 000 N, and left 126 % of the drive there. A tenth and ten times as much say the same of it
 COMMON = 1e-3
@@ -58,8 +56,11 @@ COMMON = 1e-3
 def explainable(state: State, criteria: Criteria) -> Explainable:
     """Return what could be explained of a state's residual of the drive, over the drive's rms."""
     residuals = without_the_days(state, _unseen(state))
-    ratio, rubs = state.plant.geometry.gear_ratio, _rubs(state.plant)
-    parts = [part(p, r, ratio, rubs=rubs) for p, r in zip(state.inverses, residuals, strict=True)]
+    ratio = state.plant.geometry.gear_ratio
+    # what has no friction never stands still: a lens on leaf springs turns at 10 Hz, and a magnet that leaves its gap on one side would show in
+    # a sixth of what it leaves
+    stops = rubs(state.plant)
+    parts = [part(p, r, ratio, stops=stops) for p, r in zip(state.inverses, residuals, strict=True)]
     whole = sum(float(p.residual @ p.residual) for p in parts)
     unit = 1.0 / sqrt(state.power) if state.power > 0.0 else 0.0
     referenced = all("reference" in p.motion.record.channels for p in state.inverses)
@@ -95,15 +96,9 @@ def _unseen(state: State) -> np.ndarray:
     return found
 
 
-def _rubs(plant: Plant) -> bool:
-    """Whether a plant has friction that holds at rest or remembers its turns. What has none never stands still: a lens on leaf springs turns
-    at 10 Hz, and a magnet that leaves its gap on one side would show in a sixth of what it leaves."""
-    return any(e.port == FORCE and {"dq", "dir"} & {*e.reads} for e in plant.effects)
-
-
-def part(p: InverseDynamics, residual: np.ndarray, ratio: float, *, rubs: bool = True) -> Part:
-    """Return a record's Part. residual: of the drive, in the samples that count. ratio: motor turns per output turn. rubs: whether the axis
-    has friction, of which a turn shows but counts."""
+def part(p: InverseDynamics, residual: np.ndarray, ratio: float, *, stops: bool = True) -> Part:
+    """Return a record's Part. residual: of the drive, in the samples that count. ratio: motor turns per output turn. stops: whether the axis
+    has friction, of which rest and a turn show but counts."""
     m = p.motion
     keep = m.keep
     logged = m.record.channels.get("reference")
@@ -115,7 +110,7 @@ def part(p: InverseDynamics, residual: np.ndarray, ratio: float, *, rubs: bool =
     turn = 2.0 * np.pi / max(ratio, 1e-12)
     features = [q, v, a, way, np.log(_travelled(q, way) + 1e-3 * np.ptp(q) + 1e-300), np.abs(v)]
     features += [np.roll(a, near), np.roll(a, -near), np.roll(v, far), np.mod(q, turn)]
-    moves = moving(m.v, m.dt, keep) if rubs else np.ones(m.v.size, dtype=bool)
+    moves = moving(m.v, m.dt, keep) if stops else np.ones(m.v.size, dtype=bool)
     if p.counts is not None:  # where the balance does not count nothing is left, and what is usual there is no measure
         moves &= p.counts[0]
     return Part(

@@ -91,15 +91,14 @@ def _freed(
         return None
     whole = state.errors.total
     most = whole - free.errors.total
-    family = free.candidate.family
-    if (best.candidate.family, best.candidate.at) == (family, free.candidate.at):
-        if two_say_it(state, best, whole - criteria.near * most, criteria, offer):
-            return None
-    nearest = asked[(family, free.candidate.at)]
+    own = spellings.of_class(free, best)
+    if own and two_say_it(state, best, whole - criteria.near * most, criteria, offer):
+        return None
+    nearest = asked[(free.candidate.family, free.candidate.at)]
     if earlier := _named_before(free, added):
         return _bearing(earlier, free, state, criteria)
     named = whole - nearest.errors.total >= criteria.resembles * most
-    if named and best.candidate.family != family:
+    if named and not own:
         # a drive that fades was before an asymmetry, which with a square of speed is the whole curve
         nearest = nearest if nearest.refitted else refitted_as(state, nearest, criteria)
         if two_say_it(state, nearest, whole - criteria.near * most, criteria, offer):

@@ -18,6 +18,8 @@ from workbench.identification.solve import NoValue, solve
 from workbench.inverse.bodies import CHANNEL
 from workbench.inverse.dynamics import InverseDynamics
 from workbench.plant import Plant
+from workbench.tracing.candidates import Candidate
+from workbench.tracing.free_forms import MEMORY
 
 # Slips of the free curve of Coulomb friction: from 0.3 of a count, which nothing shows because a dead band of one count lies
 # before it, to 100 counts or 1e-2 of the travel, the longest presliding of bearings and guides; a factor of 2.1 apart. Half or
@@ -65,6 +67,12 @@ def _slips_at(place: str, inverses: Sequence[InverseDynamics]) -> tuple[float, .
     count = max(count_at(place, inverses), _unseen(inverses))
     last = max(COUNTS * count, TRAVEL * max(float(np.ptp(p.motion.q)) for p in inverses))
     return tuple(np.geomspace(FIRST * count, last, 1 + int(np.ceil(np.log(last / (FIRST * count)) / np.log(APART)))))
+
+
+def gives_way(candidate: Candidate, declared: Plant) -> bool:
+    """Whether a candidate is a memory of the friction that is declared at its place."""
+    here = (e for e in declared.effects if e.at == candidate.at)
+    return candidate.family == MEMORY and any("dir" in {*e.reads, *e.provides} for e in here)
 
 
 def lengthened(known: Sequence[Law], plant: Plant, inverses: Sequence[InverseDynamics]) -> tuple[Law, ...]:

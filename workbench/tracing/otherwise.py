@@ -18,7 +18,7 @@ from workbench.tracing.evidence import Weighed
 from workbench.tracing.free_forms import MEMORY, free_forms
 from workbench.tracing.judge import ScoredCandidate, judged, refitted_as
 from workbench.tracing.ranking import absurd
-from workbench.tracing.spellings import bearing, special_cases, spellings_of
+from workbench.tracing.spellings import bearing, of_class, special_cases, spellings_of
 from workbench.tracing.state import State
 from workbench.tracing.weighing import Confirmed
 
@@ -124,7 +124,7 @@ def as_a_curve_alone(choice: Choice) -> Choice:
     (j, _), criteria, now = choice.largest, choice.criteria, choice.confirmed.fits[-1]
     both = zip(choice.confirmed.added, choice.confirmed.weighed, strict=True)
     others = [(k, w) for k, w in both if k is not j]
-    if j.candidate.instead or any(_alike(k, j) for k, _ in others):
+    if j.candidate.instead or any(of_class(j, k) for k, _ in others):
         return choice
     if not any(w.size(IDENTIFICATION) >= criteria.practical for _, w in others):
         return choice
@@ -185,15 +185,10 @@ def _laws(choice: Choice, j: ScoredCandidate, *beside: ScoredCandidate) -> list[
     if asked or near:
         found += choice.judged(state, replace(offer, only={e.name for e in (*asked, *near)}, own=(*offer.own, *near)))
     # one curve takes what two of a class are, and validation may carry the second alone
-    if not (beside or any(_alike(k, j) for k in choice.confirmed.added)):
+    if not (beside or any(k is not j and of_class(j, k) for k in choice.confirmed.added)):
         found += _curves(state, j, choice)
     fitted = _fitted(state, found, j, {e.name for e in asked}, choice)
     return [k for k in fitted if not (beside and absurd(k, state))]
-
-
-def _alike(k: ScoredCandidate, j: ScoredCandidate) -> bool:
-    """Whether another addition is of the same class at the same place."""
-    return k is not j and (k.candidate.family, k.candidate.at) == (j.candidate.family, j.candidate.at)
 
 
 def _curves(state: State, j: ScoredCandidate, choice: Choice) -> list[ScoredCandidate]:

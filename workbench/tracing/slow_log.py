@@ -17,7 +17,7 @@ from workbench.identification.problem import Problem
 from workbench.identification.solve import solve
 from workbench.inverse.dynamics import InverseDynamics
 from workbench.plant import Plant
-from workbench.tracing.decimation import FINE, decimate
+from workbench.tracing.decimation import FINE, decimate, rubs
 from workbench.tracing.wording_search import turns_between
 
 # Rate over the band along the path between samples. Halved, a complete model of a swing of Coulomb friction, logged at nine times the band,
@@ -52,7 +52,7 @@ def slow_log(plant: Plant, inverses: Sequence[InverseDynamics], practical: float
 
     They are asked at the rate at which operators run in a search, which is cheap, and run at OFTEN where that takes something.
     """
-    if not any(_slow(p) for p in inverses) or not any("dq" in e.reads or "dir" in e.reads for e in plant.effects):
+    if not any(_slow(p) for p in inverses) or not rubs(plant):
         return None
     problem = Problem(plant, decimate(fitted_on(inverses)))
     found = solve(problem, tolerance=ENOUGH)

@@ -72,9 +72,8 @@ def _grid(
     if scale == "place":  # within the stroke that all the records cover
         low, high = min(float(m.q.min()) for m in motions), max(float(m.q.max()) for m in motions)
         return list(np.linspace(low, high, budget.strokes + 2)[1:-1])
-    if (
-        scale == "load"
-    ):  # either way, from a fourteenth of the drive's rms on: a smaller constant changes little of a load's size
+    if scale == "load":
+        # either way, from a fourteenth of the drive's rms on: a smaller constant changes little of a load's size
         rms = float(np.sqrt(np.mean(np.concatenate([m.u for m in motions]) ** 2)))
         return list(rms * np.array([-0.6, -0.2, -0.07, 0.07, 0.2, 0.6]))
     if scale == "time":

@@ -16,11 +16,10 @@ from workbench.record import IDENTIFICATION, ROLES, VALIDATION
 from workbench.residual.noise_floor import noise_rms
 from workbench.tracing.criteria import Criteria
 from workbench.tracing.evidence import ADDITION, CORRECTION, Weighed
-from workbench.tracing.free_forms import MEMORY
 from workbench.tracing.full_rate import nested_fits
 from workbench.tracing.in_motion import in_motion
 from workbench.tracing.judge import ScoredCandidate
-from workbench.tracing.near_law import NAME
+from workbench.tracing.near_law import NAME, gives_way
 from workbench.tracing.offered_as import ZERO
 from workbench.tracing.outside import multiplier
 from workbench.tracing.plausible import implausible
@@ -75,7 +74,7 @@ def weighed(
         key = j.candidate.key
         present = key in {e.key for e in last.effects}
         before, after = ({r: getattr(fits[k], r) for r in ROLES} for k in (i, i + 1))
-        own = _memory_of(j, declared)
+        own = gives_way(j.candidate, declared)
         w = Weighed(
             effect=j.candidate.name,
             at=j.score.at,
@@ -97,14 +96,6 @@ def weighed(
         )
         found.append(_phased(w, fits[i + 1], key, inverses) if present else w)
     return tuple(replace(w, same_curve=bends(w, found, declared.kind)) for w in found)
-
-
-def _memory_of(j: ScoredCandidate, declared: Plant) -> bool:
-    """Whether an addition is friction with memory where dry friction is declared."""
-    at = j.candidate.at
-    return j.candidate.family == MEMORY and any(
-        e.at == at and {"dir"} & {*e.reads, *e.provides} for e in declared.effects
-    )
 
 
 def of_zero(plant: Plant, key: str, inverses: Sequence[InverseDynamics], criteria: Criteria) -> bool:
