@@ -228,6 +228,22 @@ def test_a_slack_cable_beside_a_declared_spring_is_that_one_which_stiffens():
         assert spellings.better_spelled(state, straight, STANDARD, Offer(), judgements).candidate.name == name
 
 
+def test_folds_that_close_at_one_end_are_found_though_a_wave_leads_of_which_nothing_is_certain():
+    """The spring of a bellows is declared, and beside it no straight one takes what a few blocks hold."""
+    state, judgements = asked(
+        lambda q: 3.0 * np.maximum(q - 0.1, 0.0),
+        PLANT + find("linear_stiffness")(at="axis", stiffness=0.1),
+        "cable_spring",
+        "cogging",
+    )
+    wave, straight = (next(j for j in judgements if j.candidate.effect == e) for e in ("cogging", "cable_spring"))
+    assert not straight.score.earns
+    wave = replace(wave, score=replace(wave.score, gain=0.4, earns=False))
+    folds = free_law.steadier(state, [wave, straight], STANDARD)
+    assert (folds.candidate.effect, folds.candidate.name) == ("slack_cable", "piecewise_stiffness")
+    assert folds.score.earns and folds.score.gain > 0.9
+
+
 @pytest.mark.parametrize(("order", "named"), [(1.0, "encoder_eccentricity"), (16.0, "kinematic_error")])
 def test_waves_of_an_encoder_over_one_turn_of_its_axis_are_its_eccentricity(order, named):
     """What shows most in the acceleration is their second harmonic, so that the nearest formula is a kinematic error of order 2."""

@@ -78,8 +78,9 @@ def bounded(
     scaled = gram[np.ix_(seen, seen)] / np.outer(norms, norms)
     condition = np.linalg.cond(scaled)
     if not condition < CORRECTED:
-        q, r = np.linalg.qr(phi[:, seen] / norms)
-        c[seen] = bounded_small(r, q.T @ y, lower, upper) / norms
+        # of the columns and y side by side the factor alone: its last column is what an orthonormal basis, twice the work, would make of y
+        r = np.linalg.qr(np.column_stack([phi[:, seen] / norms, y]), mode="r")
+        c[seen] = bounded_small(r[:, :-1], r[:, -1], lower, upper) / norms
         return c
     factor = np.linalg.cholesky(scaled)
     found = bounded_small(factor.T, np.linalg.solve(factor, moment[seen] / norms), lower, upper)

@@ -147,15 +147,20 @@ def steadier(
 ) -> ScoredCandidate | None:
     """Return another law of the class of what leads without earning its place, which earns it and takes no less; None where there is none.
 
-    judgements: of the step, best first. What takes less than `plain` asks for none. Other spellings of the leading law (those that name it
-    as their `nearest`) are judged, and the free form of its class; a spelling that takes `near` of what the free form takes comes first. A
-    free form bears the leading law's name where a formula takes `resembles` of what it takes, else there is none.
+    judgements: of the step, best first. What takes less than `plain` asks for none. Other spellings of the leading law and of the others of its
+    class (those that name one as their `nearest`) are judged, and the free form of its class; a spelling that takes `near` of what the free form
+    takes comes first. A free form bears the leading law's name where a formula takes `resembles` of what it takes, else there is none.
     """
     first = next((j for j in judgements if not j.candidate.bare), None)
     if first is None or first.score.earns or first.candidate.kind != ADDITION or first.score.gain <= criteria.plain:
         return None
     family, at, name = first.candidate.family, first.candidate.at, first.candidate.name
-    formulas = [j for j in spellings.spelled(state, [first], criteria, offer) if j.errors.total <= first.errors.total]
+    laws = [first, *(j for j in judgements if j is not first and spellings.of_class(j, first))]
+    formulas = [
+        spellings.as_of_a_spring(j, state)
+        for j in spellings.spelled(state, laws, criteria, offer)
+        if j.errors.total <= first.errors.total
+    ]
     free = {(family, at)} if family in FREE_FORMS and family != MEMORY else set()
     forms = [j for j in judged_forms(state, free, criteria, offer.budget) if j.errors.total <= first.errors.total]
     best, form = (min(x, key=lambda j: (j.errors.total, j.candidate.key), default=None) for x in (formulas, forms))

@@ -12,6 +12,7 @@ from workbench.tracing.counted import by_counts, quantisation_bias
 from workbench.tracing.criteria import Criteria
 from workbench.tracing.free_law import free_law, steadier
 from workbench.tracing.judge import Progress, ScoredCandidate, lighter
+from workbench.tracing.lazy import Lazy
 from workbench.tracing.ranking import any_curve, led, pushed_back, step
 from workbench.tracing.state import State
 from workbench.tracing.unexplained import PLAIN, noise_alone
@@ -51,11 +52,13 @@ def extended(
     found: list[Step] = []
     first, quiet = state, noise_rms(whole, state.plant)
     provisional: ScoredCandidate | None = None
+    lazy = Lazy(criteria)
     for _ in range(criteria.steps):
         if found and provisional is None and spent(state, first, quiet, criteria):
             break
         level = with_stationary(quiet, whole, state.steady)
-        judgements = step(state, progress, offer, criteria)
+        judgements = step(state, progress, offer, criteria, lazy.beside(state, everything=provisional is not None))
+        lazy.noted(judgements, state)
         least = criteria.plain if noise_alone(state, level, PLAIN) else 0.0
         best = leading(judgements, least)
         if least > 0.0:

@@ -3,7 +3,7 @@
 By gain; of those that explain practically the same the simplest leads, and no effect leads that by its values is another one.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 from workbench.definition import FORCE, Effect, catalogue
@@ -12,7 +12,7 @@ from workbench.effects.free_bank import NAME as FREE_CURVE
 from workbench.identification.cross_validation import gain
 from workbench.processes import shared
 from workbench.tracing import foreseen
-from workbench.tracing.candidates import ADDITION, WHOLE, Offer
+from workbench.tracing.candidates import ADDITION, WHOLE, Candidate, Offer
 from workbench.tracing.criteria import Criteria
 from workbench.tracing.judge import STANDARD, Progress, ScoredCandidate, ahead, judged, refit_of, refitted, refitted_as
 from workbench.tracing.orders import stranger
@@ -30,10 +30,14 @@ EQUAL = 0.1  # standard errors of a gain within which two effects as simple expl
 
 
 def step(
-    state: State, progress: Progress, offer: Offer = WHOLE, criteria: Criteria = STANDARD
+    state: State,
+    progress: Progress,
+    offer: Offer = WHOLE,
+    criteria: Criteria = STANDARD,
+    asks: Callable[[Candidate], bool] = lambda _: True,
 ) -> list[ScoredCandidate]:
-    """Judge every candidate that is offered; return them best first, those that lead fitted with everything free."""
-    candidates = offer.candidates(state.plant)
+    """Judge every candidate that is offered and that `asks` says to ask; return them best first, those that lead fitted with everything free."""
+    candidates = [c for c in offer.candidates(state.plant) if asks(c)]
     # made here, else by every process for itself
     _ = state.power, state.residuals, state.of_loads, state.absorbed, state.solution.columns, state.solution.gram
     judgements = []

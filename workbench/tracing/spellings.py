@@ -88,7 +88,12 @@ def better_spelled(
     special = best.candidate.at == least.candidate.at and best.candidate.name in special_cases(least)
     if special and state.errors.total - best.errors.total >= near:
         return bearing(best, least)
-    return _called(BENT, least) if least.candidate.name == CABLE and sprung(least.candidate.at, state) else least
+    return as_of_a_spring(least, state)
+
+
+def as_of_a_spring(j: ScoredCandidate, state: State) -> ScoredCandidate:
+    """Return another spelling of a cable beside a declared spring under the name of that one's stiffness, which changes; a judgement as it is else."""
+    return _called(BENT, j) if j.candidate.name == CABLE and sprung(j.candidate.at, state) else j
 
 
 def special_cases(j: ScoredCandidate) -> set[str]:

@@ -22,13 +22,14 @@ def of_more_orders(
     if periodic(best.candidate.plant[best.candidate.key]):
         return None
     whole, left = state.errors.total, best.errors.total
-    waves = (
+    waves = [
         j
         for j in judgements
         if j is not best and j.candidate.kind == ADDITION and j.refitted and j.score.earns
         if periodic(j.candidate.plant[j.candidate.key]) and whole - j.errors.total >= criteria.near * (whole - left)
-    )
-    return next((j for j in waves if orders_say_it(state, j, (1.0 - criteria.near) * left, criteria, offer)), None)
+    ]
+    found = shared(lambda j: orders_say_it(state, j, (1.0 - criteria.near) * left, criteria, offer), waves)
+    return next((j for j, says in zip(waves, found, strict=True) if says), None)
 
 
 def orders_say_it(state: State, nearest: ScoredCandidate, most: float, criteria: Criteria, offer: Offer) -> bool:
