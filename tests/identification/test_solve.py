@@ -7,6 +7,7 @@ from hypothesis import strategies as st
 
 from workbench.definition import find
 from workbench.effects.free_bank import bank_beside, slips_of
+from workbench.identification import solve as solving
 from workbench.identification.cross_validation import from_normal
 from workbench.identification.linearised import Linearised
 from workbench.identification.problem import Problem
@@ -118,6 +119,21 @@ def test_what_a_force_beside_a_solved_model_comes_to_is_that_of_the_whole_proble
         theta = problem.start()
         assert problem.cost(theta) == pytest.approx(solved_at(problem, theta).cost, rel=1e-6), candidate.key
     assert tried > 15
+
+
+def test_no_step_is_tried_that_promises_what_a_bound_holds(monkeypatch):
+    """All but the joint's stiffness would be negative here, and stand at zero: what a step takes of them it cannot have."""
+    problem, tried, solved = Problem(plant(), inverses()), [], solving.solved_at
+    monkeypatch.setattr(solving, "solved_at", lambda p, theta: tried.append(theta) or solved(p, theta))
+    found = solve(problem)
+    assert [n.key for n, c in zip(problem.free_linear, found.c, strict=True) if c > 0.0] == ["linear_stiffness@joint"]
+    assert len(tried) == 1
+
+
+def test_a_step_that_rises_leaves_a_shorter_one_no_more_than_its_parabola():
+    assert solving._best_between(slope=2.0, rise=0.0) == 0.5  # f = 2 x^2 - 2 x
+    assert solving._best_between(slope=2.0, rise=98.0) == pytest.approx(0.01)
+    assert solving._best_between(slope=2.0, rise=np.inf) == np.inf
 
 
 def test_friction_in_the_place_of_a_curve_comes_to_what_the_whole_problem_comes_to():

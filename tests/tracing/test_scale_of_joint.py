@@ -14,7 +14,8 @@ from workbench.record import IDENTIFICATION, Record
 from workbench.tracing.candidates import ADDITION, Candidate, Offer
 from workbench.tracing.criteria import Criteria
 from workbench.tracing.judge import STANDARD
-from workbench.tracing.ranking import any_curve, step
+from workbench.tracing.orders import any_curve
+from workbench.tracing.ranking import step
 from workbench.tracing.scale_of_joint import beside
 from workbench.tracing.state import State
 from workbench.tracing.weighing import of_zero

@@ -161,7 +161,7 @@ def test_orders_that_hardly_return_draw_what_lives_in_two_places_and_say_no_wave
     third, most = (SimpleNamespace(total=x * state.errors.total) for x in (0.7, 0.1))
     beside = SimpleNamespace(plant=wave.candidate.plant)
     monkeypatch.setattr(waves, "judged_forms", lambda *_: [SimpleNamespace(errors=most)])
-    monkeypatch.setattr(waves, "refitted_as", lambda s, j, c: replace(j, refitted=SimpleNamespace(state=beside)))
+    monkeypatch.setattr(waves, "everything_free", lambda s, j, c: replace(j, refitted=SimpleNamespace(state=beside)))
     monkeypatch.setattr(
         waves, "judged", lambda *_: {"score": wave.score, "errors": most, "freedom": 4, "theta": np.zeros(1)}
     )

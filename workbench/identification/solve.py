@@ -19,6 +19,7 @@ CARRIED = 1e-6  # of the drive, by which a fit may still move with its load
 # Of the largest singular value, with which a bounded fit holds a direction that its rows do not determine: far below what counts
 # as determined (3e-5 in a fold), far above rounding (1e-16 over its square is what rounding may move)
 LEAST_NORM = 1e-7
+AT_BOUND = 1e-10  # of the drive, by which a linear parameter may lie off the bound at which it stands
 LARGEST = 1.0  # largest step of a shape parameter on its logarithmic scale
 
 
@@ -185,8 +186,8 @@ def _searched(problem: Problem, theta: np.ndarray | None, tolerance: float, leas
     damping = 1e-3
     enough = max(tolerance, least)
     for _ in range(most if theta.size else 0):
-        linear = at.c.size
-        g, h, sizes = _normal_equations(at, tangents)
+        g, h, sizes = _normal_equations(at, tangents, _moving(problem, at))
+        linear = g.size - sizes.size
         new = None
         for _ in range(8):
             damped = h.copy()
@@ -202,6 +203,9 @@ def _searched(problem: Problem, theta: np.ndarray | None, tolerance: float, leas
             if tried.cost < at.cost:
                 new = tried
                 break
+            as_promised = np.array_equal(trial, theta + whole[linear:] / sizes)
+            if as_promised and _best_between(2.0 * (whole @ g), tried.cost - at.cost) <= enough * at.cost:
+                break  # nor does what the step came to leave more to a shorter one
             damping *= 10
         if new is None:
             break
@@ -216,16 +220,37 @@ def _searched(problem: Problem, theta: np.ndarray | None, tolerance: float, leas
     return Solution(theta, at.c, at.y, at.phi, at.cost, tangents)
 
 
-def _normal_equations(at: At, tangents: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return (g, h, sizes) of a joint Gauss-Newton step in (c, theta), the linear part may move along: h step = g.
+def _best_between(slope: float, rise: float) -> float:
+    """Return by how much the cost falls at most along a step, of the parabola with the slope at its start by which it should fall, and its rise at
+    the end: slope^2/(4 (rise + slope)). Without an end, what a shorter step brings is open.
+
+    Where the derivative of a leap (a wave's edge, a friction that turns between two samples) points uphill, every shorter step rises, too.
+    """
+    return slope**2 / (4.0 * (rise + slope)) if np.isfinite(rise) else np.inf
+
+
+def _moving(problem: Problem, at: At) -> np.ndarray:
+    """Return which linear parameters may move to where the cost falls, (m,) of bool: not those that a bound holds (Bertsekas 1982, projected Newton).
+
+    A step that lets go of a bound promises what no step brings.
+    """
+    lower, upper = problem.bounds
+    slope = at.phi.T @ (at.y - at.phi @ at.c)
+    small = AT_BOUND * np.linalg.norm(at.y) / np.sqrt(np.maximum(np.diag(at.gram), 1e-300))
+    return ~((at.c - lower <= small) & (slope <= 0.0) | (upper - at.c <= small) & (slope >= 0.0))
+
+
+def _normal_equations(at: At, tangents: np.ndarray, moving: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return (g, h, sizes) of a joint Gauss-Newton step in (c[moving], theta), the linear part may move along: h step = g.
 
     Columns are of unit length; sizes (k,) are the tangents' own.
     """
-    norms, sizes = np.sqrt(np.diag(at.gram)), scales(tangents)
+    gram = at.gram[np.ix_(moving, moving)]
+    norms, sizes = np.sqrt(np.diag(gram)), scales(tangents)
     norms = np.concatenate([np.where(norms > 0.0, norms, 1.0), sizes])
-    e, across = at.y - at.phi @ at.c, at.phi.T @ tangents
-    h = np.block([[at.gram, across], [across.T, tangents.T @ tangents]])
-    return np.concatenate([at.phi.T @ e, tangents.T @ e]) / norms, h / np.outer(norms, norms), sizes
+    e, across = at.y - at.phi @ at.c, (at.phi.T @ tangents)[moving]
+    h = np.block([[gram, across], [across.T, tangents.T @ tangents]])
+    return np.concatenate([(at.phi.T @ e)[moving], tangents.T @ e]) / norms, h / np.outer(norms, norms), sizes
 
 
 def _limited(problem: Problem, theta: np.ndarray, step: np.ndarray) -> np.ndarray:

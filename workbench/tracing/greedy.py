@@ -13,7 +13,8 @@ from workbench.tracing.criteria import Criteria
 from workbench.tracing.free_law import free_law, steadier
 from workbench.tracing.judge import Progress, ScoredCandidate, lighter
 from workbench.tracing.lazy import Lazy
-from workbench.tracing.ranking import any_curve, led, pushed_back, step
+from workbench.tracing.orders import any_curve
+from workbench.tracing.ranking import led, pushed_back, step
 from workbench.tracing.state import State
 from workbench.tracing.unexplained import PLAIN, noise_alone
 from workbench.tracing.waves import lives_in_places

@@ -93,13 +93,16 @@ def refit_of(state: State, j: ScoredCandidate, theta: np.ndarray, c: np.ndarray,
     return Refitted(Problem(_free_of(state, j).plant, begun_at(state.inverses, starts)), theta, c)
 
 
+def everything_free(state: State, j: ScoredCandidate, criteria: Criteria) -> ScoredCandidate:
+    """Return a judgement fitted with everything free, as it is where that has no value."""
+    more = refitted(state, j, criteria)
+    return replace(j, refitted=refit_of(state, j, *more.pop("fit")), **more) if more else j
+
+
 def refitted_as(state: State, j: ScoredCandidate, criteria: Criteria) -> ScoredCandidate:
     """Return a judgement fitted with everything free, with the state that it ended in; as it is where that has no value."""
-    more = refitted(state, j, criteria)
-    if not more:
-        return j
-    fit = refit_of(state, j, *more.pop("fit"))
-    return replace(j, refitted=fit, state=fit.state, **more)
+    fitted = everything_free(state, j, criteria)
+    return fitted if fitted is j else replace(fitted, state=fitted.refitted.state)
 
 
 def _free_of(state: State, j: ScoredCandidate) -> Problem:

@@ -1,4 +1,4 @@
-"""Whether the order of a further wave is one that a mechanism has: orders of one are those of its shafts and teeth."""
+"""Whether a wave is one: orders of a mechanism are those of its shafts and teeth, and what the travel does not show to return may be any curve."""
 
 from collections.abc import Sequence
 from math import pi
@@ -6,13 +6,23 @@ from math import pi
 import numpy as np
 
 from workbench.definition import Effect
+from workbench.effects.families import FREE_FORMS, family_of
 from workbench.inverse.dynamics import InverseDynamics
 from workbench.plant import Plant
+from workbench.tracing.candidates import ADDITION
+from workbench.tracing.criteria import Criteria
+from workbench.tracing.judge import ScoredCandidate
+from workbench.tracing.plausible import returns
+from workbench.tracing.state import State
 
 # Orders of one mechanism are those of its shafts and teeth: two stand as small numbers. What lives in position without being
 # periodic is dressed by waves whose orders do not. Halved, orders 5 and 6 of a shaft are strangers; doubled, nearly none are.
 SMALL = 6
 MEETS = 0.01  # relative error of a ratio of orders: their intervals are a few per mille
+# Share of the residual's power from which a wave that is not seen to return is a sine nevertheless: of a window half as long as its period a sine
+# takes 8/pi^2 = 0.81 (a bath that a belt dips into 0.86), of a sine all (a rig's friction of 1.7 periods 0.97). Halved, windows are cyclic friction;
+# doubled (1 at most), that friction is "unknown"
+SINE = 0.9
 
 
 def stranger(wave: Effect, plant: Plant, inverses: Sequence[InverseDynamics]) -> bool:
@@ -30,3 +40,16 @@ def stranger(wave: Effect, plant: Plant, inverses: Sequence[InverseDynamics]) ->
     ratios = [order / of for of in known if of > 0.0]
     small = [p / q for p in range(1, SMALL + 1) for q in range(1, SMALL + 1)]
     return bool(ratios) and not any(abs(r / s - 1.0) < MEETS for r in ratios for s in small)
+
+
+def any_curve(j: ScoredCandidate, state: State, criteria: Criteria) -> bool:
+    """Whether a fitted candidate is a wave that draws whatever lives in a part of the stroke: the travel does not show it to return, it leaves
+    plainly something, and in its class no law of the catalogue is a curve."""
+    if not j.refitted or j.candidate.kind != ADDITION:
+        return False
+    wave = j.refitted.plant[j.candidate.key]
+    form = FREE_FORMS.get(family_of(wave))
+    curved = "order" not in wave.parameters or form is None or bool(form.nearest)
+    # the angle between two encoders is measured: what takes `near` of it is the gear's, of whatever shape
+    sure = criteria.near if j.candidate.at == "joint" else SINE
+    return not curved and j.score.gain < sure and not returns(wave, state.inverses, rotary=state.plant.rotary)

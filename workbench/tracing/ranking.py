@@ -7,25 +7,29 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 from workbench.definition import FORCE, Effect, catalogue
-from workbench.effects.families import FREE_FORMS, family_of
 from workbench.effects.free_bank import NAME as FREE_CURVE
 from workbench.identification.cross_validation import gain
 from workbench.processes import shared
 from workbench.tracing import foreseen
 from workbench.tracing.candidates import ADDITION, WHOLE, Candidate, Offer
 from workbench.tracing.criteria import Criteria
-from workbench.tracing.judge import STANDARD, Progress, ScoredCandidate, ahead, judged, refit_of, refitted, refitted_as
-from workbench.tracing.orders import stranger
-from workbench.tracing.plausible import implausible, returns
+from workbench.tracing.judge import (
+    STANDARD,
+    Progress,
+    ScoredCandidate,
+    ahead,
+    everything_free,
+    judged,
+    refit_of,
+    refitted,
+)
+from workbench.tracing.orders import any_curve, stranger
+from workbench.tracing.plausible import implausible
 from workbench.tracing.reducing import reduced_to
 from workbench.tracing.slack import gap_first
 from workbench.tracing.state import State
 
 BEHIND = 0.4  # of the best one's gain, below which a candidate is not
-# Share of the residual's power from which a wave that is not seen to return is a sine nevertheless: of a window half as long as its period a sine
-# takes 8/pi^2 = 0.81 (a bath that a belt dips into 0.86), of a sine all (a rig's friction of 1.7 periods 0.97). Halved, windows are cyclic friction;
-# doubled (1 at most), that friction is "unknown"
-SINE = 0.9
 EQUAL = 0.1  # standard errors of a gain within which two effects as simple explain the same
 
 
@@ -179,7 +183,7 @@ def _plainest_first(
         whole = state.errors.total
         if other.score.earns and whole - other.errors.total >= criteria.near * (whole - first.errors.total):
             other = _as_simple(
-                other if other.refitted else refitted_as(state, other, criteria), judgements, criteria, state
+                other if other.refitted else everything_free(state, other, criteria), judgements, criteria, state
             )
             judgements = [other, *(j for j in judgements if j.candidate is not other.candidate)]
             break
@@ -196,7 +200,7 @@ def _as_simple(
     were not held against each other: Stribeck's, of a speed above all that is driven, is Coulomb's.
     """
     for j in (j for j in others if j.score.earns and j.theta is not None and j.freedom < first.freedom):
-        fitted = j if j.refitted else refitted_as(state, j, criteria)
+        fitted = j if j.refitted else everything_free(state, j, criteria)
         if alike(first, fitted, criteria, state.power) and not absurd(fitted, state):
             return fitted
     return first
@@ -207,19 +211,6 @@ def _stranger(j: ScoredCandidate, state: State) -> bool:
     if not j.refitted or j.candidate.kind != ADDITION:
         return False
     return stranger(j.refitted.plant[j.candidate.key], j.refitted.plant, state.inverses)
-
-
-def any_curve(j: ScoredCandidate, state: State, criteria: Criteria) -> bool:
-    """Whether a fitted candidate is a wave that draws whatever lives in a part of the stroke: the travel does not show it to return, it leaves
-    plainly something, and in its class no law of the catalogue is a curve."""
-    if not j.refitted or j.candidate.kind != ADDITION:
-        return False
-    wave = j.refitted.plant[j.candidate.key]
-    form = FREE_FORMS.get(family_of(wave))
-    curved = "order" not in wave.parameters or form is None or bool(form.nearest)
-    # the angle between two encoders is measured: what takes `near` of it is the gear's, of whatever shape
-    sure = criteria.near if j.candidate.at == "joint" else SINE
-    return not curved and j.score.gain < sure and not returns(wave, state.inverses, rotary=state.plant.rotary)
 
 
 def pushed_back(judgements: Sequence[ScoredCandidate], criteria: Criteria, state: State) -> list[ScoredCandidate]:

@@ -7,17 +7,17 @@ from workbench.plant import TWO_MASS
 from workbench.tracing.candidates import ADDITION
 from workbench.tracing.criteria import Criteria
 from workbench.tracing.judge import ScoredCandidate
-from workbench.tracing.state import State
+from workbench.tracing.state import Refitted, State
 
 
-def reduced_to(j: ScoredCandidate, state: State, criteria: Criteria) -> str | None:
+def reduced_to(j: ScoredCandidate, state: State | Refitted, criteria: Criteria) -> str | None:
     """Return the name of the simpler effect that a fitted addition is, "" for none at all, None where it is itself."""
     if not j.refitted or j.candidate.kind != ADDITION:
         return None
     return by_values(j.refitted.plant[j.candidate.key], state, criteria)
 
 
-def by_values(effect: Effect, state: State, criteria: Criteria) -> str | None:
+def by_values(effect: Effect, state: State | Refitted, criteria: Criteria) -> str | None:
     """Return the name of the simpler effect that a fitted one is on the records of a state, "" for none at all, None where it is itself."""
     if effect.port == TIME and state.plant.kind == TWO_MASS:
         return None  # a clock of one of two encoders is no delay of the drive

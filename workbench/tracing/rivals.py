@@ -35,7 +35,7 @@ def rivals(
             for j in judgements:
                 if j is found or not (j.refitted and j.score.earns and alike(found, j, criteria, power)):
                     continue
-                if reduced_to(j, j.refitted.state, criteria) != found.candidate.effect:
+                if reduced_to(j, j.refitted, criteria) != found.candidate.effect:
                     level.setdefault(j.score.effect, j)
     taken = {j.score.effect for j in added}
     return [j for name, j in level.items() if name not in taken][:MOST]

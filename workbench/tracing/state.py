@@ -113,6 +113,11 @@ class Refitted:
         return self.problem.at(self.theta, self.c)
 
     @property
+    def inverses(self) -> Sequence[InverseDynamics]:
+        """The records that it was fitted on."""
+        return self.problem.inverses
+
+    @property
     def state(self) -> State:
         """The state of this fit, which only led, brought to where others are judged beside it."""
         return State(self.problem.plant, self.problem.inverses, self.theta, most=POLISHED)

@@ -9,7 +9,7 @@ from workbench.tracing.budget import Budget
 from workbench.tracing.candidates import ADDITION, AGAIN, Candidate, Offer, periodic
 from workbench.tracing.criteria import Criteria
 from workbench.tracing.free_forms import free_forms
-from workbench.tracing.judge import ScoredCandidate, judged, refitted_as
+from workbench.tracing.judge import ScoredCandidate, everything_free, judged
 from workbench.tracing.spellings import hardly_returns, spellings_in
 from workbench.tracing.state import State
 
@@ -39,17 +39,17 @@ def orders_say_it(state: State, nearest: ScoredCandidate, most: float, criteria:
     if not periodic(own) or nearest.theta is None:
         return False
     for _ in AGAIN:
-        nearest = nearest if nearest.refitted else refitted_as(state, nearest, criteria)
+        nearest = nearest if nearest.refitted else everything_free(state, nearest, criteria)
         if nearest.refitted is None or hardly_returns(nearest, state):
             return False
-        state = nearest.refitted.state
+        state = nearest.state or nearest.refitted.state
         further = [c for c in offer.candidates(state.plant) if c.kind == ADDITION and c.at == own.at]
         # one candidate: the same effect at its next order
         again = [c for c in further if c.plant[c.key].name == own.name and c.key != nearest.candidate.key]
         found = [ScoredCandidate(c, **judged(state, c, criteria, offer.budget)) for c in again]
         nearest = min((j for j in found if j.theta is not None), key=lambda j: j.errors.total, default=None)
         if nearest is None or nearest.errors.total <= most:
-            return nearest is not None and not hardly_returns(refitted_as(state, nearest, criteria), state)
+            return nearest is not None and not hardly_returns(everything_free(state, nearest, criteria), state)
     return False
 
 
