@@ -50,6 +50,13 @@ CASES = {
         evidence(weighed("constant_offset", (0.92, 0.1415), (1.046, 0.259)), weighed("gravity", (0.1415, 0.0772), (0.259, 0.110))), CAUSE,
         (CAUSE, CAUSE),
     ),
+    "a further wave whose phase on validation is that of another power-up is not borne out there": (
+        evidence(weighed("viscous_asymmetry", (0.0393, 0.0292), (0.0563, 0.0496)),
+            weighed("kinematic_error", (0.0194, 0.018), (0.0276, 0.0257), power_up=True), before=0.034), CAUSE, (CAUSE, NOT_BORNE_OUT),
+    ),
+    "alone it is a cause, with a phase to be calibrated": (
+        evidence(weighed("cogging", (0.05, 0.01), (0.05, 0.01), power_up=True)), CAUSE, (CAUSE,),
+    ),
     "a memory of the declared friction that takes less than `beside` of the drive beside a larger cause is a law that is only nearly right": (
         evidence(weighed("torque_constant_saturation", (0.0371, 0.0104), (0.033, 0.0096)),
             weighed("presliding_hysteresis", (0.0104, 0.0038), (0.0096, 0.0032), of_declared=True)), CAUSE, (CAUSE, REFINEMENT),

@@ -9,7 +9,7 @@
 | the same beside another cause, that takes less than `unaccounted` of the drive? | refinement |
 | a further one (beside an encoder that is late any is) that takes less than `lesser` of what the largest cause takes of the same balance (a further order of that one is its own) and less than `unaccounted` of the drive (unless it takes `held` of validation, and of what that one does there), on validation less than the practical size, less than `beside` with values that no machine has or of the drive as a memory of the friction that is declared, or says the curve that a larger one says? | refinement |
 | a further one that takes `held` of what the larger ones leave in neither role, of which less than `explainable` is foretold, or which the load's balance alone shows? | refinement |
-| does the error grow on validation, or does the effect explain nearly nothing there? | not borne out |
+| does the error grow on validation, or does the effect explain nearly nothing there, or a further wave only with a phase found there? | not borne out |
 | does what is outside the loop bear out less than `held` of what it takes, for certain by `alike` standard errors? | not borne out |
 | is what they take of a window of the stroke paid for with residual elsewhere? | unknown |
 | does a stiffness of the joint or an inertia that changes along the stroke, which no effect is, take `explainable` more of the drive than they do? | unknown |
@@ -57,6 +57,8 @@ class Verdict:
 def decide(evidence: Evidence, criteria: Criteria) -> Verdict:
     """Return the verdict on this evidence."""
     own = tuple(_role(a, criteria) for a in evidence.added)
+    first = _largest([a for a, r in zip(evidence.added, own, strict=True) if r == CAUSE], criteria)
+    own = tuple(NOT_BORNE_OUT if a.power_up and a is not first else r for a, r in zip(evidence.added, own, strict=True))
     roles = _lesser(evidence, own, criteria)
     if any(r == CAUSE and not a.of_declared for a, r in zip(evidence.added, roles, strict=True)):
         roles = _lesser(evidence, _but_near_laws(evidence, own, criteria), criteria)

@@ -151,6 +151,8 @@ def _of_addition(a: Weighed, role: str, along: float, criteria: Criteria, *, aga
     name = f"{capital(f'a second {title(a.effect)}' if again else title(a.effect))} at the {a.at}"
     if role == NOT_BORNE_OUT:
         why = f"on validation it explains {100 * max(a.share(VALIDATION), 0.0):.0f} %"
+        if a.power_up:
+            why += " with the phase that it has there, which is none of identification's: calibrate it at each power-up"
         if a.came_back(criteria.held, criteria.alike):
             why = (
                 f"what is outside the loop bears out {100 * min(max(a.outside, 0.0), 1.0):.0f} % of it; what disturbs the axis comes back "
