@@ -296,7 +296,7 @@ def test_what_comes_to_nothing_when_it_is_asked_again_stays_by_the_state_that_ha
     for needless, left in ((False, [first, second]), (True, [second])):
         answer = Answer([first, second], state)
         if needless:  # the state without it says as much
-            monkeypatch.setattr(pruning, "State", lambda *_: second.state)
+            monkeypatch.setattr(pruning, "State", lambda *_, **__: second.state)
         found = pruning.pruned(answer, PLANT, [judgements], lambda _: None, Offer(), STANDARD)
         assert [j.candidate.key for j in found.added] == [j.candidate.key for j in left]
 

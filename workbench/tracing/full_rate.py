@@ -59,6 +59,12 @@ def nested_fits(
     return list(added), [fits[0], *between, last]
 
 
+def settled(plant: Plant, inverses: Sequence[InverseDynamics]) -> Fit:
+    """Return the fit of a plant on whole records, as near to its end as the others are that it is held against."""
+    end = end_of_search(plant, fitted_on(inverses), SETTLED, FURTHER)
+    return identify(plant, inverses, end, solved=end is not None)
+
+
 def is_confirmed(before: Fit, after: Fit) -> bool:
     """Whether whole records bear out what a fit has and the one before has not: the error of the drive falls.
 

@@ -13,6 +13,7 @@ from workbench.tracing.candidates import ADDITION, Candidate, without
 from workbench.tracing.criteria import Criteria
 from workbench.tracing.decide import CAUSE, NOTHING, REFINEMENT, UNKNOWN, Verdict
 from workbench.tracing.evidence import Evidence, Weighed
+from workbench.tracing.full_rate import settled
 from workbench.tracing.headline import verdict_sentence
 from workbench.tracing.judge import Progress, ScoredCandidate, shown
 from workbench.tracing.power_up import calibrations, withheld
@@ -203,7 +204,7 @@ def _of_causes(o: Outcome) -> Fit:
     plant = fit.plant
     for candidate in lesser:
         plant = without(plant, candidate, o.selected.base.plant)
-    return identify(plant, o.inverses) if lesser else fit
+    return settled(plant, o.inverses) if lesser else fit
 
 
 def _refined(fit: Fit, selected: Selection, inverses: Sequence[InverseDynamics]) -> Fit:
