@@ -301,6 +301,27 @@ def test_what_comes_to_nothing_when_it_is_asked_again_stays_by_the_state_that_ha
         assert [j.candidate.key for j in found.added] == [j.candidate.key for j in left]
 
 
+def test_a_memory_of_the_declared_friction_that_comes_in_the_stead_of_a_needless_law_is_weighed_beside_all_others(
+    monkeypatch,
+):
+    """Of a worm gear that hangs and drags more than in proportion, friction that gives way took what the drag and the weight take after it."""
+    state, judgements = asked(lambda q: 0.6 * (q - 0.05) + 0.12 * np.sin(40.0 * q), PLANT, "cable_spring", "cogging")
+    first = judgements[0]
+    second = ranking.step(first.state, lambda _: None, Offer(only={"cogging", "cable_spring"}))[0]
+    memory, wave = (
+        free_law.refitted_as(second.state, j, STANDARD)
+        for j in ranking.step(second.state, lambda _: None, Offer(only={"lugre_friction", "gravity"}))[:2]
+    )
+    if memory.candidate.effect != "lugre_friction":
+        memory, wave = wave, memory
+    needless = replace(first, score=replace(first.score, earns=False))
+    for stead, order in ((memory, [second, memory]), (wave, [wave, second])):
+        leads = replace(stead, score=replace(stead.score, gain=0.5, earns=True))
+        monkeypatch.setattr(pruning, "step", lambda *_, j=leads: [j])
+        found = pruning.pruned(Answer([needless, second], state), PLANT, [], lambda _: None, Offer(), STANDARD)
+        assert [j.candidate.key for j in found.added] == [j.candidate.key for j in order]
+
+
 @pytest.mark.parametrize(("mu", "itself"), [(0.08, True), (0.02, True), (0.0, False)])
 def test_a_coefficient_of_friction_is_not_nothing_beside_the_share_of_inertia_that_a_gear_passes(mu, itself):
     """Both are numbers without a unit: what is small beside the other springs of a law is nothing, and a share is none of them."""

@@ -14,9 +14,10 @@ from workbench.tracing.criteria import Criteria
 from workbench.tracing.judge import ScoredCandidate
 from workbench.tracing.state import State
 
-# Of the least share that an effect must take, that a candidate took of the state that it was judged beside, from which it is asked again
-HOPE = 0.1
-MUCH = 0.5  # of the held-out power that was left when a candidate was asked, below which everything is another matter
+# Of the least share that an effect must take, that a candidate took of the state that it was judged beside, from which it is asked again; and of
+# the held-out power that was left when it was asked, below which everything is another matter. The first doubled and the second halved, no verdict of
+# c, d, the carried and the measured axes changes; nor with all asked in every round (the second of 1), for which d08 takes a quarter longer
+HOPE, MUCH = 0.1, 0.5
 
 Asked = tuple[str, str, bool]  # a candidate: its key, its kind, and whether it takes the place of something
 

@@ -15,6 +15,7 @@ from workbench.tracing.candidates import ADDITION, Offer, periodic, without
 from workbench.tracing.criteria import Criteria
 from workbench.tracing.greedy import leading
 from workbench.tracing.judge import Progress, ScoredCandidate, freedom, lighter, still_earns
+from workbench.tracing.near_law import gives_way
 from workbench.tracing.ranking import step
 from workbench.tracing.reducing import by_values, nothing_of_its_own
 from workbench.tracing.slack import bent_gap
@@ -78,8 +79,10 @@ def pruned(
             fewer = _simpler(answer, i, reduced, declared, criteria) or Answer(left, answer.declared, reduced)
             rest = fewer.added
             return pruned(fewer, declared, looked, progress, offer, criteria) if len(rest) > 1 else fewer
-        answer = Answer([*rest[:i], best, *rest[i:]], answer.declared, best.state).standing
-        if len(answer.added) <= len(rest):
+        # what the declared friction is only nearly right in is weighed beside all else, of which it would take a part where it came first
+        last = another and gives_way(best.candidate, declared)
+        answer = Answer([*rest, best] if last else [*rest[:i], best, *rest[i:]], answer.declared, best.state).standing
+        if last or len(answer.added) <= len(rest):
             return pruned(answer, declared, looked, progress, offer, criteria)
     return answer
 
