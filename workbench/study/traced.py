@@ -15,8 +15,7 @@ from workbench.processes import begun
 from workbench.report import drawn
 from workbench.report import write as write_page
 from workbench.report.contents import Recorded, StudyResult
-from workbench.report.drawing import started
-from workbench.residual.residual_maps import ResidualMaps, map_residual
+from workbench.residual.residual_maps import map_residual
 from workbench.study.configuration import campaign_of
 from workbench.tracing.output import write
 from workbench.tracing.result import Trace
@@ -49,16 +48,16 @@ def run(
     campaign = load(folder, resample=resample) if folder else campaign
     inverses = inverse_dynamics(campaign.records, campaign.bandwidth)
     found = trace(campaign.plant, inverses, say)
-    page = _page(campaign, found, map_residual(inverses, found.before, found.extended))
+    page = _page(campaign, found)
     loop = nullcontext(lambda: (None, {}))
     if closing and found.causes:
         if not lacking(campaign.plant, record_of(campaign)):
             say("closing the loop")
-        started()  # once for both processes
         loop = begun(partial(_closed, campaign, page))
     with loop as closed, whole(out, FILE) as beside:
-        say("writing the page")
-        figures = drawn(page)  # while the loop is closed
+        say("writing the page")  # while the loop is closed
+        page = replace(page, residual_maps=map_residual(inverses, found.before, found.extended))
+        figures = drawn(page)
         of_page, of_loop = closed()
         write(found, beside, page.residual_maps, {"closed_loop": loop_as_dict(of_page)})
         write_page(replace(page, closed=of_page), beside, "trace", figures | of_loop)  # which carries trace.json
@@ -66,13 +65,13 @@ def run(
 
 
 def _closed(campaign: Campaign, page: StudyResult) -> tuple[ClosedLoop | str, dict[str, bytes]]:
-    """Return the loop closed with what a page's trace found, and what is drawn of it."""
+    """Return the loop closed with what a page's trace found, and what is drawn of it. page: its maps are not looked at."""
     closed = closed_loop(campaign, page.trace)
     return closed, drawn(replace(page, closed=closed), beside=page)
 
 
-def _page(campaign: Campaign, found: Trace, maps: tuple[ResidualMaps, ...]) -> StudyResult:
-    """Return what the page of a trace is made of, the loop aside."""
+def _page(campaign: Campaign, found: Trace) -> StudyResult:
+    """Return what the page of a trace is made of, the loop and the maps of the residual aside."""
     folder = campaign.folder.resolve()
     return StudyResult(
         name=folder.parent.name if folder.name == FOLDER else folder.name,
@@ -84,7 +83,6 @@ def _page(campaign: Campaign, found: Trace, maps: tuple[ResidualMaps, ...]) -> S
         bandwidth=campaign.bandwidth,
         trace=found,
         findings=(*campaign.findings, *found.every_finding),
-        residual_maps=maps,
         kind="Trace of campaign",
         command=f"workbench trace {f'{folder.parent.name}/{FOLDER}' if folder.name == FOLDER else folder.name}",
     )

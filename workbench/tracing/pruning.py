@@ -20,7 +20,7 @@ from workbench.tracing.ranking import step
 from workbench.tracing.reducing import by_values, nothing_of_its_own
 from workbench.tracing.slack import bent_gap
 from workbench.tracing.spellings import bearing, called_as, special_cases, with_spelling
-from workbench.tracing.starting import FURTHER
+from workbench.tracing.starting import COMPARED, FURTHER
 from workbench.tracing.state import State
 
 PROMISE = 0.05  # of the residual's power, from which a candidate is asked again when others are taken out
@@ -53,7 +53,7 @@ def pruned(
         progress(f"asking again for {present.candidate.key}")
         try:
             fewer = without(answer.last.plant, present.candidate, declared)
-            reduced = State(fewer, answer.last.inverses, most=FURTHER)
+            reduced = State(fewer, answer.last.inverses, most=FURTHER, tolerance=COMPARED)
         except NoValue:
             continue
         asked = _promising(looked, reduced.errors.total - answer.last.errors.total) | {present.score.effect}
