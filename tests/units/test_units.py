@@ -5,7 +5,7 @@ import sys
 
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 
 from workbench.errors import WorkbenchError
@@ -201,6 +201,8 @@ def test_there_and_back_again(value, one, power):
 
 @settings(max_examples=300, deadline=None)
 @given(st.text(max_size=70) | st.lists(st.sampled_from([*NAMES, *"*/^()-.12 9"]), max_size=9).map("".join))
+@example("g0")
+@example("N*m^0")
 def test_any_text_is_a_unit_or_is_refused_with_a_sentence(text):
     for expected in ("N*m", "rad", "1/rad^0.8", "Hz", "K", "1"):
         try:

@@ -15,7 +15,7 @@ from workbench.processes import begun
 from workbench.report import drawn
 from workbench.report import write as write_page
 from workbench.report.contents import Recorded, StudyResult
-from workbench.residual.residual_maps import map_residual
+from workbench.residual.residual_maps import ResidualMaps, map_residual
 from workbench.study.configuration import campaign_of
 from workbench.tracing.output import write
 from workbench.tracing.result import Trace
@@ -48,16 +48,15 @@ def run(
     campaign = load(folder, resample=resample) if folder else campaign
     inverses = inverse_dynamics(campaign.records, campaign.bandwidth)
     found = trace(campaign.plant, inverses, say)
-    page = _page(campaign, found)
+    page = _page(campaign, found, map_residual(inverses, found.before, found.extended))
     loop = nullcontext(lambda: (None, {}))
     if closing and found.causes:
         if not lacking(campaign.plant, record_of(campaign)):
             say("closing the loop")
         loop = begun(partial(_closed, campaign, page))
     with loop as closed, whole(out, FILE) as beside:
-        say("writing the page")  # while the loop is closed
-        page = replace(page, residual_maps=map_residual(inverses, found.before, found.extended))
-        figures = drawn(page)
+        say("writing the page")
+        figures = drawn(page)  # while the loop is closed
         of_page, of_loop = closed()
         write(found, beside, page.residual_maps, {"closed_loop": loop_as_dict(of_page)})
         write_page(replace(page, closed=of_page), beside, "trace", figures | of_loop)  # which carries trace.json
@@ -65,13 +64,13 @@ def run(
 
 
 def _closed(campaign: Campaign, page: StudyResult) -> tuple[ClosedLoop | str, dict[str, bytes]]:
-    """Return the loop closed with what a page's trace found, and what is drawn of it. page: its maps are not looked at."""
+    """Return the loop closed with what a page's trace found, and what is drawn of it."""
     closed = closed_loop(campaign, page.trace)
     return closed, drawn(replace(page, closed=closed), beside=page)
 
 
-def _page(campaign: Campaign, found: Trace) -> StudyResult:
-    """Return what the page of a trace is made of, the loop and the maps of the residual aside."""
+def _page(campaign: Campaign, found: Trace, maps: tuple[ResidualMaps, ...]) -> StudyResult:
+    """Return what the page of a trace is made of, the loop aside."""
     folder = campaign.folder.resolve()
     return StudyResult(
         name=folder.parent.name if folder.name == FOLDER else folder.name,
@@ -83,6 +82,7 @@ def _page(campaign: Campaign, found: Trace) -> StudyResult:
         bandwidth=campaign.bandwidth,
         trace=found,
         findings=(*campaign.findings, *found.every_finding),
+        residual_maps=maps,
         kind="Trace of campaign",
         command=f"workbench trace {f'{folder.parent.name}/{FOLDER}' if folder.name == FOLDER else folder.name}",
     )

@@ -71,14 +71,14 @@ def root(text: str) -> tuple[float, tuple[tuple[str, float], ...]]:
 def legible(text: str) -> bool:
     """Whether `text` is built from known names with * / ^ and brackets; pint is shown nothing else.
 
-    Powers stand at names only and end at 9: nothing to overflow, no tower to climb.
+    Powers stand at names only, above 0 and up to 9: nothing to overflow, no tower to climb, and no name that goes.
     """
     tokens = TOKEN.findall(text) if len(text) <= LONGEST else []
     previous, depth = "*", 0
     for t in tokens:
         after = previous[0].isalnum() or previous == ")"
         if previous[0] == "^":
-            fits = t[0].isdigit() and float(t) <= 9
+            fits = t[0].isdigit() and 0 < float(t) <= 9
         elif t[0].isdigit():
             fits = t == "1" and not after
         elif t[0].isalpha():
