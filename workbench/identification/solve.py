@@ -186,7 +186,9 @@ def _searched(problem: Problem, theta: np.ndarray | None, tolerance: float, leas
     damping = 1e-3
     enough = max(tolerance, least)
     for _ in range(most if theta.size else 0):
-        g, h, sizes = _normal_equations(at, tangents, _moving(problem, at))
+        # a fit that is reported is searched to its last digit, by every step; what is only compared, by those that a bound lets be
+        moving = _moving(problem, at) if tolerance > TOLERANCE else np.ones(at.c.size, dtype=bool)
+        g, h, sizes = _normal_equations(at, tangents, moving)
         linear = g.size - sizes.size
         new = None
         for _ in range(8):
@@ -204,7 +206,11 @@ def _searched(problem: Problem, theta: np.ndarray | None, tolerance: float, leas
                 new = tried
                 break
             as_promised = np.array_equal(trial, theta + whole[linear:] / sizes)
-            if as_promised and _best_between(2.0 * (whole @ g), tried.cost - at.cost) <= enough * at.cost:
+            if (
+                as_promised
+                and tolerance > TOLERANCE
+                and _best_between(2.0 * (whole @ g), tried.cost - at.cost) <= enough * at.cost
+            ):
                 break  # nor does what the step came to leave more to a shorter one
             damping *= 10
         if new is None:
