@@ -8,10 +8,11 @@ from hypothesis import strategies as st
 from workbench.definition import find
 from workbench.effects.free_bank import bank_beside, slips_of
 from workbench.identification import solve as solving
+from workbench.identification.bounded import bounded
 from workbench.identification.cross_validation import from_normal
 from workbench.identification.linearised import Linearised
 from workbench.identification.problem import Problem
-from workbench.identification.solve import bounded, solve, solved_at
+from workbench.identification.solve import solve, solved_at
 from workbench.inverse.dynamics import inverse_dynamics
 from workbench.inverse.shift import LAGRANGE, Places, between, weights
 from workbench.plant import TWO_MASS, Plant

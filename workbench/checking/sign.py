@@ -7,7 +7,7 @@ import numpy as np
 
 from workbench.checking.balance import Balance
 from workbench.checking.seen import Seen
-from workbench.identification.solve import bounded
+from workbench.identification.bounded import bounded
 from workbench.record import Record
 
 EXPLAINED = 0.5  # of the drive's power: what a turned drive must be explained by, and twice what it is as it stands

@@ -12,9 +12,10 @@ from math import pi, remainder
 import numpy as np
 
 from workbench.definition import Effect
+from workbench.identification.bounded import scales
 from workbench.identification.intervals import BLOCKS, SHORTEST, outward_slope
 from workbench.identification.problem import Name, Problem
-from workbench.identification.solve import Solution, scales
+from workbench.identification.solve import Solution
 from workbench.plant import Plant
 
 SHARE = 0.01  # of what all records together know of a parameter: a record that knows less has no say in it

@@ -9,9 +9,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from workbench.identification.bounded import bounded, bounded_small, scales
 from workbench.identification.intervals import block_seconds
 from workbench.identification.problem import LOGARITHMIC, Problem, to_search
-from workbench.identification.solve import Solution, bounded, bounded_small, clipped, scales
+from workbench.identification.solve import Solution, clipped
 
 FOLDS = 6
 WORTH = 0.1  # of another model's squared error, that a fit gains on it: from there its folds may be followed

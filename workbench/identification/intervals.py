@@ -14,9 +14,10 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from workbench.definition import Effect
+from workbench.identification.bounded import scales
 from workbench.identification.problem import LOGARITHMIC, Name, Problem
 from workbench.identification.result import Estimate
-from workbench.identification.solve import Solution, scales
+from workbench.identification.solve import Solution
 from workbench.units import effect_unit
 
 BLOCKS = 48  # wanted; a block is not shorter than SHORTEST, but where fewer than FEW of those are to be had

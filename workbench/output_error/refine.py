@@ -14,10 +14,11 @@ import numpy as np
 
 from workbench.control.law import Controller
 from workbench.errors import WorkbenchError
+from workbench.identification.bounded import scales
 from workbench.identification.fit import fitted_on, seen
 from workbench.identification.problem import LOGARITHMIC, Problem, to_search
 from workbench.identification.result import Fit
-from workbench.identification.solve import Solution, scales
+from workbench.identification.solve import Solution
 from workbench.inverse.dynamics import InverseDynamics
 from workbench.inverse.side_by_side import stacked
 from workbench.output_error.rerun import DRIVE, outputs

@@ -13,8 +13,9 @@ from math import asin, degrees, inf
 import numpy as np
 
 from workbench.definition import Effect
+from workbench.identification.bounded import bounded, scales
 from workbench.identification.problem import Problem
-from workbench.identification.solve import NoValue, bounded, scales, slopes, solve
+from workbench.identification.solve import NoValue, slopes, solve
 from workbench.inverse.dynamics import InverseDynamics
 from workbench.planning import wording
 from workbench.planning.envelope import Envelope, Sensing

@@ -7,9 +7,10 @@ from math import isclose
 
 import numpy as np
 
+from workbench.identification.bounded import scales
 from workbench.identification.cross_validation import HeldOut, held_out
 from workbench.identification.problem import Problem
-from workbench.identification.solve import ITERATIONS, scales, solve
+from workbench.identification.solve import ITERATIONS, solve
 from workbench.inverse.dynamics import InverseDynamics
 from workbench.plant import Plant
 from workbench.residual.noise_floor import stationary_rms
