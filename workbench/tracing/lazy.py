@@ -20,16 +20,15 @@ from workbench.tracing.state import State
 HOPE, MUCH = 0.1, 0.5
 
 Asked = tuple[str, str, bool]  # a candidate: its key, its kind, and whether it takes the place of something
+Took = tuple[float, float]  # share of the held-out power that was left, and that power
 
 
 class Lazy:
     """What the rounds of a search have asked, and how much was left when they did."""
 
     def __init__(self, criteria: Criteria):
-        self.criteria = criteria
-        self._asked: dict[
-            Asked, tuple[float, float]
-        ] = {}  # share of what was left that it took; held-out power that was left
+        self._least = HOPE * criteria.share
+        self._asked: dict[Asked, Took] = {}
 
     def noted(self, judgements: Sequence[ScoredCandidate], state: State) -> None:
         """Keep what these took of a state."""
@@ -46,7 +45,7 @@ class Lazy:
 
         def asks(candidate: Candidate) -> bool:
             gain, before = self._asked.get(_which(candidate), (1.0, np.inf))
-            return everything or left < MUCH * before or gain * before > HOPE * self.criteria.share * left
+            return everything or left < MUCH * before or gain * before > self._least * left
 
         return asks
 

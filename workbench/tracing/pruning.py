@@ -52,8 +52,8 @@ def pruned(
             continue  # no formula comes near to a free form: that was asked
         progress(f"asking again for {present.candidate.key}")
         try:
-            fewer = without(answer.last.plant, present.candidate, declared)
-            reduced = State(fewer, answer.last.inverses, most=FURTHER, tolerance=COMPARED)
+            bare = without(answer.last.plant, present.candidate, declared)
+            reduced = State(bare, answer.last.inverses, most=FURTHER, tolerance=COMPARED)
         except NoValue:
             continue
         asked = _promising(looked, reduced.errors.total - answer.last.errors.total) | {present.score.effect}
