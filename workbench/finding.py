@@ -6,6 +6,14 @@ from dataclasses import dataclass, field
 PROPER = {"stribeck": "Stribeck", "coulomb": "Coulomb", "lugre": "LuGre"}
 ORDINAL = {"2": "second ", "3": "third "}  # of effects that are there several times, told apart by a number
 
+# Places that are readings, as they are read
+READING = {
+    "sensor.position": "encoder",
+    "sensor.load_position": "load's encoder",
+    "sensor.torque": "drive's report",
+    "sensor.force": "drive's report",
+}
+
 # Kinds of findings that somebody asks for or that are said in several places; a kind of one sentence stands beside it.
 ASSUMED_SCALE = "assumed scale"
 BELOW_FLOOR = "below the floor"
@@ -36,9 +44,14 @@ def title(effect: str) -> str:
     return f"{ORDINAL[label]}{words}" if label in ORDINAL else f"{words} {label}".rstrip()
 
 
+def place(at: str) -> str:
+    """Return a place as it is read: "load", "load's encoder" of "sensor.load_position"."""
+    return READING.get(at, at)
+
+
 def located(effect: str, at: str) -> str:
     """Return an effect with its place where that says anything: "gravity", "Coulomb friction at the load"."""
-    return title(effect) if at in ("axis", "command") else f"{title(effect)} at the {at.removeprefix('sensor.')}"
+    return title(effect) if at in ("axis", "command") else f"{title(effect)} at the {place(at)}"
 
 
 def capital(text: str) -> str:

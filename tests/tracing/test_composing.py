@@ -103,6 +103,20 @@ def test_a_wave_that_stands_to_a_disc_as_two_to_one_is_the_disc_s_whichever_was_
     assert [j.candidate.name for j in declared.added] == [name]
 
 
+@pytest.mark.parametrize(
+    ("order", "name"), [(2.0, "encoder_eccentricity"), (2.3, "kinematic_error"), (1.0, "kinematic_error")]
+)
+def test_of_two_encoders_a_wave_of_the_joint_is_the_second_one_of_a_disc(order, name):
+    """A cycloid's output encoder erred once and twice a turn, and the second wave was its gear's."""
+    plant = Plant(TWO_MASS) + find("encoder_eccentricity")(at="sensor.load_position")
+    plant = plant + find("kinematic_error")(at="joint", order=order)
+    of = {e.name: Candidate(e.name, e.at, ADDITION, plant) for e in plant.effects}
+    last = SimpleNamespace(plant=plant)
+    added = [ScoredCandidate(of[n], None, None, 0, None, state=last) for n in sorted(of)]
+    answer = of_one_disc(Answer(added, last))
+    assert [j.candidate.name for j in answer.added] == ["encoder_eccentricity", name]
+
+
 def test_a_length_beside_ideal_coulomb_friction_is_presliding_and_no_near_law():
     seen = inverses(lambda t, q, way: 0.5 * way + stops(q, 3e-4, 0.1))
     found = trace(PLANT, seen)

@@ -19,7 +19,7 @@ from workbench.tracing.decide import Verdict
 from workbench.tracing.near_law import FURTHEST, count_at, heights, laws, lengthened
 from workbench.tracing.selection import curved
 from workbench.tracing.state import State
-from workbench.tracing.tracing import later
+from workbench.tracing.tracing import later, trace
 
 SOURCE = Source(Path("made"), "", "made", {})
 COUNT = 1e-6
@@ -68,6 +68,27 @@ def test_a_curve_goes_on_where_its_longest_element_carries_much():
     assert there.errors.total < 0.2 * short.errors.total
     held = heights(there.plant[longer[0].key])
     assert sum(held.values()) == pytest.approx(0.5, rel=0.05)
+
+
+def test_a_lubricant_that_warms_up_thins_by_more_than_what_rubs_dry_and_is_a_drift_of_friction():
+    """A positioner whose Coulomb friction fell by a fifth and its viscous friction by a half had "none of the known effects"."""
+
+    def warms(t, q, way):
+        v = np.gradient(q, t)
+        return (0.3 - 0.06 * (1.0 - np.exp(-t / 20.0))) * way - 0.03 * (1.0 - np.exp(-t / 20.0)) * v
+
+    rng = np.random.default_rng(3)
+    seen = [
+        p for s in (0.0, 15.0, 40.0) for p in inverses(lambda *a: warms(*a) + 0.003 * rng.normal(size=a[0].size), s)
+    ]
+    found = trace(PLANT, seen)
+    (cause,) = found.causes
+    assert (found.verdict, cause.effect, cause.form) == ("cause", "friction_drift", "warming_friction")
+    values = {e.parameter: e.value for e in cause.parameters}
+    assert values["rate"] == pytest.approx(-0.003, rel=0.1) and values["viscous_rate"] == pytest.approx(
+        -0.0015, rel=0.1
+    )
+    assert values["settling"] == pytest.approx(0.05, rel=0.1)
 
 
 def test_a_drift_that_settles_is_found_with_its_rate():

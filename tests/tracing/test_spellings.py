@@ -26,7 +26,7 @@ from workbench.tracing import (
 )
 from workbench.tracing.answer import Answer
 from workbench.tracing.candidates import ADDITION, Candidate, Offer, candidates_of
-from workbench.tracing.judge import STANDARD, ScoredCandidate
+from workbench.tracing.judge import STANDARD, ScoredCandidate, freedom
 from workbench.tracing.state import State
 
 
@@ -77,6 +77,48 @@ def test_springs_of_another_power_are_offered_where_the_cubic_one_is():
     found = {(c.effect, c.at) for c in candidates_of(plant, own) if c.effect in {e.name for e in own}}
     assert found == {("power_law_stiffness", "joint"), ("slack_cable", "load")}
     assert not {"power_law_stiffness", "slack_cable"} & {c.effect for c in candidates_of(plant)}
+
+
+def test_a_root_of_speed_is_found_where_no_traced_formula_takes_anything_of_it(monkeypatch):
+    """Beside a friction that varies with place nothing led, though a root of speed took nine tenths of what was left."""
+    root = lambda v: 0.4 * np.sign(v) * np.abs(v) ** 0.3  # noqa: E731
+    records = [recorded(n, IDENTIFICATION, s, root) for n, s in (("a", 1.0), ("bb", 0.7))]
+    state = State(PLANT, inverse_dynamics(records, 50.0))
+    found = free_law.otherwise_spelled(state, [], STANDARD)
+    assert (found.candidate.effect, found.candidate.name) == ("power_law_friction", "nonlinear_viscous_friction")
+    assert found.score.gain > 0.9 and found.state is not None
+    assert free_law.otherwise_spelled(found.state, [], STANDARD) is None  # nothing is left
+    assert free_law.otherwise_spelled(state, [found], STANDARD) is None  # of its class
+    pinned = Offer(only={"cogging", "cable_spring"})
+    assert "power_law_friction" not in {
+        j.candidate.effect for j in [free_law.otherwise_spelled(state, [], STANDARD, pinned)] if j
+    }
+    wave = ranking.step(state, lambda _: None, Offer(only={"cogging"}))[0]
+    led = replace(wave, state=state, score=replace(wave.score, gain=0.5, earns=True))
+    for leads, added in (([[led], []], ["cogging", "power_law_friction"]), ([[]], [])):
+        rounds = iter(leads)
+        monkeypatch.setattr(greedy, "step", lambda *_, r=rounds: next(r, []))
+        monkeypatch.setattr(greedy, "free_law", lambda *_: None)
+        monkeypatch.setattr(greedy, "lives_in_places", lambda *_: False)
+        steps = greedy.extended(state, state.inverses, lambda _: None, Offer(), STANDARD, lambda s: s)
+        assert [s.added.candidate.effect for s in steps if s.added] == added  # of a declared model alone none is asked
+
+
+def test_three_slopes_of_a_data_sheet_are_a_piecewise_stiffness_and_no_other_power():
+    def slopes(q):
+        beyond = lambda x: np.sign(q) * np.maximum(np.abs(q) - x, 0.0)  # noqa: E731
+        return 1.0 * q + 3.0 * beyond(0.06) + 6.0 * beyond(0.18)
+
+    state, judgements = asked(
+        slopes, PLANT + find("linear_stiffness")(at="axis"), "cubic_stiffness", "piecewise_stiffness"
+    )
+    assert judgements[0].score.earns
+    best = spellings.better_spelled(state, judgements[0], STANDARD, Offer(), judgements)
+    assert (best.candidate.effect, best.candidate.name) == ("three_slope_stiffness", "piecewise_stiffness")
+    plant = free_law.refitted_as(state, best, STANDARD).state.plant
+    values = {n: p.value for n, p in plant[best.candidate.key].parameters.items()}
+    assert values["threshold"] == pytest.approx(0.18, abs=0.02) and values["k3"] == pytest.approx(6.0, rel=0.2)
+    assert values["threshold"] * values["share"] == pytest.approx(0.06, abs=0.02)
 
 
 def test_rest_is_asked_of_dry_friction_where_a_friction_with_memory_took_its_place():
@@ -320,6 +362,23 @@ def test_a_memory_of_the_declared_friction_that_comes_in_the_stead_of_a_needless
         monkeypatch.setattr(pruning, "step", lambda *_, j=leads: [j])
         found = pruning.pruned(Answer([needless, second], state), PLANT, [], lambda _: None, Offer(), STANDARD)
         assert [j.candidate.key for j in found.added] == [j.candidate.key for j in order]
+
+
+@pytest.mark.parametrize(("fewer", "stays"), [(0, True), (1, False)])
+def test_another_law_is_the_simpler_one_by_what_the_model_has_with_all_that_was_added_later(monkeypatch, fewer, stays):
+    """Beside the second wave of an encoder's disc its first one says with fewer values what a cogging says; it has more than the cogging had alone."""
+    state, judgements = asked(lambda q: 0.6 * (q - 0.05) + 0.12 * np.sin(40.0 * q), PLANT, "cable_spring", "cogging")
+    first = judgements[0]
+    second = ranking.step(first.state, lambda _: None, Offer(only={"cogging", "cable_spring"}))[0]
+    another = ranking.step(second.state, lambda _: None, Offer(only={"gravity"}))[0]
+    another = free_law.refitted_as(second.state, another, STANDARD)
+    least = freedom(second.state.plant) - fewer
+    score = replace(another.score, gain=0.5, earns=True)
+    leads = replace(another, errors=second.state.errors, freedom=least, score=score)
+    assert leads.freedom > first.freedom
+    monkeypatch.setattr(pruning, "step", lambda *_: [leads])
+    found = pruning.pruned(Answer([first, second], state), PLANT, [], lambda _: None, Offer(), STANDARD)
+    assert (found.added[0].candidate.key == first.candidate.key) == stays
 
 
 @pytest.mark.parametrize(("mu", "itself"), [(0.08, True), (0.02, True), (0.0, False)])

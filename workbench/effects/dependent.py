@@ -5,7 +5,7 @@ from types import MappingProxyType
 
 from workbench.definition import FORCE, Effect, effect
 from workbench.effects.elementary import absolute
-from workbench.effects.settling import going_over, gone_over
+from workbench.effects.settling import going_over, gone_by, gone_over
 from workbench.parameter import Parameter
 
 
@@ -121,13 +121,38 @@ def friction_run_in() -> Effect:
     )
 
 
-def _drifting(settling: float, **own) -> Effect:
-    """Return the effect of friction that goes over to another level. settling: start of its rate, 1/s. own: what else is its own."""
+@effect
+def warming_friction() -> Effect:
+    """T = (r dir + w v) (1 - exp(-e t))/e: Coulomb and viscous friction that go over to other levels together, t on the bench clock.
+
+    A lubricant's viscosity falls faster with temperature than what rubs dry does: r and w are rates of their own, e is the housing's.
+    """
+
+    def step(s, z, p):
+        return {}, (p.rate * s.dir + p.viscous_rate * s.v) * gone_by(s.t, p.settling)
+
+    return _drifting(
+        name="warming_friction",
+        cause="friction that warms up while the axis is measured: its lubricant thins, and what rubs dry changes by another share",
+        formula="T = (r dir + w v) (1 - exp(-e t))/e",
+        source="Bittencourt and Gunnarsson 2012; Simoni, Beschi, Legnani, Visioli 2015 (friction and temperature)",
+        settling=1e-3,
+        more={"viscous_rate": Parameter(0.0, "F/x", "change of viscous friction per time at first")},
+        reads=("t", "dir", "v"),
+        step=step,
+        traced=False,
+        nearest="friction_drift",
+    )
+
+
+def _drifting(settling: float, more: Mapping[str, Parameter] = MappingProxyType({}), **own) -> Effect:
+    """Return the effect of friction that goes over to another level. settling: start of its rate, 1/s. more: linear parameters beside that of Coulomb
+    friction. own: what else is its own."""
     return Effect(
         **own,
         port=FORCE,
         family="friction over time",
         reduces={"rate": (0.0, "")},
-        parameters=going_over("F/s", "change of Coulomb friction per time at first", settling),
-        linear=("rate",),
+        parameters=going_over("F/s", "change of Coulomb friction per time at first", settling) | {**more},
+        linear=("rate", *more),
     )

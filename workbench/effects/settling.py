@@ -11,6 +11,11 @@ def gone_over(t, p):
     return -p.rate * expm1(-p.settling * t) / p.settling
 
 
+def gone_by(t, settling):
+    """Return (1 - exp(-e t))/e: what a rate of one has come to."""
+    return -expm1(-settling * t) / settling
+
+
 def going_over(unit: str, meaning: str, settling: float) -> dict[str, Parameter]:
     """Return both parameters. unit, meaning: of the rate; settling: start of e, 1/s."""
     return {

@@ -128,3 +128,44 @@ def piecewise_stiffness() -> Effect:
         beside={"axis": ("linear_stiffness", "k1")},
         at="joint",
     )
+
+
+@effect
+def three_slope_stiffness() -> Effect:
+    """T = k1 x, to which each of two thresholds adds a slope: k1 + k2 beyond the first, k1 + k2 + k3 beyond the second.
+
+    Data sheets of strain wave gears state K1, K2 and K3 with the torques T1 and T2 between them: k2 = K2 - K1, k3 = K3 - K2.
+    """
+
+    def step(s, z, p):
+        nearer = p.share * p.threshold
+        first, second = (s.q - clip(s.q, -x, x) for x in (nearer, p.threshold))
+        return {}, p.k1 * s.q + (p.k2 * first + p.k3 * second)
+
+    return Effect(
+        name="three_slope_stiffness",
+        cause="teeth and bearing take the load one after another: three slopes, as data sheets of strain wave gears state them",
+        formula="T = k1 x + (k2 (|x| - s x_thr)+ + k3 (|x| - x_thr)+) sgn(x)",
+        source="Kircanski and Goldenberg 1997; manufacturers' three-segment stiffness",
+        port=FORCE,
+        family="joint stiffness",
+        reduces={"k3": (0.0, "piecewise_stiffness")},
+        parameters={
+            "k1": Parameter(0.0, "F/x", "stiffness about zero", lower=0.0),
+            "k2": Parameter(0.0, "F/x", "what the stiffness is more outside the first threshold"),
+            "k3": Parameter(0.0, "F/x", "what it is more again outside the second threshold"),
+            "threshold": Parameter(1e-3, "x", "deflection of the second change", lower=1e-12, scale="stroke"),
+            "share": Parameter(
+                0.5, "1", "deflection of the first change, over it", lower=1e-3, upper=1.0, scale="number"
+            ),
+        },
+        linear=("k1", "k2", "k3"),
+        reads=("q",),
+        step=step,
+        holds=("conservative", "odd"),
+        places=("axis", "joint"),
+        beside={"axis": ("linear_stiffness", "k1")},
+        at="joint",
+        traced=False,
+        nearest="piecewise_stiffness",
+    )

@@ -66,7 +66,7 @@ def of_one_disc(answer: Answer) -> Answer:
         if j.candidate.kind != ADDITION or "order" not in wave.parameters:
             return j
         order = wave.parameters["order"].value
-        own = (e for e in discs if e.at == wave.at and _harmonic(order, e.parameters[e.harmonic].value))
+        own = (e for e in discs if _reads(e.at, wave.at) and _harmonic(order, e.parameters[e.harmonic].value))
         disc = next(own, None)
         return replace(j, candidate=replace(j.candidate, part=disc.name)) if disc else j
 
@@ -102,6 +102,11 @@ def of_the_axis(answer: Answer, declared: Plant, criteria: Criteria) -> Answer:
             answer = replace(answer, added=[*answer.added[:i], one, *answer.added[i + 1 :]], pruned=after)
             plant = after.plant
     return answer
+
+
+def _reads(disc: str, wave: str) -> bool:
+    """Whether a disc's reading errs by a wave at a place: at its own, or of the angle of the joint between two encoders."""
+    return wave in (disc, "joint")
 
 
 def _harmonic(order: float, of: float) -> bool:

@@ -18,6 +18,7 @@ from workbench.tracing.criteria import Criteria
 from workbench.tracing.free_forms import MEMORY
 from workbench.tracing.judge import ScoredCandidate, refitted_as
 from workbench.tracing.plausible import BESIDE, RETURNS
+from workbench.tracing.ranking import absurd
 from workbench.tracing.reducing import reduced_to
 from workbench.tracing.state import State
 from workbench.tracing.waves import judged_forms, of_more_orders, orders_say_it, two_say_it
@@ -172,3 +173,13 @@ def steadier(
     if form is None or whole - nearest.errors.total < criteria.resembles * most:
         return None
     return refitted_as(state, replace(form, candidate=replace(form.candidate, stands=name)), criteria)
+
+
+def otherwise_spelled(
+    state: State, added: Sequence[ScoredCandidate], criteria: Criteria, offer: Offer = WHOLE
+) -> ScoredCandidate | None:
+    """Return the spelling of a law of any class but those of what was added that says plainly what no traced formula does
+    (`spellings.of_any_law`), fitted with everything free; None where there is none, or its values are no machine's."""
+    best = spellings.of_any_law(state, {(j.candidate.family, j.candidate.at) for j in added}, criteria, offer)
+    one = refitted_as(state, best, criteria) if best else None
+    return one if one and one.state is not None and one.score.earns and not absurd(one, state) else None

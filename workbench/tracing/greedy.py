@@ -10,7 +10,7 @@ from workbench.residual.noise_floor import noise_rms, with_stationary
 from workbench.tracing.candidates import Offer
 from workbench.tracing.counted import by_counts, quantisation_bias
 from workbench.tracing.criteria import Criteria
-from workbench.tracing.free_law import free_law, steadier
+from workbench.tracing.free_law import free_law, otherwise_spelled, steadier
 from workbench.tracing.judge import Progress, ScoredCandidate, lighter
 from workbench.tracing.lazy import Lazy
 from workbench.tracing.orders import any_curve
@@ -74,6 +74,8 @@ def extended(
         if best is None and not noise_alone(state, level, PLAIN):
             asked = [j for j in judgements if found or not any_curve(j, state, criteria)]
             steady = steadier(state, _most_first(asked), criteria, offer)
+            if steady is None and found and not any(j.score.earns for j in judgements):
+                steady = otherwise_spelled(state, [s.added for s in found], criteria, offer)
             if steady is not None and steady.state is not None:
                 judgements, best = [steady, *judgements], steady
             elif provisional is None:

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from math import isfinite
 
 from workbench.definition import DRIVE_CHANNELS, catalogue
-from workbench.finding import capital, title
+from workbench.finding import capital, place, title
 from workbench.identification.result import Fit
 from workbench.plant import Plant
 from workbench.record import IDENTIFICATION, VALIDATION
@@ -64,7 +64,8 @@ def _enumerated(names: Sequence[str]) -> str:
 def _named(causes: Sequence[Cause], plant: Plant) -> list[str]:
     """Return the names of causes; of one that is there several times at its place, once for all of them: a wave of several orders, or a
     force whose curve is more than one formula."""
-    orders = [(c.effect.partition(" ")[0], c.at) for c in causes]
+    discs = {c.effect: c.at for c in causes if c.at != "joint" and catalogue()[c.effect.partition(" ")[0]].harmonic}
+    orders = [(c.effect.partition(" ")[0], discs.get(c.effect, c.at)) for c in causes]
     several = {of for of in orders if orders.count(of) > 1}
     names = [
         title(of[0]) + (f" of {orders.count(of)} orders" if periodic(catalogue()[of[0]]) else "")
@@ -80,7 +81,7 @@ def _name_of(c: Cause, plant: Plant) -> str:
     if c.at in DRIVE_CHANNELS:
         return f"{c.title} of the drive's report"
     alike = [e for e in plant.effects if e.named == c.effect]
-    return f"{c.title} at the {c.at}" if len(alike) > 1 else c.title
+    return f"{c.title} at the {place(c.at)}" if len(alike) > 1 else c.title
 
 
 def _at_least(floor: float) -> str:

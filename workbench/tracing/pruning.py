@@ -70,7 +70,7 @@ def pruned(
         if best is None and _drawn_by_a_curve(answer, i, reduced, declared, criteria):
             continue
         another = best is not None and best not in again
-        if another and present.score.earns and not _better(best, present, answer.last, criteria):
+        if another and present.score.earns and not _better(best, reduced, answer.last, criteria):
             if not any(nothing_of_its_own(j, reduced, criteria) for j in again):
                 continue
             best = None  # it is nothing, and what leads in its stead leaves more: neither stays
@@ -177,11 +177,15 @@ def _of_the_joint(answer: Answer, declared: Plant, criteria: Criteria) -> Answer
     return answer
 
 
-def _better(other: ScoredCandidate, present: ScoredCandidate, last: State, criteria: Criteria) -> bool:
-    """Whether another effect is the better answer: it leaves less by more than is of practical size, or no more and is simpler."""
+def _better(other: ScoredCandidate, reduced: State, last: State, criteria: Criteria) -> bool:
+    """Whether another effect is the better answer than the one in its place: it leaves less by more than is of practical size; or no more, is simpler
+    beside all that was added later, and takes what is of practical size: beside a free curve of a class two of its formulas are next to nothing, and
+    alike. reduced, last: the states without and with the present one."""
     less = last.errors.total - other.errors.total
     small = criteria.practical**2 * last.power
-    return less > small or (other.freedom < present.freedom and less > -small)
+    # no more: an asymmetry of friction took 98.6 % where a constant force took 98.3 with a value less, 0.3 % of the drive apart
+    simpler = other.freedom < freedom(last.plant) and less >= 0.0
+    return less > small or (simpler and reduced.errors.total - other.errors.total > small)
 
 
 def _promising(looked: Sequence[Sequence[ScoredCandidate]], taken: float) -> set[str]:

@@ -4,11 +4,11 @@ Friction goes with a root of speed, a hose comes taut at a place, a joint harden
 is a law of the class with a number more; offered in every round they would dress what is left, so they are asked of what leads.
 """
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import replace
 
 from workbench.definition import FORCE, Effect, catalogue
-from workbench.effects.families import FREE_FORMS
+from workbench.effects.families import FREE_FORMS, family_of
 from workbench.processes import shared
 from workbench.tracing.candidates import ADDITION, Candidate, Offer
 from workbench.tracing.criteria import Criteria
@@ -21,10 +21,9 @@ SPRING, BENT, CABLE = "linear_stiffness", "piecewise_stiffness", "cable_spring"
 
 
 def spellings_of(candidate: Candidate) -> list[Effect]:
-    """Return the effects that are another spelling of a candidate's law, by the name that it bears."""
-    return [
-        e for e in catalogue().values() if not e.traced and (e.nearest, e.family) == (candidate.name, candidate.family)
-    ]
+    """Return the effects that are another spelling of a candidate's law at its place, by the name that it bears."""
+    same = [e(at=candidate.at) for e in catalogue().values() if not e.traced and e.nearest == candidate.name]
+    return [catalogue()[e.name] for e in same if family_of(e) == candidate.family]
 
 
 def spellings_in(family: str) -> list[Effect]:
@@ -50,12 +49,45 @@ def spelled(state: State, laws: Sequence[ScoredCandidate], criteria: Criteria, o
     """Return the other spellings of laws at their places (those that name one as their `nearest`) that earn their place, under its name."""
     asked: dict[tuple[str, str], Candidate] = {}
     for j in laws:
-        others = spellings_of(j.candidate)
-        offered = replace(offer, only={e.name for e in others}, own=(*offer.own, *others))
-        here = [c for c in offered.candidates(state.plant) if c.at == j.candidate.at] if others else []
+        here = [c for c in _offered(spellings_of(j.candidate), state, offer) if c.at == j.candidate.at]
         asked |= {(c.effect, c.at): replace(c, part=j.candidate.name) for c in here}
-    found = shared(lambda c: judged(state, c, criteria, offer.budget), [*asked.values()])
-    scored = [ScoredCandidate(c, **one) for c, one in zip(asked.values(), found, strict=True)]
+    return _earning(state, [*asked.values()], criteria, offer)
+
+
+def of_any_law(
+    state: State, known: Collection[tuple[str, str]], criteria: Criteria, offer: Offer
+) -> ScoredCandidate | None:
+    """Return the other spelling, of a law of whatever class, that takes most of a state beside which nothing earns its place, where that is certain and of
+    practical size; None where there is none, or where all that is left is less than `explainable`. known: (family, place) of which none is asked,
+    for their laws were asked for in their own round.
+
+    A formula may take nothing of what its other spelling takes: beside a friction that varies with place, -v|v| nothing of a root of speed. Asked of a
+    declared model alone it dressed two of 61 axes: one that lacks what no law is, and one that a weight hangs from.
+    """
+    if state.errors.total <= criteria.explainable**2 * state.power:
+        return None
+    others = [e for e in catalogue().values() if not e.traced and e.nearest]
+    others = [e for e in others if offer.only is None or e.nearest in offer.only]
+    asked = [c for c in _offered(others, state, offer) if (c.family, c.at) not in known]
+    asked = [replace(c, part=catalogue()[c.effect].nearest) for c in asked]
+    found = [as_of_a_spring(j, state) for j in _earning(state, asked, criteria, offer)]
+    best = min(found, key=lambda j: (j.errors.total, j.candidate.key), default=None)
+    if best is None or state.errors.total - best.errors.total <= criteria.practical**2 * state.power:
+        return None
+    return best
+
+
+def _offered(others: Sequence[Effect], state: State, offer: Offer) -> list[Candidate]:
+    """Return candidates of laws that are other spellings."""
+    names = {e.name for e in others}
+    offered = replace(offer, only=names, own=(*offer.own, *others)).candidates(state.plant) if others else []
+    return [c for c in offered if c.kind == ADDITION and c.effect in names]
+
+
+def _earning(state: State, asked: Sequence[Candidate], criteria: Criteria, offer: Offer) -> list[ScoredCandidate]:
+    """Return those of candidates that earn their place."""
+    found = shared(lambda c: judged(state, c, criteria, offer.budget), [*asked])
+    scored = [ScoredCandidate(c, **one) for c, one in zip(asked, found, strict=True)]
     return [k for k in scored if k.score.earns and k.theta is not None]
 
 

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from math import isfinite
 
 from workbench.definition import find
-from workbench.finding import BELOW_FLOOR, HUM, SLOW_FORCE, SOMETHING_ELSE, Finding, capital, title
+from workbench.finding import BELOW_FLOOR, HUM, SLOW_FORCE, SOMETHING_ELSE, Finding, capital, place, title
 from workbench.identification.result import Fit
 from workbench.plant import Plant
 from workbench.record import IDENTIFICATION, VALIDATION
@@ -59,7 +59,7 @@ def _cause_sentence(
     law = find((score.effect if candidate.part else candidate.name).partition(" ")[0])  # without its label
     verb = "is declared with a wrong value" if score.kind != ADDITION else "is missing"
     sentence = (
-        f"{capital(title(candidate.name))} at the {score.at} {verb}: {physical_cause(law, candidate.name)}. It explains "
+        f"{capital(title(candidate.name))} at the {place(score.at)} {verb}: {physical_cause(law, candidate.name)}. It explains "
         f"{100 * shares[0]:.1f} % of the residual power on the identification records and {100 * shares[1]:.1f} % "
         "on the validation record."
     )
@@ -84,7 +84,7 @@ def refinement(c: Cause, of_zero: bool = False) -> Refinement:
     """Return what would be a cause, were it not too small for one: nothing says that it is missing. of_zero: whether all of it is the zero of
     one encoder against the other."""
     of = "the joint's torque in the load's balance" if c.behind else "the drive's rms"
-    sentence = f"{capital(title(c.effect))} at the {c.at} takes away {100 * c.size:.2g} % of {of} on the identification records."
+    sentence = f"{capital(title(c.effect))} at the {place(c.at)} takes away {100 * c.size:.2g} % of {of} on the identification records."
     if of_zero:
         sentence += " All of that is its zero: the encoders were set to zero where the joint is not relaxed, as at a flank of a gap."
     return Refinement(c.effect, c.at, c.kind, sentence, c.parameters, c.size)
@@ -140,7 +140,7 @@ def gave_way(w: Weighed) -> Finding:
     )
     return Finding(
         "gave way", w.effect,
-        f"{capital(title(w.effect))} at the {w.at} takes no less of the identification records than what stands in its place, but {why}.",
+        f"{capital(title(w.effect))} at the {place(w.at)} takes no less of the identification records than what stands in its place, but {why}.",
         {r: x for r, x in w.after.items() if isfinite(x)},
     )  # fmt: skip
 
@@ -148,7 +148,7 @@ def gave_way(w: Weighed) -> Finding:
 def _of_addition(a: Weighed, role: str, along: float, criteria: Criteria, *, again: bool):
     """Yield a finding of an addition that stands as no cause. along: share of the drive that what changes along the stroke would take. again:
     whether a cause bears its name, and it was one more of its class."""
-    name = f"{capital(f'a second {title(a.effect)}' if again else title(a.effect))} at the {a.at}"
+    name = f"{capital(f'a second {title(a.effect)}' if again else title(a.effect))} at the {place(a.at)}"
     if role == NOT_BORNE_OUT:
         why = f"on validation it explains {100 * max(a.share(VALIDATION), 0.0):.0f} %"
         if a.power_up:
