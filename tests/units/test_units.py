@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from workbench.errors import WorkbenchError
 from workbench.units import EXAMPLES, effect_unit, scaled, to_si
-from workbench.units.registry import BASE, DERIVED, NAMES
+from workbench.units.registry import BASE, DERIVED, NAMES, root, tidy
 
 WHERE = "c/campaign.toml: channels.torque.unit"
 
@@ -171,11 +171,14 @@ def test_the_unit_of_a_template_is_its_own_si():
     for template in ("F", "x", "x/s", "F*s^2/x", "F*s/x", "F/x^3", "1/x", "1/F", "F*s^2/x^2"):
         for rotary in (True, False):
             unit = effect_unit(template, rotary)
-            assert to_si(2.0, unit, unit, WHERE) == 2.0
+            assert to_si(2.0, unit, unit, WHERE) == 2.0 and root(tidy(unit))[0] == 1.0
 
 
-def test_pint_is_imported_only_when_a_unit_is_read():
-    code = "import sys, workbench.units; assert 'pint' not in sys.modules; workbench.units.to_si(1., 'm', 'm', '')"
+@pytest.mark.parametrize(("unit", "loaded"), [("m", False), ("mm", True)])
+def test_pint_is_imported_only_when_a_unit_is_read_that_is_not_the_one_expected(unit, loaded):
+    code = (
+        f"import sys, workbench.units as u; u.to_si(1., '{unit}', 'm', ''); assert ('pint' in sys.modules) == {loaded}"
+    )
     subprocess.run([sys.executable, "-c", code], check=True)
 
 

@@ -107,6 +107,8 @@ def _factor(unit: str, expected: str, where: str) -> float:
         hint = nearest(unknown[0], NAMES) if unknown else "join names by * / ^ and brackets."
         hint = f"; write '{mend}'." if mend else "." if hint.startswith("known:") else f"; {hint}"
         raise WorkbenchError(f"{where}: unit '{shown}' {fault}{hint} {_need(expected, capital=True)}")
+    if text == tidy(expected):
+        return 1.0  # most files are in SI, and pint need not be loaded for them
     factor, given = root(text)
     if not _fits(text, expected):
         kind = next((f"is a {n}" for u, (n, _) in EXAMPLES.items() if same(given, root(u)[1])), "does not fit")
