@@ -62,7 +62,8 @@ def of_any_law(
     for their laws were asked for in their own round.
 
     A formula may take nothing of what its other spelling takes: beside a friction that varies with place, -v|v| nothing of a root of speed. Asked of a
-    declared model alone it dressed two of 61 axes: one that lacks what no law is, and one that a weight hangs from.
+    declared model alone it dressed one of 61 axes, which lacks what no law is; where another effect earns its place without leading, one that a weight
+    hangs from.
     """
     if state.errors.total <= criteria.explainable**2 * state.power:
         return None
