@@ -85,10 +85,8 @@ def test_a_lubricant_that_warms_up_thins_by_more_than_what_rubs_dry_and_is_a_dri
     (cause,) = found.causes
     assert (found.verdict, cause.effect, cause.form) == ("cause", "friction_drift", "warming_friction")
     values = {e.parameter: e.value for e in cause.parameters}
-    assert values["rate"] == pytest.approx(-0.003, rel=0.1) and values["viscous_rate"] == pytest.approx(
-        -0.0015, rel=0.1
-    )
-    assert values["settling"] == pytest.approx(0.05, rel=0.1)
+    truth = {"rate": -0.003, "viscous_rate": -0.0015, "settling": 0.05}
+    assert {n: values[n] for n in truth} == pytest.approx(truth, rel=0.1)
 
 
 def test_a_drift_that_settles_is_found_with_its_rate():

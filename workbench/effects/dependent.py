@@ -5,7 +5,7 @@ from types import MappingProxyType
 
 from workbench.definition import FORCE, Effect, effect
 from workbench.effects.elementary import absolute
-from workbench.effects.settling import going_over, gone_by, gone_over
+from workbench.effects.settling import going_over, gone_over
 from workbench.parameter import Parameter
 
 
@@ -82,7 +82,7 @@ def friction_drift() -> Effect:
     """
 
     def step(s, z, p):
-        return {}, gone_over(s.t, p) * s.dir
+        return {}, gone_over(p.rate, s.t, p.settling) * s.dir
 
     return _drifting(
         name="friction_drift",
@@ -105,7 +105,7 @@ def friction_run_in() -> Effect:
 
     def step(s, z, p):
         age = z.age + s.dt
-        return {"age": age}, gone_over(age, p) * s.dir
+        return {"age": age}, gone_over(p.rate, age, p.settling) * s.dir
 
     return _drifting(
         name="friction_run_in",
@@ -129,7 +129,7 @@ def warming_friction() -> Effect:
     """
 
     def step(s, z, p):
-        return {}, (p.rate * s.dir + p.viscous_rate * s.v) * gone_by(s.t, p.settling)
+        return {}, gone_over(p.rate * s.dir + p.viscous_rate * s.v, s.t, p.settling)
 
     return _drifting(
         name="warming_friction",

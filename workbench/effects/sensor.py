@@ -33,7 +33,7 @@ def sensor_settling() -> Effect:
     """y = q + r (1 - exp(-e t))/e, t on the bench clock: a drift of rate r at first, that settles. With e = 0 it is a `sensor_trend`."""
 
     def step(s, z, p):
-        return {}, s.q + gone_over(s.t, p)
+        return {}, s.q + gone_over(p.rate, s.t, p.settling)
 
     return Effect(
         name="sensor_settling",

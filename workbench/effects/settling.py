@@ -6,14 +6,9 @@ from workbench.parameter import Parameter
 SLOWEST = 1e-5  # 1/s: over an hour 2 % from a steady change
 
 
-def gone_over(t, p):
-    """Return r (1 - exp(-e t))/e of the parameters `rate` and `settling`."""
-    return -p.rate * expm1(-p.settling * t) / p.settling
-
-
-def gone_by(t, settling):
-    """Return (1 - exp(-e t))/e: what a rate of one has come to."""
-    return -expm1(-settling * t) / settling
+def gone_over(rate, t, settling):
+    """Return r (1 - exp(-e t))/e: what a rate has come to."""
+    return -rate * expm1(-settling * t) / settling
 
 
 def going_over(unit: str, meaning: str, settling: float) -> dict[str, Parameter]:

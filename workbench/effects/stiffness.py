@@ -43,24 +43,17 @@ def cubic_stiffness() -> Effect:
     def step(s, z, p):
         return {}, p.k3 * (s.q * s.q * s.q)
 
-    return Effect(
+    return _bent(
         name="cubic_stiffness",
         cause="more teeth in mesh as torque grows: the joint hardens (k3 < 0: a magnetic coupling or an elastomer softens); on one mass a "
         "flexure that stretches as it bends",
         formula="T = k3 x^3",
         source="Tuttle and Seering 1996",
-        port=FORCE,
-        family="joint stiffness",
         reduces={"k3": (0.0, "")},
         parameters={"k3": Parameter(0.0, "F/x^3", "cubic stiffness", lower=0.0)},
         linear=("k3",),
-        reads=("q",),
         step=step,
-        holds=("conservative", "odd"),
-        places=("axis", "joint"),
         signed_at={"k3": ("axis", "joint")},
-        beside={"axis": ("linear_stiffness", "")},
-        at="joint",
     )
 
 
@@ -71,25 +64,18 @@ def power_law_stiffness() -> Effect:
     def step(s, z, p):
         return {}, p.torque * sign0(s.q) * power(absolute(s.q) / p.deflection, p.exponent)
 
-    return Effect(
+    return _bent(
         name="power_law_stiffness",
         cause="contacts that come to bear one after another: the joint hardens, by a power of its deflection",
         formula="T = T1 (|x|/x1)^n sgn(x)",
         source="Hertz 1882 (n = 1.5); Tuttle and Seering 1996 (n = 3)",
-        port=FORCE,
-        family="joint stiffness",
         parameters={
             "torque": Parameter(0.0, "F", "torque at the reference deflection", lower=0.0),
             "deflection": Parameter(1e-3, "x", "reference deflection", lower=1e-12, fixed=True),
             "exponent": Parameter(2.0, "1", "exponent of the deflection", lower=1.1, upper=7.0, scale="exponent"),
         },
         linear=("torque",),
-        reads=("q",),
         step=step,
-        holds=("conservative", "odd"),
-        places=("axis", "joint"),
-        beside={"axis": ("linear_stiffness", "")},
-        at="joint",
         traced=False,
         nearest="cubic_stiffness",
         knots=("deflection",),
@@ -107,13 +93,11 @@ def piecewise_stiffness() -> Effect:
     def step(s, z, p):
         return {}, p.k1 * s.q + p.k2 * (s.q - clip(s.q, -p.threshold, p.threshold))
 
-    return Effect(
+    return _bent(
         name="piecewise_stiffness",
         cause="teeth and bearing take the load one after another: the joint is soft about zero and stiffer beyond; on one mass a bumper that is met",
         formula="T = k1 x + k2 (|x| - x_thr)+ sgn(x)",
         source="Kircanski and Goldenberg 1997; manufacturers' three-segment stiffness",
-        port=FORCE,
-        family="joint stiffness",
         reduces={"k1": (0.0, "backlash"), "k2": (0.0, "linear_stiffness")},
         parameters={
             "k1": Parameter(0.0, "F/x", "stiffness about zero", lower=0.0),
@@ -121,12 +105,8 @@ def piecewise_stiffness() -> Effect:
             "threshold": Parameter(1e-3, "x", "deflection at which the stiffness changes", lower=1e-12, scale="stroke"),
         },
         linear=("k1", "k2"),
-        reads=("q",),
         step=step,
-        holds=("conservative", "odd"),
-        places=("axis", "joint"),
-        beside={"axis": ("linear_stiffness", "k1")},
-        at="joint",
+        alone="k1",
     )
 
 
@@ -142,13 +122,11 @@ def three_slope_stiffness() -> Effect:
         first, second = (s.q - clip(s.q, -x, x) for x in (nearer, p.threshold))
         return {}, p.k1 * s.q + (p.k2 * first + p.k3 * second)
 
-    return Effect(
+    return _bent(
         name="three_slope_stiffness",
         cause="teeth and bearing take the load one after another: three slopes, as data sheets of strain wave gears state them",
         formula="T = k1 x + (k2 (|x| - s x_thr)+ + k3 (|x| - x_thr)+) sgn(x)",
         source="Kircanski and Goldenberg 1997; manufacturers' three-segment stiffness",
-        port=FORCE,
-        family="joint stiffness",
         reduces={"k3": (0.0, "piecewise_stiffness")},
         parameters={
             "k1": Parameter(0.0, "F/x", "stiffness about zero", lower=0.0),
@@ -160,12 +138,23 @@ def three_slope_stiffness() -> Effect:
             ),
         },
         linear=("k1", "k2", "k3"),
-        reads=("q",),
         step=step,
-        holds=("conservative", "odd"),
-        places=("axis", "joint"),
-        beside={"axis": ("linear_stiffness", "k1")},
-        at="joint",
+        alone="k1",
         traced=False,
         nearest="piecewise_stiffness",
+    )
+
+
+def _bent(alone: str = "", **own) -> Effect:
+    """Return the effect of a stiffness that changes with deflection. alone: its parameter that is a declared spring's, beside one. own: what else is
+    its own."""
+    return Effect(
+        **own,
+        port=FORCE,
+        family="joint stiffness",
+        reads=("q",),
+        holds=("conservative", "odd"),
+        places=("axis", "joint"),
+        beside={"axis": ("linear_stiffness", alone)},
+        at="joint",
     )

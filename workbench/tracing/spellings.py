@@ -22,8 +22,8 @@ SPRING, BENT, CABLE = "linear_stiffness", "piecewise_stiffness", "cable_spring"
 
 def spellings_of(candidate: Candidate) -> list[Effect]:
     """Return the effects that are another spelling of a candidate's law at its place, by the name that it bears."""
-    same = [e(at=candidate.at) for e in catalogue().values() if not e.traced and e.nearest == candidate.name]
-    return [catalogue()[e.name] for e in same if family_of(e) == candidate.family]
+    same = [e for e in catalogue().values() if not e.traced and e.nearest == candidate.name]
+    return [e for e in same if family_of(e(at=candidate.at)) == candidate.family]
 
 
 def spellings_in(family: str) -> list[Effect]:
@@ -69,8 +69,8 @@ def of_any_law(
         return None
     others = [e for e in catalogue().values() if not e.traced and e.nearest]
     others = [e for e in others if offer.only is None or e.nearest in offer.only]
-    asked = [c for c in _offered(others, state, offer) if (c.family, c.at) not in known]
-    asked = [replace(c, part=catalogue()[c.effect].nearest) for c in asked]
+    offered = (c for c in _offered(others, state, offer) if (c.family, c.at) not in known)
+    asked = [replace(c, part=catalogue()[c.effect].nearest) for c in offered]
     found = [as_of_a_spring(j, state) for j in _earning(state, asked, criteria, offer)]
     best = min(found, key=lambda j: (j.errors.total, j.candidate.key), default=None)
     if best is None or state.errors.total - best.errors.total <= criteria.practical**2 * state.power:
