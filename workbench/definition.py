@@ -21,9 +21,9 @@ from workbench.parameter import Parameter
 
 FORCE, ANGLE, COMMAND, SENSOR, TIME = "force", "angle", "command", "sensor", "time"
 PORTS = (FORCE, ANGLE, COMMAND, SENSOR, TIME)
-SIGNALS = (
-    "q dq v a dt t u tau tau_inertia dir motor_q load_q ratio pole_pairs locked temperature normal".split()
-)  # fixed: an effect reads these and no others
+CHANNELS = ("temperature", "normal")  # signals that are there where a record has a channel of that name
+# fixed: an effect reads these and no others
+SIGNALS = (*"q dq v a dt t u tau tau_inertia dir motor_q load_q ratio pole_pairs locked".split(), *CHANNELS)
 PLACES = ("axis", "motor", "joint", "load", "command", "sensor", "drive")
 DRIVE_CHANNELS = ("sensor.torque", "sensor.force")
 TWO_COUNTS = "two counts"  # of the encoder: a length below which no record tells an operator's memory from none

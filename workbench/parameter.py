@@ -5,6 +5,8 @@ from math import inf, isfinite
 
 from workbench.errors import WorkbenchError
 
+ROOM = 293.15  # K: temperature at which data sheets state friction, and of a bench where nobody logged one
+
 
 @dataclass(frozen=True)
 class Parameter:

@@ -46,8 +46,8 @@ def test_two_masses_are_refused_for_one_position():
 
 
 def test_what_a_motion_does_not_hold_is_named():
-    plant = Plant(ONE_MASS) + replace(find("coulomb_friction"), reads=("temperature",))
-    with pytest.raises(WorkbenchError, match="'temperature', which a motion alone does not have"):
+    plant = Plant(ONE_MASS) + replace(find("coulomb_friction"), reads=("normal",))
+    with pytest.raises(WorkbenchError, match="'normal', which a motion alone does not have"):
         force_along(plant, DT, 1e-6, **MOVED)
 
 

@@ -103,3 +103,18 @@ def test_of_few_samples_a_bin_holds_enough_to_be_drawn_and_noise_explains_next_t
     assert explained(x, r) < 0.2
     centre, *_ = figures.bands(x, r)
     assert centre.size >= 3
+
+
+def test_where_an_axis_sticks_nothing_counts_in_a_figure_as_in_no_error(result):
+    """What holds an axis at rest is no law of motion: neither the excerpt nor the rms in its heading is of it."""
+    series = result.trace.before.series["orbit"]
+    sticks = (series.time > 2.0) & (series.time < 2.5)
+    wrong = np.where(sticks, 100.0, np.where((series.time > 4.0) & (series.time < 4.5), 1.0, 1e-3))
+    stuck = replace(series, predicted=series.measured - wrong, counts=~sticks)
+    assert series.time[window(stuck)][0] > 2.5
+    trace = result.trace
+    before = replace(trace.before, series={"orbit": stuck})
+    here = replace(result, trace=replace(trace, before=before, causes=()))
+    figure = residual(here).blocks[1]
+    assert "without the samples at which the axis sticks" in figure.caption
+    assert f"{stuck.squares.rms * 1e3:.3g}"[:3] in figure.alt and stuck.squares.rms < 1.0

@@ -386,6 +386,26 @@ def test_a_study_declares_what_differs_with_units(tmp_path):
     assert asked.limits == {"final_error": pytest.approx(5e-5)} and asked.controllers[0] == "PI cascade"
 
 
+def test_a_temperature_varies_by_degrees_and_its_deviation_by_kelvins(tmp_path):
+    for text, low, high in (
+        ('{ uniform = [5.0, 45.0], unit = "degC" }', 278.15, 318.15),
+        ('{ normal = [20.0, 10.0], within = [-10.0, 40.0], unit = "degC" }', 263.15, 313.15),
+    ):
+        line = f"{TOML}temperature = {text}\n"
+        (one,) = (v for v in declared(study(tmp_path, line).table, task()).varied if v.name == "temperature")
+        assert (one.distribution.low, one.distribution.high) == pytest.approx((low, high))
+    assert (one.distribution.mean, one.distribution.deviation) == pytest.approx((293.15, 10.0))
+
+
+def test_gains_that_were_tuned_warm_meet_an_axis_that_is_cold():
+    """Friction that falls by a quarter from 20 to 60 degC is in the error of a fixed PD, which leaves friction over stiffness."""
+    plant = axis() + find("thermal_friction")(rate=-1e-3, viscous_rate=0.0, bend=1e-4)
+    varied = (Varied("temperature", uniform(250.0, 340.0)),)
+    w = work(task(plant=plant, noise=0.0, duration=0.3), {"PD": lambda n: fixed_pd(60.0, 1.3)}, varied)
+    errors = w.columns(Block(0, 273.15 + np.array([[-20.0], [20.0], [60.0]])))["PD"]["final_error"]
+    assert errors[0] > errors[1] > errors[2]
+
+
 @pytest.mark.parametrize(
     ("was", "becomes", "words"),
     [

@@ -6,7 +6,7 @@ import numpy as np
 
 from workbench.conformance.recovery import BAND, SAMPLES, record
 from workbench.conformance.scene import drawn, scene
-from workbench.definition import ANGLE, FORCE, Effect, find
+from workbench.definition import ANGLE, CHANNELS, FORCE, Effect, find
 from workbench.inverse.balances import balances, predicted
 from workbench.inverse.dynamics import InverseDynamics
 from workbench.motion import motion
@@ -36,7 +36,7 @@ def _asked(effect: Effect, plant: Plant, drive: np.ndarray) -> np.ndarray:
     there = scene(effect, SAMPLES).signals
     made = record(effect, drive)
     channels = {"force" if n == "torque" and not plant.rotary else n: x for n, x in made.channels.items()}
-    channels |= {n: there[n].copy() for n in ("temperature", "normal")}
+    channels |= {n: there[n].copy() for n in CHANNELS}
     if plant.kind == TWO_MASS:
         channels |= {"position": there["motor_q"].copy(), "load_position": there["load_q"].copy()}
     inverse = InverseDynamics(motion(replace(made, channels=channels), BAND / scene(effect).dt))

@@ -8,7 +8,7 @@ import numpy as np
 
 from workbench.conformance.result import within
 from workbench.conformance.scene import drawn, output, scene
-from workbench.definition import FORCE, Effect, find
+from workbench.definition import CHANNELS, FORCE, Effect, find
 from workbench.identification.fit import identify
 from workbench.inverse.balances import predicted
 from workbench.inverse.dynamics import InverseDynamics
@@ -53,6 +53,7 @@ def record(effect: Effect, drive: np.ndarray | None = None) -> Record:
     there = scene(effect, SAMPLES)
     q = there.signals["q"].copy()
     channels = {"position": q, "torque": np.zeros(SAMPLES) if drive is None else drive}
+    channels |= {n: there.signals[n].copy() for n in CHANNELS if n in effect.reads}
     source = Source(Path("synthetic"), "", "synthetic", {})
     return Record("synthetic", IDENTIFICATION, there.signals["t"].copy(), channels, {}, source)
 

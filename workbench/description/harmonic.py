@@ -12,6 +12,7 @@ from workbench.description.result import Equivalent, positive
 from workbench.errors import WorkbenchError
 from workbench.kernel import scan, step
 from workbench.kernel.cache import load
+from workbench.parameter import ROOM
 
 SETTLED = 1e-9  # of the largest force: how little the harmonic may change while the number of cycles is doubled
 MOST = 4096  # cycles
@@ -20,7 +21,8 @@ MOST = 4096  # cycles
 def _motion(amplitude: float, omega: float, samples: int, n: np.ndarray) -> dict[str, np.ndarray]:
     """Return the signals of q = A cos(2 pi n/samples), (n.size,) each; `t` begins with the quarter before n = 0.
 
-    dir is the sign of motion, 0 at reversals: that of an effect with no hysteresis beside it, encoder counts forgotten.
+    dir is the sign of motion, 0 at reversals: that of an effect with no hysteresis beside it, encoder counts forgotten. The bench is at
+    room temperature.
     """
     theta = 2.0 * pi / samples * (np.arange(n[0] - 1, n[-1] + 1) % samples)
     q = amplitude * np.cos(theta)
@@ -33,6 +35,7 @@ def _motion(amplitude: float, omega: float, samples: int, n: np.ndarray) -> dict
         "dt": np.full(n.size, dt),
         "t": dt * (n + samples // 4),
         "dir": np.where(n % samples < samples // 2, -1.0, 1.0) * (n % (samples // 2) != 0),
+        "temperature": np.full(n.size, ROOM),
     }
 
 

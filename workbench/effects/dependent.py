@@ -1,4 +1,4 @@
-"""Dry friction that depends on something beside the motion: on the load, and on time."""
+"""Friction that depends on something beside the motion: on the load, on time, and on a measured temperature."""
 
 from collections.abc import Mapping
 from types import MappingProxyType
@@ -6,7 +6,9 @@ from types import MappingProxyType
 from workbench.definition import FORCE, Effect, effect
 from workbench.effects.elementary import absolute
 from workbench.effects.settling import going_over, gone_over
-from workbench.parameter import Parameter
+from workbench.parameter import ROOM, Parameter
+
+BEND = 1e-4  # 1/K: over 100 K half a per cent from a straight line
 
 
 @effect
@@ -142,6 +144,40 @@ def warming_friction() -> Effect:
         step=step,
         traced=False,
         nearest="friction_drift",
+    )
+
+
+@effect
+def thermal_friction() -> Effect:
+    """T = (r dir + w v) (1 - exp(-b d))/b, d = temperature - reference: Coulomb and viscous friction over a temperature that was measured.
+
+    r and w are the slopes at the reference, negative where warmth eases the axis; b bends both, for a lubricant's viscosity falls
+    exponentially, b -> 0 is a straight line. At the reference, 20 degC unless declared, there is nothing of it: what is declared beside it
+    is friction at that temperature.
+    """
+
+    def step(s, z, p):
+        return {}, gone_over(p.rate * s.dir + p.viscous_rate * s.v, s.temperature - p.reference, p.bend)
+
+    return Effect(
+        name="thermal_friction",
+        cause="friction that goes with the temperature that was measured: its lubricant thins as it warms up",
+        formula="T = (r dir + w v) (1 - exp(-b d))/b, d = temperature - reference",
+        source="Bittencourt and Gunnarsson 2012; Simoni, Beschi, Legnani, Visioli 2015 (friction and temperature)",
+        port=FORCE,
+        family="friction over time",
+        reduces={"rate": (0.0, "")},
+        parameters={
+            "rate": Parameter(0.0, "F/K", "change of Coulomb friction per kelvin at the reference"),
+            "viscous_rate": Parameter(0.0, "F*s/(x*K)", "change of viscous friction per kelvin at the reference"),
+            "bend": Parameter(0.02, "1/K", "share by which both changes fall per kelvin", lower=BEND, upper=0.5),
+            "reference": Parameter(ROOM, "K", "temperature of what is declared beside it", fixed=True, lower=0.0),
+        },
+        linear=("rate", "viscous_rate"),
+        reads=("temperature", "dir", "v"),
+        step=step,
+        nearest="friction_drift",
+        knots=("reference",),
     )
 
 

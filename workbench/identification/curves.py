@@ -11,6 +11,7 @@ from workbench.errors import WorkbenchError, nearest
 from workbench.identification.problem import Name
 from workbench.identification.result import Fit
 from workbench.kernel.step import build
+from workbench.parameter import ROOM
 from workbench.units import effect_unit
 
 POINTS = 201  # of a curve that is drawn
@@ -44,7 +45,7 @@ def _signals_on(coordinate: str, x: np.ndarray) -> dict[str, np.ndarray | float]
     Over "dq" x is the distance from rest, each point reached from the one before: the virgin curve.
     """
     rest = dict.fromkeys(("q", "v", "a", "t", "u", "tau", "dq", "motor_q", "load_q", "locked"), 0.0)
-    rest |= {"dir": 1.0, "dt": 1e-3, "ratio": 1.0, "pole_pairs": 1.0, coordinate: x}
+    rest |= {"dir": 1.0, "dt": 1e-3, "ratio": 1.0, "pole_pairs": 1.0, "temperature": ROOM, coordinate: x}
     if coordinate == "v":
         rest["dir"] = np.sign(x)
     if coordinate == "dq":

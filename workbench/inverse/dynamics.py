@@ -169,7 +169,7 @@ class InverseDynamics:
         signals = {"q": body[POSITION], "dq": body[INCREMENT], **dict(zip("va", body[VELOCITY:], strict=False))}
         signals |= {"dt": m.dt, "t": m.t, "locked": float(m.record.locked)}
         signals |= {"ratio": plant.geometry.gear_ratio, "pole_pairs": plant.geometry.pole_pairs}
-        signals |= {n: m.record.channels[n] for n in ("temperature", "normal") if n in m.record.channels}
+        signals |= {n: m.record.channels[n] for n in fx.CHANNELS if n in m.record.channels}
         return signals, path
 
     def _run(self, e: Effect, signals: dict, plant: Plant, place: str) -> np.ndarray:

@@ -9,6 +9,7 @@ from workbench.definition import Effect
 from workbench.effects.direction import DIRECTION, beside_memory, stop_direction
 from workbench.errors import WorkbenchError
 from workbench.kernel.step import build
+from workbench.parameter import ROOM
 from workbench.plant import ONE_MASS, Plant, carried, reads_load
 
 Ran = Mapping[str, tuple[np.ndarray, tuple]]  # effect key -> (outputs (columns, n), what they are kept under)
@@ -93,13 +94,13 @@ def force_along(plant: Plant, dt: float, counts: float, **moved: np.ndarray) -> 
     """Return every force (n,) of a plant of one mass together along a motion, N*m or N.
 
     moved: q, dq, v, a (n,) each, every dt s. counts: encoder resolution, the width of the direction where no hysteresis gives it.
-    Raises WorkbenchError for a plant of two masses, whose joint a motion of one position does not tell.
+    The bench is at room temperature. Raises WorkbenchError for a plant of two masses, whose joint a motion of one position does not tell.
     """
     if plant.kind != ONE_MASS:
         raise WorkbenchError("a motion of one position needs a plant of one mass; give each body as one.")
     n = moved["q"].size
     geometry = {"ratio": plant.geometry.gear_ratio, "pole_pairs": plant.geometry.pole_pairs}
-    signals = {**moved, "dt": dt, "t": dt * np.arange(n), "locked": 0.0, **geometry}
+    signals = {**moved, "dt": dt, "t": dt * np.arange(n), "locked": 0.0, "temperature": ROOM, **geometry}
     total = np.zeros(n)
     own = forces_of(plant, "axis")
     if not own:

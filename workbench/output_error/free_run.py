@@ -21,6 +21,7 @@ from workbench.output_error.rerun import payload_inertia
 from workbench.plant import ONE_MASS, Plant
 from workbench.record import Record
 from workbench.simulation import Scenario, open_loop
+from workbench.simulation.recorded import temperature_of
 
 START = 20  # samples that give the first position and speed, and no error: those that the benchmark's protocol grants
 # Derivative steps about which an evolution searches, its generations and its members. Of EMPS's four models the least error is 1.93 mm;
@@ -66,7 +67,10 @@ def _positions(plants: Sequence[Plant], motion: Motion) -> np.ndarray:
     drive = np.repeat(motion.u[:, None], len(plants), axis=1)
     scenarios = [Scenario(start=start, speed=speed, load_inertia=payload_inertia(record))] * len(plants)
     counts = record.resolution.get("position", 0.0)
-    return open_loop(list(plants), drive, record.dt, SUBSTEPS, scenarios=scenarios, resolution=counts)["q"]
+    warm = temperature_of(plants[0], record)
+    return open_loop(
+        list(plants), drive, record.dt, SUBSTEPS, scenarios=scenarios, resolution=counts, temperature=warm
+    )["q"]
 
 
 def free_run(plant: Plant, motion: Motion) -> FreeRun:

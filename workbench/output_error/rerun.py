@@ -19,6 +19,7 @@ from workbench.motion import Motion
 from workbench.plant import ONE_MASS, SENSORS, TWO_MASS, Plant
 from workbench.record import Record
 from workbench.simulation import Loop, Scenario, simulate
+from workbench.simulation.recorded import temperature_of
 
 SAME_RATE = 1e-3  # relative; a bench clock is seldom truer
 DRIVE = "drive"
@@ -72,7 +73,7 @@ def outputs(
     one = Scenario(start=float(start), locked=float(held), load_inertia=payload_inertia(record))
     run = simulate(
         list(plants), loop, controller, [one] * len(plants), record.time.size * loop.sample_time, tuple(rows.values()),
-        reference=record.channels["reference"], injected=record.channels.get("injected"),
+        reference=record.channels["reference"], injected=record.channels.get("injected"), temperature=temperature_of(plants[0], record),
     )  # fmt: skip
     return {name: run.trajectories[row] for name, row in rows.items()}, run.finite
 

@@ -15,8 +15,9 @@ SHOWN = 2  # coordinates in the figure
 
 
 def keep(series: Series) -> np.ndarray:
-    """Return the indices in which errors count."""
-    return np.arange(series.time.size)[series.keep]
+    """Return the indices in which errors count: of an axis that sticks, those at which it moves."""
+    inside = np.arange(series.time.size)[series.keep]
+    return inside if series.counts is None else inside[series.counts[inside]]
 
 
 def coordinates(result: StudyResult, names: Sequence[str]) -> list[tuple[str, np.ndarray, str]]:
@@ -42,7 +43,7 @@ def coordinates(result: StudyResult, names: Sequence[str]) -> list[tuple[str, np
 def over_motion(result: StudyResult, before: Fit, after: Fit | None, names: Sequence[str]) -> Figure:
     """Return the residual against two coordinates, the one that it follows most on top."""
     left = _pooled(before, names, "residual")
-    right = _pooled(after, names, "residual") if after else None
+    right = _pooled(after, names, "residual", where=before) if after else None
     judged = sorted(((explained(c[1], left), c) for c in coordinates(result, names)), key=lambda j: -j[0])[:SHOWN]
     share, (name, values, _) = judged[0]
     heading = f"{capital(name)} alone explains {numbers.percent(share)} of the residual power"
@@ -74,12 +75,13 @@ def explained(values: np.ndarray, residual: np.ndarray) -> float:
     return float(np.sum(total**2 / np.maximum(count, 1))) / power if power > 0 else 0.0
 
 
-def _pooled(fit: Fit, names: Sequence[str], which: str, rate: bool = False) -> np.ndarray:
-    """Return a signal, or its rate of change, of these records one after another."""
+def _pooled(fit: Fit, names: Sequence[str], which: str, rate: bool = False, where: Fit | None = None) -> np.ndarray:
+    """Return a signal, or its rate of change, of these records one after another. where: the fit whose samples count, if another."""
     found = []
-    for s in (fit.series[n] for n in names):
+    for n in names:
+        s = fit.series[n]
         values = getattr(s, which)
-        found.append((np.gradient(values, s.time) if rate else values)[keep(s)])
+        found.append((np.gradient(values, s.time) if rate else values)[keep((where or fit).series[n])])
     return np.concatenate(found)
 
 

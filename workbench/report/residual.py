@@ -46,8 +46,10 @@ def _shown(fit: Fit) -> list[str]:
 
 def window(before: Series) -> slice:
     """Return the part, some reversals long, in which the declared model errs most."""
-    inside = keep(before)
-    r, v = before.residual[inside], before.velocity[inside]
+    inside = np.arange(before.time.size)[before.keep]
+    r, v = np.zeros(before.time.size), before.velocity[inside]
+    r[keep(before)] = before.residual[keep(before)]
+    r = r[inside]
     moving = np.flatnonzero(np.abs(v) > STILL * np.sqrt(np.mean(v**2)))  # in dwells the sign of v is noise
     turns = moving[1:][np.diff(np.sign(v[moving])) != 0]
     between = float(np.median(np.diff(turns))) if turns.size > 3 else r.size / REVERSALS
@@ -63,26 +65,23 @@ def _in_time(result: StudyResult, before: Fit, after: Fit | None, names: Sequenc
     series, better = before.series[name], after.series[name] if after else None
     part = window(series)
     effort = result.plant.effort
-    left = _rms(series)
+    left = series.squares.rms
     if better is None:
         heading = f"The declared model leaves {numbers.scaled(left, effort)} rms on the record {name}"
     else:
         factor, unit = numbers.prefixed(left, effort)
         added = named(result.trace.causes)
         heading = (
-            f"Residual falls from {numbers.number(left * factor)} to {numbers.number(_rms(better) * factor)} {unit} rms once "
+            f"Residual falls from {numbers.number(left * factor)} to {numbers.number(better.squares.rms * factor)} {unit} rms once "
             f"{added} {'is' if len(result.trace.causes) == 1 else 'are'} added"
         )
     start, end = series.time[part][[0, -1]]
     role = f"the {series.role} record {name}"
     caption = (
         f"Top: {result.drive} of {role}, measured and predicted. Bottom: what is left. The {numbers.number(end - start)} s "
-        "are those in which the declared model errs most; the rms values are of the whole record."
+        "are those in which the declared model errs most; the rms values are of the whole record"
+        f"{'' if series.counts is None else ', without the samples at which the axis sticks'}."
     )
     alt = f"Two graphs over time, of {result.drive} and of the residual, for {role}. {heading}."
     draw = lambda: figures.excerpt(heading, series, better, part, result.drive, effort)  # noqa: E731
     return Figure("residual_in_time", draw, caption, alt)
-
-
-def _rms(series: Series) -> float:
-    return float(np.sqrt(np.mean(series.residual[keep(series)] ** 2)))

@@ -27,6 +27,7 @@ FIELDS = {  # of Scenario: (unit, lowest)
     "delay": ("s", 0.0),
     "noise": ("F", 0.0),
     "phase": ("1", -np.inf),
+    "temperature": ("K", 0.0),
 }
 
 

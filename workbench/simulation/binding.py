@@ -70,7 +70,7 @@ def _delays_of(plant: Plant, loop: Loop, scenarios: ScenarioArrays) -> np.ndarra
 
 def _factors(scenarios: ScenarioArrays) -> dict:
     """Scenario fields as constants of the design."""
-    names = ("target", "inertia", "friction", "load", "phase", "load_inertia", "locked")
+    names = ("target", "inertia", "friction", "load", "phase", "load_inertia", "locked", "temperature")
     return {n: getattr(scenarios, n)[()] for n in names}
 
 

@@ -10,7 +10,7 @@ from workbench.errors import WorkbenchError, nearest
 from workbench.plant import TWO_MASS, Plant
 from workbench.simulation.binding import Bound, bind, samples_of
 from workbench.simulation.criteria import Criteria
-from workbench.simulation.given import DRIVE, INJECTED, REFERENCE, given_of
+from workbench.simulation.given import DRIVE, INJECTED, REFERENCE, TEMPERATURE, given_of
 from workbench.simulation.metrics import Metrics, Trajectories, entry_time, finished
 from workbench.simulation.run import LANES, run_lanes
 from workbench.simulation.scenario import Loop, Scenario, ScenarioArrays, arrays_of
@@ -37,6 +37,7 @@ def simulate(
     own: bool = False,
     reference: np.ndarray | None = None,
     injected: np.ndarray | None = None,
+    temperature: np.ndarray | None = None,
     criteria: Criteria | None = None,
     threads: int | None = None,
     lanes: int = LANES,
@@ -49,7 +50,8 @@ def simulate(
     record: signals to keep ("q", "v", "y", "vh", "u", "kp", "kd", "amplitude", an effect's state "key.x[0]"; with two masses
     "load.q", "load.v", "motor.y", "load.y"), every so many samples. reference: what the controller follows, rad or m, (n,) for all
     scenarios or (n, lanes), a value a control sample; a scenario's target is then its last value. injected: added to the
-    law's command before its limit, N*m or N, the same shapes. own: run a second time for time_own. threads: how many share the work (the result is the same); all
+    law's command before its limit, N*m or N, the same shapes. temperature: of the bench over time, K, the same shapes; without it
+    each scenario's own. own: run a second time for time_own. threads: how many share the work (the result is the same); all
     cores where absent. lanes: scenarios that one kernel moves side by side.
 
     Raises WorkbenchError for a plant that has no forward dynamics (no inertia, not affine in acceleration, an implicit
@@ -59,7 +61,7 @@ def simulate(
     criteria = criteria or Criteria()
     arrays = arrays_of(scenarios)
     samples = samples_of(duration, loop)
-    given = given_of({REFERENCE: reference, INJECTED: injected}, samples, arrays.lanes)
+    given = given_of({REFERENCE: reference, INJECTED: injected, TEMPERATURE: temperature}, samples, arrays.lanes)
     bound = bind(plant, loop, controller, arrays, samples, criteria, given=given)
     arrays = bound.scenarios
     final, kept = run_lanes(bound, _named(bound, record), every, lanes, threads)
@@ -112,6 +114,7 @@ def open_loop(
     scenarios: Sequence[Scenario] | ScenarioArrays | None = None,
     resolution: float = 0.0,
     load_resolution: float = 0.0,
+    temperature: np.ndarray | None = None,
     record: Sequence[str] = (),
     threads: int | None = None,
     lanes: int = LANES,
@@ -121,7 +124,7 @@ def open_loop(
     Of two masses these are the motor's, and "load.q", "load.v", "load.y" are there besides.
 
     plant: one, or one a lane (same effects, other values). drive: (n, lanes) or (n,) commands in N*m or N, before the plant's own command maps. Sample k is the state at k dt,
-    before drive[k] acts. Without scenarios every lane starts at rest at zero. Errors as for `simulate`.
+    before drive[k] acts. Without scenarios every lane starts at rest at zero. temperature: as of `simulate`. Errors as for it.
     """
     drive = np.asarray(drive, dtype=float)
     drive = drive[:, None] if drive.ndim == 1 else drive
@@ -133,9 +136,8 @@ def open_loop(
     one = plant if isinstance(plant, Plant) else plant[0]
     limited = np.clip(drive, -one.limits.drive, one.limits.drive)
     loop = Loop(dt, substeps, resolution=resolution, load_resolution=load_resolution)
-    bound = bind(
-        plant, loop, None, arrays, len(drive), Criteria(), given=given_of({DRIVE: limited}, len(drive), arrays.lanes)
-    )
+    given = given_of({DRIVE: limited, TEMPERATURE: temperature}, len(drive), arrays.lanes)
+    bound = bind(plant, loop, None, arrays, len(drive), Criteria(), given=given)
     load = ("load.q", "load.v", "load.y") if one.kind == TWO_MASS else ()
     names = tuple(dict.fromkeys(("q", "v", "y", *load, *record)))
     _, kept = run_lanes(bound, _named(bound, names), 1, lanes, threads)

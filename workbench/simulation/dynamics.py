@@ -12,6 +12,7 @@ from workbench.effects.direction import CONTACT, DIRECTION, in_parallel, stop_di
 from workbench.errors import WorkbenchError
 from workbench.kernel.step import apply, view
 from workbench.plant import Plant
+from workbench.simulation.given import TEMPERATURE
 
 
 @dataclass
@@ -132,8 +133,10 @@ def angle_maps(effects: tuple[Effect, ...]) -> list[Effect]:
 
 
 def fixed_signals(symbols: Symbols) -> dict[str, ca.SX]:
-    """Signals that any effect may read."""
-    return {n: symbols.constant(n) for n in ("ratio", "pole_pairs", "locked")} | {"t": symbols.clock("t")}
+    """Signals that any effect may read; a temperature over time where the run is given one, else a scenario's own."""
+    constants = {n: symbols.constant(n) for n in ("ratio", "pole_pairs", "locked")}
+    warm = (symbols.clocks | symbols.states).get(TEMPERATURE)
+    return constants | {"t": symbols.clock("t"), TEMPERATURE: symbols.constant(TEMPERATURE) if warm is None else warm}
 
 
 def constants_of(plant: Plant, symbols: Symbols, widths: Mapping[str, float]) -> dict[str, float]:

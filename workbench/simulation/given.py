@@ -1,4 +1,4 @@
-"""Signals over time that a run is given, at the control rate: a reference, what is added to the command, a drive.
+"""Signals over time that a run is given, at the control rate: a reference, what is added to the command, a drive, a temperature.
 
 One that is the same in all scenarios is a clock of the kernel; one that is each scenario's own is a row of lanes.
 """
@@ -11,6 +11,7 @@ import numpy as np
 from workbench.errors import WorkbenchError
 
 REFERENCE, INJECTED, DRIVE = "reference", "injected", "u_c"  # DRIVE: the row of the command, where no law decides it
+TEMPERATURE = "temperature"  # of the bench, K: a scenario's own number where it is not given over time
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,4 +1,4 @@
-"""Simulated channels as a record: what an assumed plant would have logged, through the same sampled loop. Marked as such."""
+"""Records and simulations: what an assumed plant would have logged as a record, marked as such, and what a record gives a simulation."""
 
 import hashlib
 from collections.abc import Mapping
@@ -8,6 +8,7 @@ import numpy as np
 
 from workbench.plant import Plant
 from workbench.record import Record, Source
+from workbench.simulation.given import TEMPERATURE
 
 MARK = "simulated by this study"
 
@@ -32,3 +33,8 @@ def record_of(
         motion=f"{MARK}: {motion}",
         locked=locked,
     )
+
+
+def temperature_of(plant: Plant, record: Record) -> np.ndarray | None:
+    """Return the temperature (n,) that was logged, in K, where something of a plant reads it; None else."""
+    return record.channels.get(TEMPERATURE) if any(TEMPERATURE in e.reads for e in plant.effects) else None

@@ -8,6 +8,7 @@ import numpy as np
 
 from workbench.effects.elementary import exp
 from workbench.errors import WorkbenchError, nearest
+from workbench.parameter import ROOM
 from workbench.plant import SENSORS
 
 
@@ -74,7 +75,7 @@ class Scenario:
     motion, of the load where there are two masses. noise: rms of a torque or force that is drawn anew every sample, near
     normal (the sum of four uniform numbers). speed: of every body at first, rad/s or m/s; friction has moved nowhere yet.
     phase: of the encoders within a count, 0 to 1. delay: s, added to the loop's.
-    seed: of the noise. locked: 1 where the load is held at its start, else 0; two masses only.
+    seed: of the noise. locked: 1 where the load is held at its start, else 0; two masses only. temperature: of the bench, K.
     """
 
     target: float = 0.0
@@ -89,6 +90,7 @@ class Scenario:
     delay: float = 0.0
     locked: float = 0.0
     speed: float = 0.0
+    temperature: float = ROOM
 
 
 NAMES = tuple(f.name for f in fields(Scenario))
@@ -111,6 +113,7 @@ class ScenarioArrays:
     delay: np.ndarray | float = 0.0
     locked: np.ndarray | float = 0.0
     speed: np.ndarray | float = 0.0
+    temperature: np.ndarray | float = ROOM
 
     def __post_init__(self):
         if self.lanes < 1:

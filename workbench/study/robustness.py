@@ -69,14 +69,14 @@ def _distribution(inner: Table, kind: str, unit: str) -> Distribution:
     { value = x }, in `unit`."""
     where, written = inner.path("unit"), inner.text("unit", "1")
 
-    def si(value):
-        return to_si(value, written, unit, where, step=True)
+    def si(value, step=False):
+        return to_si(value, written, unit, where, step=step)
 
     def pair(key):
         values = inner.numbers(key, ())
         if len(values) != 2:
             raise WorkbenchError(f"{inner.path(key)} needs two numbers; there are {len(values)}.")
-        return si(values[0]), si(values[1])
+        return si(values[0]), si(values[1], step=key == NORMAL)  # a deviation has no zero: 5 degC of it are 5 K
 
     try:
         if kind == FIXED:

@@ -4,7 +4,7 @@ from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 
-from workbench.definition import FORCE, Effect, catalogue
+from workbench.definition import CHANNELS, FORCE, SIGNALS, Effect, catalogue
 from workbench.effects.families import family_of
 from workbench.effects.free_bank import NAME as FREE_CURVE
 from workbench.plant import Plant, places
@@ -17,6 +17,7 @@ from workbench.tracing.offered_as import as_offered, bare
 __all__ = ["ADDITION", "CORRECTION"]
 # labels of a periodic effect's further orders; more of them would dress anything that lives in position
 AGAIN = ("2", "3")
+OF_MOTION = tuple(s for s in SIGNALS if s not in CHANNELS)  # what every record has
 
 
 @dataclass(frozen=True)
@@ -65,6 +66,7 @@ class Offer:
 
     declared: keys of the declared effects; a periodic one of them is offered once more, at another order. stands_for: key of a
     free virgin curve, or of an effect whose values are free within their tolerance -> what was declared. budget: of the search.
+    logged: signals that every record has beside the motion and the drive: without a temperature no law of it is asked.
     """
 
     only: Collection[str] | None = None
@@ -72,10 +74,11 @@ class Offer:
     declared: Collection[str] = ()
     stands_for: Mapping[str, Effect] = field(default_factory=dict)
     budget: Budget = BUDGET
+    logged: Collection[str] = ()
 
     def candidates(self, plant: Plant) -> list[Candidate]:
         """Return the candidates of a plant that are judged."""
-        found = candidates_of(plant, self.own, self.declared, self.stands_for)
+        found = candidates_of(plant, self.own, self.declared, self.stands_for, self.logged)
         return [s for s in found if self.only is None or {s.effect, s.effect.partition(" ")[0]} & set(self.only)]
 
 
@@ -87,18 +90,19 @@ def candidates_of(
     own: Collection[Effect] = (),
     declared: Collection[str] = (),
     stands_for: Mapping[str, Effect] = MappingProxyType({}),
+    logged: Collection[str] = (),
 ) -> list[Candidate]:
     """Return every candidate: maps, which take longest to judge, ahead of forces, each in the order of their names, whatever the order of
     declaration.
 
     own: effects that are offered beside those of the catalogue, and judged as they are: one that the catalogue has and does
-    not trace, or one with a parameter that the rig makes known (a ripple once a motor revolution).
+    not trace, or one with a parameter that the rig makes known (a ripple once a motor revolution). logged: as of `Offer`.
     """
     found = []
     motion = "rotary" if plant.rotary else "linear"
     traced = [e for e in catalogue().values() if e.traced]
     for effect in (*traced, *own):
-        if motion in effect.motions:
+        if motion in effect.motions and {*effect.reads} <= {*OF_MOTION, *logged}:
             for place in places(plant.kind, effect, plant.rotary):
                 found += _additions(effect, place, plant, stands_for)
                 if (there := on_the_motor(effect, place, plant)) is not None:
@@ -109,8 +113,7 @@ def candidates_of(
 
 def _additions(effect: Effect, place: str, plant: Plant, stands_for: Mapping[str, Effect]) -> list[Candidate]:
     """Return what an effect would be as an addition at a place: none, one, or one beside what it may take the place of."""
-    readable = all(s in _plant_signals(plant) for s in effect.reads)
-    if place in effect.stated or not readable or not _offered(effect, place, plant):
+    if place in effect.stated or not _offered(effect, place, plant):
         return []
     if effect.counted_in and not _held_by_data_sheet(f"{effect.counted_in}@{place}", plant, stands_for):
         return []
@@ -210,11 +213,6 @@ def _offered(effect: Effect, place: str, plant: Plant) -> bool:
     given = {s for e in plant.effects if e.at == place and e.name != FREE_CURVE for s in e.provides}
     curved = any(e.at == place and e.name == FREE_CURVE for e in plant.effects)
     return not given & set(effect.provides) and not (curved and effect.virgin is not None and "masing" in effect.holds)
-
-
-def _plant_signals(plant: Plant) -> set[str]:
-    """Signals that every record of such a plant has."""
-    return set("q dq v a dt t u tau tau_inertia dir motor_q load_q ratio pole_pairs locked".split())
 
 
 def without(plant: Plant, candidate: Candidate, declared: Plant) -> Plant:

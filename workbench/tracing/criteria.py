@@ -24,7 +24,8 @@ class Criteria:
     explainable: share of the drive's rms, predictable from outside the loop, from which something is missing. Complete models
         left up to 0.44 %, unknown causes 1.4 % and more. Halved, near laws are "unknown"; doubled, weak unknown causes are
         "nothing". Also what an effect with values that no machine has (a wave as long as the travel) takes away at least, to be a
-        cause nevertheless.
+        cause nevertheless; and what is left at least, beside what was found, for spellings of every law to be asked: halved or doubled
+        there alone, of 77 campaigns and axes none changes.
     beside: share of the drive's rms that stays explainable beside causes, from which something else is said to be missing; also what a
         further effect with values that no machine has takes at least, to be a cause beside them, or a memory of the friction that is declared, to be one
         alone: of three complete models it took 0.009, 0.010 and 0.056 of the drive, of two that lack it 0.12 and 0.18.

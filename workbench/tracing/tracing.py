@@ -3,7 +3,7 @@
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 
-from workbench.definition import Effect, catalogue
+from workbench.definition import CHANNELS, Effect, catalogue
 from workbench.errors import WorkbenchError
 from workbench.identification.intervals import block_seconds, seconds
 from workbench.identification.result import Fit
@@ -74,7 +74,8 @@ def trace(
     plant = plant.plant if isinstance(plant, Fit) else plant
     criteria = criteria if most is None else replace(criteria, steps=most)
     progress("fitting the declared model")
-    offer = Offer(only, own, [e.key for e in plant.effects], budget=budget)
+    logged = [n for n in CHANNELS if all(n in p.motion.record.channels for p in inverses)]
+    offer = Offer(only, own, [e.key for e in plant.effects], budget=budget, logged=logged)
     try:
         late = prepared(plant, inverses, only, criteria)
     except NoValue:

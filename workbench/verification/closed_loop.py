@@ -20,6 +20,7 @@ from workbench.design.optimise import Tuned, optimise_all
 from workbench.plant import ONE_MASS, TWO_MASS, Plant
 from workbench.record import Record
 from workbench.simulation import Loop, Metrics, ScenarioArrays, simulate
+from workbench.simulation.recorded import temperature_of
 from workbench.task.task import PHASES, Task
 from workbench.verification.assumed import judge, late, loop_of, task_of
 
@@ -146,7 +147,10 @@ def _following(plants: Sequence[Plant], record: Record, loop: Loop, controllers:
 
     def run(plant: Plant, controller: Controller) -> Metrics:
         duration = reference.size * loop.sample_time
-        return simulate(plant, loop, controller, one, duration, (output, "u"), reference=reference, lanes=1)
+        warm = temperature_of(plant, record)
+        return simulate(
+            plant, loop, controller, one, duration, (output, "u"), reference=reference, temperature=warm, lanes=1
+        )
 
     declared, extended, tuned_on_extended = (run(plants[p], controllers[c]) for p, c in ((0, 0), (1, 0), (1, 1)))
     (q, u), (q1, u1) = ((m.trajectories[output], m.trajectories["u"]) for m in (declared, extended))
