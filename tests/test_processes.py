@@ -235,3 +235,22 @@ def test_where_one_process_works_what_is_begun_is_done_when_it_is_asked_for(monk
     monkeypatch.setenv(processes.VARIABLE, "1")
     with begun(os.getpid) as result:
         assert not active_children() and result() == os.getpid()
+
+
+SLOW_TO_BEGIN = """
+import os, time
+os.register_at_fork(after_in_child=lambda: time.sleep(0.3))  # ahead of what the package does in a fork
+from workbench.interruption import stoppable
+from workbench.processes import begun
+with stoppable():
+    with begun(lambda: time.sleep(60)):
+        pass  # nobody asks for it: the fork is ended before it has begun
+    time.sleep(1.0)
+print("went on")
+"""
+
+
+def test_a_fork_that_is_ended_before_it_has_begun_does_not_end_its_parent():
+    """On a busy machine a fork waits for its first turn, and is told to end before it has its own ways with signals."""
+    ran = subprocess.run([sys.executable, "-c", SLOW_TO_BEGIN], capture_output=True, text=True, timeout=30)
+    assert (ran.returncode, ran.stdout) == (0, "went on\n")

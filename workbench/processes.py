@@ -25,6 +25,7 @@ Item, Made = TypeVar("Item"), TypeVar("Made")
 VARIABLE = "WORKBENCH_PROCESSES"
 MOST = 4  # each holds a few hundred megabytes of its own
 WATCHED = 0.5  # s: how often a fork looks whether its parent is there; twice as often is as cheap
+ENDING = {getattr(signal, n) for n in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, n)}
 BYTES, QUEUED = 4, 1024  # of an item's number; and numbers that any pipe holds at once
 
 
@@ -86,7 +87,7 @@ def _forks(function: Callable, items: Sequence, workers: int) -> Iterator[list]:
     forks, pipes = [], []
     queue = _queue(len(items))
     try:
-        with _undisturbed():
+        with _undisturbed(), _unheard():
             for _ in range(workers):
                 pipe, end = context.Pipe(duplex=False)
                 fork = context.Process(target=_work, args=(function, items, queue, end), daemon=True)
@@ -156,12 +157,26 @@ def _undisturbed() -> Iterator[None]:
         signal.raise_signal(came[0])
 
 
+@contextmanager
+def _unheard() -> Iterator[None]:
+    """Let signals to end wait, here and in a fork until it has its own ways with them (`_work`).
+
+    A fork that is ended before that would still write what it hears where this process is told to stop.
+    """
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, ENDING)
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
 def _work(function: Callable, items: Sequence, queue: int, end) -> None:
     """What a fork does: send (k, True, result) of each item that it takes, or (k, False, what was raised) and no more."""
     gc.freeze()  # what the parent made stays: to look through it would copy its pages
     threading.Thread(target=_end_with, args=(parent_process().pid,), daemon=True).start()
     signal.signal(signal.SIGTERM, signal.SIG_DFL)  # at once, whatever it is in
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # whoever interrupts means the process that waits, which ends this one
+    signal.pthread_sigmask(signal.SIG_UNBLOCK, ENDING)
     k = -1
     try:
         while number := os.read(queue, BYTES):

@@ -6,7 +6,7 @@ By gain; of those that explain practically the same the simplest leads, and no e
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 
-from workbench.definition import FORCE, Effect, catalogue
+from workbench.definition import CHANNELS, FORCE, Effect, catalogue
 from workbench.effects.free_bank import NAME as FREE_CURVE
 from workbench.identification.cross_validation import gain
 from workbench.processes import shared
@@ -81,7 +81,8 @@ def _by_gain(judgements: Sequence[ScoredCandidate]) -> list[ScoredCandidate]:
 def simplest_first(judgements: Sequence[ScoredCandidate], criteria: Criteria, state: State) -> list[ScoredCandidate]:
     """Order by gain; of those that explain practically the same as the best, the one with the fewest free parameters leads.
 
-    Of several as simple one that reads less, or the one with the largest gain, and a rare effect behind another one whose gain is as large. A value that
+    Of several as simple one that reads less, or the one with the largest gain, and a rare effect behind another one whose gain is as large. Of a class a law of
+    a channel that was logged (a temperature) leads over those of time, which stands in for it until an axis cools down. A value that
     no machine has does not lead where a plausible effect explains nearly as much.
     """
     judgements = _by_gain(judgements)
@@ -91,6 +92,10 @@ def simplest_first(judgements: Sequence[ScoredCandidate], criteria: Criteria, st
     level = [j for j in judgements if j is leader or (j.refitted and alike(leader, j, criteria, state.power))]
     firm = {j.candidate.family for j in level if not j.candidate.yields}
     level = [j for j in level if not (j.candidate.yields and j.candidate.family in firm)]
+    logged = {(j.candidate.family, j.candidate.at) for j in level if {*_effect(j).reads} & {*CHANNELS}}
+    level = [
+        j for j in level if (j.candidate.family, j.candidate.at) not in logged or {*_effect(j).reads} & {*CHANNELS}
+    ]
     sound = [j for j in level if not j.refitted or not absurd(j, state)]
     level = sorted(sound or level, key=lambda j: (j.freedom, -j.score.gain, j.score.effect, j.score.at))
     first = _of_less(level)
