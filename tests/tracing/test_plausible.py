@@ -5,7 +5,7 @@ import pytest
 
 from workbench.definition import find
 from workbench.inverse.dynamics import inverse_dynamics
-from workbench.plant import ONE_MASS, TWO_MASS, Plant
+from workbench.plant import ONE_MASS, TWO_MASS, Geometry, Plant
 from workbench.record import IDENTIFICATION, Record
 from workbench.tracing.plausible import implausible
 
@@ -40,6 +40,15 @@ T = 1e-3 * np.arange(4000)
 def test_a_share_may_be_all_or_none_and_a_length_or_a_wave_no_longer_than_the_travel(name, values, machine):
     effect = find(name)(**values, at="axis" if "axis" in find(name).places else "sensor.position")
     plant = Plant(ONE_MASS) + find("inertia") + effect
+    record = Record("r", IDENTIFICATION, T, {"torque": np.sin(T), "position": 0.1 * np.sin(3.0 * T)})
+    assert (implausible(effect, plant, plant, inverse_dynamics([record], 60.0)) == "") is machine
+
+
+@pytest.mark.parametrize(("order", "machine"), [(20.0, True), (20.1, True), (21.0, False), (1.0, False)])
+def test_an_error_once_a_motors_turn_is_one_however_little_of_it_the_travel_holds(order, machine):
+    """A belt's pulley errs once a turn of the motor: 0.6 of a period; a wave of any other order, and of the axis' own turn, may be any curve."""
+    effect = find("kinematic_error")(sine=1e-4, cosine=1e-4, order=order, at="sensor.position")
+    plant = Plant(ONE_MASS, geometry=Geometry(gear_ratio=20.0)) + find("inertia") + effect
     record = Record("r", IDENTIFICATION, T, {"torque": np.sin(T), "position": 0.1 * np.sin(3.0 * T)})
     assert (implausible(effect, plant, plant, inverse_dynamics([record], 60.0)) == "") is machine
 

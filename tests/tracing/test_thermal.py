@@ -1,4 +1,5 @@
-"""A temperature that was logged is what warms friction up: time is no stand-in for it where an axis cools down in between."""
+"""What warms friction up is a temperature that was logged, or else the heat that it makes: time is no stand-in for either where an axis cools down
+in between."""
 
 from dataclasses import replace
 
@@ -110,3 +111,40 @@ def test_a_free_run_is_at_the_temperature_that_was_logged():
     record = replace(made, time=t, channels=channels, units={}, resolution={"position": counts})
     at_room = replace(record, channels=channels | {"temperature": np.full(t.size, ROOM)})
     assert free_run(axis(), motion(record, 50.0)).error < 0.02 * free_run(axis(), motion(at_room, 50.0)).error
+
+
+class Heated:
+    """Friction whose contact its own power warms up and a rest cools: a level that falls with the heat, by up to a quarter."""
+
+    def __init__(self):
+        self.heat = 0.0
+
+    def __call__(self, v):
+        heats = np.empty(v.size)
+        for k, speed in enumerate(np.abs(v)):
+            heats[k] = self.heat = self.heat + DT * (0.12 * speed - 0.25 * self.heat)
+        return -0.35 * (1.0 - np.exp(-heats)) * np.sign(v)
+
+
+def test_friction_that_warms_itself_up_and_cools_at_rest_is_a_drift_with_that_law():
+    """What earlier motion left is in each record's beginning, less what cooled in the gap between them."""
+    law, records = Heated(), []
+    motions = (
+        ("a", IDENTIFICATION, 1.0),
+        ("bb", IDENTIFICATION, 0.7),
+        ("ccc", IDENTIFICATION, 1.5),
+        ("dddd", VALIDATION, 0.7),
+    )
+    for k, (name, role, speed) in enumerate(motions):
+        one = recorded(name, role, speed, law, 10.0)
+        records.append(replace(one, time=one.time + 18.0 * k))
+        law.heat *= np.exp(-0.25 * 8.0)
+    found = trace(
+        PLANT,
+        inverse_dynamics(records, 50.0),
+        only={"friction_drift", "stribeck_friction", "nonlinear_viscous_friction"},
+    )
+    cause = found.causes[0]
+    assert (found.verdict, found.added, cause.form) == ("cause", ("friction_drift",), "self_heating_friction")
+    assert cause.share_validation > 0.8
+    assert {e.parameter: e.value for e in cause.parameters}["settling"] == pytest.approx(0.25, rel=0.5)

@@ -11,6 +11,7 @@ from workbench.kernel import step
 
 WAVES = ((1.0, 0.55, 0.0), (2.7, 0.3, 0.4), (7.3, 0.15, 1.1))  # (frequency, amplitude, phase): reversals of many sizes
 A_PERIOD = 400  # samples of the slowest wave
+BEGINS = 100  # samples on the bench clock before it: what earlier motion left shows, too
 DRAWN = 0.1  # what a parameter without a value is set to
 SHORTEST = 5e-3  # s: of a time, so that a record over it is longer than what identification trims
 
@@ -59,7 +60,7 @@ def scene(effect: Effect, samples: int = 600, faster: float = 1.0) -> Scene:
         "v": v,
         "a": a,
         "dt": np.full(samples, dt),
-        "t": dt * np.arange(samples),
+        "t": dt * (BEGINS + np.arange(samples)),
         "u": wave(shift=0.7),
         "tau": wave(shift=1.9),
         "tau_inertia": 0.8 * wave(shift=0.3),
@@ -109,5 +110,10 @@ def along(effect: Effect, q: np.ndarray, dt: float) -> np.ndarray:
     signals = dict(scene(effect, samples=q.size).signals)
     v = dq / dt
     signals |= {"q": q, "dq": dq, "v": v, "a": np.diff(v, prepend=v[0]) / dt, "dir": np.sign(dq)}
-    signals |= {"dt": np.full(q.size, dt), "t": dt * np.arange(q.size), "motor_q": 1.3 * q, "load_q": 0.7 * q}
+    signals |= {
+        "dt": np.full(q.size, dt),
+        "t": dt * (BEGINS + np.arange(q.size)),
+        "motor_q": 1.3 * q,
+        "load_q": 0.7 * q,
+    }
     return output(effect, signals)

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from types import MappingProxyType
 
 from workbench.definition import FORCE, Effect, effect
-from workbench.effects.elementary import absolute
+from workbench.effects.elementary import absolute, exp, expm1, where
 from workbench.effects.settling import going_over, gone_over
 from workbench.parameter import ROOM, Parameter
 
@@ -178,6 +178,40 @@ def thermal_friction() -> Effect:
         step=step,
         nearest="friction_drift",
         knots=("reference",),
+    )
+
+
+@effect
+def self_heating_friction() -> Effect:
+    """T = (r h + s k) dir, h' = |v| - e h from each record's beginning, k = (1 - exp(-e t0)) exp(-e age): Coulomb friction that goes with the heat that
+    friction itself makes, in proportion to the path, and that leaves at the rate e.
+
+    k is what is left of the heat of what moved before the record began, at t0 of the bench clock: nothing on a cold bench. Where an axis moves all
+    alike that is friction drift; after a rest it is cold again.
+    """
+
+    def step(s, z, p):
+        left, begun = exp(-p.settling * s.dt), where(z.moved > 0.0, z.begun, s.t)
+        heat = z.heat * left + absolute(s.v) * (1.0 - left) / p.settling
+        before = -expm1(-p.settling * begun) * exp(-p.settling * (s.t - begun))
+        return {"moved": 1.0 + 0.0 * s.t, "begun": begun, "heat": heat}, (p.rate * heat + p.before * before) * s.dir
+
+    return Effect(
+        name="self_heating_friction",
+        cause="friction that warms its contact up, and cools with it when the axis rests",
+        formula="T = (r h + s k) dir, h' = |v| - e h, k = (1 - exp(-e t0)) exp(-e age)",
+        source="Simoni, Beschi, Legnani, Visioli 2015 (friction and temperature)",
+        port=FORCE,
+        family="friction over time",
+        reduces={"rate": (0.0, "")},
+        parameters=going_over("F/x", "change of Coulomb friction per path at first", 1e-1)
+        | {"before": Parameter(0.0, "F", "change that earlier motion would have come to")},
+        linear=("rate", "before"),
+        states={"moved": 1, "begun": 1, "heat": 1},
+        reads=("t", "dt", "v", "dir"),
+        step=step,
+        traced=False,
+        nearest="friction_drift",
     )
 
 

@@ -16,7 +16,7 @@ from workbench.tracing.criteria import Criteria
 from workbench.tracing.free_forms import MEMORY
 from workbench.tracing.judge import ScoredCandidate, freedom, scored_as
 from workbench.tracing.near_law import Law, as_declared, gives_way
-from workbench.tracing.orders import MEETS
+from workbench.tracing.plausible import MEETS
 from workbench.tracing.spellings import CABLE, SPRING
 from workbench.tracing.state import Refitted, State
 

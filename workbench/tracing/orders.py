@@ -12,13 +12,12 @@ from workbench.plant import Plant
 from workbench.tracing.candidates import ADDITION
 from workbench.tracing.criteria import Criteria
 from workbench.tracing.judge import ScoredCandidate
-from workbench.tracing.plausible import returns
+from workbench.tracing.plausible import MEETS, returns
 from workbench.tracing.state import State
 
 # Orders of one mechanism are those of its shafts and teeth: two stand as small numbers. What lives in position without being
-# periodic is dressed by waves whose orders do not. Halved, orders 5 and 6 of a shaft are strangers; doubled, nearly none are.
+# periodic is dressed by waves whose orders do not (within MEETS). Halved, orders 5 and 6 of a shaft are strangers; doubled, nearly none are.
 SMALL = 6
-MEETS = 0.01  # relative error of a ratio of orders: their intervals are a few per mille
 # Share of the residual's power from which a wave that is not seen to return is a sine nevertheless: of a window half as long as its period a sine
 # takes 8/pi^2 = 0.81 (a bath that a belt dips into 0.86), of a sine all (a rig's friction of 1.7 periods 0.97). Halved, windows are cyclic friction;
 # doubled (1 at most), that friction is "unknown"
