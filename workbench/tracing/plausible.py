@@ -21,7 +21,7 @@ STEEPEST = 0.1
 # and 2.8, others 4.4 and more) would be any curve; of thirteen cogging forces the travel held 5.2 and more
 RETURNS = 2.0
 # Relative error of a ratio of orders, to one another and to a motor's turn: their intervals are a few per mille. Halved, orders 5 and 6 of a shaft
-# are strangers; doubled, two waves hardly ever are
+# are strangers; doubled, two waves hardly ever are. A pulley's error of less than two periods is one at half and at twice of it
 MEETS = 0.01
 # Order from which a wave is one of the axis' own turn, where the travel holds that: of friction that has three orders of a table's turn the first
 # alone comes out at 0.94, over 1.07 turns. Doubled, it is any curve again; halved, it stays. An angle's wave of one turn is an encoder's, not a gear's
