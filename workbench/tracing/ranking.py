@@ -92,10 +92,8 @@ def simplest_first(judgements: Sequence[ScoredCandidate], criteria: Criteria, st
     level = [j for j in judgements if j is leader or (j.refitted and alike(leader, j, criteria, state.power))]
     firm = {j.candidate.family for j in level if not j.candidate.yields}
     level = [j for j in level if not (j.candidate.yields and j.candidate.family in firm)]
-    logged = {(j.candidate.family, j.candidate.at) for j in level if {*_effect(j).reads} & {*CHANNELS}}
-    level = [
-        j for j in level if (j.candidate.family, j.candidate.at) not in logged or {*_effect(j).reads} & {*CHANNELS}
-    ]
+    logged = {(j.candidate.family, j.candidate.at) for j in level if _logged(j)}
+    level = [j for j in level if not logged or _logged(j) or (j.candidate.family, j.candidate.at) not in logged]
     sound = [j for j in level if not j.refitted or not absurd(j, state)]
     level = sorted(sound or level, key=lambda j: (j.freedom, -j.score.gain, j.score.effect, j.score.at))
     first = _of_less(level)
@@ -103,6 +101,10 @@ def simplest_first(judgements: Sequence[ScoredCandidate], criteria: Criteria, st
     equal = [j for j in level if j.freedom == first.freedom and j.score.gain >= least]
     simplest = next((j for j in [first, *equal] if not _effect(j).rare), first)
     return [simplest, *(j for j in judgements if j is not simplest)]
+
+
+def _logged(j: ScoredCandidate) -> bool:
+    return bool({*CHANNELS} & {*_effect(j).reads})
 
 
 def _of_less(level: Sequence[ScoredCandidate]) -> ScoredCandidate:
