@@ -9,7 +9,7 @@ from dataclasses import dataclass, field, replace
 from math import inf
 from types import MappingProxyType
 
-from workbench.definition import FORCE, Effect, catalogue
+from workbench.definition import CHANNELS, FORCE, Effect, catalogue
 from workbench.errors import WorkbenchError, nearest
 
 ONE_MASS, TWO_MASS = "one mass", "two mass"
@@ -155,15 +155,7 @@ def _like(known, **changed):
 
 
 LOAD_SIGNALS = ("tau", "tau_inertia")
-STILL = (
-    "q",
-    "t",
-    "ratio",
-    "pole_pairs",
-    "locked",
-    "temperature",
-    "normal",
-)  # what a force may read that no motion makes
+STILL = ("q", "t", "ratio", "pole_pairs", "locked", *CHANNELS)  # what a force may read that no motion makes
 
 
 def reads_load(effect: Effect) -> bool:

@@ -19,13 +19,13 @@ from traceback import format_exc
 from typing import TypeVar
 
 from workbench.errors import WorkbenchError
+from workbench.interruption import SIGNALS
 
 Item, Made = TypeVar("Item"), TypeVar("Made")
 
 VARIABLE = "WORKBENCH_PROCESSES"
 MOST = 4  # each holds a few hundred megabytes of its own
 WATCHED = 0.5  # s: how often a fork looks whether its parent is there; twice as often is as cheap
-ENDING = {getattr(signal, n) for n in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, n)}
 BYTES, QUEUED = 4, 1024  # of an item's number; and numbers that any pipe holds at once
 
 
@@ -163,7 +163,7 @@ def _unheard() -> Iterator[None]:
 
     A fork that is ended before that would still write what it hears where this process is told to stop.
     """
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, ENDING)
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, SIGNALS)
     try:
         yield
     finally:
@@ -176,7 +176,7 @@ def _work(function: Callable, items: Sequence, queue: int, end) -> None:
     threading.Thread(target=_end_with, args=(parent_process().pid,), daemon=True).start()
     signal.signal(signal.SIGTERM, signal.SIG_DFL)  # at once, whatever it is in
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # whoever interrupts means the process that waits, which ends this one
-    signal.pthread_sigmask(signal.SIG_UNBLOCK, ENDING)
+    signal.pthread_sigmask(signal.SIG_UNBLOCK, SIGNALS)
     k = -1
     try:
         while number := os.read(queue, BYTES):

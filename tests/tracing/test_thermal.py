@@ -30,16 +30,16 @@ def rubbing(v, warm):
     return 0.3 * np.sign(v) * 0.4 * np.expm1(-warm / 18.0) + 0.1 * v * np.expm1(-0.028 * warm)
 
 
-def warmed(logged=True, law=rubbing):
+def warmed(logged=True, law=rubbing, begun=BEGUN, rests=600.0):
     """Records of an axis that warms up, cools down, and is cold again where it is validated; a thermocouple reads tenths of a kelvin."""
     found = []
-    for k, (name, role, speed, first, last) in enumerate(BEGUN):
+    for k, (name, role, speed, first, last) in enumerate(begun):
         t = DT * np.arange(round(8.0 / DT))
         degrees = last + (first - last) * np.exp(-t / 4.0)
         one = recorded(name, role, speed, lambda v, w=degrees - 20.0: law(v, w), 8.0)
         read = np.round(10.0 * (degrees + 0.05 * np.sin(0.7 * t))) / 10.0 + 273.15
         channels = one.channels | ({"temperature": read} if logged else {})
-        found.append(replace(one, time=one.time + 600.0 * k, channels=channels, units={}))
+        found.append(replace(one, time=one.time + rests * k, channels=channels, units={}))
     return found
 
 
@@ -56,6 +56,21 @@ def test_friction_that_goes_with_a_logged_temperature_is_a_drift_with_that_law()
     )  # both by one bend: where most of the records are, not at the reference
     assert values["rate"] * warmer == pytest.approx(0.12 * np.expm1(-20.0 / 18.0), rel=0.1)
     assert values["viscous_rate"] * warmer == pytest.approx(0.1 * np.expm1(-0.028 * 20.0), rel=0.2)
+
+
+def test_where_time_says_as_much_the_temperature_leads_and_time_is_no_rival_of_the_same_name():
+    """An axis that does nothing but warm up: what drifts with it drifts with time, too, until it cools down."""
+    steady = (
+        ("a", IDENTIFICATION, 1.0, 20.0, 27.0),
+        ("bb", IDENTIFICATION, 0.7, 26.0, 31.0),
+        ("ccc", VALIDATION, 0.8, 30.5, 34.0),
+    )
+    records = warmed(begun=steady, rests=8.5)
+    found = trace(
+        PLANT, inverse_dynamics(records, 50.0), only={"friction_drift", "thermal_friction", "stribeck_friction"}
+    )
+    cause = found.causes[0]
+    assert (found.added, cause.form, cause.rivals) == (("friction_drift",), "thermal_friction", ())
 
 
 def test_a_law_of_temperature_is_asked_where_every_record_has_one():

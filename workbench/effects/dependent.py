@@ -91,7 +91,8 @@ def friction_drift() -> Effect:
         cause="friction that drifts while the axis is measured: it warms up, or its grease is spread",
         formula="T = r (1 - exp(-e t))/e dir",
         source="Simoni, Beschi, Legnani, Visioli 2015 (friction and temperature)",
-        settling=1e-3,
+        parameters=_of_time(1e-3),
+        linear=("rate",),
         reads=("t", "dir"),
         step=step,
     )
@@ -114,7 +115,8 @@ def friction_run_in() -> Effect:
         cause="friction that drifts anew after every rest: a film or grease is wiped off, or spread, as the axis moves",
         formula="T = r (1 - exp(-e age))/e dir, age the time since the record began",
         source="Simoni, Beschi, Legnani, Visioli 2015 (friction and temperature); Armstrong-Helouvry, Dupont, Canudas de Wit 1994 (dwell)",
-        settling=1e-1,
+        parameters=_of_time(1e-1),
+        linear=("rate",),
         states={"age": 1},
         reads=("dt", "dir"),
         step=step,
@@ -138,8 +140,9 @@ def warming_friction() -> Effect:
         cause="friction that warms up while the axis is measured: its lubricant thins, and what rubs dry changes by another share",
         formula="T = (r dir + w v) (1 - exp(-e t))/e",
         source="Bittencourt and Gunnarsson 2012; Simoni, Beschi, Legnani, Visioli 2015 (friction and temperature)",
-        settling=1e-3,
-        more={"viscous_rate": Parameter(0.0, "F/x", "change of viscous friction per time at first")},
+        parameters=_of_time(1e-3)
+        | {"viscous_rate": Parameter(0.0, "F/x", "change of viscous friction per time at first")},
+        linear=("rate", "viscous_rate"),
         reads=("t", "dir", "v"),
         step=step,
         traced=False,
@@ -159,14 +162,11 @@ def thermal_friction() -> Effect:
     def step(s, z, p):
         return {}, gone_over(p.rate * s.dir + p.viscous_rate * s.v, s.temperature - p.reference, p.bend)
 
-    return Effect(
+    return _drifting(
         name="thermal_friction",
         cause="friction that goes with the temperature that was measured: its lubricant thins as it warms up",
         formula="T = (r dir + w v) (1 - exp(-b d))/b, d = temperature - reference",
         source="Bittencourt and Gunnarsson 2012; Simoni, Beschi, Legnani, Visioli 2015 (friction and temperature)",
-        port=FORCE,
-        family="friction over time",
-        reduces={"rate": (0.0, "")},
         parameters={
             "rate": Parameter(0.0, "F/K", "change of Coulomb friction per kelvin at the reference"),
             "viscous_rate": Parameter(0.0, "F*s/(x*K)", "change of viscous friction per kelvin at the reference"),
@@ -194,16 +194,13 @@ def self_heating_friction() -> Effect:
         left, begun = exp(-p.settling * s.dt), where(z.moved > 0.0, z.begun, s.t)
         heat = z.heat * left + absolute(s.v) * (1.0 - left) / p.settling
         before = -expm1(-p.settling * begun) * exp(-p.settling * (s.t - begun))
-        return {"moved": 1.0 + 0.0 * s.t, "begun": begun, "heat": heat}, (p.rate * heat + p.before * before) * s.dir
+        return {"moved": 1.0, "begun": begun, "heat": heat}, (p.rate * heat + p.before * before) * s.dir
 
-    return Effect(
+    return _drifting(
         name="self_heating_friction",
         cause="friction that warms its contact up, and cools with it when the axis rests",
         formula="T = (r h + s k) dir, h' = |v| - e h, k = (1 - exp(-e t0)) exp(-e age)",
         source="Simoni, Beschi, Legnani, Visioli 2015 (friction and temperature)",
-        port=FORCE,
-        family="friction over time",
-        reduces={"rate": (0.0, "")},
         parameters=going_over("F/x", "change of Coulomb friction per path at first", 1e-1)
         | {"before": Parameter(0.0, "F", "change that earlier motion would have come to")},
         linear=("rate", "before"),
@@ -215,14 +212,11 @@ def self_heating_friction() -> Effect:
     )
 
 
-def _drifting(settling: float, more: Mapping[str, Parameter] = MappingProxyType({}), **own) -> Effect:
-    """Return the effect of friction that goes over to another level. settling: start of its rate, 1/s. more: linear parameters beside that of Coulomb
-    friction. own: what else is its own."""
-    return Effect(
-        **own,
-        port=FORCE,
-        family="friction over time",
-        reduces={"rate": (0.0, "")},
-        parameters=going_over("F/s", "change of Coulomb friction per time at first", settling) | {**more},
-        linear=("rate", *more),
-    )
+def _drifting(**own) -> Effect:
+    """Return an effect of friction that goes over to another level. own: what is its own."""
+    return Effect(**own, port=FORCE, family="friction over time", reduces={"rate": (0.0, "")})
+
+
+def _of_time(settling: float) -> dict[str, Parameter]:
+    """Return the parameters of Coulomb friction that goes over in time. settling: start of its rate, 1/s."""
+    return going_over("F/s", "change of Coulomb friction per time at first", settling)

@@ -1,4 +1,4 @@
-"""What goes over to another level in time: r (1 - exp(-e t))/e, at first with the rate r, at last r/e; e -> 0 is a steady change."""
+"""What goes over to another level, in time or as it warms up: r (1 - exp(-e t))/e, at first with the rate r, at last r/e; e -> 0 is a steady change."""
 
 from workbench.effects.elementary import expm1
 from workbench.parameter import Parameter

@@ -27,7 +27,7 @@ def rivals(
 ) -> list[ScoredCandidate]:
     """Return the candidates that could not be told from an added one in the step in which it was chosen, best first.
 
-    What was added beside it is no rival: it explains something else. Nor is what by its values says the same: a clock that keeps pace is a delay.
+    What was added is no rival, another law under its name neither: it explains something else, or is the cause. Nor is what by its values says the same: a clock that keeps pace is a delay.
     """
     level: dict[str, ScoredCandidate] = {}
     for judgements in steps:
@@ -37,7 +37,7 @@ def rivals(
                     continue
                 if reduced_to(j, j.refitted, criteria) != found.candidate.effect:
                     level.setdefault(j.score.effect, j)
-    taken = {j.score.effect for j in added}
+    taken = {n for j in added for n in (j.score.effect, j.candidate.name)}
     return [j for name, j in level.items() if name not in taken][:MOST]
 
 
