@@ -166,7 +166,8 @@ EFFECTS: dict[str, Kind] = {
         largest=lambda b: 0.2,  # of the disc's radius
     ),
     "kinematic_error": Kind(
-        "kinematic_error", lambda r, b: (1e-4, r.choice([1.0, 2.0]) * (b.ratio if b.rotary else 20.0), phase(r)),
+        # of one encoder a wave once a turn of the motor is its disc's by another name: the wave generator's two
+        "kinematic_error", lambda r, b: (1e-4, 2.0 * b.ratio if b.rotary else r.choice([20.0, 40.0]), phase(r)),
         ("amplitude", "order", "phase"), fields=("error", "error_turns", "error_phase"), places=("sensor.position",),
     ),
     "sensor_trend": Kind("sensor_trend", lambda r, b: (2e-4 * sign(r),), ("rate",), fields=("trend",), places=("sensor.position",), bases=SLIDING),

@@ -8,8 +8,9 @@ import pytest
 from test_near_law import PLANT, inverses, stops
 
 from workbench.definition import find
+from workbench.effects.free_maps import angle_over_angle
 from workbench.inverse.balances import predicted
-from workbench.plant import TWO_MASS, Geometry, Plant
+from workbench.plant import ONE_MASS, TWO_MASS, Geometry, Plant
 from workbench.tracing.answer import Answer
 from workbench.tracing.candidates import ADDITION, Candidate, Offer, candidates_of
 from workbench.tracing.composing import composed, of_one_disc, of_the_axis, plainly
@@ -115,6 +116,31 @@ def test_of_two_encoders_a_wave_of_the_joint_is_the_second_one_of_a_disc(order, 
     added = [ScoredCandidate(of[n], None, None, 0, None, state=last) for n in sorted(of)]
     answer = of_one_disc(Answer(added, last))
     assert [j.candidate.name for j in answer.added] == ["encoder_eccentricity", name]
+
+
+@pytest.mark.parametrize(("order", "ratio", "name"), [(16.0, 16.0, "encoder_eccentricity"), (32.0, 16.0, "kinematic_error"), (1.0, 1.0, "kinematic_error"), (16.5, 16.0, "kinematic_error")])  # fmt: skip
+def test_of_one_encoder_a_wave_once_a_turn_of_the_motor_is_the_motors_disc(order, ratio, name):
+    """A loader's lift with a magnetic encoder on its motor was told of its gear; a wave generator's two waves a turn are the gear's."""
+    plant = Plant(ONE_MASS, geometry=Geometry(gear_ratio=ratio))
+    plant = plant + find("kinematic_error")(at="sensor.position", order=order, sine=1e-4)
+    last = SimpleNamespace(plant=plant)
+    added = [
+        ScoredCandidate(
+            Candidate("kinematic_error", "sensor.position", ADDITION, plant), None, None, 0, None, state=last
+        )
+    ]
+    assert [j.candidate.name for j in of_one_disc(Answer(added, last)).added] == [name]
+
+
+@pytest.mark.parametrize(("first", "second", "name"), [(2e-4, 1e-4, "encoder_eccentricity"), (1e-4, 2e-4, "kinematic_error")])  # fmt: skip
+def test_a_curve_over_the_motors_turn_is_its_discs_where_its_first_harmonic_leads(first, second, name):
+    plant = Plant(ONE_MASS, geometry=Geometry(gear_ratio=16.0))
+    curve = angle_over_angle(16.0, 2, "sensor.position")(sine1=first, cosine2=second)
+    plant = plant + curve
+    last = SimpleNamespace(plant=plant)
+    candidate = Candidate(curve.named, curve.at, ADDITION, plant, stands="kinematic_error")
+    (named,) = of_one_disc(Answer([ScoredCandidate(candidate, None, None, 0, None, state=last)], last)).added
+    assert (named.candidate.name, named.candidate.stands) == (name, name)
 
 
 def test_a_length_beside_ideal_coulomb_friction_is_presliding_and_no_near_law():

@@ -1,7 +1,14 @@
 """Whose an error of the angle is: an encoder disc's on the output, one's on the motor, or the gear's between them."""
 
+from math import hypot
+
 from workbench.definition import SENSOR, Effect, catalogue
 from workbench.plant import TWO_MASS, Plant
+
+# Relative error of a ratio of orders, to one another and to a motor's turn: their intervals are a few per mille. Halved, orders 5 and 6 of a shaft
+# are strangers; doubled, two waves hardly ever are. A pulley's error of less than two periods is one at half and at twice of it
+MEETS = 0.01
+SEATED = "Where the encoder sits tells: on the motor's shaft its disc errs once a turn, behind the gear the gear does; no motion tells the two apart."
 
 
 def on_the_motor(effect: Effect, place: str, plant: Plant) -> Effect | None:
@@ -20,3 +27,39 @@ def of_the_disc(effect: Effect, place: str, plant: Plant) -> str:
     if geared or not place.startswith("sensor."):
         return ""
     return next((n for _, n in effect.reduces.values() if n and catalogue()[n].port == SENSOR), "")
+
+
+def once_a_turn(wave: Effect, plant: Plant) -> bool:
+    """Whether a wave's order is that of the motor's turn in front of a gear, which a shaft has, however little of it the travel holds."""
+    ratio = plant.geometry.gear_ratio
+    return plant.rotary and ratio != 1.0 and abs(wave.parameters["order"].value / ratio - 1.0) < MEETS
+
+
+def on_the_shaft(wave: Effect, plant: Plant) -> str:
+    """Return the name that a wave of the one reading bears which repeats once a motor's turn in front of a gear, "" where it is none: a disc's
+    error. A wave generator's, a gear's, has two waves a turn.
+
+    Of one mass an encoder on the motor and a gear in front of an encoder err alike: the gear is its rival (`SEATED`). On two, the load says
+    which. What is named follows from where the one encoder sits as a rule: of 110 geared axes of other authors 32 say that it is the
+    motor's, 19 that it is the output's.
+    """
+    if wave.at != "sensor.position" or "order" not in wave.parameters:  # of two masses a gear errs at the joint
+        return ""
+    if not once_a_turn(wave, plant) or not _first_leads(wave):
+        return ""
+    return next((n for _, n in wave.reduces.values() if n and catalogue()[n].port == SENSOR), "")
+
+
+def of_the_gear(disc: str) -> tuple[str, ...]:
+    """Return the traced errors of a gear that a disc's is told from by its order alone."""
+    return tuple(e.name for e in catalogue().values() if e.traced and any(n == disc for _, n in e.reduces.values()))
+
+
+def _first_leads(wave: Effect) -> bool:
+    """Whether the first harmonic of a wave is its largest; of one that has no other it is."""
+    sizes = [
+        hypot(p.value, wave.parameters[name.replace("sine", "cosine", 1)].value)
+        for name, p in wave.parameters.items()
+        if name.startswith("sine")
+    ]
+    return sizes[0] == max(sizes)

@@ -11,8 +11,9 @@ from workbench.inverse.dynamics import InverseDynamics
 from workbench.plant import Plant
 from workbench.tracing.candidates import ADDITION
 from workbench.tracing.criteria import Criteria
+from workbench.tracing.discs import MEETS
 from workbench.tracing.judge import ScoredCandidate
-from workbench.tracing.plausible import MEETS, returns
+from workbench.tracing.plausible import returns
 from workbench.tracing.state import State
 
 # Orders of one mechanism are those of its shafts and teeth: two stand as small numbers. What lives in position without being

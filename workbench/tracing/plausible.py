@@ -10,6 +10,7 @@ from workbench.identification.intervals import on_bound
 from workbench.inverse.bodies import POSITION, VELOCITY
 from workbench.inverse.dynamics import InverseDynamics
 from workbench.plant import Plant
+from workbench.tracing.discs import once_a_turn
 from workbench.tracing.free_forms import MEMORY
 
 LARGEST_ECCENTRICITY = 0.0175  # rad: a disc that reads a degree wrong would not have been mounted
@@ -20,9 +21,6 @@ STEEPEST = 0.1
 # a belt dips into, over a third of the stroke, friction of 1.5. Halved, they are again; doubled, two of 25 cyclic frictions that were missing (2.5
 # and 2.8, others 4.4 and more) would be any curve; of thirteen cogging forces the travel held 5.2 and more
 RETURNS = 2.0
-# Relative error of a ratio of orders, to one another and to a motor's turn: their intervals are a few per mille. Halved, orders 5 and 6 of a shaft
-# are strangers; doubled, two waves hardly ever are. A pulley's error of less than two periods is one at half and at twice of it
-MEETS = 0.01
 # Order from which a wave is one of the axis' own turn, where the travel holds that: of friction that has three orders of a table's turn the first
 # alone comes out at 0.94, over 1.07 turns. Doubled, it is any curve again; halved, it stays. An angle's wave of one turn is an encoder's, not a gear's
 ONCE = 0.9
@@ -77,7 +75,7 @@ def implausible(effect: Effect, plant: Plant, declared: Plant, inverses: Sequenc
             return "an eccentricity of degrees would not have been mounted"
         if effect.name == "kinematic_error" and size * values["order"].value > STEEPEST:
             return f"with it the axis would run {100 * size * values['order'].value:.0f} % too fast in places"
-        if effect.name == "kinematic_error" and not (returns(effect, inverses) or _of_the_motor(effect, plant)):
+        if effect.name == "kinematic_error" and not (returns(effect, inverses) or once_a_turn(effect, plant)):
             return f"the travel holds fewer than {RETURNS:g} of its periods, and does not show it to return"
     if effect.family == "mode" and (slow := _slow(effect, inverses)):
         return slow
@@ -135,12 +133,6 @@ def returns(wave: Effect, inverses: Sequence[InverseDynamics], periods: float = 
     travel = max(float(np.ptp(p.motion.q)) for p in inverses)
     order = wave.parameters["order"].value
     return order * travel >= periods * 2.0 * np.pi or (rotary and travel >= 2.0 * np.pi and order >= ONCE)
-
-
-def _of_the_motor(wave: Effect, plant: Plant) -> bool:
-    """Whether a wave's order is that of the motor's turn in front of a gear, which a shaft has, however little of it the travel holds."""
-    ratio = plant.geometry.gear_ratio
-    return plant.rotary and ratio != 1.0 and abs(wave.parameters["order"].value / ratio - 1.0) < MEETS
 
 
 def _slow(mode: Effect, inverses: Sequence[InverseDynamics]) -> str:

@@ -12,6 +12,7 @@ from workbench.tracing.calibration import Calibration
 from workbench.tracing.candidates import ADDITION, Candidate, without
 from workbench.tracing.criteria import Criteria
 from workbench.tracing.decide import CAUSE, NOTHING, REFINEMENT, UNKNOWN, Verdict
+from workbench.tracing.discs import SEATED, of_the_gear, on_the_shaft
 from workbench.tracing.evidence import Evidence, Weighed
 from workbench.tracing.full_rate import settled
 from workbench.tracing.headline import verdict_sentence
@@ -188,6 +189,9 @@ def _with_clock(estimates: Sequence[Estimate], skew: Skew) -> tuple[Estimate, ..
 def _described_rivals(made: Cause, j: ScoredCandidate, o: Outcome, progress: Progress) -> Cause:
     """Return a cause with the candidates that these records cannot tell from it, and the motion that would."""
     answer = o.selected.answer
+    wave = answer.last.plant[j.candidate.key]
+    if j.candidate.name == on_the_shaft(wave, answer.last.plant):
+        return replace(made, rivals=of_the_gear(made.effect), experiment=SEATED)
     others = rivals(j, answer.added, o.selected.looked, o.criteria, answer.last.power)
     progress("looking for the motion that would tell rivals apart")
     level = min(o.confirmed.levels.values())
