@@ -59,6 +59,11 @@ def capital(text: str) -> str:
     return text[:1].upper() + text[1:]
 
 
+def in_per_cent(share: float) -> str:
+    """Return a share of samples in per cent, whole ones: "38 %"; "less than 1 %" of a few samples, which are more than none."""
+    return "less than 1 %" if 0.0 < share < 0.005 else f"{100 * share:.0f} %"
+
+
 @dataclass(frozen=True)
 class Finding:
     """One thing that was found.

@@ -7,7 +7,7 @@ from workbench.definition import find
 from workbench.inverse.dynamics import InverseDynamics, inverse_dynamics
 from workbench.plant import ONE_MASS, Plant
 from workbench.record import IDENTIFICATION, VALIDATION, Record
-from workbench.residual.noise_floor import TOLD, noise_rms, refuted
+from workbench.residual.noise_floor import TOLD, fitted, noise_rms, refuted
 
 DT, BAND, COUNT = 1e-3, 50.0, 1e-6
 NOISE, LEVEL = 0.1, 30.0  # N, of the drive and of friction
@@ -65,3 +65,19 @@ def test_a_floor_is_no_higher_than_what_a_record_shows_that_was_not_fitted(left,
     )
     expected = dict(zip((IDENTIFICATION, VALIDATION), floor, strict=True))
     assert found == pytest.approx(expected)
+
+
+@pytest.mark.parametrize(("values", "floor"), [(0.003, 0.0176), (0.03, 0.02)])
+def test_a_floor_is_no_higher_than_what_few_values_leave_of_many_samples(values, floor):
+    """A worm's table left 0.88 of what its counts were read to make, and an alarm stood on its first page."""
+    found = refuted({IDENTIFICATION: 0.02, VALIDATION: 0.02}, {IDENTIFICATION: 0.0176, VALIDATION: 0.03}, values)
+    assert found == pytest.approx({IDENTIFICATION: floor, VALIDATION: floor})
+
+
+def test_what_few_values_are_goes_with_the_band_and_the_time_of_the_identification_records():
+    record, _ = moves_with_rests()
+    (seen,) = inverse_dynamics([record], BAND)
+    m = seen.motion
+    kept = (m.keep.stop - m.keep.start) * m.dt
+    assert fitted(10, [seen]) == pytest.approx(10 / (2.0 * BAND * kept))
+    assert fitted(10, []) == 1.0

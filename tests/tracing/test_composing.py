@@ -11,9 +11,10 @@ from workbench.definition import find
 from workbench.effects.free_maps import angle_over_angle
 from workbench.inverse.balances import predicted
 from workbench.plant import ONE_MASS, TWO_MASS, Geometry, Plant
+from workbench.tracing import composing
 from workbench.tracing.answer import Answer
 from workbench.tracing.candidates import ADDITION, Candidate, Offer, candidates_of
-from workbench.tracing.composing import composed, of_one_disc, of_the_axis, plainly
+from workbench.tracing.composing import composed, decomposed, of_one_disc, of_the_axis, plainly
 from workbench.tracing.judge import STANDARD, ScoredCandidate, judged, refitted_as, scored_as
 from workbench.tracing.state import State
 from workbench.tracing.tracing import trace
@@ -141,6 +142,34 @@ def test_a_curve_over_the_motors_turn_is_its_discs_where_its_first_harmonic_lead
     candidate = Candidate(curve.named, curve.at, ADDITION, plant, stands="kinematic_error")
     (named,) = of_one_disc(Answer([ScoredCandidate(candidate, None, None, 0, None, state=last)], last)).added
     assert (named.candidate.name, named.candidate.stands) == (name, name)
+
+
+@pytest.mark.parametrize(
+    ("alone", "dry", "name"),
+    [(0.03, 0.1, "stribeck_friction"), (0.3, 0.1, "lugre_friction"), (0.03, 1.2, "lugre_friction")],
+    ids=["gives way a little", "the peak is half of it", "gives way much"],
+)
+def test_lugre_friction_in_the_place_of_dry_friction_is_a_peak_where_it_gives_way_a_little(
+    monkeypatch, alone, dry, name
+):
+    """Two axes of strain wave gears with bristles of 0.1 mrad, where Coulomb friction is declared, lacked a Stribeck peak and were told of LuGre
+    friction. alone, dry: what a peak leaves beside the free virgin curve, and beside the declared law, of a drive of power 100."""
+    curved = PLANT.without("coulomb_friction") + find("presliding_hysteresis")
+    candidate = next(c for c in candidates_of(PLANT) if (c.effect, c.at) == ("lugre_friction", "axis") and c.instead)
+    last = SimpleNamespace(plant=candidate.plant, inverses=(), power=100.0, errors=SimpleNamespace(total=0.01))
+
+    def state(plant, _):
+        keys = {e.name for e in plant.effects}
+        left = 0.5 if "stribeck_friction" not in keys else dry if "coulomb_friction" in keys else alone
+        return SimpleNamespace(errors=SimpleNamespace(total=left))
+
+    monkeypatch.setattr(composing, "State", state)
+    monkeypatch.setattr(composing, "without", lambda *_: curved)
+    monkeypatch.setattr(composing, "as_declared", lambda *_: PLANT)
+    answer = decomposed(
+        Answer([ScoredCandidate(candidate, None, None, 0, None, state=last)], last), PLANT, STANDARD, ()
+    )
+    assert [(j.candidate.name, j.candidate.effect) for j in answer.added] == [(name, "lugre_friction")]
 
 
 def test_a_length_beside_ideal_coulomb_friction_is_presliding_and_no_near_law():

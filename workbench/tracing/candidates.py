@@ -135,7 +135,7 @@ def _additions(effect: Effect, place: str, plant: Plant, stands_for: Mapping[str
         for key in same:
             rest = rest + stands_for[key]
     called = (another.nearest or of_the_disc(another, place, plant)) if another.traced else ""
-    part = called or _missing_part(another, [stands_for.get(key) or plant[key] for key in same])
+    part = called or missing_part(another, [stands_for.get(key) or plant[key] for key in same])
     found = [
         Candidate(another.named, place, ADDITION, rest + another, instead, "", restored, part, yields=bare(another))
     ]
@@ -177,7 +177,7 @@ def needless(effect: Effect, plant: Plant) -> tuple[str, ...]:
     )
 
 
-def _missing_part(effect: Effect, replaced: Collection[Effect]) -> str:
+def missing_part(effect: Effect, replaced: Collection[Effect]) -> str:
     """Return the one part of a composite that is missing where the rest of it is declared, "" where that is not one.
 
     What gives the direction stands for whatever friction is replaced; a part of the class of what is replaced may be what that was

@@ -41,6 +41,38 @@ def composed(answer: Answer, declared: Plant, criteria: Criteria, offer: Offer) 
     return answer
 
 
+def decomposed(answer: Answer, declared: Plant, criteria: Criteria, laws: Sequence[Law]) -> Answer:
+    """Return the answer with a composite that stands for declared dry friction under the name of the part of it that is missing: that part takes `near`
+    of what the composite takes beside the free virgin curve, and without a memory it leaves less than `unaccounted` of the drive more. Every contact
+    gives way, and what the declared law is only nearly right in is no part of what is missing (`composed`). Arguments as of `plainly`."""
+    return replace(answer, added=[_by_part(j, answer, declared, criteria, laws) for j in answer.added])
+
+
+def _by_part(
+    j: ScoredCandidate, answer: Answer, declared: Plant, criteria: Criteria, laws: Sequence[Law]
+) -> ScoredCandidate:
+    """Return an addition under the name of its missing part, itself where it is none of what `decomposed` asks."""
+    last, composite = answer.last, answer.last.plant[j.candidate.key]
+    own = [catalogue()[n] for n in composite.parts if "dir" not in catalogue()[n].provides]
+    called = j.candidate.part or j.candidate.stands or j.candidate.kind != ADDITION
+    if called or len(own) != 1 or not j.candidate.instead or not gives_way(j.candidate, declared):
+        return j
+    rest = without(last.plant, j.candidate, declared)
+    known = {n: p.value for n, p in composite.parameters.items() if n in own[0].parameters and n not in own[0].linear}
+    part = own[0](at=j.candidate.at, **known)
+    try:
+        bare, alone = State(rest, last.inverses), State(rest + part, last.inverses)
+        dry = State(as_declared(rest, laws) + part, last.inverses)
+    except NoValue:
+        return j
+    most = bare.errors.total - last.errors.total
+    memory = dry.errors.total - last.errors.total
+    named = bare.errors.total - alone.errors.total >= criteria.near * most
+    if not named or memory >= criteria.unaccounted**2 * last.power:
+        return j
+    return replace(j, candidate=replace(j.candidate, part=own[0].name))
+
+
 def plainly(answer: Answer, declared: Plant, criteria: Criteria, offer: Offer, laws: Sequence[Law]) -> Answer:
     """Return the answer with the common law of friction with memory in the place of a rarer one that was found, where it leaves no more than what is
     of practical size beside that: beside free virgin curves of a declared friction the common one is not asked, and a gap before friction may

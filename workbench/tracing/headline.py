@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from math import isfinite
 
 from workbench.definition import DRIVE_CHANNELS, catalogue
-from workbench.finding import capital, place, title
+from workbench.finding import capital, in_per_cent, place, title
 from workbench.identification.result import Fit
 from workbench.plant import Plant
 from workbench.record import IDENTIFICATION, VALIDATION
@@ -172,7 +172,7 @@ def _unexplained(evidence: Evidence, place: Window | None, displacement: str) ->
         return f"{said}; it lives nowhere in particular: not in a place, not at a speed, not at moments."
     return (
         f"{said}. It lives {_lives(place, displacement)}: {100 * place.share:.0f} % of its power in "
-        f"{100 * place.covered:.0f} % of the samples."
+        f"{in_per_cent(place.covered)} of the samples."
     )
 
 

@@ -9,7 +9,7 @@ from workbench.identification.fit import identify
 from workbench.identification.result import Estimate, Fit
 from workbench.inverse.dynamics import InverseDynamics
 from workbench.tracing.calibration import Calibration
-from workbench.tracing.candidates import ADDITION, Candidate, without
+from workbench.tracing.candidates import ADDITION, Candidate, missing_part, without
 from workbench.tracing.criteria import Criteria
 from workbench.tracing.decide import CAUSE, NOTHING, REFINEMENT, UNKNOWN, Verdict
 from workbench.tracing.discs import SEATED, of_the_gear, on_the_shaft
@@ -145,9 +145,12 @@ def _also(candidate: Candidate, after: Fit, o: Outcome) -> tuple[str, ...]:
 
     Halved or doubled, the two steps change no answer of c, d or the measured axes: the one composite among them gives way over some 500.
     """
-    if not candidate.part or any("dir" in e.provides for e in o.late.plant.effects if e.at == candidate.at):
+    here = [e for e in o.late.plant.effects if e.at == candidate.at]
+    if not candidate.part or any("dir" in e.provides for e in here):
         return ()
     name = candidate.effect.partition(" ")[0]
+    if missing_part(catalogue()[name], [e for e in here if e.key in candidate.instead]) != candidate.part:
+        return ()  # a part is named, and the memory beside it is what declared dry friction is only nearly right in
     low = {e.parameter: e.low for e in after.estimates if (e.effect, e.at) == (candidate.effect, candidate.at)}
     least = 2.0 * max(p.motion.counts for p in o.inverses)
     giving = [e for e in (catalogue()[n] for n in catalogue()[name].parts) if "dir" in e.provides]

@@ -8,7 +8,7 @@ from workbench.inverse.dynamics import InverseDynamics
 from workbench.plant import Plant
 from workbench.tracing.answer import Answer
 from workbench.tracing.candidates import Offer, without
-from workbench.tracing.composing import composed, of_one_disc, of_the_axis, plainly
+from workbench.tracing.composing import composed, decomposed, of_one_disc, of_the_axis, plainly
 from workbench.tracing.criteria import Criteria
 from workbench.tracing.evidence import CORRECTION
 from workbench.tracing.greedy import Step, extended
@@ -99,7 +99,8 @@ def select(
         answer = pruned(answer, base.plant, looked, progress, offer, criteria)
     answer = plainly(answer, base.plant, criteria, offer, known)
     answer, refined = _of_declared_laws(answer, known, looked, progress, offer, criteria)
-    answer = of_the_axis(of_one_disc(composed(answer, base.plant, criteria, offer)), base.plant, criteria)
+    answer = decomposed(composed(answer, base.plant, criteria, offer), base.plant, criteria, known)
+    answer = of_the_axis(of_one_disc(answer), base.plant, criteria)
     return Selection(declared, base, answer, steps, looked, known, refined)
 
 

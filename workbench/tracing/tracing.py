@@ -13,8 +13,8 @@ from workbench.keeping import kept
 from workbench.plant import Plant
 from workbench.processes import shared
 from workbench.record import ROLES
+from workbench.residual.noise_floor import fitted, refuted
 from workbench.residual.noise_floor import floor as noise_floor
-from workbench.residual.noise_floor import refuted
 from workbench.threads import one_thread
 from workbench.tracing.budget import BUDGET, Budget
 from workbench.tracing.candidates import Offer
@@ -27,7 +27,7 @@ from workbench.tracing.evidence import CORRECTION, Evidence
 from workbench.tracing.explainable import explainable
 from workbench.tracing.foreseen import loaded
 from workbench.tracing.further import foretold
-from workbench.tracing.judge import STANDARD, Progress, ScoredCandidate
+from workbench.tracing.judge import STANDARD, Progress, ScoredCandidate, freedom
 from workbench.tracing.otherwise import as_a_curve, as_a_curve_alone, in_place_of_two, otherwise
 from workbench.tracing.preparing import Declared, Rest, prepared, turned_back
 from workbench.tracing.reporting import Outcome, reported
@@ -130,7 +130,7 @@ def _decided(
     """Weigh what whole records bear out of what a search selected, decide, and say so; without what is not borne out, once more."""
     inverses, first = late.inverses, True
     progress("weighing the evidence")
-    order, orders, refused, given_up = selected.answer.added, [], [], []
+    order, orders, refused, given_up, once = selected.answer.added, [], [], [], None
     while order is not None:
         if not first:
             confirmed = confirm(late, order, selected, criteria, confirmed.levels)
@@ -145,7 +145,10 @@ def _decided(
         evidence = replace(evidence, added=confirmed.weighed)
         verdict = decide(evidence, criteria)
         orders = later(confirmed.added, verdict) if first else orders
+        once = (confirmed, verdict) if orders and first else once
         again, first = bool(orders) and NOT_BORNE_OUT in verdict.roles, False
+        if not again and once and fewer_causes(verdict, once[1]):
+            (confirmed, verdict), once = once, None
         order = orders.pop(0) if again else _standing(confirmed, verdict)
         orders = orders if again else []
         if order is not None and len(order) < len(confirmed.added):
@@ -182,6 +185,12 @@ def later(added: Sequence[ScoredCandidate], verdict: Verdict) -> list[list[Score
     return [last] if len(others) == 1 else [[*others[:1], *lost, *others[1:]], last]
 
 
+def fewer_causes(verdict: Verdict, before: Verdict) -> bool:
+    """Whether an order in which what was not borne out came earlier says less than the one before: it took from a cause of its class, which is
+    none any more, and is none itself. Then what was not borne out is left out."""
+    return verdict.verdict == CAUSE and verdict.roles.count(CAUSE) < before.roles.count(CAUSE)
+
+
 def _standing(confirmed: Confirmed, verdict: Verdict) -> list[ScoredCandidate] | None:
     """Return what of the additions stays in the extended model with a cause; None where all of it does, or there is none."""
     if verdict.verdict != CAUSE:
@@ -203,11 +212,13 @@ def _evidence_of(
     told = list(shared(lambda s: explainable(s, criteria), states))
     paid = traded(base, answer.last, even) if confirmed.added else None
     place = paid or (instead(base, answer.last, even) if confirmed.added else None)
-    first = confirmed.fits[0]
+    first, last = confirmed.fits[0], confirmed.fits[-1]
     steady = {name: min(x, max(base.steady, 1e-300)) for name, x in confirmed.levels.items()}
     evidence = Evidence(
         declared={"identification": first.identification, "validation": first.validation},
-        floor=refuted(noise_floor(inverses, steady), {r: getattr(confirmed.fits[-1], r) for r in ROLES}),
+        floor=refuted(
+            noise_floor(inverses, steady), {r: getattr(last, r) for r in ROLES}, fitted(freedom(last.plant), inverses)
+        ),
         before=told[0],
         after=told[-1],
         added=confirmed.weighed,

@@ -8,7 +8,7 @@ from dataclasses import replace
 
 from workbench.encoders.lost_counts import LostCounts
 from workbench.encoders.wording import lost_finding
-from workbench.finding import Finding, capital, title
+from workbench.finding import Finding, capital, in_per_cent, title
 
 SLOW = "slow log"
 STICKS = "sticks"
@@ -70,7 +70,7 @@ def sticks(samples: float, power: float, beside: bool) -> Finding:
     return Finding(
         STICKS, "",
         f"While the axis sticks, its declared dry friction has no prediction: that is {100 * power:.0f} % of what the declared "
-        f"model {'and what was found beside it leave' if beside else 'leaves'}, in {100 * samples:.0f} % of the samples. "
+        f"model {'and what was found beside it leave' if beside else 'leaves'}, in {in_per_cent(samples)} of the samples. "
         "They count in no error here.",
         {"samples": samples, "power": power},
         "Declare presliding_hysteresis in the place of coulomb_friction where the encoder shows how the axis gives way.",
