@@ -194,6 +194,18 @@ CASES = {
     "what an injected torque alone shows is no less a cause": (
         evidence(weighed("transport_delay", (0.0375, 0.0089), (0.0134, 0.0125)), before=0.0025), CAUSE, (CAUSE,),
     ),
+    "less than half in either role, that leaves more beyond noise than it takes, dresses something: grease squeezed out at rest is no Stribeck peak": (
+        replace(
+            evidence(weighed("stribeck_friction", (0.0867, 0.0683), (0.0959, 0.0728)), before=0.0422, after=0.0177),
+            floor={"identification": 0.0027, "validation": 0.0042},
+        ), UNKNOWN, (DRESSING,),
+    ),
+    "where noise may leave as much it is a cause": (
+        replace(
+            evidence(weighed("stribeck_friction", (0.0867, 0.0683), (0.0959, 0.0728)), before=0.0422, after=0.0177),
+            floor={"identification": 0.02, "validation": 0.02},
+        ), CAUSE, (CAUSE,),
+    ),
     "a correction within its tolerance is a refinement": (
         evidence(weighed("inertia", kind=CORRECTION, changed=0.009, tolerance=0.01), before=0.0), NOTHING, (REFINEMENT,),
     ),

@@ -14,7 +14,7 @@
 | is what they take of a window of the stroke paid for with residual elsewhere? | unknown |
 | does a stiffness of the joint or an inertia that changes along the stroke, which no effect is, take `explainable` more of the drive than they do? | unknown |
 | has what takes most values that no machine has, and leaves `beside` explainable? | unknown |
-| do the causes take `held` of the validation power, or of the identification power and of what is explainable, or leave little of that? | cause |
+| do the causes take `held` of the validation power, or of the identification power and of what is explainable, or leave little of that (and none of it where they leave more beyond noise than they take)? | cause |
 | is more than `explainable` of the drive predictable from outside the loop? | unknown |
 | does an effect take `held` of the identification power, more than `beside` of the drive, and is not borne out? | unknown |
 | does more than `unaccounted` of the drive stay beyond what noise may leave, in every role? | unknown |
