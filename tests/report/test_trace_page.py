@@ -11,7 +11,7 @@ from report_example import records, study, trace
 from workbench.cli import main
 from workbench.errors import WorkbenchError
 from workbench.inverse.dynamics import inverse_dynamics
-from workbench.report import residual_figures, write
+from workbench.report import cause, residual_figures, write
 from workbench.report.chapters import standard
 from workbench.report.contents import Figure, Heading, Items, Table
 from workbench.report.residual_figures import Shade
@@ -207,3 +207,15 @@ def test_no_line_is_drawn_across_a_part_where_no_sample_falls():
     x, y = residual_figures._where_seen(seen, np.arange(60.0), np.full(60, 2.0))
     assert np.flatnonzero(np.isnan(x)).tolist() == np.flatnonzero(np.isnan(y)).tolist() == [18]
     assert (x[17], x[19]) == (19.0, 45.0) and x.size == np.count_nonzero(seen) + 1
+
+
+def test_a_step_added_what_bears_its_name_once():
+    """A composite was added under its part's name, and a later step tried that part itself, which was not added."""
+    score = lambda effect, gain: SimpleNamespace(  # noqa: E731
+        effect=effect, at="axis", title=effect, gain=gain, scatter=0.01, earns=True
+    )
+    steps = [[score("backlash", 0.8)], [score("stribeck_friction", 0.9)], [score("stribeck_friction", 0.07)]]
+    causes = [SimpleNamespace(effect=n, at="axis") for n in ("backlash", "stribeck_friction")]
+    (items,) = cause._later(SimpleNamespace(trace=SimpleNamespace(steps=steps, causes=causes)))
+    ends = [text.rpartition("), ")[2] for text in items.texts]
+    assert ends == ["was added.", "was not added, and the search ended."]

@@ -3,12 +3,18 @@
 from dataclasses import replace
 from types import SimpleNamespace
 
+import numpy as np
+from test_near_law import SOURCE
+
 from workbench.definition import find
+from workbench.inverse.dynamics import inverse_dynamics
 from workbench.plant import ONE_MASS, TWO_MASS, Geometry, Plant
+from workbench.record import IDENTIFICATION, Record
 from workbench.tracing import ranking
 from workbench.tracing.candidates import candidates_of
 from workbench.tracing.judge import STANDARD
 from workbench.tracing.result import physical_cause
+from workbench.tracing.tracing import trace
 
 GEARED = Geometry(gear_ratio=80.0)
 PLANT = Plant(TWO_MASS, geometry=GEARED)
@@ -64,3 +70,21 @@ def test_a_law_under_another_name_has_the_cause_of_what_says_more_of_it():
     assert physical_cause(lugre, "stribeck_friction") == lugre.cause  # the composite with what is declared
     film = find("power_law_friction")
     assert physical_cause(film, "nonlinear_viscous_friction") == film.cause
+
+
+def test_a_reading_that_errs_once_a_turn_of_the_motor_is_the_discs_with_the_gear_for_a_rival():
+    """Of one encoder nothing but the place where it sits tells the two apart: the experiment says to look."""
+    t = np.arange(6000) / 500.0
+    q = 0.9 * np.sin(0.7 * t) + 0.3 * np.sin(2.3 * t)
+    v = 0.63 * np.cos(0.7 * t) + 0.69 * np.cos(2.3 * t)
+    a = -0.441 * np.sin(0.7 * t) - 1.587 * np.sin(2.3 * t)
+    noise = 0.002 * np.random.default_rng(2).standard_normal(t.size)
+    drive = 0.2 * a + 0.3 * v + 0.5 * np.sign(v) + noise
+    reading = q + 6e-4 * np.sin(16.0 * q + 0.4) + 1e-4 * np.sin(32.0 * q)
+    record = Record("made", IDENTIFICATION, t, {"torque": drive, "position": reading}, {}, SOURCE, {"position": 1e-6})
+    plant = Plant(ONE_MASS, geometry=Geometry(gear_ratio=16.0)) + find("inertia")(inertia=0.2)
+    plant = plant + find("viscous_friction") + find("coulomb_friction")
+    found = trace(plant, inverse_dynamics([record], 20.0))
+    assert [(c.effect, c.rivals) for c in found.causes] == [("encoder_eccentricity", ("kinematic_error",))]
+    assert "Where the encoder sits" in found.causes[0].experiment
+    assert found.ranked[0].effect == "encoder_eccentricity" and found.ranked[0].gain > 0.5

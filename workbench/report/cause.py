@@ -126,12 +126,13 @@ def _fate(c: CandidateScore, added: Sequence[tuple[str, str]]) -> Marked | str:
 def _later(result: StudyResult) -> tuple[Items, ...]:
     """What the following steps tried, each beside the model as the step before had left it."""
     texts, steps = [], result.trace.steps
-    causes = {(c.effect, c.at) for c in result.trace.causes}
+    causes = {(c.effect, c.at) for c in result.trace.causes} - {(c.effect, c.at) for s in steps[:1] for c in s[:1]}
     for i, step in enumerate(steps[1:], start=2):
         if step:
             c = step[0]
             if (c.effect, c.at) in causes:
                 end = "was added"
+                causes.discard((c.effect, c.at))  # a law of the same name that a later step tries is another one
             elif i < len(steps):
                 end = "was added, and taken out again later"
             else:

@@ -1,6 +1,6 @@
 """What a trace says: causes, refinements, the final fit and the sentences of a decision that was taken."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from workbench.definition import catalogue
@@ -91,11 +91,12 @@ def reported(o: Outcome, progress: Progress) -> Trace:
     refined = after if after.rms != alone.rms else None
     sentence = verdict_sentence(o.verdict.verdict, causes, before, alone, evidence, lives, late.lost, refined)
     sentence += late.turn.beside if late.turn else ""
+    named = {j.candidate.key: j.candidate.name for j, _ in o.standing}
     return Trace(
         o.verdict.verdict,
         sentence + (least_shown(shows) if o.verdict.verdict == NOTHING else ""),
         _ranked(o),
-        tuple(tuple(_of_step(j) for j in s.judgements) for s in selected.steps),
+        tuple(tuple(_of_step(j, named) for j in s.judgements) for s in selected.steps),
         tuple(causes),
         before,
         after,
@@ -172,9 +173,9 @@ def _named_as(j: ScoredCandidate) -> CandidateScore:
     return replace(j.score, effect=j.candidate.name)
 
 
-def _of_step(j: ScoredCandidate) -> CandidateScore:
-    """Return a candidate as it was judged in its step, where no free form had been asked."""
-    return replace(j.score, effect=j.candidate.part or j.score.effect)
+def _of_step(j: ScoredCandidate, named: Mapping[str, str]) -> CandidateScore:
+    """Return a candidate as it was judged in its step, where no free form had been asked. named: of what was added, key -> the name that it bears."""
+    return replace(j.score, effect=named.get(j.candidate.key) or j.candidate.part or j.score.effect)
 
 
 def _candidate_of(skew: Skew, fit: Fit) -> CandidateScore:
@@ -231,6 +232,18 @@ def _ranked(o: Outcome) -> tuple[CandidateScore, ...]:
     judged: dict[tuple[str, str], CandidateScore] = {}
     for c in first:  # a free form stands before the formula whose name it bears: what was added is what counts
         judged.setdefault((c.effect, c.at), c)
-    added = [*clock, *(_named_as(j) for j in o.by_size)]
-    ahead = {(c.effect, c.at): judged.get((c.effect, c.at), c) for c in added}
+    ahead = {(c.effect, c.at): judged.get((c.effect, c.at), c) for c in clock}
+    ahead |= {(j.candidate.name, j.candidate.at): _as_first_judged(j, o, judged) for j in o.by_size}
     return (*ahead.values(), *(c for key, c in judged.items() if key not in ahead))
+
+
+def _as_first_judged(
+    j: ScoredCandidate, o: Outcome, judged: Mapping[tuple[str, str], CandidateScore]
+) -> CandidateScore:
+    """Return an addition as it was judged in the first step, under the name that it bears since; as it was added where it was not. judged: by name
+    and place."""
+    c, plant = _named_as(j), o.selected.answer.last.plant
+    own = (k.score for k in o.selected.steps[0].judgements if k.candidate.key == j.candidate.key)
+    names = of_the_gear(c.effect) if c.effect == on_the_shaft(plant[j.candidate.key], plant) else (c.effect,)
+    alike = (judged[n, c.at] for n in names if (n, c.at) in judged)
+    return replace(next(iter((*own, *alike, c))), effect=c.effect)
