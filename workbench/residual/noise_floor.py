@@ -191,8 +191,8 @@ def floor(inverses: Sequence[InverseDynamics], level: Mapping[str, float]) -> di
 def refuted(level: Mapping[str, float], left: Mapping[str, float], values: float = 1.0) -> dict[str, float]:
     """Return role -> nrmse of a floor that is no higher than what a model leaves of what it was not fitted to, in both roles by the same share.
 
-    left: what it leaves, by role; of validation NaN where there is no such record. fitted: values that were fitted, over the independent samples of the
-    identification records: below FEW these are as good as not fitted. No model leaves less than noise of a record that it was
+    left: what it leaves, by role; of validation NaN where there is no such record. values: that were fitted, over the independent samples of the
+    identification records (`fitted`): below FEW these records are as good as not fitted. No model leaves less than noise of a record that it was
     not fitted to, so that noise was read too high: a controller's answer to the counts of its encoder stands above the band like noise, and
     moves the axis; at a constant speed counts are rounded in a pattern that is no noise in the band. What leaves less than REFUTES of a floor refutes
     itself. Within TOLD of what then is left of a role, that is its floor.

@@ -26,7 +26,7 @@ def of_the_disc(effect: Effect, place: str, plant: Plant) -> str:
     geared = plant.kind == TWO_MASS or not plant.rotary or plant.geometry.gear_ratio != 1.0
     if geared or not place.startswith("sensor."):
         return ""
-    return next((n for _, n in effect.reduces.values() if n and catalogue()[n].port == SENSOR), "")
+    return _disc_of(effect)
 
 
 def once_a_turn(wave: Effect, plant: Plant) -> bool:
@@ -45,14 +45,17 @@ def on_the_shaft(wave: Effect, plant: Plant) -> str:
     """
     if wave.at != "sensor.position" or "order" not in wave.parameters:  # of two masses a gear errs at the joint
         return ""
-    if not once_a_turn(wave, plant) or not _first_leads(wave):
-        return ""
-    return next((n for _, n in wave.reduces.values() if n and catalogue()[n].port == SENSOR), "")
+    return _disc_of(wave) if once_a_turn(wave, plant) and _first_leads(wave) else ""
 
 
 def of_the_gear(disc: str) -> tuple[str, ...]:
     """Return the traced errors of a gear that a disc's is told from by its order alone."""
     return tuple(e.name for e in catalogue().values() if e.traced and any(n == disc for _, n in e.reduces.values()))
+
+
+def _disc_of(wave: Effect) -> str:
+    """Return the error of a disc that a gear's error of the angle is at one of its values, "" where there is none."""
+    return next((n for _, n in wave.reduces.values() if n and catalogue()[n].port == SENSOR), "")
 
 
 def _first_leads(wave: Effect) -> bool:

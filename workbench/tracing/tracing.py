@@ -186,8 +186,8 @@ def later(added: Sequence[ScoredCandidate], verdict: Verdict) -> list[list[Score
 
 
 def fewer_causes(verdict: Verdict, before: Verdict) -> bool:
-    """Whether an order in which what was not borne out came earlier says less than the one before: it took from a cause of its class, which is
-    none any more, and is none itself. Then what was not borne out is left out."""
+    """Whether an order in which what was not borne out came earlier says less than the one before: it took from a cause, which is none any
+    more, and is none itself. Then what was not borne out is left out."""
     return verdict.verdict == CAUSE and verdict.roles.count(CAUSE) < before.roles.count(CAUSE)
 
 
