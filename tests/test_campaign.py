@@ -496,6 +496,21 @@ def test_a_column_that_the_file_lacks_is_refused(campaign):
     campaign.refused("row 1: there is no column 'position_dg'", "did you mean 'position_deg'", file="id_sine.csv.gz")
 
 
+def test_a_record_that_follows_no_reference_may_lack_its_column(campaign):
+    """An output that is clamped has no set-point; what no record has is a wrong name."""
+    campaign.swap(
+        "[channels.temperature]", '[channels.reference]\ncolumn = "set_deg"\nunit = "deg"\n[channels.temperature]'
+    )
+    wide = np.insert(rows(20.0), 4, 1.0, axis=1)
+    campaign.put("val_moves.csv", text(wide, "time_s,torque_mNm,position_deg,housing_C,set_deg"))
+    c = campaign.load()
+    assert ["reference" in r.channels for r in c.records] == [False, True]
+    (found,) = c.findings
+    assert found.subject == "id_sine" and "no column 'set_deg'" in found.sentence
+    campaign.put("val_moves.csv", rows(20.0))
+    campaign.refused("row 1: there is no column 'set_deg' for channel 'reference'", file="id_sine.csv.gz")
+
+
 # --- records ----------------------------------------------------------------------------------------------------------
 
 

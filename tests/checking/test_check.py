@@ -86,6 +86,20 @@ def test_a_fault_is_found_by_its_name(request, tmp_path, campaign, fault, record
         assert any(c.isdigit() for c in f.sentence) and f.sentence[-1] == "." and f.remedy[-1] == "."
 
 
+def test_a_soft_joint_whose_load_lags_is_no_shift_of_an_encoder():
+    """A steering column's torsion bar, a gap before it and friction behind it: the load's reading lags by 3.8 ms, and no clock is late."""
+    assert "misaligned" not in {f.kind for f in check(ROOT / "benchmarks" / "carried" / "vb08")}
+
+
+@pytest.mark.parametrize(("records", "kinds"), [((), {"misaligned"}), (("id_multisine",), set())])
+def test_a_position_that_leads_its_reference_is_the_logs_where_most_records_have_it(
+    campaigns, tmp_path, records, kinds
+):
+    """A feedforward leads on some motions; a log that is shifted shifts all of them."""
+    Folder(campaigns / "c01", tmp_path / "c").change(late("reference", 12e-3), *records)
+    assert {f.kind for f in check(tmp_path / "c")} == kinds
+
+
 @pytest.mark.parametrize("name", [*CARRIED, *(f"c{k:02d}" for k in range(1, 15))])
 def test_a_campaign_as_it_was_measured_has_no_findings(request, name):
     folder = CARRIED[name] if name in CARRIED else request.getfixturevalue("campaigns") / name

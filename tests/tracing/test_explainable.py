@@ -156,6 +156,22 @@ def test_an_inertia_that_is_alike_everywhere_is_not_and_neither_is_one_declared_
     assert crank(0.0, declared).inertia == 0.0
 
 
+def warming(falls: float) -> Explainable:
+    """Return what is explainable where a drive's gain falls by this share, e-fold in 3 s, while it moves an inertia and a spring."""
+    t = np.arange(12000) / RATE
+    q, v, a = (waved(t, 5, n) for n in (0, 1, 2))
+    drive = (INERTIA * a + 0.5 * INERTIA * v + 4.0 * INERTIA * q) / (1.0 - falls * (1.0 - np.exp(-t / 3.0)))
+    drive += 0.01 * INERTIA * np.random.default_rng(2).standard_normal(t.size)
+    record = Record("r", IDENTIFICATION, t, {"torque": drive, "position": q}, {}, SOURCE)
+    plant = Plant(ONE_MASS) + find("inertia") + find("viscous_friction") + find("linear_stiffness")(at="axis")
+    return explainable(State(plant, inverse_dynamics([record], JOINT_BAND)), Criteria())
+
+
+def test_a_drive_whose_gain_falls_as_it_warms_up_is_told_as_such_and_one_of_one_gain_is_not():
+    assert warming(0.1).gain > 0.015
+    assert warming(0.0).gain == 0.0
+
+
 def test_neither_a_level_that_wanders_nor_one_that_changes_sign_is_a_burst_and_a_push_is():
     """Of 2 s each, what is far from zero beside what is usual there."""
     rng = np.random.default_rng(3)

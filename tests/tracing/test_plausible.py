@@ -53,6 +53,16 @@ def test_an_error_once_a_motors_turn_is_one_however_little_of_it_the_travel_hold
     assert (implausible(effect, plant, plant, inverse_dynamics([record], 60.0)) == "") is machine
 
 
+@pytest.mark.parametrize(("second", "machine"), [(0.004, True), (0.012, False)])
+def test_a_disc_reads_what_all_its_waves_read_together(second, machine):
+    """A crank's inertia is an eccentric encoder to the search, of a wave for each harmonic, and together they are more than a degree."""
+    disc = find("encoder_eccentricity")(sine=0.007, at="sensor.position")
+    wave = find("kinematic_error")(cosine=second, order=2.0, at="sensor.position")
+    plant = Plant(ONE_MASS) + find("inertia") + disc + wave
+    record = Record("r", IDENTIFICATION, T, {"torque": np.sin(T), "position": 30.0 * np.sin(3.0 * T)})
+    assert all((implausible(e, plant, plant, inverse_dynamics([record], 60.0)) == "") is machine for e in (disc, wave))
+
+
 @pytest.mark.parametrize(("outside", "spring", "machine"), [(2.0, 0.0, True), (-2.0, 0.0, False), (-2.0, 3.0, True)])
 def test_what_pushes_an_axis_away_beyond_a_threshold_is_no_bumper(outside, spring, machine):
     """Beside a flexure it may be one that softens."""

@@ -56,14 +56,22 @@ def stem(path: Path) -> str:
     return path.name[: len(path.name) - len(suffix)].replace(".", "_")
 
 
-def load(path: Path, columns: Mapping[str, str]) -> tuple[Sheet, Source]:
+def load(path: Path, columns: Mapping[str, str], spared: Sequence[str] = ()) -> tuple[Sheet, Source]:
     """Return the named columns (`columns` is channel -> column) with their places and units, and the Source.
 
-    Raises WorkbenchError where the file cannot be read or holds anything but finite numbers in these columns.
+    spared: channels that the file need not hold. Raises WorkbenchError where it cannot be read or holds anything but finite
+    numbers in these columns.
     """
     chosen, content = reader(path), _content(path)
-    sha256 = hashlib.sha256(content).hexdigest()
-    return chosen.read(content, path, columns), Source(path, sha256, chosen.name, dict(columns))
+    try:
+        sheet = chosen.read(content, path, columns)
+    except WorkbenchError:
+        held = chosen.columns(content, path) if {*spared} & {*columns} else ()
+        kept = {n: c for n, c in columns.items() if n not in spared or c in held}
+        if len(kept) == len(columns) or not held:
+            raise
+        sheet, columns = chosen.read(content, path, kept), kept
+    return sheet, Source(path, hashlib.sha256(content).hexdigest(), chosen.name, dict(columns))
 
 
 def read(path: Path, columns: Mapping[str, str]) -> tuple[Mapping[str, np.ndarray], Source]:

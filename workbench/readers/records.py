@@ -19,6 +19,9 @@ from workbench.record import IDENTIFICATION, ROLES, VALIDATION, Payload, Record
 from workbench.units import effect_unit
 
 NAME = re.compile(r"[\w-]+")
+SPARED = (
+    "reference",
+)  # channels that some of the records may lack: an output that is clamped, or a torque that is injected, follows none
 
 
 def records(
@@ -42,15 +45,18 @@ def records(
     for role in (IDENTIFICATION, VALIDATION):
         if not any(one.text("role") == role for one in declared):
             raise WorkbenchError(f"{top.path('records')}: no record has role '{role}'; add one, or change a role.")
-    opened = cache(lambda path: load(path, {n: c.column for n, c in channels.items() if not c.rate}))
+    columns = {n: c.column for n, c in channels.items() if not c.rate}
+    opened = cache(lambda path: load(path, columns, SPARED))
     pairs = [_record(one, folder, name, channels, resample, opened) for name, one in zip(names, declared, strict=True)]
+    if any(n in columns and all(n not in r.channels for r, _ in pairs) for n in SPARED):
+        load(_inside(folder, declared[0]), columns)  # a name that no file has is a wrong one, and this says so
     return tuple(r for r, _ in pairs), tuple(f for _, found in pairs for f in found)
 
 
 def _record(one: Table, folder: Path, name: str, channels: Mapping[str, Channel], resample: bool, opened):
     path = _inside(folder, one)
-    measured = {n: c for n, c in channels.items() if not c.rate}
     sheet, source = opened(path)  # two records may be of one file
+    measured = {n: c for n, c in channels.items() if n in source.columns}
     seen = {n: np.clip(sheet.channels[n], -HUGE, HUGE) for n in measured}  # `plausible` says which sample is beyond
     data = {n: c.to_si(seen[n], f"{path}: column '{c.column}'") for n, c in measured.items()}
     if rate := channels["time"].rate:
@@ -67,9 +73,9 @@ def _record(one: Table, folder: Path, name: str, channels: Mapping[str, Channel]
         role=one.text("role"),
         time=time + later if later else time,
         channels=data,
-        units={n: c.si for n, c in channels.items()},
+        units={n: c.si for n, c in channels.items() if n in data or n == "time"},
         source=source,
-        resolution={n: c.resolution for n, c in channels.items() if c.resolution},
+        resolution={n: c.resolution for n, c in channels.items() if c.resolution and n in data},
         motion=one.text("motion"),
         locked=one.flag("load_locked"),
         counts_from=counted + later,
@@ -78,6 +84,7 @@ def _record(one: Table, folder: Path, name: str, channels: Mapping[str, Channel]
     findings = [f for n, c in measured.items() if (f := stated(name, c.column, sheet.units.get(n, ""), c.unit))]
     findings += [resampled] if resampled else []
     findings += [wording.noted(name, note) for note in sheet.notes]
+    findings += [wording.without(name, n, c.column) for n, c in channels.items() if n in SPARED and n not in data]
     findings += [wording.own_clock(name, later)] if later else []
     findings += [wording.other_clock(name, start, float(time[0]))] if not later and abs(start - time[0]) > step else []
     return record, findings

@@ -66,3 +66,9 @@ def assumed_scale(name: str, column: str, unit: str, si: str, factor: float) -> 
         {"factor": factor},
         f"Put the data sheet's number into channels.{name}.scale of campaign.toml, or the right unit beside it, and remove 'assumed'.",
     )  # fmt: skip
+
+
+def without(name: str, channel: str, column: str) -> Finding:
+    """Say that a record lacks a column that others of its campaign have, and goes without."""
+    sentence = f"Record '{name}' has no column '{column}': it is read without the channel '{channel}'."
+    return Finding("channel left out", name, sentence, remedy=f"Log '{column}' in every record, where there is one.")

@@ -13,10 +13,12 @@
 | does what is outside the loop bear out less than `held` of what it takes, for certain by `alike` standard errors? | not borne out |
 | is what they take of a window of the stroke paid for with residual elsewhere? | unknown |
 | does a stiffness of the joint or an inertia that changes along the stroke, which no effect is, take `explainable` more of the drive than they do? | unknown |
-| has what takes most values that no machine has, and leaves `beside` explainable? | unknown |
+| has what takes most values that no machine has, or no formula, and leaves `beside` explainable? | unknown |
+| are all of them data-sheet values, and does a drive's gain that changes in bench time take `held` of what they leave, and `beside` of the drive? | unknown |
 | do the causes take `held` of the validation power, or of the identification power and of what is explainable, or leave little of that (and none of it where they leave more beyond noise than they take)? | cause |
 | is more than `explainable` of the drive predictable from outside the loop? | unknown |
 | does an effect take `held` of the identification power, more than `beside` of the drive, and is not borne out? | unknown |
+| does an inertia that changes along the stroke, or a drive's gain that does in bench time, take `held` of what the declared model leaves, and `explainable` of the drive? | unknown |
 | does more than `unaccounted` of the drive stay beyond what noise may leave, in every role? | unknown |
 | is the declared model's drive farther from that of validation than none at all would be? | unknown |
 | else | nothing missing |
@@ -29,6 +31,7 @@ from workbench.record import IDENTIFICATION, VALIDATION
 from workbench.residual.noise_floor import TOLD
 from workbench.tracing.answering import answers, little_left
 from workbench.tracing.criteria import Criteria
+from workbench.tracing.dressing import changes, dressed, largest, less_than_places
 from workbench.tracing.evidence import CORRECTION, Evidence, Weighed
 
 CAUSE, NOTHING, UNKNOWN = "cause", "nothing_missing", "unknown"
@@ -57,15 +60,15 @@ class Verdict:
 def decide(evidence: Evidence, criteria: Criteria) -> Verdict:
     """Return the verdict on this evidence."""
     own = tuple(_role(a, criteria) for a in evidence.added)
-    first = _largest([a for a, r in zip(evidence.added, own, strict=True) if r == CAUSE], criteria)
+    first = largest([a for a, r in zip(evidence.added, own, strict=True) if r == CAUSE], criteria)
     own = tuple(NOT_BORNE_OUT if a.power_up and a is not first else r for a, r in zip(evidence.added, own, strict=True))
     roles = _lesser(evidence, own, criteria)
     if any(r == CAUSE and not a.of_declared for a, r in zip(evidence.added, roles, strict=True)):
         roles = _lesser(evidence, _but_near_laws(evidence, own, criteria), criteria)
     causes = [a for a, r in zip(evidence.added, roles, strict=True) if r == CAUSE]
     spread = evidence.traded or (evidence.place_instead and not little_left(evidence, criteria, criteria.left))
-    along = bool(causes) and _less_than_places(evidence, causes, criteria)
-    if causes and (spread or along or _doubtful(evidence, causes, criteria) or not answers(evidence, causes, criteria)):
+    along = bool(causes) and less_than_places(evidence, causes, criteria)
+    if causes and (spread or along or dressed(evidence, causes, criteria) or not answers(evidence, causes, criteria)):
         roles = tuple(DRESSING if r == CAUSE else r for r in roles)
         causes = []
     if _lost_most(evidence, causes, criteria):
@@ -79,6 +82,7 @@ def decide(evidence: Evidence, criteria: Criteria) -> Verdict:
         return Verdict(CAUSE, roles, more, _alarms(evidence, roles), tuple(dict.fromkeys(names)))
     # what only dresses a change along the stroke was borne out: something is there, though the reference may foretell none of it
     missing = evidence.before.size >= criteria.explainable or along or _unborne(evidence, roles, criteria)
+    missing = missing or changes(evidence, criteria)
     missing = missing or evidence.unaccounted >= criteria.unaccounted or evidence.astray
     return Verdict(UNKNOWN if missing else NOTHING, roles, False, _alarms(evidence, roles))
 
@@ -97,24 +101,6 @@ def _lost_most(evidence: Evidence, causes: list[Weighed], criteria: Criteria) ->
     """Whether the counts that an encoder lost, and that were put back, take more than any cause beside them; a late encoder is a cause whatever else."""
     largest = max((a.size(IDENTIFICATION) for a in causes), default=0.0)
     return evidence.lost >= max(criteria.explainable, largest) and not evidence.clock
-
-
-def _less_than_places(evidence: Evidence, causes: list[Weighed], criteria: Criteria) -> bool:
-    """Whether causes together take plainly less than a stiffness of the joint, or an inertia, that changes along the stroke does, out of
-    sample: theirs are laws of the deflection and of the motion, the same at every place. An eccentric encoder is such an inertia by
-    another name, so that what takes as much stays the cause; beside what takes most, values that no machine has say nothing against it. Where
-    what takes most has such values itself, `near` of it is as much: an arm whose inertia changes is an encoder that is eccentric by ten degrees."""
-    more = max(evidence.before.joint, evidence.before.inertia) ** 2 - criteria.explainable**2
-    first = _largest(causes, criteria)
-    counted = (a.size(IDENTIFICATION) for a in causes if not a.implausible or a is first)
-    taken = sum(max(size, 0.0) ** 2 for size in counted)
-    return more > taken * (criteria.near if first is not None and first.implausible else 1.0)
-
-
-def _doubtful(evidence: Evidence, causes: list[Weighed], criteria: Criteria) -> bool:
-    """Whether what takes most has values that no machine has and leaves `beside` of the drive to be explained."""
-    first = _largest(causes, criteria)
-    return first is not None and bool(first.implausible) and evidence.after.size >= criteria.beside
 
 
 def _unborne(evidence: Evidence, roles: tuple[str, ...], criteria: Criteria) -> bool:
@@ -165,7 +151,7 @@ def in_question(added: tuple[Weighed, ...], criteria: Criteria) -> list[int]:
     be asked what is foretold of that. Of the drive alone, and of no further order of the largest."""
     roles = tuple(_role(a, criteria) for a in added)
     small = _small(added, roles, criteria)
-    first = _largest([a for a, r in zip(added, roles, strict=True) if r == CAUSE], criteria)
+    first = largest([a for a, r in zip(added, roles, strict=True) if r == CAUSE], criteria)
     held = _held(added, roles, criteria)
     further = (r == CAUSE and not s and a is not first for a, r, s in zip(added, roles, small, strict=True))
     weak = (
@@ -196,24 +182,19 @@ def _small(added: tuple[Weighed, ...], roles: tuple[str, ...], criteria: Criteri
     """Whether each effect is small beside the largest cause: by what it takes, or because it says the curve of a larger one, or is
     no more than where two encoders were set to zero."""
     causes = [a for a, r in zip(added, roles, strict=True) if r == CAUSE]
-    first = _largest(causes, criteria)
-    largest = first.size(IDENTIFICATION) if first else 0.0
+    first = largest(causes, criteria)
+    most = first.size(IDENTIFICATION) if first else 0.0
     return tuple(
         a.same_curve
         or a.of_zero
         or (first is not None and _little_of(a, first, criteria))
-        or (a.size(IDENTIFICATION) < largest and a.size(VALIDATION) < criteria.practical)
-        or (a.implausible and a.size(IDENTIFICATION) < min(largest, criteria.beside))
+        or (a.size(IDENTIFICATION) < most and a.size(VALIDATION) < criteria.practical)
+        or (a.implausible and a.size(IDENTIFICATION) < min(most, criteria.beside))
         or (a.of_declared and a is not first and a.in_drive(IDENTIFICATION) < criteria.beside)
         # what is foretold of the drive says nothing of a load's balance: there right ones took 0.5 and more of it, what nobody put there 0.43 at most
         or (a.behind and a is not first and not held and not _further_of(a, first))
         for a, held in zip(added, _held(added, roles, criteria), strict=True)
     )
-
-
-def _largest(causes: list[Weighed], criteria: Criteria) -> Weighed | None:
-    """Return the cause that takes most, or None."""
-    return max(causes, key=lambda a: a.order(criteria.practical), default=None)
 
 
 def _little_of(a: Weighed, first: Weighed, criteria: Criteria) -> bool:

@@ -25,7 +25,8 @@ class Explainable:
     along the stroke. frequency: of the line, Hz. instrument: "reference",
     or "low-passed position" where no reference was logged. hum: a line of the mains, at `mains` Hz; it is none of the five kinds, for the
     mains are no law of an axis. inertia: of one mass, an inertia that changes along the stroke, beyond one that is everywhere alike; it is none
-    of them either, for other laws of place look like it. level: a force alone that its neighbours in bench time predict; none of them either, for
+    of them either, for other laws of place look like it. gain: a share of the model's own drive that neighbours in bench time predict, of a drive
+    whose gain changes slowly; nor is it one, for a damping that changes with speed looks like it. level: a force alone that its neighbours in bench time predict; none of them either, for
     low-frequency noise inside the loop is one.
     """
 
@@ -40,6 +41,7 @@ class Explainable:
     joint: float = 0.0
     inertia: float = 0.0
     level: float = 0.0
+    gain: float = 0.0
 
     @property
     def sizes(self) -> tuple[float, ...]:

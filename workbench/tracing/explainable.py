@@ -33,7 +33,7 @@ from workbench.tracing.decimation import rubs
 from workbench.tracing.evidence import Explainable
 from workbench.tracing.foreseen import BLOCK, FOLDS, LEAST_LEAF, foreseen, numbered
 from workbench.tracing.lines import Part, strongest_lines
-from workbench.tracing.neighbours import STRETCH, gained, of_neighbours, over_time
+from workbench.tracing.neighbours import STRETCH, gain_over_time, gained, of_neighbours, over_time
 from workbench.tracing.of_the_day import without_the_days
 from workbench.tracing.state import State
 
@@ -66,6 +66,7 @@ def explainable(state: State, criteria: Criteria) -> Explainable:
     referenced = all("reference" in p.motion.record.channels for p in state.inverses)
     line, hum = strongest_lines(parts, criteria.line)
     time, level = over_time(parts, criteria.burst)
+    sag = gain_over_time(parts)
     return Explainable(
         exogenous=unit * sqrt(_exogenous(parts)),
         time=unit * sqrt(time),
@@ -77,6 +78,7 @@ def explainable(state: State, criteria: Criteria) -> Explainable:
         joint=unit * sqrt(_over_place(state, parts)),
         inertia=unit * sqrt(gained(*by_place(state))),
         level=unit * sqrt(level),
+        gain=unit * sqrt(sag),
         instrument="reference" if referenced else "low-passed position",
     )
 

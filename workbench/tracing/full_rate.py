@@ -2,6 +2,8 @@
 
 from collections.abc import Sequence
 
+import numpy as np
+
 from workbench.identification.fit import end_of_search, fitted_on, identify, with_fitted
 from workbench.identification.result import Fit
 from workbench.inverse.dynamics import InverseDynamics
@@ -17,6 +19,7 @@ SETTLED = 1e-5  # relative decrease of the cost at which a fit on whole records 
 # Of what two balances leave, by which it falls plainly; all additions together take that much more than those that stand alone. Of 232 axes
 # five asked so, and took 13 % and more: neither halved nor doubled it changes any
 FALLS = 0.05
+HALF = 0.5  # of the power that the search had an addition take
 RISEN = 0.05  # relative rise of the drive's error from which it has plainly risen
 
 
@@ -41,9 +44,9 @@ def nested_fits(
     for i, j in enumerate(added):
         plant = brought(fits[-1].plant, j.candidate, found)
         end = ends[i + 1] if i == len(kept) else None  # else it is of a plant with what was not borne out
-        again = ((valued(plant, found), end), (plant, None))
-        tried = (identify(p, inverses, theta, solved=theta is not None) for p, theta in again)
-        better = next((fit for fit in tried if is_confirmed(fits[-1], fit)), None)
+        again = [(valued(plant, found), end), (plant, None)]
+        again += [(valued(plant, j.refitted.plant), None)] if j.refitted else []
+        better = _confirmed(fits[-1], again, j.score.gain, inverses)
         if better is not None:
             kept.append(j)
             fits.append(better)
@@ -57,6 +60,21 @@ def nested_fits(
         identify(p, inverses, end, solved=end is not None) for p, end in zip(plants[1:-1], ends[1:-1], strict=True)
     )
     return list(added), [fits[0], *between, last]
+
+
+def _confirmed(
+    before: Fit, starts: Sequence[tuple[Plant, np.ndarray | None]], gain: float, inverses: Sequence[InverseDynamics]
+) -> Fit | None:
+    """Return the first fit from these starts that is borne out and takes half of what the search had its addition take, else the best one that is
+    borne out, None where none is. A gap's width may have become that of its flanks beside a law that bends them, and is nothing without."""
+    found: list[Fit] = []
+    for plant, theta in starts:
+        fit = identify(plant, inverses, theta, solved=theta is not None)
+        if is_confirmed(before, fit):
+            if fit.details["cost"] <= (1.0 - HALF * gain) * before.details["cost"]:
+                return fit
+            found.append(fit)
+    return min(found, key=lambda fit: fit.details["cost"], default=None)
 
 
 def settled(plant: Plant, inverses: Sequence[InverseDynamics]) -> Fit:

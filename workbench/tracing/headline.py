@@ -144,6 +144,11 @@ def _unexplained(evidence: Evidence, place: Window | None, displacement: str) ->
             f"Something is missing that no effect of the catalogue explains: an inertia that changes along the stroke (a crank, a "
             f"toggle), or a drive's constant that does, would take {100 * size.inertia:.1f} % of the drive's rms."
         )
+    if size.gain > size.size:
+        return (
+            f"Something is missing that no effect of the catalogue explains: a drive whose gain changes slowly in bench time (a magnet that "
+            f"warms up, a supply that sags) would take {100 * size.gain:.1f} % of the drive's rms."
+        )
     if evidence.astray:
         return (
             f"Something is missing that no effect of the catalogue explains: what the declared model leaves of the validation record is "

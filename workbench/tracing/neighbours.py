@@ -58,6 +58,28 @@ def over_time(parts: Sequence[Part], least: float) -> tuple[float, float]:
     return max(best, near) if returns else best, most
 
 
+def gain_over_time(parts: Sequence[Part]) -> float:
+    """Return the power that neighbours in bench time predict as a share of the model's own drive, where no level that they predict over the same
+    span takes as much: of a drive whose gain changes slowly, as a magnet's that warms up or a supply's that sags. The best of SPANS."""
+    sums = []
+    for p in parts:
+        stretch = np.floor((p.time - p.time[0]) / STRETCH).astype(int)
+        r, model = p.residual, p.drive - p.residual
+        at = p.time[0] + (np.arange(stretch[-1] + 1) + 0.5) * STRETCH
+        products = (r**2, r, np.ones(r.size), r * model, model**2)
+        sums.append(np.stack([at, *(np.bincount(stretch, w) for w in products)]))
+    at, power, *pairs = np.concatenate(sums, axis=1)
+    best = 0.0
+    for span in SPANS:
+        level, share = (
+            gained(power, power - 2.0 * mean * total + mean**2 * weight)
+            for total, weight in (pairs[:2], pairs[2:])
+            for mean in [of_neighbours(at, span, total, weight)]
+        )
+        best = max(best, share if share > level else 0.0)
+    return best
+
+
 def _in_steps(changes: np.ndarray, least: float) -> bool:
     """Whether few of a level's changes (n,) from stretch to stretch, beyond `least` robust standard deviations, hold STEPPED of their power."""
     if changes.size < FEWEST:

@@ -73,6 +73,8 @@ def implausible(effect: Effect, plant: Plant, declared: Plant, inverses: Sequenc
         size = hypot(values["sine"].value, values["cosine"].value)
         if effect.name == "encoder_eccentricity" and size > LARGEST_ECCENTRICITY:
             return "an eccentricity of degrees would not have been mounted"
+        if (read := _read_wrong(effect, plant)) > LARGEST_ECCENTRICITY:
+            return f"its disc would read {np.degrees(read):.2g} degrees wrong, and would not have been mounted"
         if effect.name == "kinematic_error" and size * values["order"].value > STEEPEST:
             return f"with it the axis would run {100 * size * values['order'].value:.0f} % too fast in places"
         if effect.name == "kinematic_error" and not (returns(effect, inverses) or once_a_turn(effect, plant)):
@@ -94,6 +96,15 @@ def implausible(effect: Effect, plant: Plant, declared: Plant, inverses: Sequenc
             if p.fixed and p.value != 0.0 and not 1.0 / FACTOR < new / p.value < FACTOR:
                 return f"its {p.meaning} would be {new / p.value:.3g} times the declared value"
     return ""
+
+
+def _read_wrong(wave: Effect, plant: Plant) -> float:
+    """Return by how much, rad, the waves of a reading are off together where one of them is its disc's; 0 elsewhere. A crank's inertia is an eccentric
+    encoder to the search, of a wave for each of its harmonics."""
+    here = [e for e in plant.effects if e.at == wave.at and "sine" in e.parameters and wave.at.startswith("sensor.")]
+    if not any(e.harmonic for e in here):
+        return 0.0
+    return sum(hypot(e.parameters["sine"].value, e.parameters["cosine"].value) for e in here)
 
 
 def _length(effect: Effect, name: str) -> bool:
