@@ -86,6 +86,18 @@ def test_a_fault_is_found_by_its_name(request, tmp_path, campaign, fault, record
         assert any(c.isdigit() for c in f.sentence) and f.sentence[-1] == "." and f.remedy[-1] == "."
 
 
+def test_stamps_that_jitter_lack_no_sample(tmp_path):
+    """A microcontroller rounds its stamps: by a thirtieth of a step here."""
+
+    def jitters(table):
+        step = np.median(np.diff(table["time"]))
+        table["time"] += step / 30 * np.random.default_rng(1).uniform(-1.0, 1.0, table["time"].size)
+
+    Folder(CARRIED["axis"], tmp_path / "c").change(jitters)
+    (found,) = check(tmp_path / "c")
+    assert found.kind == "jitter of the clock" and "more than 1 % off the median" in found.sentence
+
+
 def test_a_soft_joint_whose_load_lags_is_no_shift_of_an_encoder():
     """A steering column's torsion bar, a gap before it and friction behind it: the load's reading lags by 3.8 ms, and no clock is late."""
     assert "misaligned" not in {f.kind for f in check(ROOT / "benchmarks" / "carried" / "vb08")}

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from workbench.checking.by_model import borne_out
+from workbench.checking.by_model import borne_out, earlier
 from workbench.checking.seen import Seen
 from workbench.checking.shift import FARTHEST, LATE
 from workbench.motion import LowPass
@@ -36,7 +36,8 @@ class Apart:
 def misaligned(seen: Seen) -> Iterator[LateDrive]:
     """Yield where the drive in the log comes later or earlier than the motion that it causes."""
     found = {b.record.name: late for b, late in zip(seen.balances, seen.delays, strict=True) if late}
-    told = borne_out(seen, seen.drive, found)
+    records = {r.name: r for r in seen.campaign.records}
+    told = borne_out(seen, {name: earlier(records[name], seen.drive, late) for name, late in found.items()})
     yield from (LateDrive(name, seen.drive, late) for name, late in found.items() if name in told)
 
 
@@ -45,13 +46,13 @@ def apart(seen: Seen) -> Iterator[Apart]:
 
     A soft joint shifts them, too, by its load's friction: the declared model has to bear it out.
     """
-    found = {}
+    found, put_right = {}, {}
     for r in seen.campaign.records:
         if "load_position" in r.channels and not r.locked:
             late = _lag_of(r.channels["load_position"], r.channels["position"], r.dt, seen.campaign.bandwidth)
             if late is not None and abs(late) > max(LATE, 1.5 * r.dt):
-                found[r.name] = late
-    told = borne_out(seen, "load_position", found)
+                found[r.name], put_right[r.name] = late, earlier(r, "load_position", late)
+    told = borne_out(seen, put_right)
     yield from (Apart(name, "load_position", "position", late) for name, late in found.items() if name in told)
 
 

@@ -15,6 +15,7 @@ from workbench.finding import (
     ASSUMED_SCALE,
     ENCODER_RESOLUTION,
     GLITCH,
+    JITTER,
     OTHER_UNIT,
     RESAMPLED,
     SAMPLING_RATE,
@@ -25,7 +26,7 @@ from workbench.threads import one_thread
 
 # What reading itself finds, and which findings leave the records fit for use.
 CARRIED = (START_TIME, OTHER_UNIT, ASSUMED_SCALE)
-HARMLESS = (GLITCH, OTHER_UNIT, ASSUMED_SCALE, SAMPLING_RATE, ENCODER_RESOLUTION)
+HARMLESS = (GLITCH, JITTER, OTHER_UNIT, ASSUMED_SCALE, SAMPLING_RATE, ENCODER_RESOLUTION)
 # (check, whether the records of what it yields are left out of the next): a late drive is put right instead
 STAGES = (
     (scale.encoders, True),

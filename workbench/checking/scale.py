@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from workbench.checking.balance import Balance
+from workbench.checking.by_model import borne_out, divided
 from workbench.checking.misreading import DRIVE, ENCODER, TIME, Misread, Ratio, cause
 from workbench.checking.seen import ENCODERS, Seen
 from workbench.checking.sign import slopes
@@ -166,6 +167,10 @@ def drives(seen: Seen) -> Iterator[OtherStep | OwnScale | Misread]:
     balances = [b for b in seen.aligned if b.names]
     free = [b for b in balances if not b.record.locked]  # of the joint alone the others say little
     odd = _own_scales(free, seen.inertia)
+    told = borne_out(
+        seen, {b.record.name: divided(b.record, seen.drive, odd[b.record.name]) for b in free if b.record.name in odd}
+    )
+    odd = {name: factor for name, factor in odd.items() if name in told}
     yield from (OwnScale(record, seen.drive, factor) for record, factor in odd.items())
     rest = [b for b in balances if b.record.name not in odd]
     if rest and seen.inertia:

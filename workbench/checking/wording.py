@@ -14,12 +14,13 @@ from workbench.checking.sampling import FINE, Coarse, Short, Slow
 from workbench.checking.shift import LATE
 from workbench.encoders.lost_counts import LostCounts
 from workbench.encoders.wording import late_sentence, lost_finding
-from workbench.finding import ENCODER_RESOLUTION, GLITCH, MODE, SAMPLING_RATE, Finding
+from workbench.finding import ENCODER_RESOLUTION, GLITCH, JITTER, MODE, SAMPLING_RATE, Finding
 from workbench.frequency.wording import decibels
 from workbench.identification.excitation import Unexcited
 from workbench.identification.wording import unexcited
 
 DROPPED, MISALIGNED, CLIPPED = "dropped samples", "misaligned", "clipped"
+LACKS = 1.5  # median time steps, from which on a sample is missing: a microcontroller's stamps jitter by a few per cent of one
 UNREADABLE = "Mend this first: nothing else could be checked."
 
 
@@ -30,8 +31,10 @@ def said(fault) -> Finding:
 
 
 def resampled(found: Finding) -> Finding:
-    """Return what reading said of samples that are missing by the time channel; what lies between is interpolated, so that the record may serve."""
-    return replace(found, kind=DROPPED)
+    """Return what reading said of samples that are missing by the time channel, or of stamps that jitter and lack none; what lies between is
+    interpolated, so that the record may serve."""
+    lacks = found.evidence["longest_gap"] >= LACKS * found.evidence["step"] if "longest_gap" in found.evidence else True
+    return replace(found, kind=DROPPED if lacks else JITTER)
 
 
 # --- time axes -------------------------------------------------------------------------------------------------------

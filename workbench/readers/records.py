@@ -19,6 +19,7 @@ from workbench.record import IDENTIFICATION, ROLES, VALIDATION, Payload, Record
 from workbench.units import effect_unit
 
 NAME = re.compile(r"[\w-]+")
+SAME = 0.01  # of a record's length, within which it starts when it is declared to: nothing drifts in that, and stamps jitter
 SPARED = (
     "reference",
 )  # channels that some of the records may lack: an output that is clamped, or a torque that is injected, follows none
@@ -86,7 +87,8 @@ def _record(one: Table, folder: Path, name: str, channels: Mapping[str, Channel]
     findings += [wording.noted(name, note) for note in sheet.notes]
     findings += [wording.without(name, n, c.column) for n, c in channels.items() if n in SPARED and n not in data]
     findings += [wording.own_clock(name, later)] if later else []
-    findings += [wording.other_clock(name, start, float(time[0]))] if not later and abs(start - time[0]) > step else []
+    apart = max(step, SAME * float(time[-1] - time[0]))
+    findings += [wording.other_clock(name, start, float(time[0]))] if not later and abs(start - time[0]) > apart else []
     return record, findings
 
 

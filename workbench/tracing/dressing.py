@@ -27,7 +27,7 @@ def less_than_places(evidence: Evidence, causes: list[Weighed], criteria: Criter
 def changes(evidence: Evidence, criteria: Criteria) -> bool:
     """Whether an inertia that changes along the stroke, or a drive's gain that does in bench time, takes `held` of what the declared model leaves of
     the identification records: of the drive it is at least `explainable`. An inertia takes 0.84 and 0.92 of two cranks, 0.24 at most of some 340 other
-    traces; a gain 0.78 of a level that wanders, 0.40 at most of 66 axes that lack an effect, which takes it, and nothing of 18 complete models.
+    traces; a gain 0.78 of a level that wanders, 0.40 at most of 78 axes that lack an effect, which takes it, and nothing of 17 complete models.
     Halved, the same; doubled, a bell crank is "nothing is missing"."""
     most = max(evidence.before.inertia, evidence.before.gain)
     return most >= criteria.explainable and most**2 >= criteria.held * evidence.declared[IDENTIFICATION] ** 2
