@@ -86,6 +86,21 @@ def test_a_fault_is_found_by_its_name(request, tmp_path, campaign, fault, record
         assert any(c.isdigit() for c in f.sentence) and f.sentence[-1] == "." and f.remedy[-1] == "."
 
 
+@pytest.mark.parametrize(
+    ("fixed", "kinds"), [("false", set()), ("true", {"drive scale", "time scale", "encoder scale"})]
+)
+def test_where_a_fit_of_an_inertia_starts_says_nothing_of_a_scale(tmp_path, fixed, kinds):
+    """Five times what it is: a data sheet's would be a fault of the records."""
+    Folder(CARRIED["axis"], tmp_path / "c")
+    file = tmp_path / "c" / "campaign.toml"
+    value = re.compile(r"(parameters\.inertia = \{ value = )([\d.e-]+)(.*fixed = )\w+")
+    said, count = value.subn(lambda m: f"{m[1]}{5.0 * float(m[2])}{m[3]}{fixed}", file.read_text(encoding="utf-8"))
+    assert count == 1
+    file.write_text(said, encoding="utf-8")
+    found = {f.kind for f in check(tmp_path / "c")}
+    assert found & kinds if kinds else not found, found
+
+
 def test_stamps_that_jitter_lack_no_sample(tmp_path):
     """A microcontroller rounds its stamps: by a thirtieth of a step here."""
 

@@ -16,6 +16,9 @@ from workbench.units import effect_unit
 # A data sheet's inertia is off by tens of per cent where a coupling or a payload was left out; units and gear ratios
 # are off by more.
 FACTOR = 1.5
+GUESSED = (
+    8.0  # the same of an inertia that a fit finds: where it starts was off by 7 on a bench, and units are off by more
+)
 FRICTION = 3.0  # by which friction itself may differ between two records: cold grease, a drift over hours
 CLEAR = 3.0  # times the residual that the own part of inertia must be: what a model lacks is then less than FACTOR
 LIKE = 0.7  # correlation with what the other records predict, from which a record's own scale is read
@@ -185,7 +188,9 @@ def _against_declared(seen: Seen, balances: Sequence[Balance]) -> Iterator[Misre
     if declared <= 0 or fitted <= 0 or not fit.clear(seen.inertia):
         return
     others = (max(other.values.get(seen.inertia, 0.0), 1e-300) for other in _jackknife(balances))
-    if not _beyond([float(np.log(other / declared)) for other in others], FACTOR):
+    if not _beyond(
+        [float(np.log(other / declared)) for other in others], FACTOR if _known(seen, seen.inertia) else GUESSED
+    ):
         return
     ratios = [Ratio("inertia", fitted, declared), *_friction(seen, fit.values)]
     kind, factor = cause(ratios, _encoder_step(seen))
@@ -197,6 +202,12 @@ def _against_declared(seen: Seen, balances: Sequence[Balance]) -> Iterator[Misre
 def _declared(seen: Seen, name: str) -> float:
     key, parameter = name.rsplit(".", 1)
     return seen.campaign.plant[key].parameters[parameter].value
+
+
+def _known(seen: Seen, name: str) -> bool:
+    """Whether a parameter's value is a data sheet's, and not where a fit is to start."""
+    key, parameter = name.rsplit(".", 1)
+    return seen.campaign.plant[key].parameters[parameter].fixed
 
 
 def _friction(seen: Seen, values: dict[str, float]) -> Iterator[Ratio]:
