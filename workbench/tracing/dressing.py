@@ -40,8 +40,8 @@ def largest(causes: list[Weighed], criteria: Criteria) -> Weighed | None:
 
 def _doubtful(evidence: Evidence, causes: list[Weighed], criteria: Criteria) -> bool:
     """Whether what takes most leaves `beside` of the drive to be explained, and has values that no machine has or is a curve of no formula: any law
-    of a class is in its curve, so that what stays is of none (two joints of a rail left 5.7 % of the drive beside a curve over place; of eight other
-    axes whose largest cause is a curve none left anything)."""
+    of a class is in its curve, so that what stays is of none (two joints of a rail left 5.7 % of the drive beside a curve over place; of five other
+    traces with a curve among their causes none left anything)."""
     first = largest(causes, criteria)
     free = first is not None and (bool(first.implausible) or first.law != FORMULA)
     return free and evidence.after.size >= criteria.beside

@@ -19,7 +19,7 @@ SETTLED = 1e-5  # relative decrease of the cost at which a fit on whole records 
 # Of what two balances leave, by which it falls plainly; all additions together take that much more than those that stand alone. Of 232 axes
 # five asked so, and took 13 % and more: neither halved nor doubled it changes any
 FALLS = 0.05
-HALF = 0.5  # of the power that the search had an addition take
+HALF = 0.5  # of the power that the search had an addition take: halved or doubled, three axes with a gap or a cable keep their causes
 RISEN = 0.05  # relative rise of the drive's error from which it has plainly risen
 
 
