@@ -11,14 +11,14 @@ from workbench.checking.misreading import DRIVE, ENCODER, TIME, Misread, Ratio, 
 from workbench.checking.seen import ENCODERS, Seen
 from workbench.checking.sign import slopes
 from workbench.intake.signals import quantum
+from workbench.parameter import Parameter
 from workbench.units import effect_unit
 
 # A data sheet's inertia is off by tens of per cent where a coupling or a payload was left out; units and gear ratios
 # are off by more.
 FACTOR = 1.5
-GUESSED = (
-    8.0  # the same of an inertia that a fit finds: where it starts was off by 7 on a bench, and units are off by more
-)
+# The same of an inertia that a fit finds: where it started was off by 7 on a bench, and units are off by more
+GUESSED = 8.0
 FRICTION = 3.0  # by which friction itself may differ between two records: cold grease, a drift over hours
 CLEAR = 3.0  # times the residual that the own part of inertia must be: what a model lacks is then less than FACTOR
 LIKE = 0.7  # correlation with what the other records predict, from which a record's own scale is read
@@ -170,9 +170,8 @@ def drives(seen: Seen) -> Iterator[OtherStep | OwnScale | Misread]:
     balances = [b for b in seen.aligned if b.names]
     free = [b for b in balances if not b.record.locked]  # of the joint alone the others say little
     odd = _own_scales(free, seen.inertia)
-    told = borne_out(
-        seen, {b.record.name: divided(b.record, seen.drive, odd[b.record.name]) for b in free if b.record.name in odd}
-    )
+    records = {b.record.name: b.record for b in free}
+    told = borne_out(seen, {name: divided(records[name], seen.drive, factor) for name, factor in odd.items()})
     odd = {name: factor for name, factor in odd.items() if name in told}
     yield from (OwnScale(record, seen.drive, factor) for record, factor in odd.items())
     rest = [b for b in balances if b.record.name not in odd]
@@ -183,14 +182,13 @@ def drives(seen: Seen) -> Iterator[OtherStep | OwnScale | Misread]:
 def _against_declared(seen: Seen, balances: Sequence[Balance]) -> Iterator[Misread]:
     """Compare the inertia that the records have with the declared one, and yield what the other parameters tell of it."""
     fit = pooled(balances)
-    declared = _declared(seen, seen.inertia)
+    inertia = _declared(seen, seen.inertia)
+    declared = inertia.value
     fitted = fit.values.get(seen.inertia, 0.0)
     if declared <= 0 or fitted <= 0 or not fit.clear(seen.inertia):
         return
     others = (max(other.values.get(seen.inertia, 0.0), 1e-300) for other in _jackknife(balances))
-    if not _beyond(
-        [float(np.log(other / declared)) for other in others], FACTOR if _known(seen, seen.inertia) else GUESSED
-    ):
+    if not _beyond([float(np.log(other / declared)) for other in others], FACTOR if inertia.fixed else GUESSED):
         return
     ratios = [Ratio("inertia", fitted, declared), *_friction(seen, fit.values)]
     kind, factor = cause(ratios, _encoder_step(seen))
@@ -199,21 +197,16 @@ def _against_declared(seen: Seen, balances: Sequence[Balance]) -> Iterator[Misre
     yield Misread(kind, channel, factor, fitted, declared, unit)
 
 
-def _declared(seen: Seen, name: str) -> float:
+def _declared(seen: Seen, name: str) -> Parameter:
+    """Return a parameter as it is declared: fixed, a data sheet's, or where a fit is to start."""
     key, parameter = name.rsplit(".", 1)
-    return seen.campaign.plant[key].parameters[parameter].value
-
-
-def _known(seen: Seen, name: str) -> bool:
-    """Whether a parameter's value is a data sheet's, and not where a fit is to start."""
-    key, parameter = name.rsplit(".", 1)
-    return seen.campaign.plant[key].parameters[parameter].fixed
+    return seen.campaign.plant[key].parameters[parameter]
 
 
 def _friction(seen: Seen, values: dict[str, float]) -> Iterator[Ratio]:
     for name, value in values.items():
         kind = LOAD.get(name.split("@")[0], "")
-        declared = _declared(seen, name)
+        declared = _declared(seen, name).value
         if kind and declared > 0 and value > 0 and name.split("@")[1].startswith(("axis", "motor")):
             yield Ratio(kind, value, declared)
 

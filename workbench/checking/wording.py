@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 from functools import singledispatch
+from math import inf
 
 from workbench.checking import wording_scales
 from workbench.checking.alignment import Apart, LateDrive
@@ -33,8 +34,8 @@ def said(fault) -> Finding:
 def resampled(found: Finding) -> Finding:
     """Return what reading said of samples that are missing by the time channel, or of stamps that jitter and lack none; what lies between is
     interpolated, so that the record may serve."""
-    lacks = found.evidence["longest_gap"] >= LACKS * found.evidence["step"] if "longest_gap" in found.evidence else True
-    return replace(found, kind=DROPPED if lacks else JITTER)
+    jitters = found.evidence.get("longest_gap", inf) < LACKS * found.evidence.get("step", 0.0)
+    return replace(found, kind=JITTER if jitters else DROPPED)
 
 
 # --- time axes -------------------------------------------------------------------------------------------------------

@@ -2,9 +2,7 @@
 
 from workbench.record import IDENTIFICATION
 from workbench.tracing.criteria import Criteria
-from workbench.tracing.evidence import CORRECTION, Evidence, Weighed
-
-FORMULA = "catalogue"  # law of an addition that is one of the catalogue's formulas
+from workbench.tracing.evidence import CORRECTION, FORMULA, Evidence, Weighed
 
 
 def dressed(evidence: Evidence, causes: list[Weighed], criteria: Criteria) -> bool:

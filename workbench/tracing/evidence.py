@@ -59,6 +59,7 @@ class Explainable:
         return max(KINDS, key=lambda n: getattr(self, n))
 
 
+FORMULA, FREE = "catalogue", "free form"  # laws of an addition: one of the catalogue's formulas, or a curve
 MOTOR_ALONE = ("motor", "command", "sensor.torque", "sensor.force")  # places that the load's balance does not hold
 
 
@@ -86,7 +87,7 @@ class Weighed:
     after: Mapping[str, float]
     changed: float = 0.0
     tolerance: float = 0.0
-    law: str = "catalogue"
+    law: str = FORMULA
     implausible: str = ""
     load_before: Mapping[str, float] = field(default_factory=dict)
     load_after: Mapping[str, float] = field(default_factory=dict)

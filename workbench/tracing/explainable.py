@@ -13,7 +13,8 @@ bench time (instruments: Young 2011; Janot, Gautier, Brunot 2019). Five kinds ar
   measured, and noise in it biases a stiffness; but everywhere alike, so that only what differs from place to place counts.
 
 Of one mass it is also asked what an inertia that changes along the stroke would take (`along_stroke`). The acceleration of a swing goes
-with its place, so that other laws of place look like that, too; it is no sixth kind, and is held against what the effects take.
+with its place, so that other laws of place look like that, too; it is no sixth kind, and is held against what the effects take. So is a share
+of the model's own drive that neighbours in bench time predict, of a drive whose gain changes.
 """
 
 from collections.abc import Sequence
@@ -66,7 +67,6 @@ def explainable(state: State, criteria: Criteria) -> Explainable:
     referenced = all("reference" in p.motion.record.channels for p in state.inverses)
     line, hum = strongest_lines(parts, criteria.line)
     time, level = over_time(parts, criteria.burst)
-    sag = gain_over_time(parts)
     return Explainable(
         exogenous=unit * sqrt(_exogenous(parts)),
         time=unit * sqrt(time),
@@ -78,7 +78,7 @@ def explainable(state: State, criteria: Criteria) -> Explainable:
         joint=unit * sqrt(_over_place(state, parts)),
         inertia=unit * sqrt(gained(*by_place(state))),
         level=unit * sqrt(level),
-        gain=unit * sqrt(sag),
+        gain=unit * sqrt(gain_over_time(parts)),
         instrument="reference" if referenced else "low-passed position",
     )
 

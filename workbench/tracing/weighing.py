@@ -15,7 +15,7 @@ from workbench.plant import ONE_MASS, TWO_MASS, Plant
 from workbench.record import IDENTIFICATION, ROLES, VALIDATION
 from workbench.residual.noise_floor import noise_rms
 from workbench.tracing.criteria import Criteria
-from workbench.tracing.evidence import ADDITION, CORRECTION, Weighed
+from workbench.tracing.evidence import ADDITION, CORRECTION, FORMULA, FREE, Weighed
 from workbench.tracing.full_rate import nested_fits
 from workbench.tracing.in_motion import in_motion
 from workbench.tracing.judge import ScoredCandidate
@@ -83,7 +83,7 @@ def weighed(
             after=after,
             changed=_change(declared, fits[-1], key) if j.candidate.kind == CORRECTION and present else 0.0,
             tolerance=criteria.tolerance,
-            law="free form" if j.candidate.stands else "catalogue",
+            law=FREE if j.candidate.stands else FORMULA,
             of_declared=own,
             in_motion=in_motion(fits[i].plant, fits[i + 1].plant, inverses)
             if own and j.candidate.at == "load"

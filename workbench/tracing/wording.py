@@ -11,8 +11,7 @@ from workbench.record import IDENTIFICATION, VALIDATION
 from workbench.tracing.calibration import Calibration
 from workbench.tracing.criteria import Criteria
 from workbench.tracing.decide import CAUSE, DRESSING, NOT_BORNE_OUT, Verdict
-from workbench.tracing.dressing import FORMULA
-from workbench.tracing.evidence import ADDITION, CORRECTION, Evidence, Explainable, Weighed
+from workbench.tracing.evidence import ADDITION, CORRECTION, FORMULA, Evidence, Explainable, Weighed
 from workbench.tracing.headline import FROM
 from workbench.tracing.judge import ScoredCandidate
 from workbench.tracing.result import CandidateScore, Cause, Refinement, physical_cause
