@@ -54,4 +54,4 @@ def test_a_short_presliding_of_the_load_shows_in_the_drive_by_what_gives_way_for
     declared, true, passes = made(length)
     less, more = (identify(plant, [passes]).identification for plant in (true, declared))
     assert np.sqrt(more**2 - less**2) > 2.0 * Criteria().practical
-    assert (in_motion(declared, true, [passes]) < Criteria().practical) == little
+    assert (in_motion(declared, true, [passes], "load") < Criteria().practical) == little

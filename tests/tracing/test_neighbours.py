@@ -1,10 +1,10 @@
-"""What neighbours in bench time say of a residual: levels that no noise has."""
+"""What neighbours in bench time say of a residual: levels that no noise has, and a payload."""
 
 import numpy as np
 
 from workbench.tracing.judge import STANDARD
 from workbench.tracing.lines import Part
-from workbench.tracing.neighbours import over_time
+from workbench.tracing.neighbours import over_time, payload_over_time
 
 
 def level_of(level, of_way: bool = False) -> float:
@@ -45,3 +45,34 @@ def test_a_brake_that_drags_in_short_spells_is_no_noise():
         return np.where(np.searchsorted(turns, t) % 2 == 0, 0.5, -0.5)
 
     assert level_of(spells, of_way=True) > 0.2
+
+
+def carried(payload, seed: int = 8) -> tuple[float, float]:
+    """What neighbours say of moves of 0.4 s with dwells between, as a payload and else. payload(rng, moves, t): force and mass (t.size,), noise 0.1."""
+    dt = 5e-3
+    t = np.arange(round(60.0 / dt)) * dt
+    move, phase = np.divmod(t, 0.7)
+    a = np.where(phase < 0.4, np.sin(2.0 * np.pi * phase / 0.4), 0.0)
+    outside = np.zeros((t.size, 10))
+    outside[:, 2] = a
+    rng = np.random.default_rng(seed)
+    force, mass = payload(rng, move.astype(int), t)
+    r = force + mass * a + 0.1 * rng.standard_normal(t.size)
+    part = Part(r, outside, phase < 0.4, np.ones(t.size), t, dt, r, a, 50.0)
+    return tuple(float(np.sqrt(x / t.size)) for x in (payload_over_time([part]), over_time([part], STANDARD.burst)[0]))
+
+
+def test_a_piece_that_is_carried_in_some_moves_and_not_in_others_is_a_mass_and_its_weight():
+    """Its weight hides its mass from neighbours that are asked for a mass alone."""
+
+    def piece(rng, move, t):
+        held = rng.integers(0, 2, move[-1] + 1)[move] - 0.5
+        return 0.4 * held, 1.0 * held
+
+    payload, else_ = carried(piece)
+    assert payload > 0.25 and payload > 1.4 * else_
+
+
+def test_a_force_that_wanders_and_noise_are_no_payload():
+    for force in (lambda rng, move, t: (wandering(t), 0.0), lambda rng, move, t: (0.0, 0.0)):
+        assert carried(force)[0] == 0.0

@@ -454,3 +454,17 @@ def test_an_offset_of_the_drive_is_no_load_of_a_nut_that_a_spring_presses(offset
     values = {n: p.value for n, p in added.state.plant[added.candidate.key].parameters.items()}
     assert values["mu"] == pytest.approx(0.25, rel=0.05)
     assert values.get("relief", 0.0) == pytest.approx(offset, abs=0.02)
+
+
+def test_a_flexure_that_hardens_about_another_place_than_its_declared_springs_is_a_cubic_spring():
+    """Not two slopes: beside the spring the cable's law is a smooth one of that spring."""
+    over = lambda q: 100.0 * (q - 0.05) ** 3  # noqa: E731
+    plant = PLANT + find("linear_stiffness")(at="axis", stiffness=0.1)
+    state, judgements = asked(over, plant, "cable_spring", "cubic_stiffness", "piecewise_stiffness", zero=0.05)
+    hard = next(
+        j
+        for c in judgements
+        for j in spellings.spelled(state, [c], STANDARD, Offer())
+        if j.candidate.effect == "hardening_cable"
+    )
+    assert spellings.as_of_a_spring(hard, state).candidate.name == "cubic_stiffness"

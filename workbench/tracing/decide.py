@@ -6,7 +6,7 @@
 | do the counts that an encoder lost take more of the drive than any cause, and at least `explainable`? | unknown |
 | a correction within the fixed value's tolerance, or an effect (a correction beyond its tolerance) below the practical size, or below `explainable` with values that no machine has? | refinement |
 | a memory of the friction that is declared, of which the drive shows less than the practical size on validation or while the load moves, or less than `explainable` behind the joint, or (of asperities or bristles alone) less than `beside`? | refinement |
-| the same beside another cause, that takes less than `unaccounted` of the drive? | refinement |
+| the same beside another cause, that takes less than `unaccounted` of the drive, or less than `beside` while its body moves? | refinement |
 | a further one (beside an encoder that is late any is) that takes less than `lesser` of what the largest cause takes of the same balance (a further order of that one is its own) and less than `unaccounted` of the drive (unless it takes `held` of validation, and of what that one does there), on validation less than the practical size, less than `beside` with values that no machine has or of the drive as a memory of the friction that is declared, or says the curve that a larger one says? | refinement |
 | a further one that takes `held` of what the larger ones leave in neither role, of which less than `explainable` is foretold, or which the load's balance alone shows? | refinement |
 | does the error grow on validation, or does the effect explain nearly nothing there, or a further wave only with a phase found there? | not borne out |
@@ -19,7 +19,7 @@
 | is more than `explainable` of the drive predictable from outside the loop? | unknown |
 | does an effect take `held` of the identification power, more than `beside` of the drive, and is not borne out? | unknown |
 | does an inertia that changes along the stroke, or a drive's gain that does in bench time, take `held` of what the declared model leaves, and `explainable` of the drive? | unknown |
-| does more than `unaccounted` of the drive stay beyond what noise may leave, in every role? | unknown |
+| does more than `whole` of the drive stay beyond what noise may leave, in every role? | unknown |
 | is the declared model's drive farther from that of validation than none at all would be? | unknown |
 | else | nothing missing |
 """
@@ -83,15 +83,18 @@ def decide(evidence: Evidence, criteria: Criteria) -> Verdict:
     # what only dresses a change along the stroke was borne out: something is there, though the reference may foretell none of it
     missing = evidence.before.size >= criteria.explainable or along or _unborne(evidence, roles, criteria)
     missing = missing or changes(evidence, criteria)
-    missing = missing or evidence.unaccounted >= criteria.unaccounted or evidence.astray
+    missing = missing or evidence.unaccounted >= criteria.whole or evidence.astray
     return Verdict(UNKNOWN if missing else NOTHING, roles, False, _alarms(evidence, roles))
 
 
 def _but_near_laws(evidence: Evidence, roles: tuple[str, ...], criteria: Criteria) -> tuple[str, ...]:
     """Return the roles beside another cause: there a memory of the declared friction is that law's, which is only nearly right, up to `unaccounted`
-    of the drive. Every contact gives way; of who declares it dry few have left that out."""
+    of the drive, and however much it is of a drive that waits between moves where it takes less than `beside` while its body moves. Every contact
+    gives way; of who declares it dry few have left that out."""
     near = (
-        a.effect in MEMORIES and a.of_declared and a.in_drive(IDENTIFICATION) < criteria.unaccounted
+        a.effect in MEMORIES
+        and a.of_declared
+        and (a.in_drive(IDENTIFICATION) < criteria.unaccounted or a.in_motion < criteria.beside)
         for a in evidence.added
     )
     return tuple(REFINEMENT if r == CAUSE and n else r for r, n in zip(roles, near, strict=True))
@@ -127,7 +130,8 @@ def _role(a: Weighed, criteria: Criteria) -> str:
         return NOT_BORNE_OUT
     # a declared friction is only nearly right at standstill: a load's small balance shows it, or slow records that nothing else has
     little = a.behind and a.in_drive(IDENTIFICATION) < criteria.explainable
-    if a.of_declared and (little or min(a.in_drive(VALIDATION), a.in_motion) < criteria.practical):
+    moved = a.in_motion if a.at == "load" else inf
+    if a.of_declared and (little or min(a.in_drive(VALIDATION), moved) < criteria.practical):
         return REFINEMENT
     if a.of_declared and a.effect in MEMORIES and a.in_drive(IDENTIFICATION) < criteria.beside:
         return REFINEMENT

@@ -74,7 +74,7 @@ class Weighed:
     the loop, and that one's standard error (`outside.multiplier`). power_up: whether its phase on validation is one of its
     own, with which `after` is then. same_curve: whether a larger addition says the same curve (a joint has one of torque over
     angle; a wave that no machine has beside a spring), so that this one only bends its law. of_declared: whether it is a memory of the dry
-    friction that is declared at its place; in_motion: at a load, what of the drive it takes where the load's balance counts only while the load
+    friction that is declared at its place; in_motion: what of the drive it takes then where the balance of its body counts only while that
     moves; infinite where it was not asked. foretold: what is explainable of what the larger ones leave, asked where it takes less than `held`
     of that (`further.foretold`); infinite where it was not asked. of_zero: whether it is an angle's map of which the zero between two encoders
     alone says all but what is of practical size, in either balance (a joint that begins at a flank of its gap).

@@ -6,7 +6,7 @@ bench time (instruments: Young 2011; Janot, Gautier, Brunot 2019). Five kinds ar
 
 - exogenous: boosted trees over the reference's motion, blocks of BLOCK s left out by turns, no standstill of an axis that rubs;
 - time: a stretch of STRETCH s from its neighbours in bench time, as what goes with the direction, the speed or the acceleration (a
-  friction, a damping, a mass that changes), and not as well as a level;
+  friction, a damping, a mass that changes), and not as well as a level, or a mass and its weight;
 - line: the strongest line of the spectrum that neither the reference nor the drive has. Hum of the mains is told apart (`lines`);
 - burst: power of the samples far outside what the residual usually is;
 - joint: of two masses, what the deflection says with a stiffness of the joint from neighbours in place on the stroke. The deflection is
@@ -34,7 +34,7 @@ from workbench.tracing.decimation import rubs
 from workbench.tracing.evidence import Explainable
 from workbench.tracing.foreseen import BLOCK, FOLDS, LEAST_LEAF, foreseen, numbered
 from workbench.tracing.lines import Part, strongest_lines
-from workbench.tracing.neighbours import STRETCH, gain_over_time, gained, of_neighbours, over_time
+from workbench.tracing.neighbours import STRETCH, gain_over_time, gained, of_neighbours, over_time, payload_over_time
 from workbench.tracing.of_the_day import without_the_days
 from workbench.tracing.state import State
 
@@ -69,7 +69,7 @@ def explainable(state: State, criteria: Criteria) -> Explainable:
     time, level = over_time(parts, criteria.burst)
     return Explainable(
         exogenous=unit * sqrt(_exogenous(parts)),
-        time=unit * sqrt(time),
+        time=unit * sqrt(max(time, payload_over_time(parts))),
         line=unit * sqrt(line.share * whole),
         burst=unit * sqrt(_beyond_counts(state, parts, criteria.burst, criteria.share * whole)),
         frequency=line.frequency,

@@ -18,6 +18,7 @@ from workbench.tracing.ranking import absurd, alike
 from workbench.tracing.state import State
 
 SPRING, BENT, CABLE = "linear_stiffness", "piecewise_stiffness", "cable_spring"
+HARDENING = {"hardening_cable": "cubic_stiffness"}  # laws of a cable that are a smooth spring's beside a declared one
 
 
 def spellings_of(candidate: Candidate) -> list[Effect]:
@@ -126,7 +127,8 @@ def better_spelled(
 
 def as_of_a_spring(j: ScoredCandidate, state: State) -> ScoredCandidate:
     """Return another spelling of a cable beside a declared spring under the name of that one's stiffness, which changes; a judgement as it is else."""
-    return _called(BENT, j) if j.candidate.name == CABLE and sprung(j.candidate.at, state) else j
+    of_a_spring = j.candidate.name == CABLE and sprung(j.candidate.at, state)
+    return _called(HARDENING.get(j.candidate.effect, BENT), j) if of_a_spring else j
 
 
 def special_cases(j: ScoredCandidate) -> set[str]:

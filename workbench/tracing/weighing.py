@@ -85,9 +85,7 @@ def weighed(
             tolerance=criteria.tolerance,
             law=FREE if j.candidate.stands else FORMULA,
             of_declared=own,
-            in_motion=in_motion(fits[i].plant, fits[i + 1].plant, inverses)
-            if own and j.candidate.at == "load"
-            else inf,
+            in_motion=in_motion(fits[i].plant, fits[i + 1].plant, inverses, j.candidate.at) if own else inf,
             implausible=implausible(last[key], last, declared, selected.declared.inverses) if present else "",
             of_zero=present and of_zero(last, key, selected.declared.inverses, criteria),
             load_before=load[i],
