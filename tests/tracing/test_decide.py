@@ -97,11 +97,15 @@ CASES = {
         (REFINEMENT, CAUSE, CAUSE),
     ),
     "of a drive that waits between moves it is, however much, where the moving axis shows little of it": (
-        evidence(weighed("presliding_hysteresis", (0.2496, 0.0642), (0.3286, 0.043), of_declared=True, in_motion=0.0177),
+        evidence(weighed("presliding_hysteresis", (0.2496, 0.0642), (0.3286, 0.043), of_declared=True, in_motion=0.0177, length=4.3),
             weighed("stribeck_friction", (0.0642, 0.0263), (0.043, 0.026))), CAUSE, (REFINEMENT, CAUSE),
     ),
+    "not one that an encoder sees build up over many counts": (
+        evidence(weighed("presliding_hysteresis", (0.2496, 0.0642), (0.3286, 0.043), of_declared=True, in_motion=0.0177, length=50.0),
+            weighed("stribeck_friction", (0.0642, 0.0263), (0.043, 0.026))), CAUSE, (CAUSE, CAUSE),
+    ),
     "and a cause where it shows": (
-        evidence(weighed("presliding_hysteresis", (0.1378, 0.0657), (0.25, 0.06), of_declared=True, in_motion=0.0625),
+        evidence(weighed("presliding_hysteresis", (0.1378, 0.0657), (0.25, 0.06), of_declared=True, in_motion=0.0625, length=4.3),
             weighed("friction_drift", (0.0657, 0.0204), (0.06, 0.03))), CAUSE, (CAUSE, CAUSE),
     ),
     "alone it is missing, though the moving axis shows little of it": (

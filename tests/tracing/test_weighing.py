@@ -1,11 +1,16 @@
-"""Which additions only bend the law of a larger one, so that they are no further cause."""
+"""Which additions only bend the law of a larger one, so that they are no further cause, and what additions come to beside each other."""
+
+from types import SimpleNamespace
 
 import pytest
 
-from workbench.plant import ONE_MASS, TWO_MASS
-from workbench.tracing.candidates import ADDITION, CORRECTION
+from workbench.definition import find
+from workbench.plant import ONE_MASS, TWO_MASS, Plant
+from workbench.tracing.candidates import ADDITION, CORRECTION, Candidate
+from workbench.tracing.criteria import Criteria
 from workbench.tracing.evidence import Weighed
-from workbench.tracing.weighing import bends
+from workbench.tracing.judge import ScoredCandidate
+from workbench.tracing.weighing import as_they_end, bends
 
 
 @pytest.mark.parametrize(
@@ -34,3 +39,31 @@ def test_a_corrected_value_bends_no_law():
     added = Weighed("presliding_hysteresis", "axis", ADDITION, *errors)
     corrected = Weighed("presliding_hysteresis", "axis", CORRECTION, errors[1], less)
     assert not bends(corrected, [added, corrected], ONE_MASS)
+
+
+def ended(*effects, kind=ADDITION):
+    """Names of additions by the values that they end with on records of 10 s."""
+    found = Plant(ONE_MASS)
+    for e in effects:
+        found = found + e
+    motion = SimpleNamespace(counts=1e-6, t=[0.0, 10.0], record=SimpleNamespace(dt=1e-3))
+    state = SimpleNamespace(plant=found, inverses=[SimpleNamespace(motion=motion)])
+    added = [ScoredCandidate(Candidate(e.name, e.at, kind, found, part=e.nearest), None, None, 1) for e in effects]
+    return [j.candidate.name for j in as_they_end(added, found, state, Criteria())]
+
+
+def test_a_delay_of_no_time_beside_a_lag_is_no_addition():
+    lag, none, some = (
+        find("actuator_lag")(time_constant=1.2e-3),
+        *(find("transport_delay")(delay=x) for x in (0.0, 3e-4)),
+    )
+    assert ended(none, lag) == ["actuator_lag"]
+    assert ended(some, lag) == ["transport_delay", "actuator_lag"]
+
+
+@pytest.mark.parametrize(
+    ("right", "left", "named"),
+    [(600.0, 0.3, "piecewise_stiffness"), (0.0, 20.0, "piecewise_stiffness"), (600.0, 200.0, "cable_spring")],
+)
+def test_a_cable_that_is_slack_to_one_side_is_a_bumper(right, left, named):
+    assert ended(find("slack_cable")(at="axis", right=right, left=left, place=0.045)) == [named]

@@ -87,7 +87,7 @@ def cable_spring() -> Effect:
 def slack_cable() -> Effect:
     """T = r ((q - p)+/L)^n - l ((p - q)+/L)^n: a spring of its own on either side of a place p; where one side has none it hangs slack.
 
-    L is a reference and no number of the axis: r and l are the forces at that distance from p.
+    L is a reference and no number of the axis: r and l are the forces at that distance from p. With one of them alone it is a bumper that is met there.
     """
 
     def step(s, z, p):
@@ -102,6 +102,7 @@ def slack_cable() -> Effect:
         source="unilateral contact, n = 1.5 after Hertz 1882",
         port=FORCE,
         family="force over position",
+        reduces={"right": (0.0, "piecewise_stiffness"), "left": (0.0, "piecewise_stiffness")},
         parameters={
             "right": Parameter(0.0, "F", "force at the reference distance above the place", lower=0.0),
             "left": Parameter(0.0, "F", "force at the reference distance below the place", lower=0.0),

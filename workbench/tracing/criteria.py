@@ -31,7 +31,7 @@ class Criteria:
         alone: of three complete models it took 0.009, 0.010 and 0.056 of the drive, of two that lack it 0.12 and 0.18.
         Beside a curve that takes most, for any law of its class to be in it: 0.057 where two places of a rail were a curve, nothing of five right ones.
         Of a drive that waits between moves such a memory may hold a quarter, and is none beside another cause where it takes less than this while its body moves: of six
-        axes that give way within 0.2 to 7 counts 0.005 to 0.018 where all of the drive shows 0.10 to 0.32, of three benches that lack it 0.02 to 0.06. Halved there, one of the six is a cause.
+        axes that give way within 4 to 18 counts 0.005 to 0.018 where all of the drive shows 0.10 to 0.32, of three benches that lack it 0.02 to 0.06. Halved there, one of the six is a cause.
         Right causes whose law is only nearly right leave up to 1.6 %. Halved, these are called incomplete or one more cause, and an overdamped mode,
         a wave as long as the travel or the presliding of one more complete model is a cause; doubled, no cause that is known is lost.
     held: share of the validation record's residual power that the causes must take away. Right ones took 0.68 and more, what

@@ -75,7 +75,7 @@ class Weighed:
     own, with which `after` is then. same_curve: whether a larger addition says the same curve (a joint has one of torque over
     angle; a wave that no machine has beside a spring), so that this one only bends its law. of_declared: whether it is a memory of the dry
     friction that is declared at its place; in_motion: what of the drive it takes then where the balance of its body counts only while that
-    moves; infinite where it was not asked. foretold: what is explainable of what the larger ones leave, asked where it takes less than `held`
+    moves; infinite where it was not asked. length: of such a memory, over a count of its body's encoder; infinite where that has none. foretold: what is explainable of what the larger ones leave, asked where it takes less than `held`
     of that (`further.foretold`); infinite where it was not asked. of_zero: whether it is an angle's map of which the zero between two encoders
     alone says all but what is of practical size, in either balance (a joint that begins at a flank of its gap).
     """
@@ -96,6 +96,7 @@ class Weighed:
     of_zero: bool = False
     of_declared: bool = False
     in_motion: float = float("inf")
+    length: float = float("inf")
     outside: float = float("nan")
     outside_error: float = float("inf")
     foretold: float = float("inf")

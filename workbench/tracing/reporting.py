@@ -5,9 +5,10 @@ from dataclasses import dataclass, replace
 
 from workbench.definition import catalogue
 from workbench.finding import Finding
-from workbench.identification.fit import identify
 from workbench.identification.result import Estimate, Fit
 from workbench.inverse.dynamics import InverseDynamics
+from workbench.record import ROLES
+from workbench.residual.noise_floor import fitted, refuted
 from workbench.tracing.calibration import Calibration
 from workbench.tracing.candidates import ADDITION, Candidate, missing_part, without
 from workbench.tracing.criteria import Criteria
@@ -16,7 +17,7 @@ from workbench.tracing.discs import SEATED, of_the_gear, on_the_shaft
 from workbench.tracing.evidence import Evidence, Weighed
 from workbench.tracing.full_rate import settled
 from workbench.tracing.headline import verdict_sentence
-from workbench.tracing.judge import Progress, ScoredCandidate, shown
+from workbench.tracing.judge import Progress, ScoredCandidate, freedom, shown
 from workbench.tracing.power_up import calibrations, withheld
 from workbench.tracing.preparing import Declared
 from workbench.tracing.result import CandidateScore, Cause, Refinement, Trace
@@ -25,13 +26,14 @@ from workbench.tracing.selection import Selection
 from workbench.tracing.skew import Skew, clock
 from workbench.tracing.state import State
 from workbench.tracing.unexplained import Unexplained, described, unexplained
-from workbench.tracing.weighing import Confirmed, curve_of
+from workbench.tracing.weighing import Confirmed, curve_of, with_curves
 from workbench.tracing.wording import belongs_to_one_power_up, cause, findings_of, gave_way, least_shown, refinement
 
 
 @dataclass(frozen=True, eq=False)
 class Outcome:
-    """What a trace came to. place: that says more of the residual than what was added does, if there is one."""
+    """What a trace came to. place: that says more of the residual than what was added does, if there is one. after: the final fit, where it is
+    known."""
 
     late: Declared
     inverses: Sequence[InverseDynamics]
@@ -41,6 +43,7 @@ class Outcome:
     verdict: Verdict
     place: Unexplained | None
     criteria: Criteria
+    after: Fit | None = None
 
     def role(self, j: ScoredCandidate) -> str:
         """What the decision makes of an addition."""
@@ -73,7 +76,10 @@ class Outcome:
 def reported(o: Outcome, progress: Progress) -> Trace:
     """Return what a decision comes to: causes, refinements, the final fit, and the sentences."""
     late, evidence, selected = o.late, o.evidence, o.selected
-    after = _refined(o.fits[-1], selected, o.inverses) if selected.refined else o.fits[-1]
+    after = o.after or with_curves(o.fits[-1], selected, o.inverses)
+    # a free curve may leave less than the additions did by which the floor was told
+    left, values = {r: getattr(after, r) for r in ROLES}, fitted(freedom(after.plant), o.inverses)
+    evidence = replace(evidence, floor=refuted(evidence.floor, left, values))
     causes, refinements = _said_of_each(o, after, progress)
     refinements += curve_of(selected, o.fits[-1], after)
     refinements += late.turn.refinements(o.fits[0]) if late.turn else []
@@ -213,16 +219,6 @@ def _of_causes(o: Outcome) -> Fit:
     for candidate in lesser:
         plant = without(plant, candidate, o.selected.base.plant)
     return settled(plant, o.inverses) if lesser else fit
-
-
-def _refined(fit: Fit, selected: Selection, inverses: Sequence[InverseDynamics]) -> Fit:
-    """Return the fit with the free virgin curves of declared laws that are only nearly right; `fit` where that is no better."""
-    plant = fit.plant
-    for law in selected.refined:
-        if law.declared.key in {e.key for e in plant.effects}:
-            plant = plant.without(law.declared.key) + selected.answer.last.plant[law.key]
-    better = identify(plant, inverses)
-    return better if better.identification < fit.identification and better.validation < fit.validation else fit
 
 
 def _ranked(o: Outcome) -> tuple[CandidateScore, ...]:

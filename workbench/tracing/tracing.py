@@ -36,7 +36,7 @@ from workbench.tracing.selection import Selection, select
 from workbench.tracing.sound import soundly
 from workbench.tracing.state import State
 from workbench.tracing.unexplained import Unexplained, instead, traded
-from workbench.tracing.weighing import Confirmed, confirm
+from workbench.tracing.weighing import Confirmed, as_they_end, confirm, with_curves
 from workbench.tracing.wording_search import too_short
 
 # Blocks of the identification records, by which gains are judged on what was not fitted: with fewer their scatter says nothing. Halved, a command that
@@ -151,11 +151,16 @@ def _decided(
             (confirmed, verdict), once = once, None
         order = orders.pop(0) if again else _standing(confirmed, verdict)
         orders = orders if again else []
+        stands = order is None and verdict.verdict == CAUSE
+        after = with_curves(confirmed.fits[-1], selected, inverses) if stands else None
+        if after:
+            stay = as_they_end(confirmed.added, after.plant, selected.answer.last, criteria)
+            order = stay if len(stay) < len(confirmed.added) else None
         if order is not None and len(order) < len(confirmed.added):
             # without what is not borne out, the others are weighed again: one may have been needed by it alone
             refused += [a for a, r in zip(confirmed.weighed, verdict.roles, strict=True) if r == NOT_BORNE_OUT]
     evidence, confirmed = replace(evidence, refused=tuple(refused)), replace(confirmed, given_up=tuple(given_up))
-    return reported(Outcome(late, inverses, selected, confirmed, evidence, verdict, place, criteria), progress)
+    return reported(Outcome(late, inverses, selected, confirmed, evidence, verdict, place, criteria, after), progress)
 
 
 def _begun(late: Declared, offer: Offer, criteria: Criteria) -> tuple[State, Offer]:

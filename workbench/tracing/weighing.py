@@ -6,9 +6,11 @@ from math import inf
 
 import numpy as np
 
-from workbench.definition import catalogue
+from workbench.definition import Effect, catalogue
+from workbench.identification.fit import identify
 from workbench.identification.result import Fit
 from workbench.inverse.balances import predicted
+from workbench.inverse.bodies import CHANNEL
 from workbench.inverse.carrying import load_errors
 from workbench.inverse.dynamics import InverseDynamics
 from workbench.plant import ONE_MASS, TWO_MASS, Plant
@@ -25,8 +27,10 @@ from workbench.tracing.outside import multiplier
 from workbench.tracing.plausible import implausible
 from workbench.tracing.power_up import calibrate, periodic
 from workbench.tracing.preparing import Declared
+from workbench.tracing.reducing import by_values
 from workbench.tracing.result import Refinement
 from workbench.tracing.selection import Selection
+from workbench.tracing.state import State
 from workbench.tracing.wording_search import nearly_right
 
 # families of which a place has one curve, whatever laws make it up
@@ -53,10 +57,32 @@ def confirm(
     criteria: Criteria,
     levels: Mapping[str, float] | None = None,
 ) -> Confirmed:
-    """Return what whole records bear out of additions, asked in this order, and weighed. levels: as found before."""
-    added, fits = nested_fits(late, order, selected.found, selected.answer.last.inverses)
+    """Return what whole records bear out of additions, asked in this order, and weighed: by what they come to beside each other. levels: as
+    found before."""
+    seen = selected.answer.last.inverses
+    added, fits = nested_fits(late, order, selected.found, seen)
+    stay = as_they_end(added, fits[-1].plant, selected.answer.last, criteria)
+    if len(stay) < len(added):
+        stay, fits = nested_fits(late, stay, selected.found, seen)
+    added = stay
     found = weighed(selected, added, fits, late.inverses, criteria)
     return Confirmed(added, fits, noise_rms(late.inverses, fits[-1].plant) if levels is None else levels, found)
+
+
+def as_they_end(
+    added: Sequence[ScoredCandidate], found: Plant, state: State, criteria: Criteria
+) -> list[ScoredCandidate]:
+    """Return additions but for those that are nothing at all by the values that they have in `found`, beside all others (a delay of no time beside a lag), and
+    spellings under the name of the law that they then are (a cable that hangs slack to one side is a bumper)."""
+    stay = []
+    for j in added:
+        own = j.candidate.kind == ADDITION and j.candidate.key in {e.key for e in found.effects}
+        name = by_values(found[j.candidate.key], state, criteria) if own else None
+        if name and not found[j.candidate.key].traced:
+            j = replace(j, candidate=replace(j.candidate, part=name))
+        if name != "":
+            stay.append(j)
+    return stay
 
 
 def weighed(
@@ -86,6 +112,7 @@ def weighed(
             law=FREE if j.candidate.stands else FORMULA,
             of_declared=own,
             in_motion=in_motion(fits[i].plant, fits[i + 1].plant, inverses, j.candidate.at) if own else inf,
+            length=counts_long(fits[i + 1].plant[key], inverses) if own and present else inf,
             implausible=implausible(last[key], last, declared, selected.declared.inverses) if present else "",
             of_zero=present and of_zero(last, key, selected.declared.inverses, criteria),
             load_before=load[i],
@@ -94,6 +121,12 @@ def weighed(
         )
         found.append(_phased(w, fits[i + 1], key, inverses) if present else w)
     return tuple(replace(w, same_curve=bends(w, found, declared.kind)) for w in found)
+
+
+def counts_long(effect: Effect, inverses: Sequence[InverseDynamics]) -> float:
+    """Return the length over which a friction gives way, over a count of its body's encoder; infinite where it has none, or none is known."""
+    count = max(p.bodies.counts(CHANNEL.get(effect.at, "position")) for p in inverses)
+    return effect.parameters["x0"].value / count if "x0" in effect.parameters and count > 0.0 else inf
 
 
 def of_zero(plant: Plant, key: str, inverses: Sequence[InverseDynamics], criteria: Criteria) -> bool:
@@ -184,3 +217,15 @@ def curve_of(selected: Selection, before: Fit, after: Fit) -> list[Refinement]:
         )
         for law in selected.refined
     ]
+
+
+def with_curves(fit: Fit, selected: Selection, inverses: Sequence[InverseDynamics]) -> Fit:
+    """Return the fit with the free virgin curves of declared laws that are only nearly right; `fit` where that is no better."""
+    if not selected.refined:
+        return fit
+    plant = fit.plant
+    for law in selected.refined:
+        if law.declared.key in {e.key for e in plant.effects}:
+            plant = plant.without(law.declared.key) + selected.answer.last.plant[law.key]
+    better = identify(plant, inverses)
+    return better if better.identification < fit.identification and better.validation < fit.validation else fit
