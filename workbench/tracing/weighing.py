@@ -112,7 +112,7 @@ def weighed(
             law=FREE if j.candidate.stands else FORMULA,
             of_declared=own,
             in_motion=in_motion(fits[i].plant, fits[i + 1].plant, inverses, j.candidate.at) if own else inf,
-            length=counts_long(fits[i + 1].plant[key], inverses) if own and present else inf,
+            length=_counts_long(fits[i + 1].plant[key], inverses) if own and present else inf,
             implausible=implausible(last[key], last, declared, selected.declared.inverses) if present else "",
             of_zero=present and of_zero(last, key, selected.declared.inverses, criteria),
             load_before=load[i],
@@ -123,7 +123,7 @@ def weighed(
     return tuple(replace(w, same_curve=bends(w, found, declared.kind)) for w in found)
 
 
-def counts_long(effect: Effect, inverses: Sequence[InverseDynamics]) -> float:
+def _counts_long(effect: Effect, inverses: Sequence[InverseDynamics]) -> float:
     """Return the length over which a friction gives way, over a count of its body's encoder; infinite where it has none, or none is known."""
     count = max(p.bodies.counts(CHANNEL.get(effect.at, "position")) for p in inverses)
     return effect.parameters["x0"].value / count if "x0" in effect.parameters and count > 0.0 else inf
