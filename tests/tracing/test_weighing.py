@@ -41,14 +41,14 @@ def test_a_corrected_value_bends_no_law():
     assert not bends(corrected, [added, corrected], ONE_MASS)
 
 
-def ended(*effects, kind=ADDITION):
+def ended(*effects, masses=ONE_MASS):
     """Names of additions by the values that they end with on records of 10 s."""
-    found = Plant(ONE_MASS)
+    found = Plant(masses)
     for e in effects:
         found = found + e
     motion = SimpleNamespace(counts=1e-6, t=[0.0, 10.0], record=SimpleNamespace(dt=1e-3))
     state = SimpleNamespace(plant=found, inverses=[SimpleNamespace(motion=motion)])
-    added = [ScoredCandidate(Candidate(e.name, e.at, kind, found, part=e.nearest), None, None, 1) for e in effects]
+    added = [ScoredCandidate(Candidate(e.name, e.at, ADDITION, found, part=e.nearest), None, None, 1) for e in effects]
     return [j.candidate.name for j in as_they_end(added, found, state, Criteria())]
 
 
@@ -59,6 +59,10 @@ def test_a_delay_of_no_time_beside_a_lag_is_no_addition():
     )
     assert ended(none, lag) == ["actuator_lag"]
     assert ended(some, lag) == ["transport_delay", "actuator_lag"]
+
+
+def test_a_gap_that_another_law_leaves_no_width_is_an_addition_still():
+    assert ended(find("backlash")(at="joint", half_width=1e-7), masses=TWO_MASS) == ["backlash"]
 
 
 @pytest.mark.parametrize(

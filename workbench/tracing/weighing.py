@@ -6,7 +6,7 @@ from math import inf
 
 import numpy as np
 
-from workbench.definition import Effect, catalogue
+from workbench.definition import TWO_COUNTS, Effect, catalogue
 from workbench.identification.fit import identify
 from workbench.identification.result import Fit
 from workbench.inverse.balances import predicted
@@ -73,14 +73,15 @@ def as_they_end(
     added: Sequence[ScoredCandidate], found: Plant, state: State, criteria: Criteria
 ) -> list[ScoredCandidate]:
     """Return additions but for those that are nothing at all by the values that they have in `found`, beside all others (a delay of no time beside a lag), and
-    spellings under the name of the law that they then are (a cable that hangs slack to one side is a bumper)."""
+    spellings under the name of the law that they then are (a cable that hangs slack to one side is a bumper). A length that is short beside a
+    count is another law's doing (a gap's, beside the one that bends its flanks): that is no value of nothing."""
     stay = []
     for j in added:
-        own = j.candidate.kind == ADDITION and j.candidate.key in {e.key for e in found.effects}
-        name = by_values(found[j.candidate.key], state, criteria) if own else None
-        if name and not found[j.candidate.key].traced:
+        effect = next((e for e in found.effects if e.key == j.candidate.key and j.candidate.kind == ADDITION), None)
+        name = by_values(effect, state, criteria) if effect else None
+        if name and effect.nearest and not effect.traced and not j.candidate.stands:
             j = replace(j, candidate=replace(j.candidate, part=name))
-        if name != "":
+        if name != "" or TWO_COUNTS in (neutral for neutral, _ in effect.reduces.values()):
             stay.append(j)
     return stay
 
