@@ -7,8 +7,6 @@ from workbench.definition import catalogue
 from workbench.finding import Finding
 from workbench.identification.result import Estimate, Fit
 from workbench.inverse.dynamics import InverseDynamics
-from workbench.record import ROLES
-from workbench.residual.noise_floor import fitted, refuted
 from workbench.tracing.calibration import Calibration
 from workbench.tracing.candidates import ADDITION, Candidate, missing_part, without
 from workbench.tracing.criteria import Criteria
@@ -17,7 +15,7 @@ from workbench.tracing.discs import SEATED, of_the_gear, on_the_shaft
 from workbench.tracing.evidence import Evidence, Weighed
 from workbench.tracing.full_rate import settled
 from workbench.tracing.headline import verdict_sentence
-from workbench.tracing.judge import Progress, ScoredCandidate, freedom, shown
+from workbench.tracing.judge import Progress, ScoredCandidate, shown
 from workbench.tracing.power_up import calibrations, withheld
 from workbench.tracing.preparing import Declared
 from workbench.tracing.result import CandidateScore, Cause, Refinement, Trace
@@ -26,7 +24,7 @@ from workbench.tracing.selection import Selection
 from workbench.tracing.skew import Skew, clock
 from workbench.tracing.state import State
 from workbench.tracing.unexplained import Unexplained, described, unexplained
-from workbench.tracing.weighing import Confirmed, curve_of, with_curves
+from workbench.tracing.weighing import Confirmed, curve_of, refuted_by, with_curves
 from workbench.tracing.wording import belongs_to_one_power_up, cause, findings_of, gave_way, least_shown, refinement
 
 
@@ -75,11 +73,11 @@ class Outcome:
 
 def reported(o: Outcome, progress: Progress) -> Trace:
     """Return what a decision comes to: causes, refinements, the final fit, and the sentences."""
-    late, evidence, selected = o.late, o.evidence, o.selected
+    late, selected = o.late, o.selected
     after = o.after or with_curves(o.fits[-1], selected, o.inverses)
     # a free curve may leave less than the additions did by which the floor was told
-    left, values = {r: getattr(after, r) for r in ROLES}, fitted(freedom(after.plant), o.inverses)
-    evidence = replace(evidence, floor=refuted(evidence.floor, left, values))
+    evidence = replace(o.evidence, floor=refuted_by(o.evidence.floor, after, o.inverses))
+    o = replace(o, evidence=evidence)
     causes, refinements = _said_of_each(o, after, progress)
     refinements += curve_of(selected, o.fits[-1], after)
     refinements += late.turn.refinements(o.fits[0]) if late.turn else []

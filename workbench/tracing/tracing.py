@@ -12,8 +12,6 @@ from workbench.inverse.dynamics import InverseDynamics
 from workbench.keeping import kept
 from workbench.plant import Plant
 from workbench.processes import shared
-from workbench.record import ROLES
-from workbench.residual.noise_floor import fitted, refuted
 from workbench.residual.noise_floor import floor as noise_floor
 from workbench.threads import one_thread
 from workbench.tracing.budget import BUDGET, Budget
@@ -27,7 +25,7 @@ from workbench.tracing.evidence import CORRECTION, Evidence
 from workbench.tracing.explainable import explainable
 from workbench.tracing.foreseen import loaded
 from workbench.tracing.further import foretold
-from workbench.tracing.judge import STANDARD, Progress, ScoredCandidate, freedom
+from workbench.tracing.judge import STANDARD, Progress, ScoredCandidate
 from workbench.tracing.otherwise import as_a_curve, as_a_curve_alone, in_place_of_two, otherwise
 from workbench.tracing.preparing import Declared, Rest, prepared, turned_back
 from workbench.tracing.reporting import Outcome, reported
@@ -36,7 +34,7 @@ from workbench.tracing.selection import Selection, select
 from workbench.tracing.sound import soundly
 from workbench.tracing.state import State
 from workbench.tracing.unexplained import Unexplained, instead, traded
-from workbench.tracing.weighing import Confirmed, as_they_end, confirm, with_curves
+from workbench.tracing.weighing import Confirmed, as_they_end, confirm, refuted_by, with_curves
 from workbench.tracing.wording_search import too_short
 
 # Blocks of the identification records, by which gains are judged on what was not fitted: with fewer their scatter says nothing. Halved, a command that
@@ -221,9 +219,7 @@ def _evidence_of(
     steady = {name: min(x, max(base.steady, 1e-300)) for name, x in confirmed.levels.items()}
     evidence = Evidence(
         declared={"identification": first.identification, "validation": first.validation},
-        floor=refuted(
-            noise_floor(inverses, steady), {r: getattr(last, r) for r in ROLES}, fitted(freedom(last.plant), inverses)
-        ),
+        floor=refuted_by(noise_floor(inverses, steady), last, inverses),
         before=told[0],
         after=told[-1],
         added=confirmed.weighed,

@@ -15,12 +15,12 @@ from workbench.inverse.carrying import load_errors
 from workbench.inverse.dynamics import InverseDynamics
 from workbench.plant import ONE_MASS, TWO_MASS, Plant
 from workbench.record import IDENTIFICATION, ROLES, VALIDATION
-from workbench.residual.noise_floor import noise_rms
+from workbench.residual.noise_floor import fitted, noise_rms, refuted
 from workbench.tracing.criteria import Criteria
 from workbench.tracing.evidence import ADDITION, CORRECTION, FORMULA, FREE, Weighed
 from workbench.tracing.full_rate import nested_fits
 from workbench.tracing.in_motion import in_motion
-from workbench.tracing.judge import ScoredCandidate
+from workbench.tracing.judge import ScoredCandidate, freedom
 from workbench.tracing.near_law import NAME, gives_way
 from workbench.tracing.offered_as import ZERO
 from workbench.tracing.outside import multiplier
@@ -218,6 +218,11 @@ def curve_of(selected: Selection, before: Fit, after: Fit) -> list[Refinement]:
         )
         for law in selected.refined
     ]
+
+
+def refuted_by(floor: Mapping[str, float], fit: Fit, inverses: Sequence[InverseDynamics]) -> dict[str, float]:
+    """Return role -> nrmse of a noise floor that is no higher than what a fit leaves of what it was not fitted to (`noise_floor.refuted`)."""
+    return refuted(floor, {r: getattr(fit, r) for r in ROLES}, fitted(freedom(fit.plant), inverses))
 
 
 def with_curves(fit: Fit, selected: Selection, inverses: Sequence[InverseDynamics]) -> Fit:
