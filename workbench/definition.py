@@ -15,6 +15,7 @@ from functools import cache, cached_property
 from math import inf
 from types import MappingProxyType, SimpleNamespace
 
+from workbench.border import AsWritten, Border, inside, outside
 from workbench.errors import WorkbenchError, nearest
 from workbench.finding import title
 from workbench.parameter import Parameter
@@ -27,19 +28,6 @@ SIGNALS = (*"q dq v a dt t u tau tau_inertia dir motor_q load_q ratio pole_pairs
 PLACES = ("axis", "motor", "joint", "load", "command", "sensor", "drive")
 DRIVE_CHANNELS = ("sensor.torque", "sensor.force")
 TWO_COUNTS = "two counts"  # of the encoder: a length below which no record tells an operator's memory from none
-
-
-@dataclass(frozen=True)
-class Border:
-    """How parameters are written outside (campaigns, reports) where that differs from the linear form inside.
-
-    parameters: outside name -> Parameter. inward(outside values) -> inside values, outward the reverse, both dictionaries
-    of floats (example: a = x0**-d; mgl, phase = sine and cosine amplitudes).
-    """
-
-    parameters: Mapping[str, Parameter]
-    inward: Callable[[Mapping[str, float]], Mapping[str, float]]
-    outward: Callable[[Mapping[str, float]], Mapping[str, float]]
 
 
 @dataclass(frozen=True)
@@ -195,20 +183,12 @@ class Effect:
         out = {n: p.at(values.get(n, p.value), where=f"{where}: {self.name}.{n}") for n, p in known.items()}
         if self.border is None:
             return replace(self, parameters={n: replace(p, fixed=held[n]) for n, p in out.items()})
-        inside = self.border.inward({n: p.value for n, p in out.items()})
-        given = {n: h for n, h in held.items() if n in values}
-        parameters = {}
-        for name, p in self.parameters.items():
-            same = name in given
-            hold = given[name] if same else (p.fixed if name in known else all(given.values()) and bool(given))
-            if not p.lower <= inside[name] <= p.upper:
-                written = ", ".join(f"{n} = {out[n].value:g}" for n in given or out)
-                raise WorkbenchError(
-                    f"{where}: {self.name} with {written} has a {p.meaning} of {inside[name]:g}, outside its physical "
-                    f"bounds {p.lower:g} to {p.upper:g}; check the value and its unit."
-                )
-            parameters[name] = replace(p.at(inside[name], where=f"{where}: {self.name}.{name}"), fixed=hold)
-        return replace(self, parameters=parameters)
+        parameters = inside(self.border, self.parameters, out, held, values, f"{where}: {self.name}")
+        if parameters is not None:
+            return replace(self, parameters=parameters)
+        step = AsWritten(self.step, self.border.inward, tuple(out))
+        written = outside(self.border, out, held)
+        return replace(self, parameters=written, linear=self.border.linear, step=step, border=None)
 
 
 def _anew(name: str, changed: Mapping[str, object]) -> Effect:

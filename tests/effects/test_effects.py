@@ -14,7 +14,8 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from workbench import definition as fx
-from workbench.definition import COMMAND, FORCE, SENSOR, TIME, Border, Effect, catalogue, find
+from workbench.border import Border
+from workbench.definition import COMMAND, FORCE, SENSOR, TIME, Effect, catalogue, find
 from workbench.effects.direction import stop_direction
 from workbench.effects.hysteresis import knots, maxwell_slip, presliding_hysteresis
 from workbench.errors import WorkbenchError

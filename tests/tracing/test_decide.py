@@ -68,6 +68,12 @@ CASES = {
             load_before={"identification": 0.26, "validation": 0.358}, load_after={"identification": 0.0132, "validation": 0.0138}),
             before=0.0), NOTHING, (REFINEMENT,),
     ),
+    "nor is that friction turning over a speed a cause, though most of the load's balance at rest": (
+        evidence(weighed("backlash", (0.0914, 0.0085), (0.1102, 0.0099), at="joint"),
+            weighed("nonlinear_viscous_friction", (0.0085, 0.00843), (0.00995, 0.00987), of_declared=True, at="load",
+            load_before={"identification": 0.0294, "validation": 0.0916}, load_after={"identification": 0.016, "validation": 0.0406})),
+        CAUSE, (CAUSE, REFINEMENT),
+    ),
     "it is where the load's motion shows it": (
         evidence(weighed("presliding_hysteresis", (0.0439, 0.0049), (0.0232, 0.0051), of_declared=True, at="load", in_motion=0.02,
             load_before={"identification": 0.26, "validation": 0.358}, load_after={"identification": 0.0132, "validation": 0.0138}),
@@ -83,6 +89,9 @@ CASES = {
     "nor does it refute what shows behind the joint": (
         evidence(weighed("kinematic_error", (0.0366, 0.03), (0.0341, 0.02), outside=0.0, outside_error=0.04,
             load_before={"identification": 0.2, "validation": 0.2}, load_after={"identification": 0.02, "validation": 0.02})), CAUSE, (CAUSE,),
+    ),
+    "nor what takes nearly all in both roles: of when an axis sticks the reference tells little": (
+        evidence(weighed("stribeck_friction", (0.0509, 0.012), (0.041, 0.0061), outside=0.355, outside_error=0.065)), CAUSE, (CAUSE,),
     ),
     "where what is outside says little either way it refutes nothing": (
         evidence(weighed("actuator_lag", (0.0366, 0.0201), (0.0341, 0.0179), outside=0.494, outside_error=0.583)), CAUSE, (CAUSE,),

@@ -15,7 +15,7 @@ from workbench.tracing import preparing
 from workbench.tracing.answer import Answer
 from workbench.tracing.candidates import Offer
 from workbench.tracing.criteria import Criteria
-from workbench.tracing.smooth_turn import SLOW, SmoothTurn, smooth_turn
+from workbench.tracing.smooth_turn import SLOW, SmoothTurn, smooth_turn, turns
 from workbench.tracing.state import State
 from workbench.tracing.tracing import trace
 
@@ -100,6 +100,18 @@ def test_what_a_film_leaves_of_an_arctangent_is_no_further_friction():
 def test_friction_over_a_tenth_of_the_speed_is_a_law_of_its_own():
     """Five times as far as a turn may go."""
     assert smooth_turn(PLANT, seen(over(5.0 * SLOW * 2.0)), Criteria()) is None
+
+
+@pytest.mark.parametrize(("law", "of_top", "declared", "turn"), [
+    ("regularised_coulomb_friction", 0.5, PLANT, True), ("film_friction", 0.5, PLANT, True),
+    ("regularised_coulomb_friction", 2.0, PLANT, False),  # over so much speed it is a law of its own
+    ("power_law_friction", 0.5, PLANT, False), ("film_friction", 0.5, PLANT.without("coulomb_friction@axis"), False),
+], ids=["any shape", "film", "wide", "power", "not declared"])  # fmt: skip
+def test_a_turn_that_the_search_finds_is_the_declared_frictions(law, of_top, declared, turn):
+    """Behind a joint it takes too little of the drive to be asked before the search, and most of the load's balance."""
+    inverses = seen(over(1.0))
+    top = float(np.abs(inverses[0].motion.v).max())
+    assert turns(find(law)(speed=of_top * SLOW * top), declared, inverses) is turn
 
 
 def test_friction_that_turns_at_once_stays():

@@ -283,6 +283,17 @@ def test_folds_that_close_at_one_end_are_found_though_a_wave_leads_of_which_noth
     assert folds.score.earns and folds.score.gain > 0.9
 
 
+def test_bumpers_at_both_ends_that_are_not_alike_are_found_where_each_is_met():
+    """A cubic spring takes most of them, and pays for it about the middle; of a play about zero both places are wrong."""
+    stops = lambda q: 4.0 * np.maximum(q - 0.2, 0.0) - 2.0 * np.maximum(-0.12 - q, 0.0)  # noqa: E731
+    state, judgements = asked(stops, PLANT, "cable_spring", "cubic_stiffness", "piecewise_stiffness")
+    found = spellings.better_spelled(state, judgements[0], STANDARD, Offer(), judgements)
+    assert (found.candidate.effect, found.candidate.name) == ("end_stops", "piecewise_stiffness")
+    ends = free_law.refitted_as(state, found, STANDARD).state.plant[found.candidate.key].parameters
+    assert ends["upper"].value == pytest.approx(0.2, abs=0.01) and ends["lower"].value == pytest.approx(-0.12, abs=0.01)
+    assert ends["right"].value == pytest.approx(4.0, rel=0.1) and ends["left"].value == pytest.approx(2.0, rel=0.1)
+
+
 @pytest.mark.parametrize(("order", "named"), [(1.0, "encoder_eccentricity"), (16.0, "kinematic_error")])
 def test_waves_of_an_encoder_over_one_turn_of_its_axis_are_its_eccentricity(order, named):
     """What shows most in the acceleration is their second harmonic, so that the nearest formula is a kinematic error of order 2."""
@@ -297,9 +308,16 @@ def test_waves_of_an_encoder_over_one_turn_of_its_axis_are_its_eccentricity(orde
 
 
 def test_what_leads_by_gain_and_not_by_certainty_is_asked_for_a_steadier_law():
-    first, sure = (SimpleNamespace(refitted=True, score=SimpleNamespace(gain=g), candidate=SimpleNamespace(key=k)) for g, k in ((0.25, "b"), (0.07, "a")))  # fmt: skip
-    alone = SimpleNamespace(refitted=None, score=SimpleNamespace(gain=0.9), candidate=SimpleNamespace(key="c"))
+    first, sure = (SimpleNamespace(refitted=True, score=SimpleNamespace(gain=g, earns=e), candidate=SimpleNamespace(key=k)) for g, e, k in ((0.25, False, "b"), (0.07, True, "a")))  # fmt: skip
+    alone = SimpleNamespace(refitted=None, score=SimpleNamespace(gain=0.9, earns=False), candidate=SimpleNamespace(key="c"))  # fmt: skip
     assert greedy._most_first([sure, alone, first]) == [first, sure, alone]
+
+
+def test_of_what_is_certain_and_explains_no_more_than_a_simpler_law_the_simpler_one_is_asked_for_a_steadier_law():
+    """A bumper that few blocks meet, beside a wave that draws it and is certain: its class' other spelling is asked, and not the wave's."""
+    simple, wave = (SimpleNamespace(refitted=True, score=SimpleNamespace(gain=g, earns=e), candidate=SimpleNamespace(key=k)) for g, e, k in ((0.54, False, "b"), (0.59, True, "a")))  # fmt: skip
+    assert greedy._most_first([simple, wave]) == [simple, wave]
+    assert greedy._most_first([wave, simple]) == [wave, simple]
 
 
 def test_a_spring_that_stiffens_to_many_times_its_stiffness_leads_by_its_other_spelling():

@@ -1,6 +1,7 @@
 """Multi-body compliance: flexspline and wave generator in series, each stiffer the more it carries."""
 
-from workbench.definition import FORCE, Border, Effect, effect
+from workbench.border import Border
+from workbench.definition import FORCE, Effect, effect
 from workbench.effects.elementary import absolute, clip, cos, exp, maximum, minimum, sign0, sin, where
 from workbench.parameter import Parameter
 

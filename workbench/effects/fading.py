@@ -2,7 +2,8 @@
 
 from collections.abc import Sequence
 
-from workbench.definition import FORCE, TWO_COUNTS, Border, Effect, effect
+from workbench.border import Border
+from workbench.definition import FORCE, TWO_COUNTS, Effect, effect
 from workbench.effects.elementary import absolute, exp, sign0
 from workbench.parameter import Parameter
 

@@ -6,7 +6,8 @@ y(x) holds Masing's rule: after a reversal the curve is y stretched by two (Al-B
 
 import casadi as ca
 
-from workbench.definition import FORCE, TWO_COUNTS, Border, Effect, effect, namespace
+from workbench.border import Border
+from workbench.definition import FORCE, TWO_COUNTS, Effect, effect, namespace
 from workbench.effects.elementary import clip, exp, expm1, log, minimum, power
 from workbench.parameter import Parameter
 

@@ -4,7 +4,8 @@ from math import atan2, hypot
 from math import cos as cosine_of
 from math import sin as sine_of
 
-from workbench.definition import ANGLE, SENSOR, Border, Effect, effect
+from workbench.border import Border
+from workbench.definition import ANGLE, SENSOR, Effect, effect
 from workbench.effects.elementary import cos, sin
 from workbench.effects.periodic import ORDER
 from workbench.parameter import Parameter

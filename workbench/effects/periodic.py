@@ -5,7 +5,8 @@ from math import atan2, hypot
 from math import cos as cosine
 from math import sin as sine
 
-from workbench.definition import FORCE, Border, Effect, effect
+from workbench.border import Border
+from workbench.definition import FORCE, Effect, effect
 from workbench.effects.elementary import cos, sin
 from workbench.parameter import Parameter
 

@@ -1,11 +1,10 @@
 """Torques that depend on position without a period of its own: gravity, a spring to ground, and a constant."""
 
 from math import atan2, hypot
-from math import cos as cosine
-from math import sin as sine
 
-from workbench.definition import FORCE, Border, Effect, effect
-from workbench.effects.elementary import cos, maximum, power, sin
+from workbench.border import Border
+from workbench.definition import FORCE, Effect, effect
+from workbench.effects.elementary import cos, maximum, minimum, power, sin
 from workbench.parameter import Parameter
 
 
@@ -38,8 +37,9 @@ def gravity() -> Effect:
                 "mgl": Parameter(0.0, "F", "weight times lever; below 0 it is the phase that is turned by pi"),
                 "phase": Parameter(0.0, "rad", "phase"),
             },
-            inward=lambda o: {"sine": o["mgl"] * cosine(o["phase"]), "cosine": o["mgl"] * sine(o["phase"])},
+            inward=lambda o: {"sine": o["mgl"] * cos(o["phase"]), "cosine": o["mgl"] * sin(o["phase"])},
             outward=lambda i: {"mgl": hypot(i["sine"], i["cosine"]), "phase": atan2(i["cosine"], i["sine"])},
+            linear=("mgl",),
         ),
     )
 
@@ -119,6 +119,42 @@ def slack_cable() -> Effect:
         traced=False,
         nearest="cable_spring",
         knots=("length",),
+    )
+
+
+@effect
+def end_stops() -> Effect:
+    """T = r (q - p2)+ - l (p1 - q)+: a bumper of its own at either end of the stroke, and nothing between p1 and p2.
+
+    Two that overlap are a spring and no stops: p1 above p2 is p2.
+    """
+
+    def step(s, z, p):
+        lower = minimum(p.lower, p.upper)
+        return {}, p.right * maximum(s.q - p.upper, 0.0) - p.left * maximum(lower - s.q, 0.0)
+
+    return Effect(
+        name="end_stops",
+        cause="bumpers, hoses or covers that are met near both ends of the stroke, neither alike nor as far from zero",
+        formula="T = r (q - p2)+ - l (p1 - q)+",
+        source="unilateral contact, at two places",
+        port=FORCE,
+        family="force over position",
+        reduces={"right": (0.0, "piecewise_stiffness"), "left": (0.0, "piecewise_stiffness")},
+        parameters={
+            "right": Parameter(0.0, "F/x", "stiffness above the upper place", lower=0.0),
+            "left": Parameter(0.0, "F/x", "stiffness below the lower place", lower=0.0),
+            "upper": Parameter(0.1, "x", "where the one above is met", scale="place"),
+            "lower": Parameter(-0.1, "x", "where the one below is met", scale="place"),
+        },
+        linear=("right", "left"),
+        reads=("q",),
+        step=step,
+        holds=("conservative",),
+        places=("axis", "motor", "load"),
+        stated=("motor",),
+        traced=False,
+        nearest="piecewise_stiffness",
     )
 
 

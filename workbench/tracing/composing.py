@@ -22,7 +22,7 @@ from workbench.tracing.state import Refitted, State
 
 # Of friction with memory: of nine that others left out all were of this law's kind, whatever spelling came first
 COMMON = "presliding_hysteresis"
-CONSTANT = ("constant_offset", "gravity")  # forces that a preload may hide in
+WEIGHT = "gravity"  # that a preload may hide in, though it is none
 
 
 def composed(answer: Answer, declared: Plant, criteria: Criteria, offer: Offer) -> Answer:
@@ -111,8 +111,9 @@ def of_one_disc(answer: Answer) -> Answer:
 
 def of_the_axis(answer: Answer, declared: Plant, criteria: Criteria) -> Answer:
     """Return the answer with a spring that is relaxed at the encoder's zero in the place of a cable whose preload is not certain: a
-    cable or a hose is at rest wherever it happens to be. Where a constant force is known at its place, or a joint between encoders of separate
-    zeros carries it, nothing tells the two apart, and it is a cable. declared: what the search began with."""
+    cable or a hose is at rest wherever it happens to be. A constant force that is free at its place is all of a preload: what is missing beside it is
+    the stiffness alone, as of a counterweight's gas spring, and no record tells where it rests. Where a weight is known there, or a joint between encoders of
+    separate zeros carries the preload, it is a cable. declared: what the search began with."""
     plant, zeroed = answer.last.plant, any(p.motion.record.zero is not None for p in answer.last.inverses)
     for i, j in enumerate(answer.added):
         here = {e.name for e in plant.effects if e.at == j.candidate.at}
@@ -120,7 +121,7 @@ def of_the_axis(answer: Answer, declared: Plant, criteria: Criteria) -> Answer:
         if (
             j.candidate.kind != ADDITION
             or not cable
-            or here & {SPRING, *CONSTANT}
+            or here & {SPRING, WEIGHT}
             or (zeroed and j.candidate.at == "load")
         ):
             continue

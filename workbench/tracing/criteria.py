@@ -74,6 +74,9 @@ class Criteria:
     near: share of what a free-form law takes, from which a law of the catalogue says it as well. Halved, a wrong formula of the
         class is named; doubled (1.0 at most), only exact laws are. And share of what an effect of values that no machine has takes, from which an
         inertia that changes along the stroke is it: of an arm 0.88, of a disc that is eccentric 0.74. Halved, that disc is one; doubled, the arm is a disc.
+        And share of the residual in both roles from which nothing outside the loop refutes what takes it: a pulsation that came back as a lag
+        took 0.70 and 0.72, Stribeck's peaks of four axes that stick, of which the reference tells 0.36 to 0.52, took 0.88 to 0.98. Halved,
+        that lag is a cause; doubled, one of the peaks is not borne out.
     neutral: relative distance within which a parameter stands at the value of a simpler law, which is then the better answer. Halved, a gap
         with soft flanks is two springs; doubled, friction that grows with the load is given away for less (d19).
     resembles: share of what a free-form law takes, that the nearest formula must take for the free form to bear its name. Halved,

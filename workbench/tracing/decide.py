@@ -5,7 +5,7 @@
 | does the angle between two encoders say that one is late? | cause, whatever else |
 | do the counts that an encoder lost take more of the drive than any cause, and at least `explainable`? | unknown |
 | a correction within the fixed value's tolerance, or an effect (a correction beyond its tolerance) below the practical size, or below `explainable` with values that no machine has? | refinement |
-| a memory of the friction that is declared, of which the drive shows less than the practical size on validation or while the load moves, or less than `explainable` behind the joint, or (of asperities or bristles alone) less than `beside`? | refinement |
+| a memory of the friction that is declared, or a speed over which that turns, of which the drive shows less than the practical size on validation or while the load moves, or less than `explainable` behind the joint, or (of asperities or bristles alone) less than `beside`? | refinement |
 | the same beside another cause, that takes less than `unaccounted` of the drive, or gives way within some counts and takes less than `beside` while its body moves? | refinement |
 | a further one (beside an encoder that is late any is) that takes less than `lesser` of what the largest cause takes of the same balance (a further order of that one is its own) and less than `unaccounted` of the drive (unless it takes `held` of validation, and of what that one does there), on validation less than the practical size, less than `beside` with values that no machine has or of the drive as a memory of the friction that is declared, or says the curve that a larger one says? | refinement |
 | a further one that takes `held` of what the larger ones leave in neither role, of which less than `explainable` is foretold, or which the load's balance alone shows? | refinement |
@@ -115,7 +115,7 @@ def _unborne(evidence: Evidence, roles: tuple[str, ...], criteria: Criteria) -> 
     this is all that says so. Of the drive alone: what a load does at standstill is a matter of counts, and much of its small balance. What came
     back through the loop is noise."""
     out = [a for a, r in zip(evidence.added, roles, strict=True) if r == NOT_BORNE_OUT]
-    told = [a for a in (*out, *evidence.refused) if not a.came_back(criteria.held, criteria.alike)]
+    told = [a for a in (*out, *evidence.refused) if not a.came_back(criteria.held, criteria.alike, criteria.near)]
     sizes = ((a.before[IDENTIFICATION] ** 2, a.after[IDENTIFICATION] ** 2) for a in told)
     return any(b - a >= max(criteria.held * b, criteria.beside**2) for b, a in sizes)
 
@@ -129,7 +129,7 @@ def _role(a: Weighed, criteria: Criteria) -> str:
     # what a load does at standstill may be most of its balance there: the drive may bear out what shows a little more behind the joint
     if out and not (a.behind and a.of_drive(VALIDATION) >= criteria.held):
         return NOT_BORNE_OUT
-    if a.came_back(criteria.held, criteria.alike):
+    if a.came_back(criteria.held, criteria.alike, criteria.near):
         return NOT_BORNE_OUT
     # a declared friction is only nearly right at standstill: a load's small balance shows it, or slow records that nothing else has
     little = a.behind and a.in_drive(IDENTIFICATION) < criteria.explainable

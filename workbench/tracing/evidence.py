@@ -74,7 +74,7 @@ class Weighed:
     the loop, and that one's standard error (`outside.multiplier`). power_up: whether its phase on validation is one of its
     own, with which `after` is then. same_curve: whether a larger addition says the same curve (a joint has one of torque over
     angle; a wave that no machine has beside a spring), so that this one only bends its law. of_declared: whether it is a memory of the dry
-    friction that is declared at its place; in_motion: what of the drive it takes then where the balance of its body counts only while that
+    friction that is declared at its place, or that friction turning over a speed; in_motion: what of the drive it takes then where the balance of its body counts only while that
     moves; infinite where it was not asked. length: of such a memory, over a count of its body's encoder; infinite where that has none. foretold: what is explainable of what the larger ones leave, asked where it takes less than `held`
     of that (`further.foretold`); infinite where it was not asked. of_zero: whether it is an angle's map of which the zero between two encoders
     alone says all but what is of practical size, in either balance (a joint that begins at a flank of its gap).
@@ -144,11 +144,12 @@ class Weighed:
         """Return the share of the drive's residual power that it takes away, wherever it shows most."""
         return self._share(self.before, self.after, role)
 
-    def came_back(self, held: float, errors: float) -> bool:
+    def came_back(self, held: float, errors: float, near: float) -> bool:
         """Whether what is outside the loop bears out less than `held` of what it takes, by so many standard errors: noise that came back through
         the loop looks like a lag or a late clock. Of the drive alone: what shows behind the joint is in the load's balance. Where no reference was
-        asked NaN says nothing."""
-        return not self.behind and self.outside + errors * self.outside_error < held
+        asked NaN says nothing. What takes `near` of the residual in both roles is no noise: the reference tells little of when an axis sticks."""
+        whole = all(self._share(self.before, self.after, r) >= near for r in (IDENTIFICATION, VALIDATION))
+        return not (self.behind or whole) and self.outside + errors * self.outside_error < held
 
     def share(self, role: str, later: Sequence["Weighed"] = ()) -> float:
         """Return the share of the residual's power that it takes away there; later: of what those that came after it leave, as far as that is

@@ -17,6 +17,7 @@ from workbench.tracing.candidates import ADDITION, WHOLE, Offer, periodic
 from workbench.tracing.criteria import Criteria
 from workbench.tracing.free_forms import MEMORY
 from workbench.tracing.judge import ScoredCandidate, refitted_as
+from workbench.tracing.one_sided import asked_freely
 from workbench.tracing.plausible import BESIDE, RETURNS
 from workbench.tracing.ranking import absurd
 from workbench.tracing.reducing import reduced_to
@@ -78,7 +79,9 @@ def _freed(
 ) -> ScoredCandidate | None:
     """Return the free-form law that is added in the place of `best`, None where `best` says it as well. Arguments as of `free_law`."""
     formulas = [
-        j for j in judgements if j.candidate.kind == ADDITION and j.score.gain > criteria.share and not j.candidate.bare
+        j
+        for j in asked_freely(best, judgements)
+        if j.candidate.kind == ADDITION and j.score.gain > criteria.share and not j.candidate.bare
     ]
     asked: dict[tuple[str, str], ScoredCandidate] = {}
     for j in formulas:

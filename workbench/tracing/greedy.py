@@ -152,8 +152,11 @@ def promised(judgements: Sequence[ScoredCandidate], criteria: Criteria) -> Score
 
 def _most_first(judgements: Sequence[ScoredCandidate]) -> list[ScoredCandidate]:
     """Return judgements of which none leads by the gain of those fitted with everything free: what earns its place and does not lead is
-    nothing of its own."""
-    return sorted(judgements, key=lambda j: (j.refitted is None, -j.score.gain, j.candidate.key))
+    nothing of its own. Where a simpler one explains as much as that, the simpler one is first."""
+    ordered = sorted(judgements, key=lambda j: (j.refitted is None, -j.score.gain, j.candidate.key))
+    if ordered and ordered[0].score.earns and judgements[0].refitted and not judgements[0].score.earns:
+        return [judgements[0], *(j for j in ordered if j is not judgements[0])]
+    return ordered
 
 
 def leading(judgements: Sequence[ScoredCandidate], least: float = 0.0) -> ScoredCandidate | None:

@@ -23,6 +23,7 @@ from workbench.tracing.judge import (
     refit_of,
     refitted,
 )
+from workbench.tracing.one_sided import one_sided
 from workbench.tracing.orders import any_curve, stranger
 from workbench.tracing.plausible import implausible
 from workbench.tracing.reducing import reduced_to
@@ -99,7 +100,7 @@ def simplest_first(judgements: Sequence[ScoredCandidate], criteria: Criteria, st
     first = _of_less(level)
     least = first.score.gain - EQUAL * first.score.scatter
     equal = [j for j in level if j.freedom == first.freedom and j.score.gain >= least]
-    simplest = next((j for j in [first, *equal] if not _effect(j).rare), first)
+    simplest = one_sided(next((j for j in [first, *equal] if not _effect(j).rare), first), level)
     return [simplest, *(j for j in judgements if j is not simplest)]
 
 

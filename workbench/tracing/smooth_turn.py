@@ -119,6 +119,15 @@ class SmoothTurn:
         )
 
 
+def turns(effect: Effect, declared: Plant, inverses: Sequence[InverseDynamics]) -> bool:
+    """Whether a fitted effect is Coulomb friction, declared at its place, that turns over a speed. Behind a joint it may be found by the search:
+    of the drive it takes less than what is asked before, and of the load's small balance most."""
+    dry = any(e.named == DRY and e.at == effect.at for e in declared.effects)
+    if effect.name not in (FILM, OTHERWISE) or not dry:
+        return False
+    return effect.parameters["speed"].value <= SLOW * _top(declared, effect.at, inverses)
+
+
 def smooth_turn(plant: Plant, inverses: Sequence[InverseDynamics], criteria: Criteria) -> SmoothTurn | None:
     """Return the declared Coulomb frictions that turn over a speed, None where none does.
 
@@ -176,7 +185,7 @@ def _inside(effect: Effect) -> bool:
 def _turned(state: State, dry: Effect, criteria: Criteria) -> State | None:
     """Return the state with friction that turns over a speed in the place of `dry`; None where that speed is none, it takes too little, or
     friction that goes with a power of speed leaves less: that is no turn, though near zero it is as steep."""
-    top = max(float(np.abs(p.bodies.body(state.plant, dry.at, 1)[1][VELOCITY]).max()) for p in state.inverses)
+    top = _top(state.plant, dry.at, state.inverses)
     rest = state.plant.without(dry.key)
     level = state.plant[dry.key].parameters["coulomb"].value
     films = [catalogue()[FILM](at=dry.at, limit=level, speed=start * top) for start in STARTS]
@@ -189,6 +198,11 @@ def _turned(state: State, dry: Effect, criteria: Criteria) -> State | None:
     steeper = power is not None and power.errors.total < found.errors.total
     speed = found.plant[f"{FILM}@{dry.at}"].parameters["speed"].value
     return None if steeper or speed > SLOW * top else found
+
+
+def _top(plant: Plant, at: str, inverses: Sequence[InverseDynamics]) -> float:
+    """Return the fastest speed of the body at a place, in rad/s or m/s."""
+    return max(float(np.abs(p.bodies.body(plant, at, 1)[1][VELOCITY]).max()) for p in inverses)
 
 
 def _state(plant: Plant, inverses: Sequence[InverseDynamics], *, solved: bool = False) -> State | None:

@@ -30,6 +30,7 @@ from workbench.tracing.preparing import Declared
 from workbench.tracing.reducing import by_values
 from workbench.tracing.result import Refinement
 from workbench.tracing.selection import Selection
+from workbench.tracing.smooth_turn import turns
 from workbench.tracing.state import State
 from workbench.tracing.wording_search import nearly_right
 
@@ -101,7 +102,7 @@ def weighed(
         key = j.candidate.key
         present = key in {e.key for e in last.effects}
         before, after = ({r: getattr(fits[k], r) for r in ROLES} for k in (i, i + 1))
-        own = gives_way(j.candidate, declared)
+        own = gives_way(j.candidate, declared) or (present and turns(last[key], declared, inverses))
         w = Weighed(
             effect=j.candidate.name,
             at=j.score.at,

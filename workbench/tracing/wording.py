@@ -153,7 +153,7 @@ def _of_addition(a: Weighed, role: str, along: float, stays: Explainable, criter
         why = f"on validation it explains {100 * max(a.share(VALIDATION), 0.0):.0f} %"
         if a.power_up:
             why += " with the phase that it has there, which is none of identification's: calibrate it at each power-up"
-        if a.came_back(criteria.held, criteria.alike):
+        if a.came_back(criteria.held, criteria.alike, criteria.near):
             why = (
                 f"what is outside the loop bears out {100 * min(max(a.outside, 0.0), 1.0):.0f} % of it; what disturbs the axis comes back "
                 "through the loop as motion, and looks like that"
