@@ -259,6 +259,8 @@ def test_of_equals_the_usual_effect_and_the_one_that_reads_less_lead(monkeypatch
         c = CandidateScore(name, "axis", "addition", gain, 0.03, 0.1, 0.1, True, "")
         of = SimpleNamespace(
             key=name,
+            effect=name,
+            at="axis",
             plant={name: find(name)},
             family="",
             yields=False,
@@ -296,7 +298,12 @@ def test_a_wrong_value_that_takes_nearly_what_a_law_of_more_values_takes_leads(m
 
     def of(kind):
         return SimpleNamespace(
-            kind=kind, yields=False, family=kind, key=kind, plant={kind: SimpleNamespace(rare=False, reads=(), port="")}
+            kind=kind,
+            effect=kind,
+            yields=False,
+            family=kind,
+            key=kind,
+            plant={kind: SimpleNamespace(rare=False, reads=(), port="")},
         )
 
     judged = [
