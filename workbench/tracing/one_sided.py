@@ -13,9 +13,9 @@ from workbench.tracing.judge import ScoredCandidate
 from workbench.tracing.near_law import heights
 
 OFFSET, ASYMMETRY = "constant_offset", "coulomb_asymmetry"
-# Share of dry friction up to which a constant that is not declared is its asymmetry. Of 105 axes of twenty-four authors on which a constant
-# force acts beside dry friction it is declared, and more than half of that friction on 61; of four asymmetries that nobody declared, 0.2 to
-# 0.33 of it, three were called a constant force. Halved, two of the four are; doubled, none changes
+# Share of dry friction up to which a constant that is not declared is its asymmetry. Of twenty-four authors nobody left out a constant force; of 95 axes
+# on which one is declared beside dry friction it is more than half of that on 60. Three asymmetries beside which none is declared, 0.20 to 0.33 of
+# friction, were called a constant force. Halved, two of the three are; doubled, none changes
 PART = 0.5
 
 
