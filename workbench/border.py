@@ -75,7 +75,7 @@ def inside(
     return found
 
 
-def outside(border: Border, out: Mapping[str, Parameter], held: Mapping[str, bool]) -> dict[str, Parameter]:
+def as_written(border: Border, out: Mapping[str, Parameter], held: Mapping[str, bool]) -> dict[str, Parameter]:
     """Return the parameters as they are written, each held or free; what does not enter linearly is searched. Arguments as of `inside`."""
     return {
         n: replace(p, fixed=held[n], scale=p.scale if n in border.linear else p.scale or "number")

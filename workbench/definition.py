@@ -15,7 +15,7 @@ from functools import cache, cached_property
 from math import inf
 from types import MappingProxyType, SimpleNamespace
 
-from workbench.border import AsWritten, Border, inside, outside
+from workbench.border import AsWritten, Border, as_written, inside
 from workbench.errors import WorkbenchError, nearest
 from workbench.finding import title
 from workbench.parameter import Parameter
@@ -187,7 +187,7 @@ class Effect:
         if parameters is not None:
             return replace(self, parameters=parameters)
         step = AsWritten(self.step, self.border.inward, tuple(out))
-        written = outside(self.border, out, held)
+        written = as_written(self.border, out, held)
         return replace(self, parameters=written, linear=self.border.linear, step=step, border=None)
 
 

@@ -95,13 +95,11 @@ def slack_cable() -> Effect:
         taut = p.right * power(right / p.length, p.exponent) - p.left * power(left / p.length, p.exponent)
         return {}, taut
 
-    return Effect(
+    return _of_its_place(
         name="slack_cable",
         cause="a hose or a cable that hangs slack until a place of the stroke, and is pulled taut beyond",
         formula="T = r ((q - p)+/L)^n - l ((p - q)+/L)^n",
         source="unilateral contact, n = 1.5 after Hertz 1882",
-        port=FORCE,
-        family="force over position",
         reduces={"right": (0.0, "piecewise_stiffness"), "left": (0.0, "piecewise_stiffness")},
         parameters={
             "right": Parameter(0.0, "F", "force at the reference distance above the place", lower=0.0),
@@ -111,12 +109,7 @@ def slack_cable() -> Effect:
             "length": Parameter(0.1, "x", "reference distance", lower=1e-9, fixed=True),
         },
         linear=("right", "left"),
-        reads=("q",),
         step=step,
-        holds=("conservative",),
-        places=("axis", "motor", "load"),
-        stated=("motor",),
-        traced=False,
         nearest="cable_spring",
         knots=("length",),
     )
@@ -133,13 +126,11 @@ def end_stops() -> Effect:
         lower = minimum(p.lower, p.upper)
         return {}, p.right * maximum(s.q - p.upper, 0.0) - p.left * maximum(lower - s.q, 0.0)
 
-    return Effect(
+    return _of_its_place(
         name="end_stops",
         cause="bumpers, hoses or covers that are met near both ends of the stroke, neither alike nor as far from zero",
         formula="T = r (q - p2)+ - l (p1 - q)+",
         source="unilateral contact, at two places",
-        port=FORCE,
-        family="force over position",
         reduces={"right": (0.0, "piecewise_stiffness"), "left": (0.0, "piecewise_stiffness")},
         parameters={
             "right": Parameter(0.0, "F/x", "stiffness above the upper place", lower=0.0),
@@ -148,12 +139,7 @@ def end_stops() -> Effect:
             "lower": Parameter(-0.1, "x", "where the one below is met", scale="place"),
         },
         linear=("right", "left"),
-        reads=("q",),
         step=step,
-        holds=("conservative",),
-        places=("axis", "motor", "load"),
-        stated=("motor",),
-        traced=False,
         nearest="piecewise_stiffness",
     )
 
@@ -166,26 +152,33 @@ def hardening_cable() -> Effect:
         x = s.q - p.rest
         return {}, p.stiffness * x + p.cubic * (x * x * x)
 
-    return Effect(
+    return _of_its_place(
         name="hardening_cable",
         cause="a cable wrap, a hose or a flexure that stiffens as it is bent, about a rest position",
         formula="T = k (q - rest) + k3 (q - rest)^3",
         source="Duffing 1918",
-        port=FORCE,
-        family="force over position",
         parameters={
             "stiffness": Parameter(0.0, "F/x", "stiffness at rest", lower=0.0),
             "cubic": Parameter(0.0, "F/x^3", "cubic stiffness", lower=0.0),
             "rest": Parameter(0.0, "x", "rest position", scale="place"),
         },
         linear=("stiffness", "cubic"),
-        reads=("q",),
         step=step,
+        nearest="cable_spring",
+    )
+
+
+def _of_its_place(**own) -> Effect:
+    """Return another spelling of what pulls or pushes the body over its place. own: what is its own."""
+    return Effect(
+        **own,
+        port=FORCE,
+        family="force over position",
+        reads=("q",),
         holds=("conservative",),
         places=("axis", "motor", "load"),
         stated=("motor",),
         traced=False,
-        nearest="cable_spring",
     )
 
 
