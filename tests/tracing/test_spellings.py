@@ -408,6 +408,16 @@ def test_a_coefficient_of_friction_is_not_nothing_beside_the_share_of_inertia_th
     assert reducing.reduced_to(fitted, state, STANDARD) == (None if itself else "")
 
 
+@pytest.mark.parametrize(("share", "itself"), [(0.5, False), (2.0, True)])
+def test_a_delay_that_turns_the_fastest_of_the_band_by_less_than_practical_size_is_none(share, itself):
+    """What it takes of any drive is at most 2 pi f delay: beside a lag that says it all a search leaves 0.4 us of a delay, which is not 0."""
+    state, judgements = asked(lambda q: 0.0 * q, PLANT, "transport_delay")
+    j = judgements[0]
+    turn = STANDARD.practical / (2.0 * np.pi * state.inverses[0].motion.filter.bandwidth)
+    late = j.candidate.plant.with_values({j.candidate.key: {"delay": share * turn}})[j.candidate.key]
+    assert reducing.by_values(late, state, STANDARD) == (None if itself else "")
+
+
 @pytest.mark.parametrize(("first", "says", "gives_way"), [("clock_skew", True, True), ("clock_skew", False, False), ("cogging", True, False)])  # fmt: skip
 def test_a_wave_leads_whose_further_orders_take_most_of_what_the_leading_law_leaves(
     monkeypatch, first, says, gives_way

@@ -1,6 +1,7 @@
 """What effect a fitted one is by its values: LuGre without presliding is Stribeck's friction, a kinematic error of order 1 an eccentricity."""
 
 from collections.abc import Mapping
+from math import pi
 
 from workbench.definition import TIME, TWO_COUNTS, Effect
 from workbench.plant import TWO_MASS
@@ -32,6 +33,9 @@ def by_values(effect: Effect, state: State | Refitted, criteria: Criteria) -> st
     span = max(p.motion.t[-1] for p in state.inverses) - min(p.motion.t[0] for p in state.inverses)
     step = min(p.motion.record.dt for p in state.inverses)
     near |= {n: 0.5 * step / span for n, p in effect.parameters.items() if p.scale == "drift"}
+    # a delay is none that turns the fastest of the band by less than is of practical size
+    turn = criteria.practical / (2.0 * pi * max(p.motion.filter.bandwidth for p in state.inverses))
+    near |= {n: turn for n, p in effect.parameters.items() if p.scale == "time" and p.value < turn}
     around = {n: (p.value - near[n], p.value + near[n]) for n, p in effect.parameters.items()}
     # nor is a gap a gap that is short beside the presliding length
     length = effect.parameters["x0"].value if "x0" in effect.parameters else 0.0
