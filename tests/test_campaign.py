@@ -188,6 +188,15 @@ def test_the_exponent_of_a_unit_is_the_declared_parameter(campaign):
     campaign.swap('unit = "1/rad", fixed = false }', 'unit = "1/rad^0.8" }\nparameters.d = { value = 0.8, unit = "1" }')
     assert campaign.load().plant["presliding_hysteresis@axis"].outside["a"].value == pytest.approx(525.0)
     campaign.swap("1/rad^0.8", "1/rad").refused("parameters.a.unit", "'1/rad^0.8' is needed")
+    campaign.swap('"1/rad"', '"1/rad", fixed = true').refused("parameters.a.unit", "'1/rad^0.8' is needed")
+    campaign.swap('"1/rad", fixed = true', '"1/deg", fixed = false').refused(
+        "parameters.a.unit", "'1/rad^0.8' is needed"
+    )
+
+
+def test_a_value_at_which_a_search_starts_may_be_written_without_the_exponent_of_its_unit(campaign):
+    campaign.swap("fixed = false }", 'fixed = false }\nparameters.d = { value = 0.8, unit = "1" }')
+    assert campaign.load().plant["presliding_hysteresis@axis"].outside["a"].value == pytest.approx(525.0)
 
 
 def test_force_makes_the_axis_linear(campaign):

@@ -33,7 +33,7 @@ def _declared(one: Table, rotary: bool) -> fx.Effect:
     # Numbers without unit first: they may be the exponent in the unit of another ("1/x^d").
     for name in sorted(given.values, key=lambda n: known[n].unit != "1"):
         powers = {n: values.get(n, p.value) for n, p in known.items() if p.unit == "1"}
-        values[name] = given.quantity(name, effect_unit(known[name].unit, rotary, powers), optional=("fixed",))
+        values[name] = given.quantity(name, _unit(given, name, known[name].unit, rotary, powers), optional=("fixed",))
         known[name].at(values[name], where=given.path(name))
         if "fixed" in (table := given.table(name, optional=("value", "unit", "fixed"))):
             fixed[name] = table.flag("fixed")
@@ -41,3 +41,13 @@ def _declared(one: Table, rotary: bool) -> fx.Effect:
         return effect.declared(values, fixed, given.where)
     except ArithmeticError as e:
         raise WorkbenchError(f"{given.where}: these values cannot be held together ({e}); check their sizes.") from e
+
+
+def _unit(given: Table, name: str, unit: str, rotary: bool, powers: dict[str, float]) -> str:
+    """Return the SI unit of a parameter; of a value that is said to be free, and only where a search starts, also that without the exponent: a rate
+    of x^0.8 is written 1/rad by who counts x in rad. A fixed one has to say which of h0 (1 - exp(-a x^d)) and h0 (1 - exp(-(a x)^d)) it is of."""
+    plain = effect_unit(unit, rotary, dict.fromkeys(powers, 1.0))
+    table = given.values[name] if isinstance(given.values[name], dict) else {}
+    if table.get("fixed") is False and table.get("unit") == plain:
+        return plain
+    return effect_unit(unit, rotary, powers)

@@ -15,6 +15,7 @@ from workbench.processes import shared
 from workbench.residual.noise_floor import floor as noise_floor
 from workbench.threads import one_thread
 from workbench.tracing.budget import BUDGET, Budget
+from workbench.tracing.by_validation import by_validation
 from workbench.tracing.candidates import Offer
 from workbench.tracing.choice import Choice
 from workbench.tracing.criteria import Criteria
@@ -133,7 +134,9 @@ def _decided(
         if not first:
             confirmed = confirm(late, order, selected, criteria, confirmed.levels)
         choice = Choice(selected, confirmed, late, offer, criteria, progress)
-        for ask in (soundly, otherwise, as_a_curve, in_place_of_two, as_a_curve_alone) if first else (soundly,):
+        for ask in (
+            (by_validation, soundly, otherwise, as_a_curve, in_place_of_two, as_a_curve_alone) if first else (soundly,)
+        ):
             choice = ask(choice)
         anew, selected, confirmed = first or choice.selected is not selected, choice.selected, choice.confirmed
         if anew:
