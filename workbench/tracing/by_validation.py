@@ -22,7 +22,7 @@ def by_validation(choice: Choice) -> Choice:
     virgin curves that stay, too; of several the one that takes most there. The choice itself where there is none, and without such a record.
 
     Of 122 axes to which nothing was added ten are asked, and one is carried so: a force constant that falls takes 0.64 there; what is no cause
-    took 0.38 and less. With `held` halved a wind and a brake are dressed by it; doubled, none is carried.
+    took 0.38 and less. With `held` halved a cushion and what another axis asks of a head are dressed so; doubled, none is carried.
     """
     declared, selected = choice.confirmed.fits[0], choice.selected
     if choice.confirmed.added or not selected.steps or not isfinite(declared.validation):
