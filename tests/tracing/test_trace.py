@@ -14,6 +14,7 @@ from workbench.identification.cross_validation import HeldOut, gain
 from workbench.identification.fit import identify
 from workbench.inverse.dynamics import inverse_dynamics
 from workbench.plant import ONE_MASS, TWO_MASS, Plant
+from workbench.tracing import full_rate
 from workbench.tracing.candidates import candidates_of
 from workbench.tracing.full_rate import is_confirmed
 from workbench.tracing.output import as_dict, write
@@ -268,3 +269,14 @@ def test_whole_records_bear_an_effect_out_by_the_drive_or_of_two_masses_by_both_
         return SimpleNamespace(plant=SimpleNamespace(kind=kind), identification=identification, details={"cost": cost})
 
     assert is_confirmed(fit(0.2, 1.0), fit(error, cost)) == borne
+
+
+def test_starts_of_a_fit_are_searched_only_where_the_one_before_them_is_not_enough(monkeypatch):
+    """The first has its end from the search; the two others, of which none is known, are searched together."""
+    searched = []
+    monkeypatch.setattr(full_rate, "_end", lambda plant, whole: searched.append(plant) or f"end of {plant}")
+    monkeypatch.setattr(full_rate, "shared", lambda f, items: map(f, items))
+    ends = full_rate._ended([("a", "known"), ("b", None), ("c", None)], [])
+    assert (next(ends), searched) == (("a", "known"), [])
+    assert list(ends) == [("b", "end of b"), ("c", "end of c")]
+    assert searched == ["b", "c"]

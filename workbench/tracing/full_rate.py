@@ -1,6 +1,6 @@
 """Whole records have the last word on what a search among decimated ones has found."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
@@ -38,7 +38,7 @@ def nested_fits(
     for j in added:
         plants.append(valued(brought(plants[-1], j.candidate, found), found))
     # no search needs another one's result
-    ends = [None, *shared(lambda p: end_of_search(p, whole, SETTLED, FURTHER), plants[1:])]
+    ends = [None, *shared(lambda p: _end(p, whole), plants[1:])]
     fits = [late.fit]
     kept: list[ScoredCandidate] = []
     for i, j in enumerate(added):
@@ -46,7 +46,7 @@ def nested_fits(
         end = ends[i + 1] if i == len(kept) else None  # else it is of a plant with what was not borne out
         again = [(valued(plant, found), end), (plant, None)]
         again += [(valued(plant, j.refitted.plant), None)] if j.refitted else []
-        better = _confirmed(fits[-1], again, j.score.gain, inverses)
+        better = _confirmed(fits[-1], again, j.score.gain, inverses, whole)
         if better is not None:
             kept.append(j)
             fits.append(better)
@@ -63,12 +63,19 @@ def nested_fits(
 
 
 def _confirmed(
-    before: Fit, starts: Sequence[tuple[Plant, np.ndarray | None]], gain: float, inverses: Sequence[InverseDynamics]
+    before: Fit,
+    starts: Sequence[tuple[Plant, np.ndarray | None]],
+    gain: float,
+    inverses: Sequence[InverseDynamics],
+    whole: Sequence[InverseDynamics],
 ) -> Fit | None:
     """Return the first fit from these starts that is borne out and takes half of what the search had its addition take, else the best one that is
-    borne out, None where none is. A gap's width may have become that of its flanks beside a law that bends them, and is nothing without."""
+    borne out, None where none is. A gap's width may have become that of its flanks beside a law that bends them, and is nothing without.
+
+    whole: the records that are fitted. Starts of which no end is known are searched side by side.
+    """
     found: list[Fit] = []
-    for plant, theta in starts:
+    for plant, theta in _ended(starts, whole):
         fit = identify(plant, inverses, theta, solved=theta is not None)
         if is_confirmed(before, fit):
             if fit.details["cost"] <= (1.0 - HALF * gain) * before.details["cost"]:
@@ -77,9 +84,22 @@ def _confirmed(
     return min(found, key=lambda fit: fit.details["cost"], default=None)
 
 
+def _ended(
+    starts: Sequence[tuple[Plant, np.ndarray | None]], whole: Sequence[InverseDynamics]
+) -> Iterator[tuple[Plant, np.ndarray | None]]:
+    """Yield starts with where a search from each ends: the first as soon as it is asked for, the others together."""
+    (plant, theta), *others = starts
+    yield plant, _end(plant, whole) if theta is None else theta
+    yield from zip((p for p, _ in others), shared(lambda p: _end(p, whole), [p for p, _ in others]), strict=True)
+
+
+def _end(plant: Plant, whole: Sequence[InverseDynamics]) -> np.ndarray | None:
+    return end_of_search(plant, whole, SETTLED, FURTHER)
+
+
 def settled(plant: Plant, inverses: Sequence[InverseDynamics]) -> Fit:
     """Return the fit of a plant on whole records, as near to its end as the others are that it is held against."""
-    end = end_of_search(plant, fitted_on(inverses), SETTLED, FURTHER)
+    end = _end(plant, fitted_on(inverses))
     return identify(plant, inverses, end, solved=end is not None)
 
 
