@@ -47,18 +47,17 @@ def ended(*effects, masses=ONE_MASS):
     found = Plant(masses)
     for e in effects:
         found = found + e
-    motion = SimpleNamespace(counts=1e-6, t=[0.0, 10.0], record=SimpleNamespace(dt=1e-3))
+    band = SimpleNamespace(bandwidth=50.0)
+    motion = SimpleNamespace(counts=1e-6, t=[0.0, 10.0], record=SimpleNamespace(dt=1e-3), filter=band)
     state = SimpleNamespace(plant=found, inverses=[SimpleNamespace(motion=motion)])
     added = [ScoredCandidate(Candidate(e.name, e.at, ADDITION, found, part=e.nearest), None, None, 1) for e in effects]
     return [j.candidate.name for j in as_they_end(added, found, state, Criteria())]
 
 
 def test_a_delay_of_no_time_beside_a_lag_is_no_addition():
-    lag, none, some = (
-        find("actuator_lag")(time_constant=1.2e-3),
-        *(find("transport_delay")(delay=x) for x in (0.0, 3e-4)),
-    )
-    assert ended(none, lag) == ["actuator_lag"]
+    lag = find("actuator_lag")(time_constant=1.2e-3)
+    none, next_to_none, some = (find("transport_delay")(delay=x) for x in (0.0, 4e-7, 3e-4))
+    assert ended(none, lag) == ended(next_to_none, lag) == ["actuator_lag"]
     assert ended(some, lag) == ["transport_delay", "actuator_lag"]
 
 
