@@ -39,3 +39,4 @@ def test_what_shows_in_the_last_second_of_a_record_alone_is_a_cause_where_valida
     records = [recorded(*m) for m in made]
     found = trace(PLANT, inverse_dynamics(records, 40.0))
     assert found.added == (("torque_constant_saturation",) if asked else ())
+    assert all("no test of the choice" in c.sentence for c in found.causes)

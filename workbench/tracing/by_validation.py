@@ -4,6 +4,7 @@ A force constant falls where a drive gives much, which a growing sine does in it
 """
 
 from collections.abc import Sequence
+from dataclasses import replace
 from math import isfinite
 
 from workbench.identification.result import Fit
@@ -38,7 +39,10 @@ def by_validation(choice: Choice) -> Choice:
         kept, fits = nested_fits(choice.late, [k], as_declared(k.state.plant, selected.laws), k.state.inverses)
         if kept and fits[-1].validation < least and _carried(fits, choice):
             best, least = (k, kept, fits), fits[-1].validation
-    return choice if best is None else choice.taking(*best)
+    if best is None:
+        return choice
+    taken = choice.taking(*best)
+    return replace(taken, confirmed=replace(taken.confirmed, chosen=best[0].candidate.key))
 
 
 def _carried(fits: Sequence[Fit], choice: Choice) -> bool:

@@ -17,6 +17,11 @@ from workbench.tracing.judge import ScoredCandidate
 from workbench.tracing.result import CandidateScore, Cause, Refinement, physical_cause
 from workbench.tracing.smallest import Smallest
 
+CHOSEN = (
+    " By the identification records alone it was not certain, since few stretches of them show it; it was fitted to these alone, and is named "
+    "because of what it explains of the validation record, which is therefore no test of the choice: another record would be."
+)
+
 
 def cause(
     judgement: ScoredCandidate,
@@ -27,13 +32,14 @@ def cause(
     declared: Plant,
     *,
     provisional: bool = False,
+    chosen: bool = False,
     also: tuple[str, ...] = (),
 ) -> Cause:
     """Return the cause that a candidate became: its share from `before` to `here`, its parameters from the last fit.
 
     weight: what whole records say of it. declared: the plant as declared, whose fixed values a correction moved. provisional: it
-    was not certain alone, and the candidate is what it came to with the others in place. also: what else of a
-    composite is missing.
+    was not certain alone, and the candidate is what it came to with the others in place. chosen: it was not certain on the identification
+    records, and validation decided. also: what else of a composite is missing.
     """
     score, name = judgement.score, judgement.candidate.name
     was = _held(declared, score) if score.kind == CORRECTION else {}
@@ -42,6 +48,7 @@ def cause(
         1.0 - (here.rms[r] / before.rms[r]) ** 2 if before.rms[r] > 0.0 else 0.0 for r in (IDENTIFICATION, VALIDATION)
     )
     sentence = _cause_sentence(judgement, weight, (identification, validation), provisional, also)
+    sentence += CHOSEN if chosen else ""
     return Cause(
         name, score.at, sentence, estimates, identification, validation,
         kind=score.kind,
