@@ -34,9 +34,7 @@ def by_values(effect: Effect, state: State | Refitted, criteria: Criteria) -> st
     step = min(p.motion.record.dt for p in state.inverses)
     near |= {n: 0.5 * step / span for n, p in effect.parameters.items() if p.scale == "drift"}
     # a delay is none that turns the fastest of the band by less than is of practical size
-    for n, p in effect.parameters.items():
-        turn = _shortest(state, criteria) if p.scale == "time" else 0.0
-        near[n] = turn if p.value < turn else near[n]
+    near |= {n: max(near[n], _shortest(state, criteria)) for n, p in effect.parameters.items() if p.scale == "time"}
     around = {n: (p.value - near[n], p.value + near[n]) for n, p in effect.parameters.items()}
     # nor is a gap a gap that is short beside the presliding length
     length = effect.parameters["x0"].value if "x0" in effect.parameters else 0.0
