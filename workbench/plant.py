@@ -154,13 +154,13 @@ def _like(known, **changed):
     return found
 
 
-LOAD_SIGNALS = ("tau", "tau_inertia")
+LOAD_SIGNALS = frozenset({"tau", "tau_inertia"})
 STILL = ("q", "t", "ratio", "pole_pairs", "locked", *CHANNELS)  # what a force may read that no motion makes
 
 
 def reads_load(effect: Effect) -> bool:
     """Whether a force follows the torque that its contact carries."""
-    return effect.port == FORCE and bool(set(effect.reads) & set(LOAD_SIGNALS))
+    return effect.port == FORCE and not LOAD_SIGNALS.isdisjoint(effect.reads)
 
 
 def _stands_still(effect: Effect) -> bool:

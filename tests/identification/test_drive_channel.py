@@ -88,6 +88,18 @@ def test_behind_a_command_map_the_drift_is_of_the_reading_and_not_of_what_acts()
     np.testing.assert_allclose(drifting.filtered_drive(lagging), inverses.filtered_drive(bare), atol=1e-9)
 
 
+def test_a_delay_of_the_channel_and_one_of_the_command_are_two_whichever_was_asked_for_first():
+    """They have the same law and may have the same value; what is kept of one is not given for the other, nor behind a lag."""
+    late = find("transport_delay")(delay=2e-3)
+    plants = [plant() + find("actuator_lag")(time_constant=3e-3) + late(at=at) for at in ("command", "sensor.torque")]
+    plants += [p.without("actuator_lag") for p in plants]
+    alone = [inverse_dynamics(records(RATE)[:1], BAND)[0].filtered_drive(p) for p in plants]
+    together = inverse_dynamics(records(RATE)[:1], BAND)[0]
+    for p, drive in zip(plants, alone, strict=True):
+        np.testing.assert_array_equal(together.filtered_drive(p), drive)
+    assert not np.allclose(alone[2], alone[3])
+
+
 def test_a_trend_is_offered_at_the_drive_and_at_each_encoder():
     e = find("sensor_trend")
     assert places(ONE_MASS, e) == ("sensor.position", "sensor.torque")

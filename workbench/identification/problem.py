@@ -167,8 +167,7 @@ class Problem:
         power = [0.0, 0.0]
         for p in self.inverses:
             for k, q in enumerate((bare, plant)):
-                drive = p.filtered_drive(q)[0][p.motion.keep]
-                power[k] += float(drive.size * np.var(drive))
+                power[k] += p.power_of_drive(q)
         return float(np.sqrt(power[0] / power[1])) if power[1] > 0.0 else np.inf
 
     def tangents(self, theta: np.ndarray, c: np.ndarray, y: np.ndarray, phi: np.ndarray) -> np.ndarray:

@@ -57,6 +57,7 @@ class Command:
         for e in reversed(_channel_maps(plant)):
             path = (*path, *path_of([e]))
             u = self.keep(("true", path), lambda e=e, u=u: self._true(e, u))
+        path = ("true", path)  # a delay here and one of the command have the same step, and may have the same value
         for e in command_maps(plant):
             before, path = path, (*path, *path_of([e]))
             u = self.keep(("applied", path), lambda e=e, u=u, b=before: self._forward(e, u, b))
@@ -130,9 +131,10 @@ def _channel_maps(plant: Plant) -> list[Effect]:
     return sensors(plant, DRIVES[plant.rotary])
 
 
-def drive_maps(plant: Plant) -> list[Effect]:
-    """All that lies between the measured drive and the applied one."""
-    return [*_channel_maps(plant), *command_maps(plant)]
+def drive_path(plant: Plant) -> tuple:
+    """What a result is kept under that went through all that lies between the measured drive and the applied one: maps of the
+    channel, maps of the command."""
+    return path_of(_channel_maps(plant)), path_of(command_maps(plant))
 
 
 def command_maps(plant: Plant) -> list[Effect]:

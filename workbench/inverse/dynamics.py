@@ -13,8 +13,8 @@ import numpy as np
 from workbench import definition as fx
 from workbench.definition import Effect, catalogue
 from workbench.effects.direction import DIRECTION
-from workbench.inverse.bodies import CHANNEL, INCREMENT, POSITION, VELOCITY, Bodies, derivatives_in, path_of, rows
-from workbench.inverse.command import Command, drive_maps
+from workbench.inverse.bodies import CHANNEL, INCREMENT, POSITION, VELOCITY, Bodies, derivatives_in, rows
+from workbench.inverse.command import Command, drive_path
 from workbench.inverse.forces import Ran, forces_of, linear_of, outputs_of, run_forces, summed
 from workbench.inverse.kept import Kept
 from workbench.inverse.oftener import moved_oftener, to_rate_of
@@ -66,13 +66,20 @@ class InverseDynamics:
 
     def filtered_drive(self, plant: Plant) -> np.ndarray:
         """Return F(u') (rows, n): the drive, and what drives the load, nothing unless the record says so; less what its payload takes."""
-        path = path_of(drive_maps(plant))
-        drive = self._keep(("drive", path), lambda: self.motion.filter(self.command.applied(plant)))
+        drive = self._drive(plant)
         at_load = self.motion.record.channels.get(LOAD_DRIVE)
         driven = np.zeros_like(drive) if at_load is None else self.motion.filter(at_load)
         given = np.stack([drive, driven][: self.rows(plant)])
         added = self.payload(plant)
         return given if added is None else given - self.closed(plant, self.motion.filter(added), added)
+
+    def power_of_drive(self, plant: Plant) -> float:
+        """Return the sum of squares of F(u') about its mean, of the samples in which errors count, whatever a payload takes of it."""
+        at, path = self.motion.keep, drive_path(plant)
+        return self._keep(("power", path), lambda: (x := self._drive(plant)[at]).size * float(np.var(x)))
+
+    def _drive(self, plant: Plant) -> np.ndarray:
+        return self._keep(("drive", drive_path(plant)), lambda: self.motion.filter(self.command.applied(plant)))
 
     def payload(self, plant: Plant) -> np.ndarray | None:
         """Return what the record's payload takes of each balance (rows, n), or None; a load that is held moves none."""
@@ -240,5 +247,4 @@ class InverseDynamics:
 
 def inverse_dynamics(records: Sequence[Record], bandwidth: float) -> tuple[InverseDynamics, ...]:
     """Return the inverse dynamics over the motions of the records; they may be shared by fits of many plants."""
-    zeroed = relaxed(records, bandwidth)
-    return tuple(InverseDynamics(motion(r, bandwidth)) for r in zeroed)
+    return tuple(InverseDynamics(motion(r, bandwidth)) for r in relaxed(records, bandwidth))

@@ -16,11 +16,10 @@ class Kept:
 
     def __call__(self, key: tuple, make: Callable):
         """Return the result under a key; made where it is not there."""
-        if key in self._results:
-            self._results.move_to_end(key)
-            return self._results[key]
-        value = make()
-        self._results[key] = value
+        value = self._results.pop(key, self)
+        if value is self:
+            value = make()
+        self._results[key] = value  # at the end, as the one used last
         if len(self._results) > KEEP:
             self._results.popitem(last=False)
         return value

@@ -2,6 +2,7 @@
 
 import math
 import operator
+from collections.abc import Sequence
 from itertools import accumulate
 
 import numba
@@ -96,16 +97,39 @@ def shifted(x: np.ndarray, delay: np.ndarray | float, dt: float) -> np.ndarray:
         steps = steps[0]
     if steps.ndim:
         return between(x, np.arange(x.size) + steps)
-    whole = np.floor(steps)
-    first = int(whole) + (1 - LAGRANGE // 2)
-    result = np.zeros(x.size)
-    before, after = max(-first, 0), max(first + LAGRANGE, 0)
-    held = np.concatenate([np.full(before, x[0]), x, np.full(after, x[-1])])
-    for i, weight in enumerate(weights(steps - whole)):
-        result += weight * held[before + first + i :][: x.size]
-    return result
+    return _beside(x, [float(steps)])
 
 
 def finer(x: np.ndarray) -> np.ndarray:
     """Return x (n,) at FINER times its rate, (n FINER,), by the same interpolation; every FINER-th value is x itself."""
-    return np.stack([shifted(x, -k / FINER, 1.0) for k in range(FINER)], axis=1).ravel()
+    return _beside(x, [k / FINER for k in range(FINER)])
+
+
+def _beside(x: np.ndarray, steps: Sequence[float]) -> np.ndarray:
+    """Return x (n,) read at `steps` (k,) from each of its samples, those of a sample side by side, (n k,)."""
+    whole = [math.floor(s) for s in steps]
+    by = np.array([weights(s - w) for s, w in zip(steps, whole, strict=True)])
+    return _sums(np.ascontiguousarray(x, dtype=float), np.array(whole) + (1 - LAGRANGE // 2), by)
+
+
+@numba.njit(cache=True, nogil=True, error_model="numpy")
+def _sums(x, first, weights):
+    """Return the sums (n k,) of weights (k, 8) times the samples of x from `first` (k,) on, counted from each; those beyond the ends held."""
+    steps, size = first.size, x.size
+    result = np.empty(size * steps)
+    for k in range(steps):
+        a, b, c, d = weights[k, 0], weights[k, 1], weights[k, 2], weights[k, 3]
+        e, f, g, h = weights[k, 4], weights[k, 5], weights[k, 6], weights[k, 7]
+        before = min(max(-first[k], 0), size)
+        behind = max(min(size, size - first[k] - (LAGRANGE - 1)), before)
+        for n in range(before, behind):  # without a branch: several at once
+            at = n + first[k]
+            value = 0.0 + a * x[at] + b * x[at + 1] + c * x[at + 2] + d * x[at + 3]
+            result[n * steps + k] = value + e * x[at + 4] + f * x[at + 5] + g * x[at + 6] + h * x[at + 7]
+        for ends in (range(before), range(behind, size)):
+            for n in ends:
+                value = 0.0
+                for i in range(LAGRANGE):
+                    value += weights[k, i] * x[min(max(n + first[k] + i, 0), size - 1)]
+                result[n * steps + k] = value
+    return result
