@@ -661,16 +661,42 @@ def test_even_records_are_not_touched_by_resampling(campaign):
         assert np.array_equal(a.time, b.time) and np.array_equal(a.drive, b.drive)
 
 
-def test_a_long_gap_is_refused_even_with_resampling(campaign):
-    campaign.put("val_moves.csv", np.delete(rows(20.0), range(40, 49), axis=0))
-    campaign.load(resample=True)
-    campaign.put("val_moves.csv", np.delete(rows(20.0), range(40, 50), axis=0))
-    for resample in (False, True):
-        campaign.refused(
-            "row 42: a gap of 0.011 s in time, 11 median steps of 0.001 s; split the record there into two files, or into two records by 'until' and 'from'.",
-            file="val_moves.csv",
-            resample=resample,
-        )
+def test_a_long_gap_is_refused_and_with_resampling_the_record_is_cut_there(campaign):
+    def load_without(*gap):
+        campaign.put("val_moves.csv", np.delete(rows(20.0), range(*gap), axis=0))
+        return campaign.load(resample=True)
+
+    assert [r.name for r in load_without(60, 69).records] == ["id_sine", "val_moves"]
+    cut = load_without(60, 70)
+    campaign.refused(
+        "row 62: a gap of 0.011 s in time, 11 median steps of 0.001 s; split the record there into two files, or into two records by 'until' and 'from', "
+        "or allow resampling (--resample), which does.",
+        file="val_moves.csv",
+        resample=False,
+    )
+    first, second = cut.with_role("validation")
+    assert [first.name, second.name] == ["val_moves_1", "val_moves_2"] and first.history == cut.records[0].history
+    assert second.history is None  # what lay in the gap is not known
+    assert (first.time.size, second.time.size) == (60, ROWS - 70)
+    kept = np.delete(0.1 + 1e-3 * np.arange(ROWS), range(60, 70))
+    assert np.allclose(np.concatenate([first.drive, second.drive]), kept, rtol=1e-9)
+    (finding,) = cut.findings
+    assert (finding.kind, finding.subject) == ("cut at gaps", "val_moves") and finding.remedy
+    assert "0.011 s" in finding.sentence and "val_moves_1, val_moves_2" in finding.sentence
+
+
+def test_what_is_too_short_between_gaps_is_left_out_and_said(campaign):
+    campaign.put("val_moves.csv", np.delete(rows(20.0), range(40, 51), axis=0))
+    cut = campaign.load(resample=True)
+    assert [(r.name, r.time.size) for r in cut.with_role("validation")] == [("val_moves", ROWS - 51)]
+    assert "'val_moves' alone, and 40 samples between gaps are left out" in cut.findings[0].sentence
+
+
+def test_a_record_that_is_cut_takes_no_name_that_another_one_has(campaign):
+    campaign.put("val_moves.csv", np.delete(rows(20.0), range(60, 72), axis=0))
+    campaign.swap('file = "id_sine.csv.gz"\n', 'file = "id_sine.csv.gz"\nname = "val_moves_2"\n')
+    names = [r.name for r in campaign.load(resample=True).records]
+    assert names == ["val_moves_2", "val_moves__1", "val_moves__2"]
 
 
 def test_a_value_too_large_in_si_is_refused(campaign):

@@ -53,7 +53,7 @@ def load(folder: Path | str, *, resample: bool = False) -> Campaign:
     """Return the campaign of a folder that holds campaign.toml and its records.
 
     resample: records whose time steps differ by more than 1 % are interpolated at their median step, and a finding says
-    so; else, and unless the campaign itself says `resample = true`, they are refused. Raises WorkbenchError for whatever the engineer can mend.
+    so, and one with a gap of more than ten steps is cut there; else, and unless the campaign itself says `resample = true`, they are refused. Raises WorkbenchError for whatever the engineer can mend.
     """
     folder = Path(folder)
     top = declaration.read(

@@ -18,6 +18,7 @@ READING = {
 ASSUMED_SCALE = "assumed scale"
 BELOW_FLOOR = "below the floor"
 CARRIES_NOTHING = "joint carries nothing"
+CUT = "cut at gaps"
 CONSTRAINT_DROPPED = "constraint dropped"
 ENCODER_RESOLUTION = "encoder resolution"
 GLITCH = "glitch"

@@ -128,6 +128,13 @@ CASES = {
     "but for what takes less than `beside`": (
         evidence(weighed("presliding_hysteresis", (0.0135, 0.0086), (0.0137, 0.0075), of_declared=True), before=0.001), NOTHING, (REFINEMENT,),
     ),
+    "which is nothing missing though all that is foretold is what it takes": (
+        evidence(weighed("presliding_hysteresis", (0.0148, 0.0039), (0.0088, 0.0046), of_declared=True), before=0.0101), NOTHING, (REFINEMENT,),
+    ),
+    "but not where it leaves something that is foretold": (
+        evidence(weighed("presliding_hysteresis", (0.0148, 0.0039), (0.0088, 0.0046), of_declared=True), before=0.0135, after=0.012),
+        UNKNOWN, (REFINEMENT,),
+    ),
     "what takes less than that, and little of what the largest takes, is": (
         evidence(weighed("gravity", (0.92, 0.1), (1.046, 0.11)), weighed("coulomb_asymmetry", (0.1, 0.06), (0.11, 0.07))), CAUSE,
         (CAUSE, REFINEMENT),

@@ -344,6 +344,21 @@ def test_a_spring_that_is_met_near_one_end_leads_though_one_with_a_play_is_neare
     assert found.score.gain > 0.99
 
 
+@pytest.mark.parametrize("odd", [True, False])
+def test_a_bumper_at_one_end_stands_for_friction_of_values_that_no_machine_has(monkeypatch, odd):
+    """However little a bumper that is met at both ends alike takes of it: here, met in the middle of the other half of the stroke, nothing."""
+    bumper = lambda q: 30.0 * np.maximum(q - 0.15, 0.0)  # noqa: E731
+    state, judgements = asked(bumper, PLANT, "piecewise_stiffness", "friction_behind_gap", zero=-0.1)
+    met = next(j for j in judgements if j.candidate.effect == "piecewise_stiffness")
+    assert met.score.gain < 0.0
+    (stop,) = (k for k in spellings.spelled(state, [met], STANDARD, Offer()) if k.candidate.effect == "end_stops")
+    gap = next(j for j in judgements if j.candidate.effect == "friction_behind_gap")
+    gap = replace(gap, errors=stop.errors, score=replace(gap.score, gain=stop.score.gain))  # as if it drew all of that
+    monkeypatch.setattr(spellings, "absurd", lambda j, _: odd and j is gap)
+    found = spellings.commoner(state, [gap, met], gap, STANDARD, Offer())
+    assert (found and (found.candidate.effect, found.candidate.name)) == (("end_stops", "piecewise_stiffness") if odd else None)  # fmt: skip
+
+
 def test_what_comes_to_nothing_when_it_is_asked_again_stays_by_the_state_that_has_it(monkeypatch):
     """A fit may begin where a later addition made up for what it takes, and end there."""
     state, judgements = asked(lambda q: 0.6 * (q - 0.05) + 0.12 * np.sin(40.0 * q), PLANT, "cable_spring", "cogging")

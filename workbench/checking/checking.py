@@ -9,10 +9,11 @@ from workbench.checking import alignment, channels, clocks, excitation, modes, s
 from workbench.checking.glitches import impossible
 from workbench.checking.lost import losing
 from workbench.checking.seen import Seen
-from workbench.checking.wording import UNREADABLE, resampled, said
+from workbench.checking.wording import DROPPED, UNREADABLE, resampled, said
 from workbench.errors import UnsoundRecord
 from workbench.finding import (
     ASSUMED_SCALE,
+    CUT,
     ENCODER_RESOLUTION,
     GLITCH,
     JITTER,
@@ -54,6 +55,7 @@ def check(campaign: Campaign | Path) -> tuple[Finding, ...]:
     found = [f for f in seen.campaign.findings if f.kind in CARRIED]
     if short := [said(f) for f in sampling.lengths(seen)]:
         return _gathered((*found, *short), names)  # nothing can be computed of such records
+    found += [replace(f, kind=DROPPED) for f in seen.campaign.findings if f.kind == CUT]
     found += [resampled(f) for f in seen.campaign.findings if f.kind == RESAMPLED]
     found += [said(f) for f in (*sampling.rates(seen), *sampling.strokes(seen))]
     glitches, seen = impossible(seen)

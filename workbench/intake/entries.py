@@ -8,15 +8,13 @@ import numpy as np
 from workbench.intake import signals
 from workbench.intake.columns import Columns
 from workbench.intake.names import words_of
-from workbench.readers import stem
-from workbench.readers.sampling import FEWEST, LONGEST_GAP
+from workbench.readers import sampling, stem
 from workbench.record import IDENTIFICATION, VALIDATION
 
 CALM = (0.55, 0.75)  # of a single record: where it is parted, at the calmest moment
 WORDS = {"val", "valid", "validation", "validate", "test", "check", "verify", "verification"}
 DWELL = 0.02  # of the largest speed: an axis slower than this rests
 APART = 0.1  # records whose shares of rest differ by less are taken for motions of one kind
-WORTH = 0.1  # of a log: what is shorter between two gaps is left out, so that no log makes more than ten records
 
 
 @dataclass(frozen=True)
@@ -54,15 +52,12 @@ class Stretch:
 
 def stretches(survey: int, time: np.ndarray) -> list[Stretch]:
     """Return what lies between the gaps of a file's clock (n,), s, and is worth a record; all of it where nothing is."""
-    steps = np.diff(time)
-    cuts = [int(k) + 1 for k in np.flatnonzero(steps > LONGEST_GAP * np.median(steps))]
-    at = [None, *(round(float(time[k - 1] + time[k]) / 2.0, 6) for k in cuts), None]
-    found = [
-        Stretch(survey, slice(a, b), time[a:b], since, until)
-        for a, b, since, until in zip([0, *cuts], [*cuts, time.size], at, at[1:], strict=False)
-    ]
-    worth = [s for s in found if s.time.size >= max(FEWEST, WORTH * time.size)]
-    return worth or [Stretch(survey, slice(0, time.size), time)]
+
+    def between(k: int) -> float | None:
+        return round(float(time[k - 1] + time[k]) / 2.0, 6) if 0 < k < time.size else None
+
+    found = sampling.stretches(time)
+    return [Stretch(survey, s, time[s], between(s.start), between(s.stop)) for s in found]
 
 
 def entries(columns: Columns, parts: Sequence[Stretch], places, rates, bands) -> tuple[Entry, ...]:

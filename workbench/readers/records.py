@@ -1,7 +1,8 @@
 """The records of a campaign: declared channels and files become frozen records in SI, with what was done to them."""
 
 import re
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 
@@ -13,7 +14,7 @@ from workbench.readers import load, reader, stem, wording
 from workbench.readers.channels import Channel
 from workbench.readers.declaration import Table
 from workbench.readers.plausible import HUGE, plausible
-from workbench.readers.sampling import FEWEST, uniform
+from workbench.readers.sampling import FEWEST, stretches, uniform
 from workbench.readers.stated import stated
 from workbench.record import IDENTIFICATION, ROLES, VALIDATION, Payload, Record
 from workbench.units import effect_unit
@@ -48,13 +49,18 @@ def records(
             raise WorkbenchError(f"{top.path('records')}: no record has role '{role}'; add one, or change a role.")
     columns = {n: c.column for n, c in channels.items() if not c.rate}
     opened = cache(lambda path: load(path, columns, SPARED))
-    pairs = [_record(one, folder, name, channels, resample, opened) for name, one in zip(names, declared, strict=True)]
-    if any(n in columns and all(n not in r.channels for r, _ in pairs) for n in SPARED):
+    made: list[Record] = []
+    findings: list[Finding] = []
+    for name, one in zip(names, declared, strict=True):
+        of_one, found = _records(one, folder, name, channels, resample, opened, names)
+        made, findings = [*made, *of_one], [*findings, *found]
+    if any(n in columns and all(n not in r.channels for r in made) for n in SPARED):
         load(_inside(folder, declared[0]), columns)  # a name that no file has is a wrong one, and this says so
-    return tuple(r for r, _ in pairs), tuple(f for _, found in pairs for f in found)
+    return tuple(made), tuple(findings)
 
 
-def _record(one: Table, folder: Path, name: str, channels: Mapping[str, Channel], resample: bool, opened):
+def _records(one: Table, folder: Path, name: str, channels: Mapping[str, Channel], resample: bool, opened, names):
+    """Return the record that an entry declares, or those between its gaps where they may be resampled, and the findings about them."""
     path = _inside(folder, one)
     sheet, source = opened(path)  # two records may be of one file
     measured = {n: c for n, c in channels.items() if n in source.columns}
@@ -65,14 +71,21 @@ def _record(one: Table, folder: Path, name: str, channels: Mapping[str, Channel]
     time, data, first = _window(one, data.pop("time"), data)
     for n in data:
         plausible(name, n, channels[n], data[n], sheet, first)
-    time, data, resampled = uniform(name, time, data, lambda k: sheet.place(k + first), resample=resample)
-    start, counted = one.number("start_time_s", float(time[0])), _counted(one, time)
-    step = float(time[1] - time[0])
-    later = start if abs(time[0]) <= step < start else 0.0  # its own clock begins with the record: the bench's is told
-    record = Record(
+    parts = _parts(one, time) if resample else [slice(0, time.size)]
+    called = _called(name, len(parts), names)
+    even = [
+        uniform(
+            n, time[p], {c: x[p] for c, x in data.items()}, lambda k, at=first + p.start: sheet.place(k + at), resample=resample
+        )
+        for n, p in zip(called, parts, strict=True)
+    ]  # fmt: skip
+    begun = float(time[0] if parts[0].start else even[0][0][0])
+    start, step, counted = one.number("start_time_s", begun), float(even[0][0][1] - even[0][0][0]), _counted(one, time)
+    later = start if abs(begun) <= step < start else 0.0  # its own clock begins with the record: the bench's is told
+    whole = Record(
         name=name,
         role=one.text("role"),
-        time=time + later if later else time,
+        time=time,
         channels=data,
         units={n: c.si for n, c in channels.items() if n in data or n == "time"},
         source=source,
@@ -82,14 +95,38 @@ def _record(one: Table, folder: Path, name: str, channels: Mapping[str, Channel]
         counts_from=counted + later,
         payload=_payload(one, "torque" in channels),
     )
+    made = [
+        # what lay before a gap is known, what lay in it is not
+        replace(whole, name=n, time=t + later if later else t, channels=x, history=None if p.start else whole.history)
+        for n, p, (t, x, _) in zip(called, parts, even, strict=True)
+    ]  # fmt: skip
     findings = [f for n, c in measured.items() if (f := stated(name, c.column, sheet.units.get(n, ""), c.unit))]
-    findings += [resampled] if resampled else []
-    findings += [wording.noted(name, note) for note in sheet.notes]
+    if (left_out := time.size - sum(p.stop - p.start for p in parts)) or len(parts) > 1:
+        steps = np.diff(time)
+        findings += [wording.cut(name, called, left_out, float(steps.max()), float(np.median(steps)))]
+    findings += [resampled for *_, resampled in even if resampled]
+    findings += [wording.noted(n, note) for note in sheet.notes for n in called]
     findings += [wording.without(name, n, c.column) for n, c in channels.items() if n in SPARED and n not in data]
     findings += [wording.own_clock(name, later)] if later else []
-    apart = max(step, SAME * float(time[-1] - time[0]))
-    findings += [wording.other_clock(name, start, float(time[0]))] if not later and abs(start - time[0]) > apart else []
-    return record, findings
+    apart = max(step, SAME * float(time[-1] - begun))
+    findings += [wording.other_clock(name, start, begun)] if not later and abs(start - begun) > apart else []
+    return made, findings
+
+
+def _parts(one: Table, time: np.ndarray) -> list[slice]:
+    """Return the samples of the records that an entry is: all of them, or those between gaps of which enough count."""
+    counted = one.quantity("counts_from", "s") if "counts_from" in one else -np.inf
+    worth = [p for p in stretches(time) if np.count_nonzero(time[p] >= counted) >= FEWEST]
+    return worth or [slice(0, time.size)]
+
+
+def _called(name: str, parts: int, names: Collection[str]) -> list[str]:
+    """Return the names of what a record is cut into: its own where it is one, else numbered, and none that another one has."""
+    if parts < 2:
+        return [name]
+    while any(f"{name}_{k + 1}" in names for k in range(parts)):
+        name += "_"
+    return [f"{name}_{k + 1}" for k in range(parts)]
 
 
 def _window(one: Table, time: np.ndarray, data: Mapping[str, np.ndarray]):

@@ -13,6 +13,7 @@ from workbench.readers import wording
 FEWEST = 50
 TOLERANCE = 0.01  # of the median step
 LONGEST_GAP = 10  # median steps; what lies in a longer gap is not measured, and a straight line is not it
+WORTH = 0.1  # of a log: what is shorter between two gaps is left out, so that no log makes more than ten records
 DECIMALS = 9  # of a second, the finest that a stamp is rounded to; a nanosecond lies within any rate's 1 %
 
 
@@ -43,7 +44,8 @@ def uniform(
     if steps[worst] > LONGEST_GAP * median:
         raise UnsoundRecord(
             f"{place(worst + 1)}: a gap of {steps[worst]:.6g} s in time, {steps[worst] / median:.0f} median steps of "
-            f"{median:.6g} s; split the record there into two files, or into two records by 'until' and 'from'.",
+            f"{median:.6g} s; split the record there into two files, or into two records by 'until' and 'from', or allow "
+            "resampling (--resample), which does.",
             "dropped samples",
             name,
         )
@@ -56,6 +58,17 @@ def uniform(
             name,
         )
     return _resampled(name, time, channels, median, off.size)
+
+
+def stretches(time: np.ndarray) -> list[slice]:
+    """Return the samples between gaps of more than ten median steps in a clock (n,), s: of each stretch that is worth a record; all of them
+    where none is, or where there is no gap."""
+    steps = np.diff(time)
+    median = float(np.median(steps)) if steps.size else 0.0
+    cuts = [int(k) + 1 for k in np.flatnonzero(steps > LONGEST_GAP * median)] if median > 0.0 else []
+    found = [slice(a, b) for a, b in zip([0, *cuts], [*cuts, time.size], strict=True)]
+    worth = [s for s in found if s.stop - s.start >= max(FEWEST, WORTH * time.size)]
+    return worth or [slice(0, time.size)]
 
 
 def _increasing(name: str, time: np.ndarray, place: Callable[[int], str]) -> np.ndarray:

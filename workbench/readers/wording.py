@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 
-from workbench.finding import ASSUMED_SCALE, OTHER_UNIT, RESAMPLED, START_TIME, Finding
+from workbench.finding import ASSUMED_SCALE, CUT, OTHER_UNIT, RESAMPLED, START_TIME, Finding
 
 NAMED = 4  # columns that a sentence names one by one
 
@@ -15,6 +15,18 @@ def resampled(name: str, step: float, off: int, steps: int, gap: float) -> Findi
     )
     evidence = {"steps_off": float(off), "steps": float(steps), "longest_gap": gap, "step": step}
     return Finding(RESAMPLED, name, sentence, evidence, "Log at one rate, with the clock of the drive.")
+
+
+def cut(name: str, parts: Sequence[str], left_out: int, gap: float, step: float) -> Finding:
+    """Say that a record was cut at gaps in its samples. parts: names of what it became. left_out: samples in none of them. gap: s, the longest; step: s,
+    the median."""
+    sentence = (
+        f"Record '{name}' has gaps of up to {gap:.6g} s in its samples, {gap / step:.0f} median steps, and was cut there: it is read as "
+        + (f"'{parts[0]}' alone" if len(parts) == 1 else f"the records {', '.join(parts)}")
+        + (f", and {left_out} samples between gaps are left out." if left_out else ".")
+    )
+    evidence = {"records": float(len(parts)), "left_out": float(left_out), "longest_gap": gap, "step": step}
+    return Finding(CUT, name, sentence, evidence, "Log without gaps, or cut the record by 'from' and 'until'.")
 
 
 def noted(name: str, note: str) -> Finding:

@@ -16,7 +16,7 @@
 | has what takes most values that no machine has, or no formula, and leaves `beside` explainable? | unknown |
 | are all of them data-sheet values, and does a drive's gain that changes in bench time take `held` of what they leave, and `beside` of the drive? | unknown |
 | do the causes take `held` of the validation power, or of the identification power and of what is explainable, or leave little of that (and none of it where they leave more beyond noise than they take)? | cause |
-| is more than `explainable` of the drive predictable from outside the loop? | unknown |
+| is more than `explainable` of the drive predictable from outside the loop (where nothing was added but what declared laws are nearly right in, of what that leaves)? | unknown |
 | does an effect take `held` of the identification power, more than `beside` of the drive, and is not borne out? | unknown |
 | does an inertia that changes along the stroke, or a drive's gain that does in bench time, take `held` of what the declared model leaves, and `explainable` of the drive? | unknown |
 | does more than `whole` of the drive stay beyond what noise may leave, in every role? | unknown |
@@ -84,7 +84,10 @@ def decide(evidence: Evidence, criteria: Criteria) -> Verdict:
         names = (*(("clock_skew",) if evidence.clock else ()), *(a.effect.partition(" ")[0] for a in ordered))
         return Verdict(CAUSE, roles, more, _alarms(evidence, roles), tuple(dict.fromkeys(names)))
     # what only dresses a change along the stroke was borne out: something is there, though the reference may foretell none of it
-    missing = evidence.before.size >= criteria.explainable or along or _unborne(evidence, roles, criteria)
+    # what a declared law is only nearly right in is no part of what is missing
+    near = all(r == REFINEMENT and a.of_declared for a, r in zip(evidence.added, roles, strict=True))
+    left = evidence.after if roles and near and not evidence.refused else evidence.before
+    missing = left.size >= criteria.explainable or along or _unborne(evidence, roles, criteria)
     missing = missing or changes(evidence, criteria)
     missing = missing or evidence.unaccounted >= criteria.whole or evidence.astray
     return Verdict(UNKNOWN if missing else NOTHING, roles, False, _alarms(evidence, roles))

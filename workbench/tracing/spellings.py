@@ -156,21 +156,21 @@ def commoner(
     """Return another spelling of a common law that takes as much as a rare one that leads, None where there is none: the law of the
     common one's formula alone leaves more, and takes `near` of what the rare one takes.
 
-    In the place of values that no machine has any law stands whose formula takes `resembles` of what they take.
+    In the place of values that no machine has any law's other spelling stands, however little its formula takes: a bumper that is met at one
+    end, of which one that is met at both takes a third, drew friction that hardly slips along the travel.
     """
     rare, odd = _rare(best), best.refitted is not None and absurd(best, state)
     if not (rare or odd):
         return None
-    taken = (criteria.resembles if odd else criteria.near) * (state.errors.total - best.errors.total)
+    taken = criteria.near * (state.errors.total - best.errors.total)
     same = [
         j
         for j in judgements
         if j.candidate.kind == ADDITION
-        and (odd or (j.candidate.family, j.candidate.at) == (best.candidate.family, best.candidate.at))
         and j is not best
         and not _rare(j)
         and j.theta is not None
-        and state.errors.total - j.errors.total >= taken
+        and (odd or (of_class(j, best) and state.errors.total - j.errors.total >= taken))
     ]
     found = [k for k in spelled(state, same, criteria, offer) if alike(best, k, criteria, state.power)]
     return min(found, key=lambda j: (j.errors.total, j.candidate.key), default=None)
