@@ -82,6 +82,13 @@ def test_provisional_is_a_plain_gain_that_is_not_certain(gain, scatter, state, p
     assert promised([], STANDARD) is None
 
 
+@pytest.mark.parametrize(("gain", "added"), [(0.3, True), (0.1, False)])
+def test_of_what_a_search_with_rest_was_certain_of_a_plain_gain_is_enough_where_the_axis_moves(gain, added):
+    j = judgement(gain, 0.2, state=True)
+    assert promised([j], STANDARD) is None
+    assert promised([j], STANDARD, [j.candidate.key]) is (j if added else None)
+
+
 @pytest.mark.parametrize(
     ("left", "is_spent"),
     # noise of 0.006: 0.1, 0.47, 0.53 and 1.9 % of the drive above it

@@ -66,7 +66,8 @@ class Offer:
 
     declared: keys of the declared effects; a periodic one of them is offered once more, at another order. stands_for: key of a
     free virgin curve, or of an effect whose values are free within their tolerance -> what was declared. budget: of the search.
-    logged: signals that every record has beside the motion and the drive: without a temperature no law of it is asked.
+    logged: signals that every record has beside the motion and the drive: without a temperature no law of it is asked. hinted: keys of
+    effects that a search of the same records found, rest among them: where the axis moves they may be too few blocks' to be certain of.
     """
 
     only: Collection[str] | None = None
@@ -75,6 +76,7 @@ class Offer:
     stands_for: Mapping[str, Effect] = field(default_factory=dict)
     budget: Budget = BUDGET
     logged: Collection[str] = ()
+    hinted: Collection[str] = ()
 
     def candidates(self, plant: Plant) -> list[Candidate]:
         """Return the candidates of a plant that are judged."""

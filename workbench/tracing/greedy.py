@@ -1,6 +1,6 @@
 """The search: one effect after another, each the one that explains most of what the others leave on data not seen."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -79,7 +79,7 @@ def extended(
             if steady is not None and steady.state is not None:
                 judgements, best = [steady, *judgements], steady
             elif provisional is None:
-                best = provisional = promised(asked, criteria)
+                best = provisional = promised(asked, criteria, offer.hinted)
         found.append(Step(lighter(judgements, best), best, best is not None and best is provisional))
         if best is None or (provisional is None and enough([s.added for s in found])):
             break
@@ -138,16 +138,19 @@ def earned(steps: list[Step]) -> list[Step]:
     return [*steps[:until], Step(steps[until].judgements, None)]
 
 
-def promised(judgements: Sequence[ScoredCandidate], criteria: Criteria) -> ScoredCandidate | None:
+def promised(
+    judgements: Sequence[ScoredCandidate], criteria: Criteria, hinted: Collection[str] = ()
+) -> ScoredCandidate | None:
     """Return the leading judgement where its gain is plain though not certain, or None.
 
     Where two effects are missing each explains the blocks in which it acts and leaves the other's as they are, so that the
-    gain of either scatters from block to block.
+    gain of either scatters from block to block. hinted: as of `Offer`; of these `hint` is not asked.
     """
     best = judgements[0] if judgements else None
-    c = best.score if best else None
-    plain = best is not None and best.state is not None and c.gain > max(criteria.plain, criteria.hint * c.scatter)
-    return best if plain else None
+    if best is None or best.state is None:
+        return None
+    hint = 0.0 if best.candidate.key in hinted else criteria.hint
+    return best if best.score.gain > max(criteria.plain, hint * best.score.scatter) else None
 
 
 def _most_first(judgements: Sequence[ScoredCandidate]) -> list[ScoredCandidate]:

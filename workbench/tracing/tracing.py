@@ -97,7 +97,8 @@ def _searched(
     if selected.answer.added and (moving := rest(selected.dry)) is not None:
         progress("searching once more, where the axis moves")
         late = moving
-        declared, offered = _begun(late, offer, criteria)
+        hinted = [j.candidate.key for j in selected.answer.added]
+        declared, offered = _begun(late, replace(offer, hinted=hinted), criteria)
         selected = select(declared, late.whole, offered, criteria, progress)
     return late, selected, offered
 
