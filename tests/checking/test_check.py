@@ -172,6 +172,11 @@ def test_a_link_encoder_that_is_stamped_late_is_said_with_its_interval(axis):
     assert "ms late against position" in found.sentence and "clock_skew at sensor.load_position" in found.remedy
 
 
+def test_a_line_beside_slow_moves_is_no_shift_of_the_drive():
+    """Of one record 3 ms take a third of what is left, and of neither half of it anything: a true shift is in both."""
+    assert check(measured("campaigns_d", "d05")) == ()
+
+
 def test_encoders_whose_clocks_run_alike_are_not_called_late(data):
     """Campaigns of two masses that lack other things: a gear's error, packets that a reading misses."""
     two = ["d17", "d30"]

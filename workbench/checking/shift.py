@@ -12,6 +12,8 @@ FARTHEST = 50e-3  # s
 BETTER = 0.7  # of the residual that is left at the best shift: a smaller gain is any model's lack
 LEAST = 0.05  # share of the drive's power that may be left at the best shift: else it is something else that is wrong
 INERTIAL = 0.3  # share of the drive that inertia must have: only there is a moment sharp
+# Share of a record's power, below which a half of it says nothing of the shift of the whole
+QUIET = 0.1
 
 
 def _lags(b: Balance) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -38,9 +40,19 @@ def delay(b: Balance, inertia: str) -> float:
         return 0.0
     late = abs(shifts[best]) * b.dt
     sharp = b.share(inertia, parameters[:, best]) > INERTIAL
-    if late > max(LATE, 1.5 * b.dt) and left[best] < min(BETTER * left[zero], LEAST * b.power) and sharp:
-        return float(shifts[best] * b.dt)
-    return 0.0
+    plain = late > max(LATE, 1.5 * b.dt) and left[best] < min(BETTER * left[zero], LEAST * b.power) and sharp
+    return float(shifts[best] * b.dt) if plain and _in_halves(b, int(shifts[best])) else 0.0
+
+
+def _in_halves(b: Balance, shift: int) -> bool:
+    """Whether each half of a record, by itself, leaves less of a drive taken so many samples later: a line of the spectrum beside slow moves
+    has a moment of its own in either.
+    """
+    for half in (h for h in b.halves() if h.power >= QUIET * b.power):
+        shifts, left, _ = _lags(half)
+        if abs(shift) <= shifts[-1] and not left[shift + shifts[-1]] < left[shifts[-1]]:
+            return False
+    return True
 
 
 def realigned(b: Balance, late: float) -> Balance:
