@@ -132,8 +132,14 @@ def as_of_a_spring(j: ScoredCandidate, state: State) -> ScoredCandidate:
 
 
 def special_cases(j: ScoredCandidate) -> set[str]:
-    """Return the names of the laws that a candidate's is at special values."""
-    return {left for _, left in _law(j).reduces.values()}
+    """Return the names of the laws that a candidate's is at special values, and of what these are: three slopes are two, and two are a gap."""
+    found: set[str] = set()
+    laws = [_law(j)]
+    while laws:
+        left = {name for _, name in laws.pop().reduces.values()} - found
+        found |= left
+        laws += [law for name in left if (law := catalogue().get(name))]
+    return found
 
 
 def bearing(known: ScoredCandidate, j: ScoredCandidate) -> ScoredCandidate:

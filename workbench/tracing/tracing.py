@@ -26,6 +26,7 @@ from workbench.tracing.evidence import CORRECTION, Evidence
 from workbench.tracing.explainable import explainable
 from workbench.tracing.foreseen import loaded
 from workbench.tracing.further import foretold
+from workbench.tracing.in_turn import by_each_other, fewer_causes, later
 from workbench.tracing.judge import STANDARD, Progress, ScoredCandidate
 from workbench.tracing.otherwise import as_a_curve, as_a_curve_alone, in_place_of_two, otherwise
 from workbench.tracing.preparing import Declared, Rest, prepared, turned_back
@@ -146,6 +147,10 @@ def _decided(
         confirmed = foretold(selected, confirmed, evidence.before.size, criteria)
         evidence = replace(evidence, added=confirmed.weighed)
         verdict = decide(evidence, criteria)
+        if once and (together := by_each_other(*once, confirmed, verdict)):
+            confirmed, once, orders = together, None, []
+            evidence = replace(evidence, added=confirmed.weighed)
+            verdict = decide(evidence, criteria)
         orders = later(confirmed.added, verdict) if first else orders
         once = (confirmed, verdict) if orders and first else once
         again, first = bool(orders) and NOT_BORNE_OUT in verdict.roles, False
@@ -178,24 +183,6 @@ def _begun(late: Declared, offer: Offer, criteria: Criteria) -> tuple[State, Off
     if begun.errors.errors.size < FEWEST:
         raise WorkbenchError(too_short(seconds(begun.problem), block_seconds(begun.problem), FEWEST))
     return begun, offered
-
-
-def later(added: Sequence[ScoredCandidate], verdict: Verdict) -> list[list[ScoredCandidate]]:
-    """Return orders in which additions that are not borne out come behind the first of the others, and behind all of them: one may need
-    another, and what makes up for it in the meantime may take its place. None where they come last."""
-    out = [r == NOT_BORNE_OUT for r in verdict.roles]
-    if out == sorted(out):
-        return []
-    others = [j for j, o in zip(added, out, strict=True) if not o]
-    lost = [j for j, o in zip(added, out, strict=True) if o]
-    last = [*others, *lost]
-    return [last] if len(others) == 1 else [[*others[:1], *lost, *others[1:]], last]
-
-
-def fewer_causes(verdict: Verdict, before: Verdict) -> bool:
-    """Whether an order in which what was not borne out came earlier says less than the one before: it took from a cause, which is none any
-    more, and is none itself. Then what was not borne out is left out."""
-    return verdict.verdict == CAUSE and verdict.roles.count(CAUSE) < before.roles.count(CAUSE)
 
 
 def _standing(confirmed: Confirmed, verdict: Verdict) -> list[ScoredCandidate] | None:

@@ -17,6 +17,7 @@ from workbench.tracing.judge import ScoredCandidate
 from workbench.tracing.result import CandidateScore, Cause, Refinement, physical_cause
 from workbench.tracing.smallest import Smallest
 
+TOGETHER = ", both beside all the others: without them validation does not bear it out, nor them without it"
 CHOSEN = (
     " By the identification records alone it was not certain, since few stretches of them show it; it was fitted to these alone, and is named "
     "because of what it explains of the validation record, which is therefore no test of the choice: another record would be."
@@ -45,8 +46,9 @@ def cause(
     was = _held(declared, score) if score.kind == CORRECTION else {}
     estimates = tuple(e for e in last.estimates if (e.effect, e.at) == (score.effect, score.at))
     identification, validation = (
-        1.0 - (here.rms[r] / before.rms[r]) ** 2 if before.rms[r] > 0.0 else 0.0 for r in (IDENTIFICATION, VALIDATION)
-    )
+        weight.of_drive(r) if weight.together else 1.0 - (here.rms[r] / before.rms[r]) ** 2 if before.rms[r] > 0.0 else 0.0
+        for r in (IDENTIFICATION, VALIDATION)
+    )  # fmt: skip
     sentence = _cause_sentence(judgement, weight, (identification, validation), provisional, also)
     sentence += CHOSEN if chosen else ""
     return Cause(
@@ -68,7 +70,7 @@ def _cause_sentence(
     sentence = (
         f"{capital(title(candidate.name))} at the {place(score.at)} {verb}: {physical_cause(law, candidate.name)}. It explains "
         f"{100 * shares[0]:.1f} % of the residual power on the identification records and {100 * shares[1]:.1f} % "
-        "on the validation record."
+        f"on the validation record{TOGETHER if weight.together else ''}."
     )
     if candidate.part:
         whose = "With what is declared there it is" if law.parts else "Its law is that of"
