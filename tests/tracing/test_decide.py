@@ -40,6 +40,7 @@ CASES = {
     "the worst of 130 complete models leaves less": (left_of(0.062, 0.0595), NOTHING, ()),
     "not where one role has less of it": (left_of(0.18, 0.06), NOTHING, ()),
     "nor where counts alone would leave as much": (left_of(0.184, 0.226, floor=0.09), NOTHING, ()),
+    "a supply that sags leaves three floors of a coarsely counted drive, which is more": (left_of(0.1423, 0.1496, floor=0.0456), UNKNOWN, ()),
     "a model that is farther from the validation record than none at all lacks something": (left_of(0.05, 1.05), UNKNOWN, ()),
     "without a validation record it is asked of the one role": (left_of(0.18, float("nan")), UNKNOWN, ()),
     "a near law leaves a little": (evidence(before=0.0044), NOTHING, ()),

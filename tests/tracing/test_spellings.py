@@ -101,6 +101,11 @@ def test_a_root_of_speed_is_found_where_no_traced_formula_takes_anything_of_it(m
         assert [s.added.candidate.effect for s in steps if s.added] == added  # of a declared model alone none is asked
 
 
+def test_three_slopes_are_a_gap_at_special_values_of_their_special_case():
+    law = SimpleNamespace(candidate=SimpleNamespace(key="law", plant={"law": find("three_slope_stiffness")}))
+    assert {"piecewise_stiffness", "backlash"} <= spellings.special_cases(law)
+
+
 def test_three_slopes_of_a_data_sheet_are_a_piecewise_stiffness_and_no_other_power():
     def slopes(q):
         beyond = lambda x: np.sign(q) * np.maximum(np.abs(q) - x, 0.0)  # noqa: E731
