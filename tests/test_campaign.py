@@ -692,6 +692,13 @@ def test_what_is_too_short_between_gaps_is_left_out_and_said(campaign):
     assert "'val_moves' alone, and 40 samples between gaps are left out" in cut.findings[0].sentence
 
 
+def test_a_record_of_which_no_stretch_is_long_enough_is_refused_and_resampling_is_no_remedy(campaign):
+    campaign.put("val_moves.csv", np.delete(rows(20.0), [*range(40, 52), *range(90, 102)], axis=0))
+    campaign.refused(
+        "two records by 'until' and 'from', of which each is long enough.", file="val_moves.csv", resample=True
+    )
+
+
 def test_a_record_that_is_cut_takes_no_name_that_another_one_has(campaign):
     campaign.put("val_moves.csv", np.delete(rows(20.0), range(60, 72), axis=0))
     campaign.swap('file = "id_sine.csv.gz"\n', 'file = "id_sine.csv.gz"\nname = "val_moves_2"\n')

@@ -118,14 +118,13 @@ def _sums(x, first, weights):
     steps, size = first.size, x.size
     result = np.empty(size * steps)
     for k in range(steps):
-        a, b, c, d = weights[k, 0], weights[k, 1], weights[k, 2], weights[k, 3]
-        e, f, g, h = weights[k, 4], weights[k, 5], weights[k, 6], weights[k, 7]
         before = min(max(-first[k], 0), size)
         behind = max(min(size, size - first[k] - (LAGRANGE - 1)), before)
         for n in range(before, behind):  # without a branch: several at once
-            at = n + first[k]
-            value = 0.0 + a * x[at] + b * x[at + 1] + c * x[at + 2] + d * x[at + 3]
-            result[n * steps + k] = value + e * x[at + 4] + f * x[at + 5] + g * x[at + 6] + h * x[at + 7]
+            value = 0.0
+            for i in range(LAGRANGE):
+                value += weights[k, i] * x[n + first[k] + i]
+            result[n * steps + k] = value
         for ends in (range(before), range(behind, size)):
             for n in ends:
                 value = 0.0

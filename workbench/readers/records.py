@@ -115,8 +115,7 @@ def _records(one: Table, folder: Path, name: str, channels: Mapping[str, Channel
 
 def _parts(one: Table, time: np.ndarray) -> list[slice]:
     """Return the samples of the records that an entry is: all of them, or those between gaps of which enough count."""
-    counted = one.quantity("counts_from", "s") if "counts_from" in one else -np.inf
-    worth = [p for p in stretches(time) if np.count_nonzero(time[p] >= counted) >= FEWEST]
+    worth = [p for p in stretches(time) if np.count_nonzero(time[p] >= _counts_from(one)) >= FEWEST]
     return worth or [slice(0, time.size)]
 
 
@@ -147,13 +146,17 @@ def _window(one: Table, time: np.ndarray, data: Mapping[str, np.ndarray]):
 
 def _counted(one: Table, time: np.ndarray) -> float:
     """Return the time from which errors count: what lies before it brings operators with memory into their state."""
-    first = one.quantity("counts_from", "s") if "counts_from" in one else -np.inf
+    first = _counts_from(one)
     left = int(np.count_nonzero(time >= first))
     if left < FEWEST:
         raise WorkbenchError(
             f"{one.path('counts_from')} leaves {left} samples that count; at least {FEWEST} are needed."
         )
     return first
+
+
+def _counts_from(one: Table) -> float:
+    return one.quantity("counts_from", "s") if "counts_from" in one else -np.inf
 
 
 def _payload(one: Table, rotary: bool) -> Payload | None:

@@ -44,8 +44,8 @@ def uniform(
     if steps[worst] > LONGEST_GAP * median:
         raise UnsoundRecord(
             f"{place(worst + 1)}: a gap of {steps[worst]:.6g} s in time, {steps[worst] / median:.0f} median steps of "
-            f"{median:.6g} s; split the record there into two files, or into two records by 'until' and 'from', or allow "
-            "resampling (--resample), which does.",
+            f"{median:.6g} s; split the record there into two files, or into two records by 'until' and 'from'"
+            + (", of which each is long enough." if resample else ", or allow resampling (--resample), which does."),
             "dropped samples",
             name,
         )

@@ -17,7 +17,7 @@ from workbench.tracing.judge import ScoredCandidate
 from workbench.tracing.result import CandidateScore, Cause, Refinement, physical_cause
 from workbench.tracing.smallest import Smallest
 
-TOGETHER = ", both beside all the others: without them validation does not bear it out, nor them without it"
+TOGETHER = ", both beside all the others, without which validation does not bear it out"
 CHOSEN = (
     " By the identification records alone it was not certain, since few stretches of them show it; it was fitted to these alone, and is named "
     "because of what it explains of the validation record, which is therefore no test of the choice: another record would be."
