@@ -210,6 +210,25 @@ def test_a_rest_that_is_certain_is_a_cable_s_however_little_it_takes():
     assert of_the_axis(answer, PLANT, STANDARD) is answer
 
 
+@pytest.mark.parametrize(("phase", "noise", "name"), [(0.0, 0.1, "linear_stiffness"), (0.3, 0.1, "gravity"), (0.0, 0.01, "gravity")])  # fmt: skip
+def test_a_weight_that_hangs_at_zero_on_a_travel_that_does_not_bend_its_sine_is_a_spring(phase, noise, name):
+    drawn = np.random.default_rng(5).standard_normal
+    declared = State(PLANT, inverses(lambda t, q, way: 0.8 * np.sin(q + phase) + noise * drawn(t.size)))
+    candidate = next(c for c in candidates_of(PLANT) if (c.effect, c.at) == ("gravity", "axis"))
+    j = ScoredCandidate(candidate, **judged(declared, candidate, STANDARD))
+    answer = of_the_axis(Answer([refitted_as(declared, j, STANDARD)], declared), PLANT, STANDARD)
+    assert [j.candidate.name for j in answer.added] == [name]
+    if name == "linear_stiffness":
+        assert answer.last.plant["linear_stiffness@axis"].parameters["stiffness"].value == pytest.approx(0.8, rel=0.05)
+
+
+@pytest.mark.parametrize(("phase", "hangs"), [(0.0, True), (0.02, True), (-0.04, True), (0.06, False), (0.35, False), (np.pi, False)])  # fmt: skip
+def test_a_weight_hangs_where_the_encoder_reads_zero_by_its_phase(phase, hangs):
+    """Beside a constant that is free a short travel tells no phase, and no weight that others left out hangs there; nor does one that stands on its head."""
+    assert composing._hangs(find("gravity")(sine=2.0 * np.cos(phase), cosine=2.0 * np.sin(phase))) == hangs
+    assert not composing._hangs(find("cable_spring")(stiffness=2.0))
+
+
 def test_a_cable_behind_a_joint_whose_encoders_have_zeros_of_their_own_stays_one():
     """There the joint's mean torque is what closes the load's balance, and holds the preload as any constant would."""
     cable = find("cable_spring")(at="load", stiffness=2.0)

@@ -8,7 +8,7 @@ from test_otherwise import PLANT, recorded
 from workbench.definition import find
 from workbench.effects.free_bank import hysteresis_bank
 from workbench.inverse.dynamics import inverse_dynamics
-from workbench.plant import ONE_MASS, Plant
+from workbench.plant import ONE_MASS, TWO_MASS, Plant
 from workbench.record import IDENTIFICATION
 from workbench.tracing import ranking
 from workbench.tracing.candidates import ADDITION, Offer
@@ -19,9 +19,11 @@ from workbench.tracing.state import State
 FRICTION = 0.3  # N*m, of the records
 
 
-def judgement(effect: str, plant: Plant, kind: str = ADDITION, *, earns: bool = True, family: str = ""):
+def judgement(
+    effect: str, plant: Plant, kind: str = ADDITION, *, earns: bool = True, family: str = "", at: str = "axis"
+):
     return SimpleNamespace(
-        candidate=SimpleNamespace(effect=effect, at="axis", key=f"{effect}@axis", kind=kind, family=family),
+        candidate=SimpleNamespace(effect=effect, at=at, key=f"{effect}@{at}", kind=kind, family=family),
         refitted=SimpleNamespace(plant=plant),
         score=SimpleNamespace(earns=earns),
     )
@@ -39,6 +41,17 @@ OF_A_LOAD = judgement(OFFSET, Plant(ONE_MASS) + find(OFFSET), family="force over
 def test_at_most_half_of_the_dry_friction_is_its_asymmetry_and_more_a_load(share, asymmetric):
     other = asymmetry(10.0 * share)
     assert one_sided(OF_A_LOAD, [OF_A_LOAD, other]) is (other if asymmetric else OF_A_LOAD)
+
+
+def test_of_two_masses_a_constant_at_the_load_is_the_asymmetry_of_the_motor_s_friction():
+    """The joint carries a constant from one body to the other, and a lead screw's came out at the load."""
+    load = judgement(OFFSET, Plant(TWO_MASS) + find(OFFSET)(at="load"), at="load")
+    plant = Plant(TWO_MASS) + find("coulomb_friction")(at="motor", coulomb=10.0)
+    motor = judgement(ASYMMETRY, plant + find(ASYMMETRY)(at="motor", coulomb_difference=3.0), at="motor")
+    assert one_sided(load, [load, motor]) is motor
+    plant = plant + find("coulomb_friction")(at="load", coulomb=10.0)
+    own = judgement(ASYMMETRY, plant + find(ASYMMETRY)(at="load", coulomb_difference=3.0), at="load")
+    assert one_sided(load, [load, motor, own]) is own
 
 
 def test_what_is_not_certain_has_no_friction_or_is_no_missing_force_stays():

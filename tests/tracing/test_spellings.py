@@ -380,6 +380,57 @@ def test_what_comes_to_nothing_when_it_is_asked_again_stays_by_the_state_that_ha
         assert [j.candidate.key for j in found.added] == [j.candidate.key for j in left]
 
 
+def test_what_leads_without_a_law_that_takes_nothing_now_does_not_hold_it(monkeypatch):
+    """A drum's weight took nothing beside the eccentricity that had come in another one's stead; what led without it was an asymmetry, and no better."""
+    state, judgements = asked(lambda q: 0.6 * (q - 0.05) + 0.12 * np.sin(40.0 * q), PLANT, "cable_spring", "cogging")
+    first = judgements[0]
+    second = ranking.step(first.state, lambda _: None, Offer(only={"cogging", "cable_spring"}))[0]
+    other = ranking.step(second.state, lambda _: None, Offer(only={"gravity"}))[0]
+    leads = free_law.refitted_as(second.state, other, STANDARD)
+    leads = replace(leads, errors=second.state.errors, score=replace(other.score, gain=0.1, earns=True))
+    monkeypatch.setattr(pruning, "step", lambda *_: [leads])
+    monkeypatch.setattr(pruning, "_better", lambda *_: False)
+    monkeypatch.setattr(pruning, "_simpler", lambda *_: None)
+    for takes, left in ((True, [first, second]), (False, [second])):
+        monkeypatch.setattr(pruning, "still_earns", lambda *_, takes=takes: takes)
+        found = pruning.pruned(Answer([first, second], state), PLANT, [], lambda _: None, Offer(), STANDARD)
+        assert [j.candidate.key for j in found.added] == [j.candidate.key for j in left]
+
+
+@pytest.mark.parametrize(("less", "asked_again"), [(0.1, True), (0.0, False)])
+def test_those_before_what_took_another_one_s_stead_with_less_left_are_asked_once_more(monkeypatch, less, asked_again):
+    state, _ = asked(lambda q: 0.6 * (q - 0.05) + 0.12 * np.sin(40.0 * q), PLANT, "cable_spring", "cogging")
+    names = ("cable_spring", "cogging", "gravity", "sensor_trend")
+    candidates = {c.effect: c for c in Offer(only=set(names)).candidates(state.plant)}
+    total = state.errors.total
+
+    def judgement(name, left):
+        errors, score = SimpleNamespace(total=left), SimpleNamespace(effect=name, earns=True, gain=0.5)
+        stands = SimpleNamespace(plant=PLANT, inverses=[], errors=errors)
+        return ScoredCandidate(candidates[name], score, errors, 0, None, state=stands)
+
+    first, second, third = (judgement(n, total) for n in names[:3])
+    better, order = judgement(names[3], (1.0 - less) * total), []
+
+    def step(*_):
+        order.append(len(order))
+        return [better if len(order) == 2 else [first, better][(len(order) - 1) % 2]]
+
+    monkeypatch.setattr(pruning, "step", step)
+    monkeypatch.setattr(pruning, "without", lambda plant, *_: plant)
+    monkeypatch.setattr(pruning, "State", lambda *_, **__: state)
+    monkeypatch.setattr(pruning, "_of_the_joint", lambda answer, *_: answer)
+    monkeypatch.setattr(pruning, "bent_gap", lambda *_: False)
+    monkeypatch.setattr(pruning, "leading", lambda judgements: judgements[0])
+    monkeypatch.setattr(pruning, "still_earns", lambda *_: True)
+    monkeypatch.setattr(pruning, "_better", lambda *_: True)
+    monkeypatch.setattr(Answer, "standing", property(lambda answer: answer))
+    answer = Answer([first, second, third], state, pruned=third.state)
+    found = pruning.pruned(answer, PLANT, [], lambda _: None, Offer(), STANDARD)
+    assert [j.candidate.effect for j in found.added] == ["cable_spring", "sensor_trend", "gravity"]
+    assert len(order) == (4 if asked_again else 2)
+
+
 def test_a_memory_of_the_declared_friction_that_comes_in_the_stead_of_a_needless_law_is_weighed_beside_all_others(
     monkeypatch,
 ):

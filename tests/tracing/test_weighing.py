@@ -42,6 +42,15 @@ def test_a_corrected_value_bends_no_law():
     assert not bends(corrected, [added, corrected], ONE_MASS)
 
 
+@pytest.mark.parametrize(("other", "same"), [("coulomb_asymmetry", False), ("stribeck_friction", True)])
+def test_a_difference_between_the_directions_bends_no_law_that_is_the_same_in_both(other, same):
+    """A cable in its sheath drags with the root of speed, and more one way: the root's shape stood on its bound, and the asymmetry took more."""
+    errors = [{"identification": x, "validation": x} for x in (0.3, 0.1, 0.05)]
+    larger = Weighed(other, "axis", ADDITION, *errors[:2])
+    odd = Weighed("nonlinear_viscous_friction", "axis", ADDITION, *errors[1:], implausible="its shape stands on its bound")
+    assert bends(odd, [larger, odd], ONE_MASS) == same
+
+
 def ended(*effects, masses=ONE_MASS):
     """Names of additions by the values that they end with on records of 10 s."""
     found = Plant(masses)

@@ -21,11 +21,13 @@ PART = 0.5
 
 def one_sided(first: ScoredCandidate, level: Sequence[ScoredCandidate]) -> ScoredCandidate:
     """Return the asymmetry of friction in the place of a constant force, where it is among what explains the same, is at most PART of the dry
-    friction at its place and goes along with it alone; the first judgement else."""
+    friction at its place and goes along with it alone; the first judgement else. A joint carries a constant from one body to the other: of two masses
+    the asymmetry may be the other one's, and that at the place of the constant is asked first."""
     if first.candidate.kind != ADDITION or first.candidate.effect != OFFSET:
         return first
-    for j in level:
-        if (j.candidate.effect, j.candidate.at) == (ASYMMETRY, first.candidate.at) and j.refitted and j.score.earns:
+    here_first = sorted(level, key=lambda j: j.candidate.at != first.candidate.at)
+    for j in here_first:
+        if j.candidate.effect == ASYMMETRY and j.refitted and j.score.earns:
             plant = j.refitted.plant
             share = abs(plant[j.candidate.key].parameters["coulomb_difference"].value)
             if share <= PART * _dry_friction(plant, j.candidate.at):

@@ -42,9 +42,11 @@ def pruned(
     Each effect is taken out in turn and the search repeated
     with the others in place, among all that ever promised something; what leads then stands in its stead. looked: every step's judgements,
     to which these are added. Of two laws of one class at one place of which either makes the other needless the simpler stays, where that
-    leaves no more than what is of practical size. Returns `answer` itself where every effect stands.
+    leaves no more than what is of practical size. What took another one's stead with less left may make those before it needless: they are
+    asked once more. Returns `answer` itself where every effect stands.
     """
-    answer = _of_the_joint(answer, declared, criteria)
+    answer = begun = _of_the_joint(answer, declared, criteria)
+    instead = 0  # how many stand before the last that took another one's stead
     for i in range(len(answer.added) - 1):
         present = answer.added[i]
         rest = [j for k, j in enumerate(answer.added) if k != i]
@@ -71,9 +73,10 @@ def pruned(
             continue
         another = best is not None and best not in again
         if another and present.score.earns and not _better(best, reduced, answer.last, criteria):
-            if not any(nothing_of_its_own(j, reduced, criteria) for j in again):
+            takes = still_earns(present, reduced, answer.last, criteria)
+            if takes and not any(nothing_of_its_own(j, reduced, criteria) for j in again):
                 continue
-            best = None  # it is nothing, and what leads in its stead leaves more: neither stays
+            best = None  # it is nothing, or takes nothing now, and what leads in its stead leaves more: neither stays
         if best is None:
             left = [_named_after(k, present, criteria) for k in rest]
             fewer = _simpler(answer, i, reduced, declared, criteria) or Answer(left, answer.declared, reduced)
@@ -82,8 +85,11 @@ def pruned(
         # what the declared friction is only nearly right in is weighed beside all else, of which it would take a part where it came first
         last = another and gives_way(best.candidate, declared)
         answer = Answer([*rest, best] if last else [*rest[:i], best, *rest[i:]], answer.declared, best.state).standing
+        instead = i if another else instead
         if last or len(answer.added) <= len(rest):
             return pruned(answer, declared, looked, progress, offer, criteria)
+    if instead and answer.last.errors.total < begun.last.errors.total:
+        return pruned(answer, declared, looked, progress, offer, criteria)
     return answer
 
 

@@ -153,19 +153,21 @@ def of_zero(plant: Plant, key: str, inverses: Sequence[InverseDynamics], criteri
 def bends(w: Weighed, found: Sequence[Weighed], kind: str) -> bool:
     """Whether an addition only bends the law of a larger one: both are of a family of which a place has one curve, or it has values that
     no machine has (a wave as long as the travel, beside a hose that pulls not quite as a spring does). Of one mass what is late is one
-    thing, wherever: an actuator of two time constants is no lag beside a late encoder. kind: of the plant."""
+    thing, wherever: an actuator of two time constants is no lag beside a late encoder. A difference between the directions bends no law that
+    is the same in both. kind: of the plant."""
 
-    def family(x: Weighed) -> str:
-        return catalogue()[x.effect.partition(" ")[0]].family if x.kind == ADDITION else ""
+    def law(x: Weighed) -> tuple[str, bool]:
+        effect = catalogue()[x.effect.partition(" ")[0]]
+        return (effect.family, "even" in effect.holds) if x.kind == ADDITION else ("", False)
 
-    own = family(w)
+    own, _ = law(w)
     anywhere = kind == ONE_MASS and own == "time"
     larger = (
         x
         for x in found
         if x is not w and (anywhere or x.at == w.at) and x.size(IDENTIFICATION) >= w.size(IDENTIFICATION)
     )
-    return bool(anywhere or own in ONE_CURVE or w.implausible) and any(family(x) == own for x in larger)
+    return bool(anywhere or own in ONE_CURVE or w.implausible) and any(law(x) == law(w) for x in larger)
 
 
 def _outside(before: Plant, after: Plant, inverses: Sequence[InverseDynamics]) -> dict[str, float]:
