@@ -47,7 +47,9 @@ def test_a_difference_between_the_directions_bends_no_law_that_is_the_same_in_bo
     """A cable in its sheath drags with the root of speed, and more one way: the root's shape stood on its bound, and the asymmetry took more."""
     errors = [{"identification": x, "validation": x} for x in (0.3, 0.1, 0.05)]
     larger = Weighed(other, "axis", ADDITION, *errors[:2])
-    odd = Weighed("nonlinear_viscous_friction", "axis", ADDITION, *errors[1:], implausible="its shape stands on its bound")
+    odd = Weighed(
+        "nonlinear_viscous_friction", "axis", ADDITION, *errors[1:], implausible="its shape stands on its bound"
+    )
     assert bends(odd, [larger, odd], ONE_MASS) == same
 
 

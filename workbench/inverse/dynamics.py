@@ -20,6 +20,7 @@ from workbench.inverse.kept import Kept
 from workbench.inverse.oftener import moved_oftener, to_rate_of
 from workbench.inverse.side_by_side import entered, entering, stacked
 from workbench.inverse.turning import turned
+from workbench.inverse.unseen import counting
 from workbench.inverse.zeros import closed as with_zero
 from workbench.inverse.zeros import relaxed
 from workbench.motion import MOTION_BAND, Motion, motion
@@ -37,7 +38,7 @@ class InverseDynamics:
     fine: the same over the same motion at a higher rate, by which operators of its increments are run: where friction turns,
     the moment counts, and a coarse sample has it wrong by half a step. coarse: takes their outputs (k, fine n) to (k, n). times: of a
     log that is too slow for them, by how often their own path is read between two samples.
-    counts: (2, n) of bool, where the drive's and the load's balance count in a fit; everywhere where None.
+    counts: (2, n) of bool, where the drive's and the load's balance count in a fit, about no long gap of the log; everywhere where None.
     """
 
     def __init__(
@@ -48,9 +49,8 @@ class InverseDynamics:
         counts: np.ndarray | None = None,
         times: int = 1,
     ):
-        self.motion = motion
-        self.counts = counts
-        self.times = times
+        self.motion, self.times = motion, times
+        self.counts = counting(motion, counts)
         if times > 1 and fine is None:
             fine = InverseDynamics(moved_oftener(motion, times))
             coarse = to_rate_of(motion.record, fine.motion.record)

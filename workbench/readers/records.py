@@ -14,7 +14,7 @@ from workbench.readers import load, reader, stem, wording
 from workbench.readers.channels import Channel
 from workbench.readers.declaration import Table
 from workbench.readers.plausible import HUGE, plausible
-from workbench.readers.sampling import FEWEST, stretches, uniform
+from workbench.readers.sampling import FEWEST, gaps, stretches, uniform
 from workbench.readers.stated import stated
 from workbench.record import IDENTIFICATION, ROLES, VALIDATION, Payload, Record
 from workbench.units import effect_unit
@@ -97,8 +97,15 @@ def _records(one: Table, folder: Path, name: str, channels: Mapping[str, Channel
     )
     made = [
         # what lay before a gap is known, what lay in it is not
-        replace(whole, name=n, time=t + later if later else t, channels=x, history=None if p.start else whole.history)
-        for n, p, (t, x, _) in zip(called, parts, even, strict=True)
+        replace(
+            whole,
+            name=n,
+            time=t + later if later else t,
+            channels=x,
+            history=None if p.start else whole.history,
+            unseen=tuple((a + later, b + later) for a, b in gaps(time[p])) if said else (),
+        )
+        for n, p, (t, x, said) in zip(called, parts, even, strict=True)
     ]  # fmt: skip
     findings = [f for n, c in measured.items() if (f := stated(name, c.column, sheet.units.get(n, ""), c.unit))]
     if (left_out := time.size - sum(p.stop - p.start for p in parts)) or len(parts) > 1:

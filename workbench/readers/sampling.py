@@ -13,6 +13,7 @@ from workbench.readers import wording
 FEWEST = 50
 TOLERANCE = 0.01  # of the median step
 LONGEST_GAP = 10  # median steps; what lies in a longer gap is not measured, and a straight line is not it
+GAP = 1.5  # median steps, from which a sample is missing; what of it counts, the evaluation band says
 WORTH = 0.1  # of a log: what is shorter between two gaps is left out, so that no log makes more than ten records
 DECIMALS = 9  # of a second, the finest that a stamp is rounded to; a nanosecond lies within any rate's 1 %
 
@@ -71,6 +72,12 @@ def stretches(time: np.ndarray) -> list[slice]:
     return worth or [slice(0, time.size)]
 
 
+def gaps(time: np.ndarray) -> tuple[tuple[float, float], ...]:
+    """Return the spans, s, between samples of a clock (n,) that are more than GAP median steps apart."""
+    steps = np.diff(time)
+    return tuple((float(time[k]), float(time[k + 1])) for k in np.flatnonzero(steps > GAP * np.median(steps)))
+
+
 def _increasing(name: str, time: np.ndarray, place: Callable[[int], str]) -> np.ndarray:
     """Return the steps (n - 1,) of a time that increases; UnsoundRecord of one that does not, or is too short."""
     if time.size < FEWEST:
@@ -124,5 +131,6 @@ def _resampled(name, time, channels, step, off):
     # The last instant is kept where rounding alone would lose it.
     count = int(np.floor((time[-1] - time[0]) / step + 1e-6)) + 1
     even = np.minimum(time[0] + step * np.arange(count), time[-1])
-    finding = wording.resampled(name, step, off, time.size - 1, float(np.diff(time).max()))
+    longest = float(np.diff(time).max())
+    finding = wording.resampled(name, step, off, time.size - 1, longest, len(gaps(time)))
     return even, {n: np.interp(even, time, c) for n, c in channels.items()}, finding

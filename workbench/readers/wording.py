@@ -7,12 +7,18 @@ from workbench.finding import ASSUMED_SCALE, CUT, OTHER_UNIT, RESAMPLED, START_T
 NAMED = 4  # columns that a sentence names one by one
 
 
-def resampled(name: str, step: float, off: int, steps: int, gap: float) -> Finding:
-    """Say that a record was resampled. step: s, median. off: of so many steps, those that were not near it. gap: s, the longest."""
+def resampled(name: str, step: float, off: int, steps: int, gap: float, missing: int) -> Finding:
+    """Say that a record was resampled. step: s, median. off: of so many steps, those that were not near it. gap: s, the longest. missing: gaps of
+    a sample or more."""
     sentence = (
         f"Record '{name}' was resampled to {1 / step:.6g} Hz by straight lines, since {off} of {steps} time steps "
         f"were more than 1 % off the median; the longest was {gap:.6g} s."
     )
+    if missing:
+        sentence += (
+            f" What the axis did in its {missing} {'gap' if missing == 1 else 'gaps'} is not known: no error counts about one that is longer than "
+            "three tenths of a period of the evaluation band's edge."
+        )
     evidence = {"steps_off": float(off), "steps": float(steps), "longest_gap": gap, "step": step}
     return Finding(RESAMPLED, name, sentence, evidence, "Log at one rate, with the clock of the drive.")
 

@@ -80,7 +80,7 @@ def _in_time(result: StudyResult, before: Fit, after: Fit | None, names: Sequenc
     caption = (
         f"Top: {result.drive} of {role}, measured and predicted. Bottom: what is left. The {numbers.number(end - start)} s "
         "are those in which the declared model errs most; the rms values are of the whole record"
-        f"{'' if series.counts is None else ', without the samples at which the axis sticks'}."
+        f"{'' if series.counts is None else ', without the samples at which the axis sticks or the log has a gap'}."
     )
     alt = f"Two graphs over time, of {result.drive} and of the residual, for {role}. {heading}."
     draw = lambda: figures.excerpt(heading, series, better, part, result.drive, effort)  # noqa: E731
