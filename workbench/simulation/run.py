@@ -36,7 +36,7 @@ def _layout_of(bound: Bound, lanes: int, record: tuple[str, ...]) -> Layout:
     """How the kernel for these numbers is laid out."""
     most = int(np.max(bound.delays))
     delay = "none" if most == 0 else "uniform" if np.min(bound.delays) == most else "varying"
-    varying = tuple(tuple(bool(np.ndim(v)) for v in values) for values in bound.frontier)
+    varying = tuple(tuple(map(_varies, values)) for values in bound.frontier)
     slots = 1 if delay == "none" else 1 << (-(-most // bound.loop.substeps)).bit_length()
     return Layout(varying, bound.loop.substeps, lanes, delay, slots, record, *bound.given.structure)
 
@@ -63,10 +63,15 @@ def _begun(bound: Bound, layout: Layout, at: Mapping[str, int]) -> tuple[np.ndar
         if name in at:
             whole[at[name]] = value
     flat = [v for values in bound.frontier for v in values]
-    varying = [v for v in flat if np.ndim(v)]
+    varying = [v for v in flat if _varies(v)]
     if varying:
         whole[rows:] = varying
-    return whole, np.array([v for v in flat if not np.ndim(v)], dtype=float)
+    return whole, np.array([v for v in flat if not _varies(v)], dtype=float)
+
+
+def _varies(value) -> bool:
+    """Whether a constant has a value of its own in each lane. A tuning asks it 100 000 times; `np.ndim` makes an array of every number."""
+    return getattr(value, "ndim", 0) > 0
 
 
 def _each(chunk: Callable[[int], None], chunks: int, threads: int) -> None:
