@@ -133,6 +133,19 @@ def test_of_one_encoder_a_wave_once_a_turn_of_the_motor_is_the_motors_disc(order
     assert [j.candidate.name for j in of_one_disc(Answer(added, last)).added] == [name]
 
 
+@pytest.mark.parametrize(("kind", "at", "name"), [(ONE_MASS, "sensor.position", "encoder_eccentricity"), (TWO_MASS, "joint", "kinematic_error")])  # fmt: skip
+def test_the_reading_of_a_slide_errs_in_waves_by_its_encoders_disc(kind, at, name):
+    """A syringe pump's magnetic ring on its screw erred once and twice in its lead, and nothing says how far the pump goes in a turn."""
+    plant = Plant(kind, rotary=False)
+    plant = plant + find("kinematic_error")(at=at, order=2 * np.pi / 2e-3, sine=1e-5)
+    plant = plant + find("kinematic_error")(at=at, order=4 * np.pi / 2e-3, sine=3e-6, label="2")
+    last = SimpleNamespace(plant=plant)
+    candidates = [Candidate(e.named, at, ADDITION, plant) for e in plant.effects]
+    added = [ScoredCandidate(c, None, None, 0, None, state=last) for c in candidates]
+    named = {j.candidate.name.partition(" ")[0] for j in of_one_disc(Answer(added, last)).added}
+    assert named == {name}
+
+
 @pytest.mark.parametrize(("first", "second", "name"), [(2e-4, 1e-4, "encoder_eccentricity"), (1e-4, 2e-4, "kinematic_error")])  # fmt: skip
 def test_a_curve_over_the_motors_turn_is_its_discs_where_its_first_harmonic_leads(first, second, name):
     plant = Plant(ONE_MASS, geometry=Geometry(gear_ratio=16.0))

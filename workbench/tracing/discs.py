@@ -3,7 +3,7 @@
 from math import hypot
 
 from workbench.definition import SENSOR, Effect, catalogue
-from workbench.plant import TWO_MASS, Plant
+from workbench.plant import ONE_MASS, TWO_MASS, Plant
 
 # Relative error of a ratio of orders, to one another and to a motor's turn: their intervals are a few per mille. Halved, orders 5 and 6 of a shaft
 # are strangers; doubled, two waves hardly ever are. A pulley's error of less than two periods is one at half and at twice of it
@@ -36,16 +36,18 @@ def once_a_turn(wave: Effect, plant: Plant) -> bool:
 
 
 def on_the_shaft(wave: Effect, plant: Plant) -> str:
-    """Return the name that a wave of the one reading bears which repeats once a motor's turn in front of a gear, "" where it is none: a disc's
-    error. A wave generator's, a gear's, has two waves a turn.
+    """Return the name that a wave of the one reading bears which repeats once a motor's turn in front of a gear, or along a slide, "" where it is
+    none: a disc's error. A wave generator's, a gear's, has two waves a turn.
 
     Of one mass an encoder on the motor and a gear in front of an encoder err alike: the gear is its rival (`SEATED`). On two, the load says
     which. What is named follows from where the one encoder sits as a rule: of 110 geared axes of other authors 32 say that it is the
-    motor's, 19 that it is the output's.
+    motor's, 19 that it is the output's. How far a slide goes in a turn no campaign says; of two readings of slides that others let err in
+    waves both were a disc's, on a lead screw and on a fork's sprocket, and none a screw's.
     """
     if wave.at != "sensor.position" or "order" not in wave.parameters:  # of two masses a gear errs at the joint
         return ""
-    return _disc_of(wave) if once_a_turn(wave, plant) and _first_leads(wave) else ""
+    slides = plant.kind == ONE_MASS and not plant.rotary
+    return _disc_of(wave) if (slides or once_a_turn(wave, plant)) and _first_leads(wave) else ""
 
 
 def of_the_gear(disc: str) -> tuple[str, ...]:
