@@ -35,7 +35,7 @@ def seen(force, role: str = IDENTIFICATION, seed: int = 0, weight: float = 0.0):
     q = np.cumsum(v) / 1000.0
     a = np.gradient(v, 1e-3)
     noise = NOISE * np.random.default_rng(seed).normal(size=t.size)
-    drive = 0.01 * a + 0.05 * v + force(q, v) + weight * np.sin(q) + noise
+    drive = 0.01 * a + 0.05 * v + force(q, v) + weight * np.sin(q + 0.4) + noise
     return inverse_dynamics(
         [Record(role, role, t, {"torque": drive, "position": q}, {}, SOURCE, {"position": COUNT})], 60.0
     )
