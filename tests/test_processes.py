@@ -231,40 +231,6 @@ def test_what_is_begun_and_not_asked_for_ends_with_its_block():
     assert not active_children()
 
 
-def test_what_is_begun_shares_its_work_among_forks_of_its_own():
-    """Who waits for it leaves a core idle."""
-
-    def work():
-        return os.getpid(), set(shared(lambda _: (time.sleep(0.1), os.getpid())[1], range(3)))
-
-    with begun(work) as result:
-        fork, forks = result()
-    assert len(forks) == 3 and not {fork, os.getpid()} & forks
-    assert not active_children()
-
-
-def test_what_is_begun_and_not_asked_for_leaves_no_forks_of_its_own(tmp_path):
-    def work():
-        list(shared(lambda k: ((tmp_path / f"{k}_{os.getpid()}").touch(), time.sleep(60)), range(3)))
-
-    with begun(work):
-        while len(list(tmp_path.iterdir())) < 3:
-            time.sleep(0.01)
-    forks = [int(p.name.partition("_")[2]) for p in tmp_path.iterdir()]
-    until = time.monotonic() + 10.0
-    while any(alive(k) for k in forks) and time.monotonic() < until:
-        time.sleep(0.05)
-    assert not any(alive(k) for k in forks)
-
-
-def alive(process: int) -> bool:
-    """Whether a process is there that has not ended."""
-    try:
-        return Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
-    except FileNotFoundError:
-        return False
-
-
 def test_where_one_process_works_what_is_begun_is_done_when_it_is_asked_for(monkeypatch):
     monkeypatch.setenv(processes.VARIABLE, "1")
     with begun(os.getpid) as result:

@@ -70,21 +70,19 @@ def begun(function: Callable[[], Made]) -> Iterator[Callable[[], Made]]:
     """Begin function() in a fork while this process does something else, and give what waits for its result; what it raises is raised there.
 
     Where one process works, or the fork ends before its time, it is called when the result is asked for. A result that
-    nobody asked for when the block ends is not waited for. What the fork shares, it shares among forks of its own: this process, which waits for
-    it, leaves a core idle.
+    nobody asked for when the block ends is not waited for.
     """
     if count() < 2:
         yield function
         return
-    with _forks(lambda f: f(), [function], 1, shares=True) as pipes:
+    with _forks(lambda f: f(), [function], 1) as pipes:
         made, heard = {}, list(pipes)
         yield lambda: _made(0, made) if _came(0, made, heard) else function()
 
 
 @contextmanager
-def _forks(function: Callable, items: Sequence, workers: int, *, shares: bool = False) -> Iterator[list]:
-    """Give the pipes from which answers come of `workers` forks that share the items, and end these with the block. shares: whether a fork may
-    have forks, which end with it."""
+def _forks(function: Callable, items: Sequence, workers: int) -> Iterator[list]:
+    """Give the pipes from which answers come of `workers` forks that share the items, and end these with the block."""
     context = get_context("fork")
     forks, pipes = [], []
     queue = _queue(len(items))
@@ -92,7 +90,7 @@ def _forks(function: Callable, items: Sequence, workers: int, *, shares: bool = 
         with _undisturbed(), _unheard():
             for _ in range(workers):
                 pipe, end = context.Pipe(duplex=False)
-                fork = context.Process(target=_work, args=(function, items, queue, end), daemon=not shares)
+                fork = context.Process(target=_work, args=(function, items, queue, end), daemon=True)
                 with warnings.catch_warnings():
                     warnings.simplefilter("ignore", DeprecationWarning)  # of threads: BLAS and our pool know of forks
                     fork.start()
