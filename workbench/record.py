@@ -51,8 +51,8 @@ class Record:
     counts_from: s; before it no error counts: earlier samples only bring operators with memory into their state. zero: rad
     or m that was added to load_position because the two encoders' zeros lie apart; None where they are one. payload: what
     was added to the axis, or None. history: rad or m by which the axis moved before, from relaxed friction; None where nobody
-    knows. unseen: spans of time, s, in which a log that was put on one rate has no sample. found: as history, as a fit found it where nobody
-    knows. All arrays are made read-only.
+    knows. found: the same, as a fit found it where nobody knows. unseen: spans of time, s, in which a log that was put on one rate has no
+    sample. All arrays are made read-only.
     """
 
     name: str
@@ -68,8 +68,8 @@ class Record:
     zero: float | None = None
     payload: Payload | None = None
     history: float | None = 0.0
-    unseen: tuple[tuple[float, float], ...] = ()
     found: float | None = None
+    unseen: tuple[tuple[float, float], ...] = ()
 
     def __post_init__(self):
         for array in (self.time, *self.channels.values()):

@@ -11,7 +11,7 @@ from workbench.inverse.dynamics import InverseDynamics, inverse_dynamics
 from workbench.inverse.unseen import ABOUT, HIDES
 from workbench.motion import motion
 from workbench.readers.sampling import gaps
-from workbench.record import IDENTIFICATION, Record
+from workbench.record import IDENTIFICATION, ROLES, Record
 from workbench.tracing.decimation import thin_one
 
 DT, BAND = 1e-3, 50.0
@@ -46,15 +46,15 @@ parameters.viscous = {{ value = 1.0, unit = "N*s/m", fixed = false }}
 """
 
 
-def slide(folder, missing, band=BAND, only=1):
-    """A campaign of a slide that turns within a few samples, whose first `only` records miss these (from, until) samples."""
+def slide(folder, missing, band):
+    """A campaign of a slide that turns within a few samples, whose record for identification misses these (from, until) samples."""
     force = 20.0 * np.sign(np.sin(2 * np.pi * 1.5 * TIME))
     v = np.cumsum(np.concatenate([[0.0], 0.5 * (force[1:] + force[:-1])])) * DT / 3.0
     x = np.cumsum(np.concatenate([[0.0], 0.5 * (v[1:] + v[:-1])])) * DT
     text = CAMPAIGN.format(band=band)
-    for i, role in enumerate(("identification", "validation")):
+    for role in ROLES:
         keep = np.ones(TIME.size, dtype=bool)
-        for a, b in missing if i < only else ():
+        for a, b in missing if role == IDENTIFICATION else ():
             keep[a:b] = False
         rows = np.column_stack([TIME, x, force])[keep]
         np.savetxt(folder / f"{role}.csv", rows, "%.9g", ",", header="t,x,F", comments="")
@@ -63,10 +63,10 @@ def slide(folder, missing, band=BAND, only=1):
     return load(folder)
 
 
-def made(unseen, **more):
+def made(unseen):
     x = np.sin(2 * np.pi * TIME)
     channels = {"force": -2.0 * (2 * np.pi) ** 2 * x, "position": x}
-    return Record("made", IDENTIFICATION, TIME.copy(), channels, unseen=unseen, **more)
+    return Record("made", IDENTIFICATION, TIME.copy(), channels, unseen=unseen)
 
 
 def test_a_clock_s_gaps_are_where_a_sample_or_more_is_missing():

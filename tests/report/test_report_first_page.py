@@ -5,6 +5,7 @@ import json
 import tomllib
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 from report_example import study
@@ -18,7 +19,7 @@ from workbench.report.contents import BAD, GOOD, Callout, Chapter, Check, Figure
 from workbench.report.drawing import svg
 from workbench.report.explained import explained
 from workbench.report.index import write_index
-from workbench.report.opening import records
+from workbench.report.opening import _uncertain, records
 from workbench.report.required import in_words, judged
 from workbench.report.wording import bound, named, typeset
 from workbench.tracing.evidence import Evidence, Explainable
@@ -71,6 +72,15 @@ def test_what_an_effect_is_worth_is_called_the_searchs_own_doing_where_it_is_lit
 
     assert told(0.1425, 224e-6).endswith("So little may be the search's doing.")
     assert "search" not in told(0.1425, 120e-6) and "search" not in told(0.1, 224e-6)
+
+
+def test_two_orders_of_one_wave_are_told_from_their_rival_once():
+    disc = SimpleNamespace(title="encoder eccentricity", rivals=("kinematic_error",))
+    late = SimpleNamespace(title="transport delay", rivals=("actuator_lag",))
+    alone = SimpleNamespace(title="cogging", rivals=())
+    (said,) = _uncertain(SimpleNamespace(trace=SimpleNamespace(causes=(disc, disc, late, alone))))
+    assert said.text.count("encoder eccentricity from kinematic error") == 1
+    assert "transport delay from actuator lag" in said.text and "cogging" not in said.text
 
 
 def test_a_column_of_motions_that_nobody_named_is_left_out():

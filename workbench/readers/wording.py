@@ -16,8 +16,8 @@ def resampled(name: str, step: float, off: int, steps: int, gap: float, missing:
     )
     if missing:
         sentence += (
-            f" What the axis did in its {missing} {'gap' if missing == 1 else 'gaps'} is not known: no error counts about one that is longer than "
-            "three tenths of a period of the evaluation band's edge."
+            f" What the axis did in its {missing} {'gap' if missing == 1 else 'gaps'} is not known: no error counts about one that is long beside a "
+            "period of the evaluation band's edge."
         )
     evidence = {"steps_off": float(off), "steps": float(steps), "longest_gap": gap, "step": step}
     return Finding(RESAMPLED, name, sentence, evidence, "Log at one rate, with the clock of the drive.")

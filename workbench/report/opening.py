@@ -52,7 +52,8 @@ def finding(result: StudyResult) -> Chapter:
 
 def _uncertain(result: StudyResult) -> list[Paragraph]:
     """Say which causes these records hardly tell from others; how to find out stands with the evidence."""
-    rivals = [f"{c.title} from {listed([title(r) for r in c.rivals])}" for c in result.trace.causes if c.rivals]
+    told = (f"{c.title} from {listed([title(r) for r in c.rivals])}" for c in result.trace.causes if c.rivals)
+    rivals = [*dict.fromkeys(told)]  # two orders of one wave are one cause
     return [Paragraph(f"These records hardly tell {listed(rivals)}.")] if rivals else []
 
 

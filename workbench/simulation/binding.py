@@ -1,7 +1,5 @@
 """Numbers put to a design: which vary over lanes, where each row starts, and how long the loop runs."""
 
-from collections import deque
-from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -21,7 +19,6 @@ from workbench.simulation.given import REFERENCE, Given, given_of
 from workbench.simulation.sampled import Sensing
 from workbench.simulation.scenario import Loop, ScenarioArrays
 
-_latest: deque[tuple[Plant, Design, Mapping[str, float], dict[str, float]]] = deque(maxlen=8)
 BACK = 2.5  # encoder counts: three back are a reversal; between counts, so that no rounding decides
 
 
@@ -186,7 +183,7 @@ def _values_of(
 ) -> dict[str, object]:  # fmt: skip
     """Return constant -> its value, scalar or (lanes,), of a run. WorkbenchError where its plants differ in more than values."""
     widths = _widths_of(loop)
-    each = [_known(p, made, widths) for p in plants]
+    each = [constants_of(p, made.symbols, widths) for p in plants]
     alike = [p.kind == plants[0].kind and p.limits == plants[0].limits for p in plants]
     if not all(alike) or any(e.keys() != each[0].keys() for e in each):
         raise WorkbenchError("plants of one run must have the same effects and limits, and differ in values alone.")
@@ -201,16 +198,6 @@ def _values_of(
         "band": criteria.band * np.abs(aim - scenarios.start),
         "step_sign": np.sign(scenarios.target - scenarios.start) + 0.0,
     }
-
-
-def _known(plant: Plant, made: Design, widths: Mapping[str, float]) -> dict[str, float]:
-    """Return the values of the effects' constants of a plant, which one search asks for in each of its runs."""
-    for of, by, at, values in _latest:
-        if of is plant and by is made and at == widths:
-            return values
-    values = constants_of(plant, made.symbols, widths)
-    _latest.append((plant, made, widths, values))
-    return values
 
 
 def _sensing_of(plant: Plant, loop: Loop, scenarios: ScenarioArrays) -> Sensing:

@@ -73,8 +73,7 @@ def pruned(
             continue
         another = best is not None and best not in again
         if another and present.score.earns and not _better(best, reduced, answer.last, criteria):
-            takes = still_earns(present, reduced, answer.last, criteria)
-            if takes and not any(nothing_of_its_own(j, reduced, criteria) for j in again):
+            if stays and not any(nothing_of_its_own(j, reduced, criteria) for j in again):
                 continue
             best = None  # it is nothing, or takes nothing now, and what leads in its stead leaves more: neither stays
         if best is None:
