@@ -11,8 +11,9 @@ from workbench.motion import Motion
 # Periods of the evaluation bandwidth, from which a gap hides what is judged. A slide on air bearings whose log of 70 Hz misses 8 ms at a turn left 20 N
 # of a drive of 110 there, and its complete model was "unknown". Halved or doubled, that one and 28 more axes with such gaps keep their verdicts
 HIDES = 0.3
-ABOUT = 0.5  # the same, for how long on either side a gap shows behind the filter
-MOST = 0.5  # of a record, up to which it is not counted for its gaps: of one that would be left out there is nothing better
+ABOUT = 0.5  # the same, for how long on either side a gap shows behind the filter. Halved or doubled, these 29 keep their verdicts, too
+# Of a record, up to which it is not counted for its gaps: of one that would be left out there is nothing better. No axis that was seen has so many
+MOST = 0.5
 
 
 def counting(motion: Motion, counts: np.ndarray | None) -> np.ndarray | None:
