@@ -221,16 +221,12 @@ def times(value: Number, factor: float) -> Number:
     return max(1, round(value * factor)) if isinstance(value, int) else value * factor
 
 
-def main(folders: Sequence[str]) -> None:
+def main(folders: Sequence[Path]) -> None:
     """Print every row, and last the numbers that changed something."""
     changes: dict[str, list[str]] = {}
-    for row in sweep([Path(f) for f in folders]):
+    for row in sweep(folders):
         print(json.dumps(row), flush=True)
         if "number" in row:
             changes.setdefault(f"{row['number']} x {row['factor']:g}", []).append(row["campaign"])
     for number, campaigns in changes.items():
         print(f"{number}: {', '.join(campaigns)}")
-
-
-if __name__ == "__main__":
-    main(sys.argv[1:])

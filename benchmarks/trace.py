@@ -13,9 +13,11 @@ import sys
 from collections.abc import Callable, Sequence
 from hashlib import sha256
 from pathlib import Path
+from typing import NoReturn
 
 from benchmarks._trace_draw import Spec, specs
 from benchmarks._trace_families import FAMILIES, Case, cases, known
+from workbench.campaign import FILE as CAMPAIGN
 
 ROOT = Path(__file__).resolve().parent.parent
 KEPT = ROOT / "reports" / "bench_trace"
@@ -131,6 +133,17 @@ def again(key: str) -> None:
     sys.exit(f"bench-trace: no kept campaign has the key '{key}'.")
 
 
+def folder(given: str, refuse: Callable[[str], NoReturn]) -> Path:
+    """Return a campaign's folder: as it is named, or below WORKBENCH_DATA."""
+    data = os.environ.get("WORKBENCH_DATA")
+    places = [Path(given), *([Path(data, given)] if data else [])]
+    for place in places:
+        if (place / CAMPAIGN).is_file():
+            return place
+    beside = f", nor does {places[1]}" if data else "; if it is measured data, set WORKBENCH_DATA"
+    refuse(f"'{given}' holds no {CAMPAIGN}{beside}.")
+
+
 def asked() -> argparse.Namespace:
     parser = argparse.ArgumentParser(prog="bench-trace", description=__doc__.split("\n")[0])
     parser.add_argument(
@@ -155,8 +168,14 @@ def asked() -> argparse.Namespace:
         "--private", nargs="+", metavar="FOLDER",
         help="halve and double every private number of the trace on these campaigns, one row each (a minute and more a campaign)",
     )  # fmt: skip
+    parser.add_argument(
+        "--rules", nargs="+", metavar="FOLDER",
+        help="leave out each rule that says something on these campaigns, and hold what is then said against their truth.json",
+    )  # fmt: skip
     parser.add_argument("--again", metavar="KEY", help="do one campaign of the kept results once more, and print it")
     given = parser.parse_args()
+    for option in ("private", "rules"):
+        setattr(given, option, [folder(x, parser.error) for x in getattr(given, option) or ()])
     given.families = given.families.split(",")
     if unknown := [f for f in given.families if not known(f)]:
         parser.error(f"there is no family '{unknown[0]}', nor a folder for it; known: {', '.join(FAMILIES)}.")
@@ -171,6 +190,10 @@ if __name__ == "__main__":
         from benchmarks._trace_private import main as private
 
         private(given.private)
+    elif given.rules:
+        from benchmarks._trace_rules import main as rules
+
+        rules(given.rules)
     elif given.details:
         main(given.campaigns, given.seed, MASSES[given.masses], given.short, not given.kept)
     else:

@@ -3,6 +3,7 @@
 import json
 from collections import Counter
 from dataclasses import asdict, dataclass, replace
+from inspect import signature
 from types import SimpleNamespace
 
 import numpy as np
@@ -17,12 +18,15 @@ from benchmarks._trace_ledger import ledger
 from benchmarks._trace_measured import judged_axis
 from benchmarks._trace_peers import greedy, sparse
 from benchmarks._trace_private import changed, deciding, numbers
+from benchmarks._trace_rules import RULES, in_its_place, listening, right, rule
 from benchmarks._trace_run import judged, moved, one, place_right, seen
 from benchmarks._trace_sweep import again as decided_again
 from benchmarks._trace_sweep import sweep as sweep_of
 from benchmarks._trace_sweep import varied
 from benchmarks._trace_table import interval, table
 from benchmarks.trace import read
+from workbench.definition import find
+from workbench.plant import ONE_MASS, Plant
 from workbench.record import Record
 
 # --- drawing ------------------------------------------------------------------------------------------------------------
@@ -315,6 +319,52 @@ def test_numbers_of_one_name_in_two_modules_are_two():
         assert change_points.MOST == 1 != localisation.MOST
     named = [(module, name) for module, name, _ in numbers()]
     assert len(set(named)) == len(named) > 50 and ("ranking", "BEHIND") in named
+
+
+# --- rules ----------------------------------------------------------------------------------------------------------------
+
+
+def test_what_stands_for_a_rule_takes_what_the_rule_takes():
+    for name, without in RULES.items():
+        asked = signature(rule(name)).parameters.values()
+        given = [object() for p in asked if p.default is p.empty]
+        signature(without).bind(*given)
+        assert len(given) == len([p for p in asked if p.kind is p.POSITIONAL_OR_KEYWORD and p.default is p.empty])
+
+
+def test_a_rule_is_left_out_wherever_it_was_imported_to_and_put_back():
+    from workbench.tracing import ranking, slack
+
+    before = slack.gap_first
+    with in_its_place(before, RULES["slack.gap_first"]):
+        assert slack.gap_first is ranking.gap_first is not before
+    assert slack.gap_first is ranking.gap_first is before
+
+
+def test_a_rule_is_heard_where_its_answer_is_not_that_of_its_lack():
+    from workbench.tracing import discs, slack
+
+    with listening() as heard:
+        assert slack.gap_first([], None, None) == []
+        assert discs.of_the_disc(find("kinematic_error"), "sensor.position", Plant(ONE_MASS, (), rotary=True))
+    assert heard == {"discs.of_the_disc"}
+
+
+def test_a_verdict_is_right_with_all_that_was_added_and_of_an_unknown_cause_with_nothing():
+    assert right({"missing": ["cogging"]}, "cause", ("cogging",))
+    assert right({"missing": ["cogging"]}, "cause", ("cogging", "creep")) is False
+    assert right({"missing": ["unknown"]}, "unknown", ()) and right({"missing": []}, "nothing_missing", ())
+    assert right({"missing": ["unknown"]}, "cause", ("creep",)) is False and right(None, "unknown", ()) is None
+
+
+def test_a_folder_is_found_as_it_is_named_or_below_the_data(tmp_path, monkeypatch):
+    (tmp_path / "campaigns" / "c01").mkdir(parents=True)
+    (tmp_path / "campaigns" / "c01" / "campaign.toml").touch()
+    refused = []
+    monkeypatch.setenv("WORKBENCH_DATA", str(tmp_path))
+    assert bench.folder("campaigns/c01", refused.append) == tmp_path / "campaigns" / "c01" and not refused
+    bench.folder("campaigns/c02", refused.append)
+    assert "holds no campaign.toml, nor does" in refused.pop()
 
 
 def test_a_flank_pushes_and_lets_go_and_nothing_is_felt_within_the_play():
