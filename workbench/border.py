@@ -19,14 +19,14 @@ class Border:
     """How parameters are written outside (campaigns, reports) where that differs from the linear form inside.
 
     parameters: outside name -> Parameter. inward(outside values) -> inside values, outward the reverse, both dictionaries
-    of floats (example: a = x0**-d; mgl, phase = sine and cosine amplitudes). linear: outside names that enter linearly; where they are
-    given, inward is of elementary functions, and an effect of which some is held and some is free stays as it is written.
+    of floats (example: a = x0**-d; mgl, phase = sine and cosine amplitudes). linear: outside names that enter linearly, none of a map; where they
+    are given, inward is of elementary functions, and an effect of which some is held and some is free stays as it is written.
     """
 
     parameters: Mapping[str, Parameter]
     inward: Callable[[Mapping[str, float]], Mapping[str, float]]
     outward: Callable[[Mapping[str, float]], Mapping[str, float]]
-    linear: tuple[str, ...] = ()
+    linear: tuple[str, ...] | None = None
 
 
 @dataclass(frozen=True)
@@ -67,10 +67,12 @@ def inside(
         if name in out:
             hold = held[name] if name in given else p.fixed
         else:
-            of = {held[n] for n in changed[name] if n in given}
-            if border.linear and len(of) == 2:
+            written = changed[name] & {*given}
+            # what is held by itself inside moves nothing: beside a stiffness that is held a rest is the preload's
+            of = {held[n] for n in written if not (held[n] and n in parameters)}
+            if border.linear is not None and len(of) == 2:
                 return None
-            hold = of == {True}
+            hold = bool(written) and False not in of
         found[name] = replace(p.at(float(values[name]), where=f"{where}.{name}"), fixed=hold)
     return found
 

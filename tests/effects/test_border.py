@@ -84,6 +84,18 @@ def test_a_cable_s_stiffness_may_be_held_and_its_rest_free():
     assert cable.parameters["stiffness"].fixed and not cable.parameters["preload"].fixed
 
 
+def test_a_cable_s_rest_may_be_held_and_its_stiffness_free():
+    """Inside, a free preload beside a free stiffness would move the rest."""
+    cable = declared("cable_spring", {"stiffness": 4.0, "rest": 0.2}, stiffness=False, rest=True)
+    assert cable.parameters["rest"].fixed and not cable.parameters["stiffness"].fixed
+    assert cable.linear == ("stiffness",)
+
+
+@pytest.mark.parametrize("name", ["gravity", "cable_spring", "cogging", "kinematic_error", "presliding_hysteresis"])
+def test_an_effect_of_which_nothing_is_written_is_held_as_the_catalogue_holds_it(name):
+    assert {n: p.fixed for n, p in declared(name, {}).parameters.items()} == {n: p.fixed for n, p in find(name).parameters.items()}  # fmt: skip
+
+
 def test_amplitudes_are_those_of_the_weight_that_is_written():
     p = weight().parameters
     s, c = p["sine"].value, p["cosine"].value

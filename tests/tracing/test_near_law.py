@@ -17,9 +17,11 @@ from workbench.tracing.candidates import ADDITION, CORRECTION, Offer, candidates
 from workbench.tracing.criteria import Criteria
 from workbench.tracing.data_sheet import within_tolerance
 from workbench.tracing.decide import Verdict
+from workbench.tracing.discs import on_the_shaft
 from workbench.tracing.evidence import Weighed
 from workbench.tracing.in_turn import by_each_other, fewer_causes, later
 from workbench.tracing.near_law import FURTHEST, count_at, heights, laws, lengthened
+from workbench.tracing.plausible import implausible
 from workbench.tracing.selection import curved
 from workbench.tracing.state import State
 from workbench.tracing.tracing import trace
@@ -48,6 +50,34 @@ def test_a_length_is_held_against_the_encoder_s_own_count_however_fine_that_is(c
     (seen,) = inverses(lambda t, q, way: 0.1 * way)
     record = replace(seen.motion.record, resolution={"position": count} if count else {})
     assert count_at("axis", inverse_dynamics([record], 100.0)) == pytest.approx(found, rel=0.05)
+
+
+@pytest.mark.parametrize(("name", "values", "loose", "force"), [
+    ("gravity", {"mgl": 1.0, "phase": 0.4}, ("phase",), lambda q: 1.3 * np.sin(q + 0.4)),
+    ("cogging", {"amplitude": 0.3, "phase": 0.4, "order": 40.0}, ("phase", "phase_2"), lambda q: 0.4 * np.sin(40.0 * q + 0.4)),
+    ("cable_spring", {"stiffness": 1.0, "rest": 0.05}, ("rest",), lambda q: 1.3 * (q - 0.05)),
+])  # fmt: skip
+def test_an_effect_whose_size_alone_is_from_a_data_sheet_holds_it_and_is_traced_where_it_is_wrong(name, values, loose, force):  # fmt: skip
+    """Its phase, or where it rests, is free, so that its numbers stay those that a campaign writes."""
+    effect = find(name)(at="axis").declared(values, {n: n not in loose for n in find(name).outside}, "here")
+    size = next(iter(values))
+    drawn = np.random.default_rng(3).standard_normal
+    found = trace(PLANT + effect, inverses(lambda t, q, way: 0.3 * way + force(q) + 0.01 * drawn(t.size)))
+    assert found.before.plant[effect.key].parameters[size].value == values[size]
+    assert [(c.effect, c.kind) for c in found.causes] == [(name, CORRECTION)]
+    assert found.after.plant[effect.key].parameters[size].value == pytest.approx(1.3 * values[size], rel=0.05)
+
+
+@pytest.mark.parametrize("name", ["kinematic_error", "encoder_eccentricity"])
+def test_a_wave_of_a_reading_whose_size_is_held_and_whose_phase_is_free_keeps_its_size(name):
+    values, held = {"amplitude": 1e-3, "phase": 0.4}, {n: n != "phase" for n in find(name).outside}
+    if name == "kinematic_error":
+        values["order"] = 40.0
+    wave = find(name)(at="sensor.position").declared(values, held, "here")
+    seen = inverses(lambda t, q, way: 0.3 * way)
+    assert identify(PLANT + wave, seen).plant[wave.key].parameters["amplitude"].value == 1e-3
+    assert not implausible(wave, PLANT + wave, PLANT, seen) or name == "kinematic_error"
+    assert on_the_shaft(wave, PLANT + wave) in ("", "encoder_eccentricity")
 
 
 def stops(q: np.ndarray, length: float, level: float) -> np.ndarray:

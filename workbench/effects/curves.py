@@ -109,7 +109,7 @@ def force_over_position(
         traced=False,
         knots=(*whole, *names("order", len(orders))),
     )
-    zero = [force[0]] if free(declared, at, OFFSET, ("cable_spring", "preload")) else []
+    zero = [force[0]] if free(declared, at, OFFSET, ("cable_spring", "preload"), ("cable_spring", "rest")) else []
     zero += [force[-1]] if free(declared, at, ("cable_spring", "stiffness"), ("linear_stiffness", "stiffness")) else []
     return without(made, zero)
 

@@ -1,8 +1,6 @@
 """Errors of the angle itself: the gear's kinematic error, and an encoder disc off its axis."""
 
 from math import atan2, hypot
-from math import cos as cosine_of
-from math import sin as sine_of
 
 from workbench.border import Border
 from workbench.definition import ANGLE, SENSOR, Effect, effect
@@ -20,13 +18,13 @@ def _border(*rest: str) -> Border:
 
     def inward(o):
         a, phase = o["amplitude"], o["phase"]
-        return {"sine": a * cosine_of(phase), "cosine": a * sine_of(phase)} | {n: o[n] for n in rest}
+        return {"sine": a * cos(phase), "cosine": a * sin(phase)} | {n: o[n] for n in rest}
 
     def outward(i):
         s, c = i["sine"], i["cosine"]
         return {"amplitude": hypot(s, c), "phase": atan2(c, s)} | {n: i[n] for n in rest}
 
-    return Border(parameters=outside | {n: others[n] for n in rest}, inward=inward, outward=outward)
+    return Border(parameters=outside | {n: others[n] for n in rest}, inward=inward, outward=outward, linear=())
 
 
 ZERO = Parameter(0.0, "x", "by how much one encoder's zero is off where the joint is relaxed", scale="number")

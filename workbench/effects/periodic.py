@@ -2,8 +2,6 @@
 
 from collections.abc import Iterable
 from math import atan2, hypot
-from math import cos as cosine
-from math import sin as sine
 
 from workbench.border import Border
 from workbench.definition import FORCE, Effect, effect
@@ -46,7 +44,7 @@ def cogging(harmonics: int = 2) -> Effect:
         inside = {"order": o["order"]}
         for i in numbers:
             a, phase = o[f"amplitude{_suffix(i)}"], o[f"phase{_suffix(i)}"]
-            inside |= {f"s{i}": a * cosine(phase), f"c{i}": a * sine(phase)}
+            inside |= {f"s{i}": a * cos(phase), f"c{i}": a * sin(phase)}
         return inside
 
     def outward(given):
@@ -69,7 +67,12 @@ def cogging(harmonics: int = 2) -> Effect:
         reads=("q",),
         step=step,
         holds=("conservative",),
-        border=Border(parameters=outside | {"order": ORDER}, inward=inward, outward=outward),
+        border=Border(
+            parameters=outside | {"order": ORDER},
+            inward=inward,
+            outward=outward,
+            linear=tuple(n for n in outside if n.startswith("amplitude")),
+        ),
     )
 
 

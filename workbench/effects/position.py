@@ -79,6 +79,7 @@ def cable_spring() -> Effect:
                 "stiffness": i["stiffness"],
                 "rest": -i["preload"] / i["stiffness"] if i["stiffness"] else 0.0,
             },
+            linear=("stiffness",),
         ),
     )
 

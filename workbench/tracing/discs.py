@@ -67,4 +67,4 @@ def _first_leads(wave: Effect) -> bool:
         for name, p in wave.parameters.items()
         if name.startswith("sine")
     ]
-    return sizes[0] == max(sizes)
+    return not sizes or sizes[0] == max(sizes)  # none of a wave of which a campaign holds the amplitude alone

@@ -1,7 +1,6 @@
 """Values that no machine has: a cause with such a value does not lead where a plausible one explains nearly as much."""
 
 from collections.abc import Sequence
-from math import hypot
 
 import numpy as np
 
@@ -69,8 +68,8 @@ def implausible(effect: Effect, plant: Plant, declared: Plant, inverses: Sequenc
                 continue  # one part of it is not needed
             return f"its {p.meaning} stands on its bound"
     if effect.name in ("encoder_eccentricity", "kinematic_error"):
-        values = effect.parameters
-        size = hypot(values["sine"].value, values["cosine"].value)
+        values = effect.outside
+        size = values["amplitude"].value
         if effect.name == "encoder_eccentricity" and size > LARGEST_ECCENTRICITY:
             return "an eccentricity of degrees would not have been mounted"
         if (read := _read_wrong(effect, plant)) > LARGEST_ECCENTRICITY:
@@ -101,10 +100,10 @@ def implausible(effect: Effect, plant: Plant, declared: Plant, inverses: Sequenc
 def _read_wrong(wave: Effect, plant: Plant) -> float:
     """Return by how much, rad, the waves of a reading are off together where one of them is its disc's; 0 elsewhere. A crank's inertia is an eccentric
     encoder to the search, of a wave for each of its harmonics."""
-    here = [e for e in plant.effects if e.at == wave.at and "sine" in e.parameters and wave.at.startswith("sensor.")]
+    here = [e for e in plant.effects if e.at == wave.at and "amplitude" in e.outside and wave.at.startswith("sensor.")]
     if not any(e.harmonic for e in here):
         return 0.0
-    return sum(hypot(e.parameters["sine"].value, e.parameters["cosine"].value) for e in here)
+    return sum(e.outside["amplitude"].value for e in here)
 
 
 def _length(effect: Effect, name: str) -> bool:
@@ -172,5 +171,5 @@ def _far(spring: Effect, inverses: Sequence[InverseDynamics]) -> float:
     """Return how many travels away from the middle of the travel a straight spring is relaxed."""
     low = min(float(p.motion.q.min()) for p in inverses)
     high = max(float(p.motion.q.max()) for p in inverses)
-    k, preload = spring.parameters["stiffness"].value, spring.parameters["preload"].value
-    return abs(k * 0.5 * (low + high) + preload) / max(abs(k) * (high - low), 1e-300)
+    k, rest = (spring.outside[n].value for n in ("stiffness", "rest"))
+    return abs(0.5 * (low + high) - rest) / (high - low) if k and high > low else 0.0

@@ -138,7 +138,7 @@ def of_zero(plant: Plant, key: str, inverses: Sequence[InverseDynamics], criteri
     effect = plant[key]
     if ZERO not in effect.parameters or effect.parameters[ZERO].fixed:
         return False
-    flat = plant.with_values({key: dict.fromkeys(("sine", "cosine"), 0.0)})
+    flat = plant.with_values({key: dict.fromkeys({"sine", "cosine", "amplitude"} & {*effect.parameters}, 0.0)})
     loads = [load_errors(inverses, p).get(IDENTIFICATION, 0.0) for p in (flat, plant)]
     if loads[0] ** 2 - loads[1] ** 2 >= criteria.practical**2:
         return False
