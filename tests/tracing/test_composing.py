@@ -15,6 +15,7 @@ from workbench.tracing import composing
 from workbench.tracing.answer import Answer
 from workbench.tracing.candidates import ADDITION, Candidate, Offer, candidates_of
 from workbench.tracing.composing import composed, decomposed, of_one_disc, of_the_axis, plainly
+from workbench.tracing.evidence import CORRECTION
 from workbench.tracing.judge import STANDARD, ScoredCandidate, judged, refitted_as, scored_as
 from workbench.tracing.state import State
 from workbench.tracing.tracing import trace
@@ -240,6 +241,31 @@ def test_a_weight_hangs_where_the_encoder_reads_zero_by_its_phase(phase, hangs):
     """Beside a constant that is free a short travel tells no phase, and no weight that others left out hangs there; nor does one that stands on its head."""
     assert composing._hangs(find("gravity")(sine=2.0 * np.cos(phase), cosine=2.0 * np.sin(phase))) == hangs
     assert not composing._hangs(find("cable_spring")(stiffness=2.0))
+
+
+@pytest.mark.parametrize(("by", "name"), [(lambda q: 0.4 * q, "linear_stiffness"), (lambda q: 0.3 * np.sin(q + 0.46), "gravity")])  # fmt: skip
+def test_a_weight_of_which_both_numbers_would_be_wrong_is_a_spring_that_says_as_much_with_one(by, name):
+    """One that is only too small stays where a data sheet says that it hangs, 0.46 rad from the encoder's zero."""
+    held = find("gravity")(sine=0.9, cosine=0.446)
+    plant = PLANT + replace(held, parameters={n: replace(p, fixed=True) for n, p in held.parameters.items()})
+    drawn = np.random.default_rng(5).standard_normal
+    records = inverses(lambda t, q, way: np.sin(q + 0.46) + by(q) + 0.05 * drawn(t.size))
+    declared = State(plant, records)
+    candidate = next(c for c in candidates_of(plant) if c.effect == "gravity" and c.kind == CORRECTION)
+    j = ScoredCandidate(candidate, **judged(declared, candidate, STANDARD))
+    answer = of_the_axis(Answer([refitted_as(declared, j, STANDARD)], declared), plant, STANDARD)
+    assert [j.candidate.name for j in answer.added] == [name]
+    if name == "linear_stiffness":
+        assert answer.last.plant["linear_stiffness@axis"].parameters["stiffness"].value == pytest.approx(0.4, rel=0.1)
+        assert answer.last.plant["gravity@axis"].parameters["sine"].value == pytest.approx(0.9, rel=0.01)
+
+
+def test_a_weight_whose_phase_alone_is_free_neither_hangs_nor_is_turned_from_a_data_sheet():
+    """Its numbers are then a campaign's own, amplitude and phase, and what is free was declared as unknown."""
+    weight = find("gravity").declared({"mgl": 1.75, "phase": -0.17}, {"mgl": True, "phase": False}, "here")
+    moved = weight(mgl=1.9, phase=-0.11).free("mgl")
+    assert moved.linear == ("mgl",)
+    assert not composing._hangs(moved) and not composing._turned(moved, PLANT + weight)
 
 
 def test_a_cable_behind_a_joint_whose_encoders_have_zeros_of_their_own_stays_one():

@@ -299,6 +299,10 @@ CASES = {
             weighed("backlash", (0.13, 0.0458), (0.09, 0.0456)), weighed("encoder_eccentricity", (0.0458, 0.01), (0.0456, 0.0076), of_zero=True)
         ), CAUSE, (CAUSE, REFINEMENT),
     ),
+    "the zero between two encoders that takes all that could be foretold leaves nothing missing": (
+        evidence(weighed("encoder_eccentricity", (0.0326, 0.0154), (0.0304, 0.0187), at="sensor.load_position", of_zero=True), before=0.0142),
+        NOTHING, (REFINEMENT,),
+    ),
     "a joint has one curve, however many laws make it up": (
         evidence(
             weighed("backlash", (0.2, 0.05), (0.2, 0.05)), weighed("cubic_stiffness", (0.05, 0.02), (0.05, 0.02), same_curve=True)

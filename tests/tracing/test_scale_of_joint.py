@@ -11,25 +11,26 @@ from workbench.definition import find
 from workbench.inverse.dynamics import inverse_dynamics
 from workbench.plant import Plant
 from workbench.record import IDENTIFICATION, Record
+from workbench.tracing import orders
 from workbench.tracing.candidates import ADDITION, Candidate, Offer
 from workbench.tracing.criteria import Criteria
 from workbench.tracing.judge import STANDARD
-from workbench.tracing.orders import any_curve
+from workbench.tracing.orders import any_curve, stranger
 from workbench.tracing.ranking import step
 from workbench.tracing.scale_of_joint import beside
 from workbench.tracing.state import State
 from workbench.tracing.weighing import of_zero
 
-ORDER, COUNT = 60.0, 1e-6
+ORDER, COUNT, TEETH = 60.0, 1e-6, 20
 ASKED = {"inertia", "kinematic_error"}
 
 
-def geared(wave: float, order: float = ORDER, cogs: float = 0.0) -> Record:
-    """A record whose gear errs by a wave of the load's place, rad; cogs: of the load, N*m, of the same order."""
+def geared(wave: float, order: float = ORDER, cogs: float = 0.0, teeth: float = 0.0) -> Record:
+    """A record whose gear errs by a wave of the load's place, rad; cogs: of the load, N*m, of the same order; teeth: of the gear, rad, TEETH times as often."""
     t = np.arange(round(16.0 * RATE)) / RATE
     place = waved(t, 5, 0)
     through = JL * waved(t, 5, 2) + BL * waved(t, 5, 1) + cogs * np.sin(order * place)
-    motor = place + through / K + wave * np.sin(order * place + 0.4)
+    motor = place + through / K + wave * np.sin(order * place + 0.4) + teeth * np.sin(TEETH * order * place + 1.9)
     speed = np.gradient(motor, t)
     drive = through + JM * np.gradient(speed, t) + BM * speed + np.random.default_rng(2).normal(0.0, 5.0, t.size)
     read = {n: COUNT * np.round(x / COUNT) for n, x in (("position", motor), ("load_position", place))}
@@ -81,7 +82,8 @@ def test_what_a_joint_that_carries_half_leaves_of_its_load_counts_twice_in_rms()
 
 
 @pytest.mark.parametrize(("at", "gain", "any"), [("joint", 0.85, False), ("joint", 0.75, True), ("load", 0.85, True)])
-def test_a_wave_of_the_angle_between_two_encoders_may_be_as_long_as_half_the_travel(at, gain, any):
+def test_a_wave_of_the_angle_between_two_encoders_may_be_as_long_as_half_the_travel(monkeypatch, at, gain, any):
+    monkeypatch.setattr(orders, "_share_beside_teeth", lambda *_: 0.0)
     inverses = inverse_dynamics([geared(0.0)], BAND)
     long = 1.4 * 2.0 * np.pi / np.ptp(inverses[0].motion.q)
     wave = find("kinematic_error" if at == "joint" else "cyclic_friction")(at=at, order=long)
@@ -91,6 +93,20 @@ def test_a_wave_of_the_angle_between_two_encoders_may_be_as_long_as_half_the_tra
         candidate=candidate, refitted=SimpleNamespace(plant=plant), score=SimpleNamespace(gain=gain)
     )
     assert any_curve(asked, SimpleNamespace(inverses=inverses, plant=plant), STANDARD) is any
+
+
+def test_a_pinions_turn_of_which_the_travel_holds_less_than_two_leads_beside_its_teeth():
+    """Of both it takes less than `near`, and of what the teeth leave all; the teeth stand to it as many to one, which takes all that is left."""
+    place = inverse_dynamics([geared(0.0)], BAND)[0].motion.q
+    long = 1.6 * 2.0 * np.pi / np.ptp(place)
+    state = State(held(JM), inverse_dynamics([geared(2e-4, long, teeth=8e-5)], BAND))
+    offer = Offer(only={"kinematic_error", "flexible_mode"})
+    turn = step(state, lambda _: None, offer)[0]
+    assert turn.score.effect == "kinematic_error" and 0.5 < turn.score.gain < STANDARD.near
+    teeth = step(turn.state, lambda _: None, offer)[0]
+    assert teeth.candidate.key == "kinematic_error 2@joint" and teeth.score.gain > STANDARD.near
+    found = teeth.state.plant["kinematic_error 2@joint"].parameters["order"].value
+    assert found == pytest.approx(TEETH * long, rel=2e-3) and stranger(teeth.state.plant["kinematic_error 2@joint"], teeth.state.plant, state.inverses)  # fmt: skip
 
 
 @pytest.mark.parametrize("wave", [2e-5, 5e-5])

@@ -163,6 +163,16 @@ def test_a_hose_that_pushes_alike_at_both_ends_is_no_wave_of_less_than_two_perio
     assert free.errors.total < (1.0 - STANDARD.near) * state.errors.total
 
 
+def test_a_skin_that_is_stretched_near_both_ends_is_two_springs_of_few_numbers_and_no_curve():
+    """A wave of one period leads, a spring with a play about zero takes a third of what it takes, and two springs of their own as much as the curve."""
+    state, judgements = asked(lambda q: 3.0 * np.maximum(q - 0.12, 0.0) - 1.5 * np.maximum(-0.2 - q, 0.0), PLANT, "cogging", "piecewise_stiffness")  # fmt: skip
+    wave = next(j for j in judgements if j.candidate.effect == "cogging")
+    law = free_law._curve_of(state, wave, [], STANDARD, Offer())
+    assert (law.candidate.effect, law.candidate.name) == ("end_stops", "piecewise_stiffness")
+    assert free_law._curve_of(state, wave, [], STANDARD, Offer(only={"cogging", "cable_spring"})).candidate.name == "cable_spring"  # fmt: skip
+    assert free_law._curve_of(state, wave, [wave], STANDARD, Offer()).candidate.name == "cogging"
+
+
 def test_beside_a_curve_over_place_a_wave_of_three_periods_is_what_its_formula_left():
     state, judgements = asked(lambda q: 0.4 * np.cos(30.0 * q), PLANT, "cogging", "cable_spring")
     wave = next(j for j in judgements if j.candidate.effect == "cogging")

@@ -84,8 +84,8 @@ def decide(evidence: Evidence, criteria: Criteria) -> Verdict:
         names = (*(("clock_skew",) if evidence.clock else ()), *(a.effect.partition(" ")[0] for a in ordered))
         return Verdict(CAUSE, roles, more, _alarms(evidence, roles), tuple(dict.fromkeys(names)))
     # what only dresses a change along the stroke was borne out: something is there, though the reference may foretell none of it
-    # what a declared law is only nearly right in is no part of what is missing
-    near = all(r == REFINEMENT and a.of_declared for a, r in zip(evidence.added, roles, strict=True))
+    # what a declared law is only nearly right in is no part of what is missing, nor is where two encoders were set to zero
+    near = all(r == REFINEMENT and (a.of_declared or a.of_zero) for a, r in zip(evidence.added, roles, strict=True))
     left = evidence.after if roles and near and not evidence.refused else evidence.before
     missing = left.size >= criteria.explainable or along or _unborne(evidence, roles, criteria)
     missing = missing or changes(evidence, criteria)

@@ -118,7 +118,8 @@ def _curve_of(
     state: State, wave: ScoredCandidate, added: Sequence[ScoredCandidate], criteria: Criteria, offer: Offer
 ) -> ScoredCandidate | None:
     """Return the free form of a wave's class that takes `near` of what the wave takes, which hardly returns within the travel and may be
-    any curve; None where there is none. It bears the name of what was found of the class before, else of the law that a curve is nearest to."""
+    any curve; None where there is none: a formula of few numbers that says nearly as much, else the curve, which bears the name of what was
+    found of the class before, else of the law that a curve is nearest to."""
     family, at = wave.candidate.family, wave.candidate.at
     asked = {(family, at)} if family in FREE_FORMS else set()
     forms = judged_forms(state, asked, criteria, offer.budget)
@@ -126,8 +127,10 @@ def _curve_of(
     whole = state.errors.total
     if free is None or whole - free.errors.total < criteria.near * (whole - wave.errors.total):
         return None
-    name = _named_before(free, added) or _nearest(family, at, state) or wave.candidate.effect
-    return _bearing(name, free, state, criteria)
+    earlier = _named_before(free, added)
+    if not earlier and (formula := spellings.of_a_curve(state, free, criteria, offer)):
+        return refitted_as(state, formula, criteria)
+    return _bearing(earlier or _nearest(family, at, state) or wave.candidate.effect, free, state, criteria)
 
 
 def _nearest(family: str, at: str, state: State) -> str:

@@ -72,7 +72,7 @@ def extended(
         elif best is not None and not found and lives_in_places(state, best, criteria, offer):
             judgements, best = pushed_back(judgements, criteria, state), None
         if best is None and not noise_alone(state, level, PLAIN):
-            asked = [j for j in judgements if found or not any_curve(j, state, criteria)]
+            asked = [j for j in judgements if found or not any_curve(j, state, criteria, offer)]
             steady = steadier(state, _most_first(asked), criteria, offer)
             if steady is None and found and not any(j.score.earns for j in judgements):
                 steady = otherwise_spelled(state, [s.added for s in found], criteria, offer)

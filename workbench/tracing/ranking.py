@@ -24,7 +24,7 @@ from workbench.tracing.judge import (
     refitted,
 )
 from workbench.tracing.one_sided import one_sided
-from workbench.tracing.orders import any_curve, stranger
+from workbench.tracing.orders import any_curve, of_no_mechanism
 from workbench.tracing.plausible import implausible
 from workbench.tracing.reducing import reduced_to
 from workbench.tracing.slack import gap_first
@@ -171,7 +171,7 @@ def _plainest_first(
     }
     for _ in range(min(offer.budget.leading, len(judgements))):
         first = judgements[0]
-        if _stranger(first, state) or (first_of_all and any_curve(first, state, criteria)):
+        if of_no_mechanism(first, state) or (first_of_all and any_curve(first, state, criteria, offer)):
             judgements = pushed_back(judgements, criteria, state)
             continue
         name = reduced_to(first, state, criteria)
@@ -212,13 +212,6 @@ def _as_simple(
         if alike(first, fitted, criteria, state.power) and not absurd(fitted, state):
             return fitted
     return first
-
-
-def _stranger(j: ScoredCandidate, state: State) -> bool:
-    """Whether a fitted candidate is a further wave of an order that no mechanism has beside the waves that are there."""
-    if not j.refitted or j.candidate.kind != ADDITION:
-        return False
-    return stranger(j.refitted.plant[j.candidate.key], j.refitted.plant, state.inverses)
 
 
 def pushed_back(judgements: Sequence[ScoredCandidate], criteria: Criteria, state: State) -> list[ScoredCandidate]:

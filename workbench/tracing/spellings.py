@@ -79,6 +79,19 @@ def of_any_law(
     return best
 
 
+def of_a_curve(state: State, free: ScoredCandidate, criteria: Criteria, offer: Offer) -> ScoredCandidate | None:
+    """Return the other spelling of a law of a free form's class at its place that takes `near` of what the curve takes, under the name that it
+    bears; None where there is none. A skin that is stretched near both ends of a nod is two springs of four numbers."""
+    own = [e for e in spellings_in(free.candidate.family) if offer.only is None or e.nearest in offer.only]
+    here = [c for c in _offered(own, state, offer) if c.at == free.candidate.at]
+    asked = [replace(c, part=catalogue()[c.effect].nearest) for c in here]
+    found = [as_of_a_spring(j, state) for j in _earning(state, asked, criteria, offer)]
+    best = min(found, key=lambda j: (j.errors.total, j.candidate.key), default=None)
+    whole = state.errors.total
+    says = best is not None and whole - best.errors.total >= criteria.near * (whole - free.errors.total)
+    return best if says else None
+
+
 def _offered(others: Sequence[Effect], state: State, offer: Offer) -> list[Candidate]:
     """Return candidates of laws that are other spellings."""
     names = {e.name for e in others}
