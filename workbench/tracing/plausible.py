@@ -171,5 +171,7 @@ def _far(spring: Effect, inverses: Sequence[InverseDynamics]) -> float:
     """Return how many travels away from the middle of the travel a straight spring is relaxed."""
     low = min(float(p.motion.q.min()) for p in inverses)
     high = max(float(p.motion.q.max()) for p in inverses)
-    k, rest = (spring.outside[n].value for n in ("stiffness", "rest"))
-    return abs(0.5 * (low + high) - rest) / (high - low) if k and high > low else 0.0
+    values = {n: p.value for n, p in spring.parameters.items()}  # as it is fitted, or as it is written
+    k = values["stiffness"]
+    preload = values["preload"] if "preload" in values else -k * values["rest"]
+    return abs(k * 0.5 * (low + high) + preload) / max(abs(k) * (high - low), 1e-300)
