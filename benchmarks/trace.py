@@ -13,7 +13,6 @@ import sys
 from collections.abc import Callable, Sequence
 from hashlib import sha256
 from pathlib import Path
-from typing import NoReturn
 
 from benchmarks._trace_draw import Spec, specs
 from benchmarks._trace_families import FAMILIES, Case, cases, known
@@ -133,15 +132,15 @@ def again(key: str) -> None:
     sys.exit(f"bench-trace: no kept campaign has the key '{key}'.")
 
 
-def folder(given: str, refuse: Callable[[str], NoReturn]) -> Path:
-    """Return a campaign's folder: as it is named, or below WORKBENCH_DATA."""
+def folder(given: str) -> Path:
+    """Return a campaign's folder: as it is named, or below WORKBENCH_DATA. Ends the program where there is none."""
     data = os.environ.get("WORKBENCH_DATA")
     places = [Path(given), *([Path(data, given)] if data else [])]
-    for place in places:
-        if (place / CAMPAIGN).is_file():
-            return place
-    beside = f", nor does {places[1]}" if data else "; if it is measured data, set WORKBENCH_DATA"
-    refuse(f"'{given}' holds no {CAMPAIGN}{beside}.")
+    found = next((p for p in places if (p / CAMPAIGN).is_file()), None)
+    if found is None:
+        beside = f", nor does {places[1]}" if data else "; if it is measured data, set WORKBENCH_DATA"
+        sys.exit(f"bench-trace: '{given}' holds no {CAMPAIGN}{beside}.")
+    return found
 
 
 def asked() -> argparse.Namespace:
@@ -174,8 +173,6 @@ def asked() -> argparse.Namespace:
     )  # fmt: skip
     parser.add_argument("--again", metavar="KEY", help="do one campaign of the kept results once more, and print it")
     given = parser.parse_args()
-    for option in ("private", "rules"):
-        setattr(given, option, [folder(x, parser.error) for x in getattr(given, option) or ()])
     given.families = given.families.split(",")
     if unknown := [f for f in given.families if not known(f)]:
         parser.error(f"there is no family '{unknown[0]}', nor a folder for it; known: {', '.join(FAMILIES)}.")
@@ -189,11 +186,11 @@ if __name__ == "__main__":
     elif given.private:
         from benchmarks._trace_private import main as private
 
-        private(given.private)
+        private([folder(x) for x in given.private])
     elif given.rules:
         from benchmarks._trace_rules import main as rules
 
-        rules(given.rules)
+        rules([folder(x) for x in given.rules])
     elif given.details:
         main(given.campaigns, given.seed, MASSES[given.masses], given.short, not given.kept)
     else:

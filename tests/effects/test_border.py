@@ -8,6 +8,7 @@ import pytest
 
 from workbench.definition import find
 from workbench.errors import WorkbenchError
+from workbench.identification.by_record import held
 from workbench.identification.fit import identify
 from workbench.inverse.balances import predicted
 from workbench.inverse.dynamics import inverse_dynamics
@@ -94,6 +95,17 @@ def test_a_cable_s_rest_may_be_held_and_its_stiffness_free():
 @pytest.mark.parametrize("name", ["gravity", "cable_spring", "cogging", "kinematic_error", "presliding_hysteresis"])
 def test_an_effect_of_which_nothing_is_written_is_held_as_the_catalogue_holds_it(name):
     assert {n: p.fixed for n, p in declared(name, {}).parameters.items()} == {n: p.fixed for n, p in find(name).parameters.items()}  # fmt: skip
+
+
+@pytest.mark.parametrize(("name", "values", "fixed", "stay"), [
+    ("cable_spring", {"stiffness": 4.0, "rest": 0.2}, {"stiffness": True, "rest": False}, {"stiffness"}),
+    ("cable_spring", {"stiffness": 4.0, "rest": 0.2}, {"stiffness": False, "rest": True}, {"rest"}),
+    ("presliding_hysteresis", {"h0": 3.0, "a": 2000.0, "d": 0.8}, {"h0": False, "a": True, "d": True}, {"a", "d"}),
+    ("gravity", {"mgl": 0.0, "phase": 0.0}, {"mgl": False, "phase": False}, set()),
+    ("gravity", {"mgl": 1.0, "phase": 0.4}, {"mgl": True, "phase": True}, {"mgl", "phase"}),
+])  # fmt: skip
+def test_what_is_held_of_an_effect_is_that_of_which_nothing_inside_is_free(name, values, fixed, stay):
+    assert {*held(declared(name, values, **fixed))} == stay
 
 
 def test_amplitudes_are_those_of_the_weight_that_is_written():

@@ -16,6 +16,7 @@ from workbench.identification.bounded import scales
 from workbench.identification.intervals import BLOCKS, SHORTEST, outward_slope
 from workbench.identification.problem import Name, Problem
 from workbench.identification.solve import Solution
+from workbench.parameter import Parameter
 from workbench.plant import Plant
 
 SHARE = 0.01  # of what all records together know of a parameter: a record that knows less has no say in it
@@ -98,6 +99,12 @@ def outside_of(plant: Plant, names: Sequence[Name], own: Own) -> dict[tuple[str,
                 value = float(outside[name])
                 found[e.key, name] = p.value + remainder(value - p.value, 2 * pi) if p.unit == "rad" else value
     return found
+
+
+def held(effect: Effect) -> dict[str, Parameter]:
+    """Return the parameters that an effect holds of those that a campaign writes: of which nothing inside is free, beside others or not."""
+    fixed = {n: [effect.parameters[i].fixed for i in depends(effect, n)] for n in effect.outside}
+    return {n: p for n, p in effect.outside.items() if (all(fixed[n]) if fixed[n] else p.fixed)}
 
 
 def depends(effect: Effect, name: str) -> set[str]:

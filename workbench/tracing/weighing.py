@@ -7,6 +7,7 @@ from math import inf
 import numpy as np
 
 from workbench.definition import TWO_COUNTS, Effect, catalogue
+from workbench.identification.by_record import held
 from workbench.identification.fit import identify
 from workbench.identification.result import Fit
 from workbench.inverse.balances import predicted
@@ -198,9 +199,9 @@ def _change(declared: Plant, fit: Fit, key: str) -> float:
     found = {(e.effect, e.at, e.parameter): e for e in fit.estimates}
     effect = declared[key]
     changes = [0.0]
-    for n, p in effect.outside.items():
+    for n, p in held(effect).items():
         new = found.get((effect.named, effect.at, n))
-        if not p.fixed or new is None:
+        if new is None:
             continue
         off = max(new.low - p.value, p.value - new.high, 0.0) if new.low <= new.high else abs(new.value - p.value)
         changes.append(off / abs(p.value) if p.value != 0.0 else float(off > 0.0))

@@ -5,6 +5,7 @@ from math import isfinite
 
 from workbench.definition import find
 from workbench.finding import BELOW_FLOOR, HUM, SLOW_FORCE, SOMETHING_ELSE, Finding, capital, place, title
+from workbench.identification.by_record import held
 from workbench.identification.result import Fit
 from workbench.plant import Plant
 from workbench.record import IDENTIFICATION, VALIDATION
@@ -206,7 +207,7 @@ def _why_not(a: Weighed, along: float, stays: Explainable, criteria: Criteria) -
 
 def _held(plant: Plant, score: CandidateScore) -> dict[str, float]:
     """Return outside parameter -> the value that a plant holds it at, of the effect that a candidate corrects."""
-    return {n: p.value for n, p in plant[f"{score.effect}@{score.at}"].outside.items() if p.fixed}
+    return {n: p.value for n, p in held(plant[f"{score.effect}@{score.at}"]).items()}
 
 
 def not_carried(causes: Sequence[Cause], criteria: Criteria):
