@@ -160,7 +160,7 @@ def _hangs(pull: Effect) -> bool:
 
 def _turned(pull: Effect, declared: Plant) -> bool:
     """Whether a force is a weight of which a data sheet would be wrong in where it hangs, too."""
-    if pull.name != WEIGHT or "phase" in {n for n, p in pull.parameters.items() if not p.fixed}:
+    if pull.name != WEIGHT or "phase" in pull.parameters:  # of which one of the two is free
         return False
     return abs(remainder(_at_zero(pull) - _at_zero(declared[pull.key]), 2.0 * pi)) > TURNED
 

@@ -117,9 +117,9 @@ def _freed(
 def _curve_of(
     state: State, wave: ScoredCandidate, added: Sequence[ScoredCandidate], criteria: Criteria, offer: Offer
 ) -> ScoredCandidate | None:
-    """Return the free form of a wave's class that takes `near` of what the wave takes, which hardly returns within the travel and may be
-    any curve; None where there is none: a formula of few numbers that says nearly as much, else the curve, which bears the name of what was
-    found of the class before, else of the law that a curve is nearest to."""
+    """Return what stands for a wave that hardly returns within the travel, where the free form of its class takes `near` of what the wave
+    takes; None where it does not. A formula of few numbers that says nearly as much as that curve; else the curve itself, which bears the name
+    of what was found of the class before, else of the law that it is nearest to."""
     family, at = wave.candidate.family, wave.candidate.at
     asked = {(family, at)} if family in FREE_FORMS else set()
     forms = judged_forms(state, asked, criteria, offer.budget)

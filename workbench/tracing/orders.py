@@ -9,7 +9,7 @@ from workbench.definition import Effect
 from workbench.effects.families import FREE_FORMS, family_of
 from workbench.inverse.dynamics import InverseDynamics
 from workbench.plant import Plant
-from workbench.tracing.candidates import ADDITION, WHOLE, Offer, without
+from workbench.tracing.candidates import ADDITION, WHOLE, Candidate, Offer, without
 from workbench.tracing.criteria import Criteria
 from workbench.tracing.discs import MEETS
 from workbench.tracing.judge import ScoredCandidate, everything_free, judged
@@ -72,15 +72,22 @@ def any_curve(j: ScoredCandidate, state: State, criteria: Criteria, offer: Offer
 def _share_beside_teeth(j: ScoredCandidate, state: State, criteria: Criteria, offer: Offer) -> float:
     """Return the share that a fitted wave takes of what a further order of its own leaves that the travel does show to return; 0 where none earns
     its place. Of a pinion's turn, of which a slide's travel held 1.7, and its teeth a sine took 0.73, and 0.99 beside the teeth."""
-    with_it, own = j.refitted.state, j.candidate.plant[j.candidate.key]
-    further = [c for c in offer.candidates(with_it.plant) if c.kind == ADDITION and c.at == own.at]
-    again = [c for c in further if c.plant[c.key].name == own.name and c.key != j.candidate.key]
-    for c in again:  # one: the same effect at its next order
-        teeth = everything_free(with_it, ScoredCandidate(c, **judged(with_it, c, criteria, offer.budget)), criteria)
-        if not (teeth.refitted and teeth.score.earns):
-            continue
-        both = teeth.refitted.state
-        if returns(both.plant[c.key], state.inverses, rotary=state.plant.rotary):
-            alone = State(without(both.plant, j.candidate, state.plant), state.inverses)
-            return 1.0 - both.errors.total / alone.errors.total
-    return 0.0
+    with_it = j.refitted.state
+    c = next(iter(further_orders(j.candidate, with_it, offer)), None)
+    if c is None:
+        return 0.0
+    teeth = everything_free(with_it, ScoredCandidate(c, **judged(with_it, c, criteria, offer.budget)), criteria)
+    if not (teeth.refitted and teeth.score.earns):
+        return 0.0
+    both = teeth.refitted.state
+    if not returns(both.plant[c.key], state.inverses, rotary=state.plant.rotary):
+        return 0.0
+    alone = State(without(both.plant, j.candidate, state.plant), state.inverses)
+    return 1.0 - both.errors.total / alone.errors.total
+
+
+def further_orders(wave: Candidate, state: State, offer: Offer) -> list[Candidate]:
+    """Return what is offered of a wave beside a state that has it: one candidate, the same effect at its next order, or none."""
+    name = wave.plant[wave.key].name
+    offered = (c for c in offer.candidates(state.plant) if c.kind == ADDITION and c.at == wave.at)
+    return [c for c in offered if c.plant[c.key].name == name and c.key != wave.key]

@@ -10,6 +10,7 @@ from workbench.tracing.candidates import ADDITION, AGAIN, Candidate, Offer, peri
 from workbench.tracing.criteria import Criteria
 from workbench.tracing.free_forms import free_forms
 from workbench.tracing.judge import ScoredCandidate, everything_free, judged
+from workbench.tracing.orders import further_orders
 from workbench.tracing.spellings import hardly_returns, spellings_in
 from workbench.tracing.state import State
 
@@ -35,17 +36,14 @@ def of_more_orders(
 def orders_say_it(state: State, nearest: ScoredCandidate, most: float, criteria: Criteria, offer: Offer) -> bool:
     """Whether a periodic formula and further orders of it, as many as a search would add, leave no more than `most`: a wave of several
     orders, of which none takes much of the whole, and each is seen to return: any curve is drawn by what hardly returns beside what does."""
-    own = nearest.candidate.plant[nearest.candidate.key]
-    if not periodic(own) or nearest.theta is None:
+    if not periodic(nearest.candidate.plant[nearest.candidate.key]) or nearest.theta is None:
         return False
     for _ in AGAIN:
         nearest = nearest if nearest.refitted else everything_free(state, nearest, criteria)
         if nearest.refitted is None or hardly_returns(nearest, state):
             return False
         state = nearest.state or nearest.refitted.state
-        further = [c for c in offer.candidates(state.plant) if c.kind == ADDITION and c.at == own.at]
-        # one candidate: the same effect at its next order
-        again = [c for c in further if c.plant[c.key].name == own.name and c.key != nearest.candidate.key]
+        again = further_orders(nearest.candidate, state, offer)
         found = [ScoredCandidate(c, **judged(state, c, criteria, offer.budget)) for c in again]
         nearest = min((j for j in found if j.theta is not None), key=lambda j: j.errors.total, default=None)
         if nearest is None or nearest.errors.total <= most:
