@@ -51,6 +51,7 @@ RULES: dict[str, Callable] = {
     "discs.of_the_disc": _always(""),
     "discs.on_the_shaft": _always(""),
     "discs.once_a_turn": _NO,
+    "discs.behind_the_gear": _NO,
     # the order of a round
     "one_sided.one_sided": _as_it_came,
     "one_sided.asked_freely": lambda best, judgements: [best],
@@ -124,7 +125,7 @@ RULES: dict[str, Callable] = {
     "dressing.less_than_places": _NO,
     "dressing.changes": _NO,
     "dressing._doubtful": _NO,
-    "dressing._of_a_gain": _NO,
+    "dressing._of_what_changes": _NO,
 }
 
 

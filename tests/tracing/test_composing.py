@@ -15,6 +15,7 @@ from workbench.tracing import composing
 from workbench.tracing.answer import Answer
 from workbench.tracing.candidates import ADDITION, Candidate, Offer, candidates_of
 from workbench.tracing.composing import composed, decomposed, of_one_disc, of_the_axis, plainly
+from workbench.tracing.discs import behind_the_gear
 from workbench.tracing.evidence import CORRECTION
 from workbench.tracing.judge import STANDARD, ScoredCandidate, judged, refitted_as, scored_as
 from workbench.tracing.state import State
@@ -114,7 +115,7 @@ def test_of_two_encoders_a_wave_of_the_joint_is_the_second_one_of_a_disc(order, 
     plant = Plant(TWO_MASS) + find("encoder_eccentricity")(at="sensor.load_position")
     plant = plant + find("kinematic_error")(at="joint", order=order)
     of = {e.name: Candidate(e.name, e.at, ADDITION, plant) for e in plant.effects}
-    last = SimpleNamespace(plant=plant)
+    last = SimpleNamespace(plant=plant, inverses=())
     added = [ScoredCandidate(of[n], None, None, 0, None, state=last) for n in sorted(of)]
     answer = of_one_disc(Answer(added, last))
     assert [j.candidate.name for j in answer.added] == ["encoder_eccentricity", name]
@@ -125,7 +126,7 @@ def test_of_one_encoder_a_wave_once_a_turn_of_the_motor_is_the_motors_disc(order
     """A loader's lift with a magnetic encoder on its motor was told of its gear; a wave generator's two waves a turn are the gear's."""
     plant = Plant(ONE_MASS, geometry=Geometry(gear_ratio=ratio))
     plant = plant + find("kinematic_error")(at="sensor.position", order=order, sine=1e-4)
-    last = SimpleNamespace(plant=plant)
+    last = SimpleNamespace(plant=plant, inverses=())
     added = [
         ScoredCandidate(
             Candidate("kinematic_error", "sensor.position", ADDITION, plant), None, None, 0, None, state=last
@@ -134,13 +135,50 @@ def test_of_one_encoder_a_wave_once_a_turn_of_the_motor_is_the_motors_disc(order
     assert [j.candidate.name for j in of_one_disc(Answer(added, last)).added] == [name]
 
 
+@pytest.mark.parametrize(
+    ("turn", "ratio", "behind"),
+    [
+        (2**26, 144.0, True),
+        (100 * 8192, 100.0, False),
+        (1_296_000, 30.0, False),
+        (2**20, 64.0, False),
+        (2**20 + 0.3, 144.0, False),
+        (2**17, 1.0, False),
+        (101 * 4096, 50.5, False),
+        (2**24, 50.5, True),
+    ],
+    ids=[
+        "26 bits",
+        "of the motor's turn",
+        "either",
+        "a ratio of two's power",
+        "counts nothing whole",
+        "no gear",
+        "half a tooth",
+        "24 bits",
+    ],
+)
+def test_of_a_turn_that_holds_no_whole_number_of_counts_no_disc_errs(turn, ratio, behind):
+    """A telescope's worm of 144 teeth errs once a turn of its motor, and its encoder of 26 bits can sit behind it alone."""
+    wave = find("kinematic_error")(at="sensor.position", order=ratio, sine=1e-4)
+    plant = Plant(ONE_MASS, geometry=Geometry(gear_ratio=ratio)) + wave
+    count = 2.0 * np.pi / turn
+    assert behind_the_gear(plant, count) is behind
+    assert not behind_the_gear(plant, 0.0)
+    motion = SimpleNamespace(motion=SimpleNamespace(counts=count))
+    last = SimpleNamespace(plant=plant, inverses=[motion])
+    candidate = Candidate("kinematic_error", "sensor.position", ADDITION, plant)
+    (named,) = of_one_disc(Answer([ScoredCandidate(candidate, None, None, 0, None, state=last)], last)).added
+    assert named.candidate.name == ("kinematic_error" if behind or ratio == 1.0 else "encoder_eccentricity")
+
+
 @pytest.mark.parametrize(("kind", "at", "name"), [(ONE_MASS, "sensor.position", "encoder_eccentricity"), (TWO_MASS, "joint", "kinematic_error")])  # fmt: skip
 def test_the_reading_of_a_slide_errs_in_waves_by_its_encoders_disc(kind, at, name):
     """A syringe pump's magnetic ring on its screw erred once and twice in its lead, and nothing says how far the pump goes in a turn."""
     plant = Plant(kind, rotary=False)
     plant = plant + find("kinematic_error")(at=at, order=2 * np.pi / 2e-3, sine=1e-5)
     plant = plant + find("kinematic_error")(at=at, order=4 * np.pi / 2e-3, sine=3e-6, label="2")
-    last = SimpleNamespace(plant=plant)
+    last = SimpleNamespace(plant=plant, inverses=())
     candidates = [Candidate(e.named, at, ADDITION, plant) for e in plant.effects]
     added = [ScoredCandidate(c, None, None, 0, None, state=last) for c in candidates]
     named = {j.candidate.name.partition(" ")[0] for j in of_one_disc(Answer(added, last)).added}
@@ -152,7 +190,7 @@ def test_a_curve_over_the_motors_turn_is_its_discs_where_its_first_harmonic_lead
     plant = Plant(ONE_MASS, geometry=Geometry(gear_ratio=16.0))
     curve = angle_over_angle(16.0, 2, "sensor.position")(sine1=first, cosine2=second)
     plant = plant + curve
-    last = SimpleNamespace(plant=plant)
+    last = SimpleNamespace(plant=plant, inverses=())
     candidate = Candidate(curve.named, curve.at, ADDITION, plant, stands="kinematic_error")
     (named,) = of_one_disc(Answer([ScoredCandidate(candidate, None, None, 0, None, state=last)], last)).added
     assert (named.candidate.name, named.candidate.stands) == (name, name)

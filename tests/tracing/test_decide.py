@@ -236,6 +236,15 @@ CASES = {
     "beside an effect it is something else that is missing": (
         replace(evidence(weighed("cogging", (0.0937, 0.0482), (0.0974, 0.0469)), before=0.0105), after=Explainable(gain=0.0446)), CAUSE, (CAUSE,),
     ),
+    "a coil that leaves its gap is two springs and a saturation, of whose rest a constant that changes along the stroke takes most": (
+        replace(
+            evidence(weighed("piecewise_stiffness", (0.0998, 0.0778), (0.069, 0.06)), weighed("torque_constant_saturation", (0.0778, 0.0589), (0.06, 0.055))),
+            before=Explainable(exogenous=0.0288, inertia=0.0579), after=Explainable(exogenous=0.018, inertia=0.0458),
+        ), UNKNOWN, (DRESSING, DRESSING),
+    ),
+    "beside a cause that leaves more than that, it is not all": (
+        replace(evidence(weighed("cogging", (0.2, 0.08), (0.2, 0.08))), after=Explainable(inertia=0.0458)), CAUSE, (CAUSE,),
+    ),
     "a curve that is any law of its class leaves nothing to a law: what stays lives in places": (
         evidence(
             weighed("cyclic_friction", (0.1192, 0.1080), (0.1716, 0.1554)),

@@ -156,6 +156,22 @@ def test_an_inertia_that_is_alike_everywhere_is_not_and_neither_is_one_declared_
     assert crank(0.0, declared).inertia == 0.0
 
 
+def leaving(falls: float) -> Explainable:
+    """Return what is explainable where a drive's constant falls by this share towards the ends of the stroke, while it moves a mass on springs."""
+    t = np.arange(12000) / RATE
+    q, v, a = (waved(t, 5, n) for n in (0, 1, 2))
+    drive = (INERTIA * a + 0.5 * INERTIA * v + 900.0 * INERTIA * q) / (1.0 - falls * (q / np.abs(q).max()) ** 2)
+    drive += 0.01 * INERTIA * np.random.default_rng(2).standard_normal(t.size)
+    record = Record("r", IDENTIFICATION, t, {"torque": drive, "position": q}, {}, SOURCE)
+    plant = Plant(ONE_MASS) + find("inertia") + find("viscous_friction") + find("linear_stiffness")(at="axis")
+    return explainable(State(plant, inverse_dynamics([record], JOINT_BAND)), Criteria())
+
+
+def test_a_constant_of_the_drive_that_falls_towards_the_ends_of_the_stroke_is_told_as_such_and_one_of_one_size_is_not():
+    assert leaving(0.15).inertia > 0.02
+    assert leaving(0.0).inertia == 0.0
+
+
 def warming(falls: float) -> Explainable:
     """Return what is explainable where a drive's gain falls by this share, e-fold in 3 s, while it moves an inertia and a spring."""
     t = np.arange(12000) / RATE

@@ -1,9 +1,10 @@
-"""What an inertia that changes along the stroke would take of a residual, out of sample: of a crank, a toggle, an arm that folds.
+"""What an inertia that changes along the stroke, or a drive's constant that does, would take of a residual, out of sample: of a crank, a toggle,
+an arm that folds; of a coil that leaves its gap, a linear motor at the end of its magnets.
 
-J(q) a + J'(q) v^2/2, J a sum of bells over the stroke, is fitted beside the declared model to all blocks but those it is asked of. What
-an inertia takes that is everywhere alike does not count: it is a mass that was declared wrong. No effect of the catalogue changes an
-inertia, so this says "unknown" where an effect only dresses it: a crank is a kinematic error to the search. Source: Lagrange's equation
-of one coordinate, T = J(q) a + J'(q) v^2/2.
+J(q) a + J'(q) v^2/2, J a sum of bells over the stroke, is fitted beside the declared model to all blocks but those it is asked of; and K(q) times
+what the model drives. What either takes that is everywhere alike does not count: it is a mass, or a constant, that was declared wrong. No effect of
+the catalogue is either, so this says "unknown" where an effect only dresses it: a crank is a kinematic error to the search, and a coil on springs
+that leaves its gap two springs and a drive that saturates. Source: Lagrange's equation of one coordinate, T = J(q) a + J'(q) v^2/2.
 """
 
 import numpy as np
@@ -23,42 +24,57 @@ TURN = 2.0 * np.pi  # rad: what turns further than that comes to the same place 
 LEAST = 1e-6  # of a column's power, added to it: what a block says little of stays small
 
 
-def by_place(state: State) -> tuple[np.ndarray, np.ndarray]:
-    """Return the squared residual of each block, out of sample, with one inertia and with one that changes along the stroke, (blocks,) each;
-    zeros of two masses, whose drive feels the load by the joint alone.
+# Squared residual of each block, out of sample, with what is alike everywhere and with what changes
+Told = tuple[np.ndarray, np.ndarray]
 
-    With one inertia no more than as declared: where a fit to few blocks goes astray on the others, what changes would take that, too.
+
+def by_place(state: State) -> tuple[Told, ...]:
+    """Return the squared residual of each block, out of sample, with one inertia and with one that changes along the stroke, (blocks,) each, and
+    with one constant of the drive and one that changes; nothing of two masses, whose drive feels the load by the joint alone.
+
+    With what is alike everywhere no more than as declared: where a fit to few blocks goes astray on the others, what changes would take that, too.
     """
-    blocks = state.problem.blocks(BLOCK)
     if state.plant.kind != ONE_MASS:
-        return np.zeros(len(blocks)), np.zeros(len(blocks))
+        return ()
+    blocks = state.problem.blocks(BLOCK)
     model, residual = Deviations(state.problem, state.solution), state.solution.residual
-    bells = np.concatenate(_columns(state), axis=1).T
-    alike = np.column_stack([model.columns, bells[:, 0]])
     declared = np.array([residual[b] @ residual[b] for b in blocks])
-    changing = _left(np.column_stack([model.columns, bells]), residual, blocks)
-    return np.minimum(_left(alike, residual, blocks), declared), changing
+    found = []
+    for bells in (np.concatenate(records, axis=1).T for records in zip(*_columns(state), strict=True)):
+        alike = np.column_stack([model.columns, bells[:, 0]])
+        changing = _left(np.column_stack([model.columns, bells]), residual, blocks)
+        found.append((np.minimum(_left(alike, residual, blocks), declared), changing))
+    return tuple(found)
 
 
-def _columns(state: State) -> list[np.ndarray]:
-    """Return the required drive of an inertia that is everywhere one, and of each bell (1 + BELLS, samples that count), filtered, of each record."""
+def _columns(state: State) -> list[tuple[np.ndarray, np.ndarray]]:
+    """Return of each record the drive (1 + BELLS, samples that count), filtered, that an inertia asks for which is everywhere one and each of the
+    bells; and so the drive that a constant gives."""
     places = [p.motion.q for p in state.inverses]
     low, high = min(float(q.min()) for q in places), max(float(q.max()) for q in places)
     turns = state.plant.rotary and high - low > TURN
     return [
-        _of_record(p, low, TURN / BELLS if turns else max(high - low, 1e-300) / (BELLS - 1), turns)
-        for p in state.inverses
+        _of_record(p, left, low, TURN / BELLS if turns else max(high - low, 1e-300) / (BELLS - 1), turns)
+        for p, left in zip(state.inverses, state.residuals, strict=True)
     ]
 
 
-def _of_record(p: InverseDynamics, low: float, step: float, turns: bool) -> np.ndarray:
+def _of_record(
+    p: InverseDynamics, left: np.ndarray, low: float, step: float, turns: bool
+) -> tuple[np.ndarray, np.ndarray]:
+    """left: the residual (n,) of a record."""
     m = p.motion
     x = (m.q - low)[None, :] / step - np.arange(BELLS)[:, None]
     if turns:
         x -= BELLS * np.rint(x / BELLS)
     bell = np.exp(-0.5 * x**2)
-    drive = m.filter(np.vstack([m.a, bell * m.a - 0.5 * bell * x / step * m.v**2]))
-    return np.stack([stacked(d[None, :], m.keep, p.counts) for d in drive])
+    moved = m.filter(np.vstack([m.a, bell * m.a - 0.5 * bell * x / step * m.v**2]))
+    given = m.filter(m.u) - left
+    moved, given = (
+        np.stack([stacked(d[None, :], m.keep, p.counts) for d in drives])
+        for drives in (moved, np.vstack([given, bell * given]))
+    )
+    return moved, given
 
 
 def _left(columns: np.ndarray, residual: np.ndarray, blocks: list[slice]) -> np.ndarray:

@@ -14,7 +14,7 @@ from workbench.plant import Plant
 from workbench.tracing.answer import Answer
 from workbench.tracing.candidates import ADDITION, AGAIN, Candidate, Offer, without
 from workbench.tracing.criteria import Criteria
-from workbench.tracing.discs import MEETS, on_the_shaft
+from workbench.tracing.discs import MEETS, count_of, on_the_shaft
 from workbench.tracing.free_forms import MEMORY
 from workbench.tracing.judge import ScoredCandidate, freedom, scored_as
 from workbench.tracing.near_law import Law, as_declared, gives_way
@@ -99,9 +99,9 @@ def of_one_disc(answer: Answer) -> Answer:
     """Return the answer with the waves of a reading that stand to an eccentricity of its disc as 2 or 3 to 1 under that one's name: a magnet
     off its axis, or two windings, err twice a turn, too. Alone such a wave may be a gear's; one that repeats with the motor's shaft, of an axis
     with one encoder, is named the disc's (`discs.on_the_shaft`)."""
-    plant = answer.last.plant
+    plant, count = answer.last.plant, count_of(answer.last.inverses)
     discs = [(e.at, e.name, e.parameters[e.harmonic].value) for e in plant.effects if e.harmonic]
-    shafts = [(e, n) for e in plant.effects if (n := on_the_shaft(e, plant))]
+    shafts = [(e, n) for e in plant.effects if (n := on_the_shaft(e, plant, count))]
     discs += [(e.at, n, e.parameters["order"].value) for e, n in shafts]
 
     def named(j: ScoredCandidate) -> ScoredCandidate:
@@ -110,7 +110,7 @@ def of_one_disc(answer: Answer) -> Answer:
             return j
         order = wave.parameters["order"].value
         own = (n for at, n, turns in discs if _reads(at, wave.at) and _harmonic(order, turns))
-        name = on_the_shaft(wave, plant) or next(own, "")
+        name = on_the_shaft(wave, plant, count) or next(own, "")
         as_called = {"stands": name} if j.candidate.stands else {"part": name}
         return replace(j, candidate=replace(j.candidate, **as_called)) if name else j
 

@@ -1,13 +1,18 @@
 """Whose an error of the angle is: an encoder disc's on the output, one's on the motor, or the gear's between them."""
 
-from math import hypot
+from collections.abc import Sequence
+from math import hypot, pi
 
 from workbench.definition import SENSOR, Effect, catalogue
+from workbench.inverse.dynamics import InverseDynamics
 from workbench.plant import ONE_MASS, TWO_MASS, Plant
 
 # Relative error of a ratio of orders, to one another and to a motor's turn: their intervals are a few per mille. Halved, orders 5 and 6 of a shaft
 # are strangers; doubled, two waves hardly ever are. A pulley's error of less than two periods is one at half and at twice of it
 MEETS = 0.01
+# Counts, by which a turn may miss a whole number of them, as a count is written with ten digits and more. A tenth and ten times as much say the same
+# of 25 geared axes of one encoder: three sit behind the gear, which is what their makers wrote beside them, and ten have a motor's counts
+WHOLE = 0.01
 SEATED = "Where the encoder sits tells: on the motor's shaft its disc errs once a turn, behind the gear the gear does; no motion tells the two apart."
 
 
@@ -35,9 +40,25 @@ def once_a_turn(wave: Effect, plant: Plant) -> bool:
     return plant.rotary and ratio != 1.0 and abs(wave.parameters["order"].value / ratio - 1.0) < MEETS
 
 
-def on_the_shaft(wave: Effect, plant: Plant) -> str:
+def count_of(inverses: Sequence[InverseDynamics]) -> float:
+    """Return the count of the drive's encoder, rad or m, 0 where unknown."""
+    return max((p.motion.counts for p in inverses), default=0.0)
+
+
+def behind_the_gear(plant: Plant, count: float) -> bool:
+    """Whether an encoder cannot sit in front of a gear by its count, rad of the output: its own disc's turn holds a whole number of them, 2 pi/count
+    where it sits behind, 2 pi/(count ratio) in front. Of one that holds a whole number either way, or neither, nothing is said."""
+    if count <= 0.0:
+        return False
+    turn, ratio = 2.0 * pi / count, plant.geometry.gear_ratio
+    in_front = round(turn) / ratio
+    return abs(turn - round(turn)) < WHOLE and abs(in_front - round(in_front)) > 0.5 / ratio
+
+
+def on_the_shaft(wave: Effect, plant: Plant, count: float = 0.0) -> str:
     """Return the name that a wave of the one reading bears which repeats once a motor's turn in front of a gear, or along a slide, "" where it is
-    none: a disc's error. A wave generator's, a gear's, has two waves a turn.
+    none: a disc's error. A wave generator's, a gear's, has two waves a turn. count: of the encoder, rad, 0 where unknown: one that sits
+    behind the gear for certain errs once a turn of the motor by the gear alone.
 
     Of one mass an encoder on the motor and a gear in front of an encoder err alike: the gear is its rival (`SEATED`). On two, the load says
     which. What is named follows from where the one encoder sits as a rule: of 110 geared axes of other authors 32 say that it is the
@@ -47,7 +68,8 @@ def on_the_shaft(wave: Effect, plant: Plant) -> str:
     if wave.at != "sensor.position" or "order" not in wave.parameters:  # of two masses a gear errs at the joint
         return ""
     slides = plant.kind == ONE_MASS and not plant.rotary
-    return _disc_of(wave) if (slides or once_a_turn(wave, plant)) and _first_leads(wave) else ""
+    shaft = slides or (once_a_turn(wave, plant) and not behind_the_gear(plant, count))
+    return _disc_of(wave) if shaft and _first_leads(wave) else ""
 
 
 def of_the_gear(disc: str) -> tuple[str, ...]:

@@ -25,7 +25,7 @@ class Explainable:
     time, as a friction, a damping or a mass. line: one spectral line. burst: moments. joint: of two masses, a stiffness of the joint that changes
     along the stroke. frequency: of the line, Hz. instrument: "reference",
     or "low-passed position" where no reference was logged. hum: a line of the mains, at `mains` Hz; it is none of the five kinds, for the
-    mains are no law of an axis. inertia: of one mass, an inertia that changes along the stroke, beyond one that is everywhere alike; it is none
+    mains are no law of an axis. inertia: of one mass, an inertia, or a drive's constant, that changes along the stroke, beyond one that is everywhere alike; it is none
     of them either, for other laws of place look like it. gain: a share of the model's own drive that neighbours in bench time predict, of a drive
     whose gain changes slowly; nor is it one, for a damping that changes with speed looks like it. level: a force alone that its neighbours in bench time predict; none of them either, for
     low-frequency noise inside the loop is one.

@@ -12,7 +12,7 @@ bench time (instruments: Young 2011; Janot, Gautier, Brunot 2019). Five kinds ar
 - joint: of two masses, what the deflection says with a stiffness of the joint from neighbours in place on the stroke. The deflection is
   measured, and noise in it biases a stiffness; but everywhere alike, so that only what differs from place to place counts.
 
-Of one mass it is also asked what an inertia that changes along the stroke would take (`along_stroke`). The acceleration of a swing goes
+Of one mass it is also asked what an inertia, or a drive's constant, that changes along the stroke would take (`along_stroke`). The acceleration of a swing goes
 with its place, so that other laws of place look like that, too; it is no sixth kind, and is held against what the effects take. So is a share
 of the model's own drive that neighbours in bench time predict, of a drive whose gain changes.
 """
@@ -76,7 +76,7 @@ def explainable(state: State, criteria: Criteria) -> Explainable:
         hum=unit * sqrt(hum.share * whole),
         mains=hum.frequency,
         joint=unit * sqrt(_over_place(state, parts)),
-        inertia=unit * sqrt(gained(*by_place(state))),
+        inertia=unit * sqrt(max((gained(*told) for told in by_place(state)), default=0.0)),
         level=unit * sqrt(level),
         gain=unit * sqrt(gain_over_time(parts)),
         instrument="reference" if referenced else "low-passed position",

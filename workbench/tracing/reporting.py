@@ -11,7 +11,7 @@ from workbench.tracing.calibration import Calibration
 from workbench.tracing.candidates import ADDITION, Candidate, missing_part, without
 from workbench.tracing.criteria import Criteria
 from workbench.tracing.decide import CAUSE, NOTHING, REFINEMENT, UNKNOWN, Verdict
-from workbench.tracing.discs import SEATED, of_the_gear, on_the_shaft
+from workbench.tracing.discs import SEATED, count_of, of_the_gear, on_the_shaft
 from workbench.tracing.evidence import Evidence, Weighed
 from workbench.tracing.full_rate import settled
 from workbench.tracing.headline import verdict_sentence
@@ -199,7 +199,7 @@ def _described_rivals(made: Cause, j: ScoredCandidate, o: Outcome, progress: Pro
     """Return a cause with the candidates that these records cannot tell from it, and the motion that would."""
     answer = o.selected.answer
     wave = answer.last.plant[j.candidate.key]
-    if j.candidate.name == on_the_shaft(wave, answer.last.plant):
+    if j.candidate.name == on_the_shaft(wave, answer.last.plant, count_of(answer.last.inverses)):
         return replace(made, rivals=of_the_gear(made.effect), experiment=SEATED)
     others = rivals(j, answer.added, o.selected.looked, o.criteria, answer.last.power)
     progress("looking for the motion that would tell rivals apart")
@@ -237,8 +237,9 @@ def _as_first_judged(
 ) -> CandidateScore:
     """Return an addition as it was judged in the first step, under the name that it bears since; as it was added where it was not. judged: by name
     and place."""
-    c, plant = _named_as(j), o.selected.answer.last.plant
+    c, last = _named_as(j), o.selected.answer.last
     own = (k.score for k in o.selected.steps[0].judgements if k.candidate.key == j.candidate.key)
-    names = of_the_gear(c.effect) if c.effect == on_the_shaft(plant[j.candidate.key], plant) else (c.effect,)
+    disc = on_the_shaft(last.plant[j.candidate.key], last.plant, count_of(last.inverses))
+    names = of_the_gear(c.effect) if c.effect == disc else (c.effect,)
     alike = (judged[n, c.at] for n in names if (n, c.at) in judged)
     return replace(next(iter((*own, *alike, c))), effect=c.effect)
