@@ -170,7 +170,10 @@ def listening() -> Iterator[set[str]]:
 
 
 def same(one: object, other: object) -> bool:
-    """Whether two answers are one: the same object, or additions, lists and values that are."""
+    """Whether two answers are one: the same object, or additions as they were weighed, lists and values that are."""
+    weighed = [getattr(x, "weighed", None) for x in (one, other)]
+    if None not in weighed and not same(*map(list, weighed)):
+        return False
     one, other = (getattr(x, "added", x) if not isinstance(x, str) else x for x in (one, other))
     if isinstance(one, list | tuple) and isinstance(other, list | tuple):
         return len(one) == len(other) and all(map(same, one, other))

@@ -18,7 +18,7 @@ from benchmarks._trace_ledger import ledger
 from benchmarks._trace_measured import judged_axis
 from benchmarks._trace_peers import greedy, sparse
 from benchmarks._trace_private import changed, deciding, numbers
-from benchmarks._trace_rules import RULES, in_its_place, listening, right, rule
+from benchmarks._trace_rules import RULES, in_its_place, listening, right, rule, same
 from benchmarks._trace_run import judged, moved, one, place_right, seen
 from benchmarks._trace_sweep import again as decided_again
 from benchmarks._trace_sweep import sweep as sweep_of
@@ -348,6 +348,11 @@ def test_a_rule_is_heard_where_its_answer_is_not_that_of_its_lack():
         assert slack.gap_first([], None, None) == []
         assert discs.of_the_disc(find("kinematic_error"), "sensor.position", Plant(ONE_MASS, (), rotary=True))
     assert heard == {"discs.of_the_disc"}
+
+
+def test_answers_with_the_same_additions_differ_where_these_are_weighed_otherwise():
+    one, other = SimpleNamespace(added=[3], weighed=(1.0,)), SimpleNamespace(added=[3], weighed=(2.0,))
+    assert same(one, one) and not same(one, other) and not same(SimpleNamespace(added=[3]), SimpleNamespace(added=[4]))
 
 
 def test_a_verdict_is_right_with_all_that_was_added_and_of_an_unknown_cause_with_nothing():
