@@ -47,7 +47,7 @@ def _doubtful(evidence: Evidence, causes: list[Weighed], criteria: Criteria) -> 
 
 def _of_what_changes(evidence: Evidence, causes: list[Weighed], criteria: Criteria) -> bool:
     """Whether an inertia, or a drive's constant, that changes along the stroke takes `held` of what causes leave, at least `beside` of the drive (of a coil
-    on springs that leaves its gap two springs and a saturation left 4.9 %, of which it takes 4.6; beside right causes it takes nothing); or,
+    on springs that leaves its gap two springs and a saturation left 4.9 %, of which it takes 4.6; beside the causes of 71 other axes of one mass 0.2 at most); or,
     beside data-sheet values alone, a drive's gain that changes in bench time: the mean of such a gain is a mass that was declared too small (of a
     coil that warms up: 8 % of its mass, and 4.8 % of the drive stayed)."""
     left = causes[-1].after[IDENTIFICATION]
