@@ -62,19 +62,20 @@ def _columns(state: State) -> list[tuple[np.ndarray, np.ndarray]]:
 def _of_record(
     p: InverseDynamics, left: np.ndarray, low: float, step: float, turns: bool
 ) -> tuple[np.ndarray, np.ndarray]:
-    """left: the residual (n,) of a record."""
+    """Return these two of a record. left: its residual (n,)."""
     m = p.motion
     x = (m.q - low)[None, :] / step - np.arange(BELLS)[:, None]
     if turns:
         x -= BELLS * np.rint(x / BELLS)
     bell = np.exp(-0.5 * x**2)
-    moved = m.filter(np.vstack([m.a, bell * m.a - 0.5 * bell * x / step * m.v**2]))
-    given = m.filter(m.u) - left
-    moved, given = (
-        np.stack([stacked(d[None, :], m.keep, p.counts) for d in drives])
-        for drives in (moved, np.vstack([given, bell * given]))
-    )
-    return moved, given
+    asked = m.filter(np.vstack([m.a, bell * m.a - 0.5 * bell * x / step * m.v**2]))
+    modelled = m.filter(m.u) - left
+    return _counted(asked, p), _counted(np.vstack([modelled, bell * modelled]), p)
+
+
+def _counted(drives: np.ndarray, p: InverseDynamics) -> np.ndarray:
+    """Return drives (k, n) of a record in the samples that count, (k, kept)."""
+    return np.stack([stacked(d[None, :], p.motion.keep, p.counts) for d in drives])
 
 
 def _left(columns: np.ndarray, residual: np.ndarray, blocks: list[slice]) -> np.ndarray:
