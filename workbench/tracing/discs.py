@@ -11,7 +11,7 @@ from workbench.plant import ONE_MASS, TWO_MASS, Plant
 # are strangers; doubled, two waves hardly ever are. A pulley's error of less than two periods is one at half and at twice of it
 MEETS = 0.01
 # Counts, by which a turn may miss a whole number of them, as a count is written with ten digits and more. A tenth and ten times as much say the same
-# of 25 geared axes of one encoder: three sit behind the gear, which is what their makers wrote beside them, and ten have a motor's counts
+# of 36 geared axes of one encoder: six sit behind the gear, which is what their makers wrote beside them, and seventeen have a motor's counts
 WHOLE = 0.01
 SEATED = "Where the encoder sits tells: on the motor's shaft its disc errs once a turn, behind the gear the gear does; no motion tells the two apart."
 
