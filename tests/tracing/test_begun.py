@@ -6,14 +6,11 @@ import pytest
 from workbench.definition import find
 from workbench.inverse.balances import predicted
 from workbench.inverse.dynamics import InverseDynamics, inverse_dynamics
-from workbench.inverse.prehistory import begun_at, displaced
+from workbench.inverse.prehistory import displaced
 from workbench.plant import ONE_MASS, Plant
 from workbench.record import Record
-from workbench.tracing.decimation import decimate
 from workbench.tracing.judge import STANDARD
 from workbench.tracing.preparing import prepared
-from workbench.tracing.starting import afresh
-from workbench.tracing.state import State
 from workbench.tracing.tracing import trace
 
 BAND, LENGTH, HEIGHT, WEIGHT = 20.0, 1e-4, 5.0, 8.0
@@ -73,18 +70,3 @@ def test_what_an_axis_lacks_that_hangs_on_its_friction_is_named_though_no_start_
     found = trace(declared, inverse_dynamics(records, BAND), only=only)
     assert [c.effect for c in found.causes] == [forgotten]
     assert found.after.validation < 0.02
-
-
-def test_values_and_starts_that_hold_each_other_are_searched_afresh_from_those_that_were_declared():
-    """A memory as long as the stroke and starts far from relaxed made up for the weight before it was there."""
-    hung = PLANT + find("constant_offset")(offset=WEIGHT)
-    records = inverse_dynamics(
-        [hanging("down", "identification", -3e-4, 3.0), hanging("up", "identification", 2e-4, 5.0)], BAND
-    )
-    stuck = hung.with_values({"presliding_hysteresis@axis": {"x0": 0.5}})
-    held = State(stuck, decimate(begun_at(records, [0.3, 0.2])), solved=True)
-    found = afresh(held, hung, ())
-    assert found.errors.total < 0.01 * held.errors.total
-    assert max(abs(p.motion.record.found or 0.0) for p in found.inverses) < 1e-3
-    relaxed = State(stuck, decimate(records), solved=True)  # no start was found that could hold it
-    assert afresh(relaxed, hung, ()) is relaxed

@@ -333,19 +333,19 @@ def test_what_stands_for_a_rule_takes_what_the_rule_takes():
 
 
 def test_a_rule_is_left_out_wherever_it_was_imported_to_and_put_back():
-    from workbench.tracing import ranking, slack
+    from workbench.tracing import ranking, spellings
 
-    before = slack.gap_first
-    with in_its_place(before, RULES["slack.gap_first"]):
-        assert slack.gap_first is ranking.gap_first is not before
-    assert slack.gap_first is ranking.gap_first is before
+    before = ranking.absurd
+    with in_its_place(before, RULES["ranking.absurd"]):
+        assert spellings.absurd is ranking.absurd is not before
+    assert spellings.absurd is ranking.absurd is before
 
 
 def test_a_rule_is_heard_where_its_answer_is_not_that_of_its_lack():
-    from workbench.tracing import discs, slack
+    from workbench.tracing import discs, in_turn
 
     with listening() as heard:
-        assert slack.gap_first([], None, None) == []
+        assert in_turn.later([], SimpleNamespace(roles=())) == []
         assert discs.of_the_disc(find("kinematic_error"), "sensor.position", Plant(ONE_MASS, (), rotary=True))
     assert heard == {"discs.of_the_disc"}
 

@@ -14,7 +14,7 @@ from workbench.plant import ONE_MASS, TWO_MASS, Geometry, Plant
 from workbench.tracing import composing
 from workbench.tracing.answer import Answer
 from workbench.tracing.candidates import ADDITION, Candidate, Offer, candidates_of
-from workbench.tracing.composing import composed, decomposed, of_one_disc, of_the_axis, plainly
+from workbench.tracing.composing import composed, decomposed, of_one_disc, of_the_axis
 from workbench.tracing.discs import behind_the_gear
 from workbench.tracing.evidence import CORRECTION
 from workbench.tracing.judge import STANDARD, ScoredCandidate, judged, refitted_as, scored_as
@@ -49,21 +49,6 @@ def found(names, *law, declared=PLANT):
 
 def found_in_parts(*law, declared=BARE):
     return found(("presliding_hysteresis", "stribeck_friction"), *law, declared=declared)
-
-
-@pytest.mark.parametrize("rare", ["fading_memory", "friction_behind_gap"])
-def test_a_rarer_memory_that_says_no_more_than_presliding_is_presliding(rare):
-    law = find("presliding_hysteresis")(h0=0.3, x0=0.02)
-    answer = found((rare,), law)
-    one = plainly(answer, PLANT, STANDARD, Offer(), ())
-    assert [j.candidate.name for j in one.added] == ["presliding_hysteresis"]
-    assert {e.key for e in one.last.plant.effects} == {e.key for e in (BARE + law).effects}
-    assert one.last.plant["presliding_hysteresis"].parameters["x0"].value == pytest.approx(0.02, rel=0.1)
-
-
-def test_a_rarer_memory_that_says_more_stays():
-    answer = found(("fading_memory",), find("fading_memory")(h=0.5, x0=0.02))
-    assert plainly(answer, PLANT, STANDARD, Offer(), ()) is answer
 
 
 def test_presliding_and_a_peak_that_bristles_say_in_one_law_are_lugre_friction():

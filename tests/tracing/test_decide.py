@@ -303,14 +303,30 @@ CASES = {
     "a further effect that takes a fifth of it is a cause": (
         evidence(weighed(id_=(0.2, 0.04), val=(0.2, 0.04)), weighed("sensor_trend", (0.04, 0.008), (0.04, 0.008))), CAUSE, (CAUSE, CAUSE),
     ),
-    "a disc's error beside a gap that is the zero between the encoders alone is a refinement": (
-        evidence(
-            weighed("backlash", (0.13, 0.0458), (0.09, 0.0456)), weighed("encoder_eccentricity", (0.0458, 0.01), (0.0456, 0.0076), of_zero=True)
-        ), CAUSE, (CAUSE, REFINEMENT),
-    ),
-    "the zero between two encoders that takes all that could be foretold leaves nothing missing": (
-        evidence(weighed("encoder_eccentricity", (0.0326, 0.0154), (0.0304, 0.0187), at="sensor.load_position", of_zero=True), before=0.0142),
+    "of a bearing behind the joint that nobody counted, which the drive does not show, a hundredth of the joint's torque is no cause": (
+        evidence(weighed("coulomb_friction", (0.00807, 0.00785), (0.00923, 0.00901), at="load",
+            load_before={"identification": 0.0153, "validation": 0.0198}, load_after={"identification": 0.0033, "validation": 0.0038}), before=0.0),
         NOTHING, (REFINEMENT,),
+    ),
+    "beside a gap neither": (
+        evidence(weighed("backlash", (0.0615, 0.0069), (0.0811, 0.009), at="joint",
+            load_before={"identification": 0.0843, "validation": 0.1056}, load_after={"identification": 0.0194, "validation": 0.0258}),
+            weighed("coulomb_friction", (0.0069, 0.0067), (0.009, 0.009), at="load",
+            load_before={"identification": 0.0194, "validation": 0.0258}, load_after={"identification": 0.0026, "validation": 0.0045})),
+        CAUSE, (CAUSE, REFINEMENT),
+    ),
+    "where the drive shows as much it is a cause": (
+        evidence(weighed("coulomb_friction", (0.0153, 0.0033), (0.0198, 0.0038), at="load",
+            load_before={"identification": 0.0153, "validation": 0.0198}, load_after={"identification": 0.0026, "validation": 0.003})),
+        CAUSE, (CAUSE,),
+    ),
+    "a mass that is hardly off, and took the most of a drive that saturates before that was there, is a refinement": (
+        evidence(weighed("inertia", (0.1125, 0.0874), (0.1137, 0.0828), kind=CORRECTION, changed=0.0265, tolerance=0.01, beside_others=0.0106),
+            weighed("torque_constant_saturation", (0.0874, 0.0108), (0.0828, 0.009))), CAUSE, (REFINEMENT, CAUSE),
+    ),
+    "one that is off by a fifth is wrong beside it, too": (
+        evidence(weighed("inertia", (0.1125, 0.0874), (0.1137, 0.0828), kind=CORRECTION, changed=0.2, tolerance=0.01, beside_others=0.0469),
+            weighed("torque_constant_saturation", (0.0874, 0.0108), (0.0828, 0.009))), CAUSE, (CAUSE, CAUSE),
     ),
     "a joint has one curve, however many laws make it up": (
         evidence(
@@ -454,6 +470,9 @@ CASES = {
     ),
     "and so does one that takes less than half of identification": (
         evidence(weighed(id_=(0.2, 0.15), val=(0.18, 0.14)), before=0.11, after=0.07), UNKNOWN, (DRESSING,),
+    ),
+    "what takes half of validation and a quarter of identification is no answer: a drive whose constant goes with the electrical angle": (
+        evidence(weighed("cyclic_friction", (0.0687, 0.0593), (0.0786, 0.0539)), before=0.0156, after=0.0115), UNKNOWN, (DRESSING,),
     ),
     "without a validation record the identification records decide": (
         evidence(weighed(val=(float("nan"), float("nan")))), CAUSE, (CAUSE,),

@@ -2,7 +2,6 @@
 
 from dataclasses import replace
 from pathlib import Path
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -13,19 +12,17 @@ from workbench.inverse.dynamics import inverse_dynamics
 from workbench.plant import ONE_MASS, Plant
 from workbench.record import IDENTIFICATION, Record, Source
 from workbench.tracing import selection
-from workbench.tracing.candidates import ADDITION, CORRECTION, Offer, candidates_of
+from workbench.tracing.candidates import CORRECTION, Offer, candidates_of
 from workbench.tracing.criteria import Criteria
 from workbench.tracing.data_sheet import within_tolerance
 from workbench.tracing.decide import Verdict
 from workbench.tracing.discs import on_the_shaft
-from workbench.tracing.evidence import Weighed
-from workbench.tracing.in_turn import by_each_other, fewer_causes, later
+from workbench.tracing.in_turn import later
 from workbench.tracing.near_law import FURTHEST, count_at, heights, laws, lengthened
 from workbench.tracing.plausible import implausible
 from workbench.tracing.selection import curved
 from workbench.tracing.state import State
 from workbench.tracing.tracing import trace
-from workbench.tracing.weighing import Confirmed
 
 SOURCE = Source(Path("made"), "", "made", {})
 COUNT = 1e-6
@@ -156,39 +153,6 @@ def test_what_is_not_borne_out_is_asked_again_behind_the_others():
     assert later([one, two], Verdict("cause", ("cause", "not borne out"))) == later([one], cause) == []
     three = Verdict("cause", (*not_borne, "cause"))
     assert later([one, two, "three"], three) == [[two, one, "three"], [two, "three", one]]
-
-
-def test_two_that_validation_bears_out_only_beside_each_other_are_both_borne_out():
-    """Each makes the validation record worse by itself; together they leave a fifth, which each takes where it comes last."""
-
-    def weighed(effect, identification, validation):
-        before, after = (dict(zip(("identification", "validation"), x, strict=True)) for x in zip(identification, validation, strict=True))  # fmt: skip
-        return Weighed(effect, "axis", ADDITION, before, after)
-
-    late, warm = (SimpleNamespace(candidate=SimpleNamespace(key=k)) for k in ("delay", "drift"))
-    first = Confirmed((late, warm), (), {}, (weighed("delay", (0.08, 0.04), (0.06, 0.07)), weighed("drift", (0.04, 0.01), (0.07, 0.01))))  # fmt: skip
-    second = Confirmed((warm, late), (), {}, (weighed("drift", (0.08, 0.06), (0.06, 0.08)), weighed("delay", (0.06, 0.01), (0.08, 0.01))))  # fmt: skip
-    one, other = Verdict("unknown", ("not borne out", "cause")), Verdict("unknown", ("not borne out", "cause"))
-    both = by_each_other(first, one, second, other)
-    assert [j.candidate.key for j in both.added] == ["delay", "drift"]
-    assert [(w.before["validation"], w.after["validation"], w.together) for w in both.weighed] == [(0.08, 0.01, True), (0.07, 0.01, False)]  # fmt: skip
-    borne = Verdict("cause", ("cause", "cause"))
-    assert by_each_other(first, one, second, borne) is None  # one order bears out both
-    assert (
-        by_each_other(first, one, second, Verdict("unknown", ("cause", "not borne out"))) is None
-    )  # the delay in neither
-    assert by_each_other(first, one, second, Verdict("unknown", ("not borne out", "refinement"))) is None
-
-
-def test_an_order_in_which_a_cause_is_taken_for_what_was_not_borne_out_is_taken_back():
-    """Beside a gear's error a Stribeck peak took 1.8 % of a wedge's drive, and a drag nothing; behind the gear's first wave the drag took part of the
-    peak, and both were refinements."""
-    roles = {"peak": ("cause", "cause", "not borne out"), "drag": ("cause", "refinement", "refinement")}
-    roles |= {"both": ("cause", "cause", "cause"), "third": ("cause", "not borne out", "cause")}
-    said = {n: Verdict("cause", r) for n, r in roles.items()}
-    assert fewer_causes(said["drag"], said["peak"])
-    assert not any(fewer_causes(said[n], said["peak"]) for n in ("peak", "both", "third"))
-    assert not fewer_causes(Verdict("unknown", ("dressing",) * 3), said["peak"])
 
 
 @pytest.mark.parametrize("odd", [False, True])

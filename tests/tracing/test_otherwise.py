@@ -191,31 +191,6 @@ def test_what_a_formula_leaves_of_its_law_is_taken_by_the_curve_of_its_class(mon
     assert curve.extended.validation < 0.07 < 0.1 < formula.extended.validation
 
 
-@pytest.mark.parametrize(
-    ("alone", "taken"),
-    [((0.024, 0.011), True), ((0.03, 0.02), True), ((0.024, 0.03), False), ((0.036, 0.011), False)],
-    ids=["leaves less", "as much", "goes astray", "leaves more"],
-)
-def test_a_curve_that_says_alone_what_a_formula_and_others_say_is_all_there_is(monkeypatch, alone, taken):
-    """A drive saturated more steeply than the formula, and a wrong inertia and a mode dressed what that left."""
-    here = {c.effect: c for c in candidates_of(PLANT)}
-    limit, mode = (SimpleNamespace(candidate=here[n]) for n in ("torque_constant_saturation", "flexible_mode"))
-    weighed = [SimpleNamespace(size=lambda _, s=s: s) for s in (0.16, 0.03)]
-    now, fit = (SimpleNamespace(identification=i, validation=v) for i, v in ((0.03, 0.02), alone))
-    confirmed = SimpleNamespace(added=[limit, mode], weighed=weighed, fits=[now])
-    monkeypatch.setattr(otherwise, "_curves", lambda *_: ["judged"])
-    monkeypatch.setattr(otherwise, "_fitted", lambda *_: ["curve"])
-    choice = SimpleNamespace(
-        criteria=STANDARD, largest=(limit, weighed[0]), confirmed=confirmed, progress=lambda _: None,
-        less=lambda *gone: list(gone) == [limit, mode], fitted_with=lambda k, *gone: ([k], [fit]),
-        taking=lambda k, kept, fits: (k, kept),
-    )  # fmt: skip
-    found = otherwise.as_a_curve_alone(choice)
-    assert (found == ("curve", ["curve"])) is taken and (found is choice) is not taken
-    mode.candidate = limit.candidate
-    assert otherwise.as_a_curve_alone(choice) is choice  # two of one class are two
-
-
 def test_a_curve_over_place_beside_a_spring_that_is_declared_is_that_ones_stiffness():
     """A bumper that yields little by little; where none is declared, what pulls from one side is a cable."""
     records = [recorded("a", IDENTIFICATION, 1.0, lambda v: 0.0 * v, 2.0)]

@@ -13,13 +13,11 @@ from workbench.plant import Plant
 from workbench.record import IDENTIFICATION, Record
 from workbench.tracing import orders
 from workbench.tracing.candidates import ADDITION, Candidate, Offer
-from workbench.tracing.criteria import Criteria
 from workbench.tracing.judge import STANDARD
 from workbench.tracing.orders import any_curve, stranger
 from workbench.tracing.ranking import step
 from workbench.tracing.scale_of_joint import beside
 from workbench.tracing.state import State
-from workbench.tracing.weighing import of_zero
 
 ORDER, COUNT, TEETH = 60.0, 1e-6, 20
 ASKED = {"inertia", "kinematic_error"}
@@ -124,18 +122,3 @@ def test_what_cogs_behind_the_joint_is_searched_where_it_shows():
     values = best.refitted.plant[best.candidate.key].parameters
     assert (best.score.effect, best.score.at) == ("cogging", "load") and best.score.gain > 0.9
     assert values["order"].value == pytest.approx(37.0, rel=2e-3)
-
-
-@pytest.mark.parametrize(("amplitude", "zero", "alone"), [(1e-6, 3e-4, True), (1e-4, 3e-4, False), (1e-6, 0.0, True)])
-def test_a_discs_error_that_is_the_zero_between_two_encoders_is_told_as_such(amplitude, zero, alone):
-    disc = find("encoder_eccentricity")(at="sensor.load_position", cosine=amplitude, zero=zero)
-    plant = held(JM) + disc
-    assert of_zero(plant, disc.key, inverse_dynamics([geared(0.0)], BAND), STANDARD) is alone
-    assert not of_zero(plant, "linear_stiffness@joint", inverse_dynamics([geared(0.0)], BAND), STANDARD)
-
-
-def test_a_gears_wave_that_the_loads_balance_shows_and_the_drive_hardly_is_no_zero():
-    wave = find("kinematic_error")(at="joint", order=ORDER, sine=-3.8e-6 * np.cos(0.4), cosine=-3.8e-6 * np.sin(0.4))
-    inverses = inverse_dynamics([geared(3.8e-6)], BAND)
-    assert of_zero(held(JM) + wave, wave.key, inverses, Criteria(practical=0.05))
-    assert not of_zero(held(JM) + wave, wave.key, inverses, STANDARD)

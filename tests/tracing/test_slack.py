@@ -11,7 +11,6 @@ from workbench.inverse.dynamics import inverse_dynamics
 from workbench.plant import TWO_MASS, Plant
 from workbench.record import IDENTIFICATION, Record
 from workbench.tracing import slack
-from workbench.tracing.criteria import Criteria
 
 DT = 1e-3
 
@@ -40,18 +39,6 @@ def judged(name: str, left: float, family: str = "joint stiffness"):
     return SimpleNamespace(
         candidate=candidate, refitted=fitted, score=SimpleNamespace(earns=True), errors=HeldOut(np.array([left]))
     )
-
-
-@pytest.mark.parametrize(
-    ("ratio", "left", "leads"), [(0.1, 0.07, "backlash"), (0.45, 0.07, "softer"), (0.1, 0.3, "softer")]
-)
-def test_a_gap_leads_where_the_joint_is_slack_and_the_gap_says_nearly_as_much(monkeypatch, ratio, left, leads):
-    monkeypatch.setattr(slack, "stiffness_at_rest", lambda plant, inverses: ratio)
-    state = SimpleNamespace(errors=HeldOut(np.array([1.0])), inverses=())
-    found = slack.gap_first([judged("softer", 0.045), judged("backlash", left)], Criteria(), state)
-    assert found[0].candidate.effect == leads and len(found) == 2
-    other = [judged("creep", 0.045, "creep"), judged("backlash", left)]
-    assert slack.gap_first(other, Criteria(), state) is other
 
 
 @pytest.mark.parametrize(

@@ -7,15 +7,12 @@ import numpy as np
 import pytest
 
 from tests.tracing.test_otherwise import PLANT, recorded
-from workbench.definition import find
 from workbench.errors import WorkbenchError
 from workbench.identification.intervals import FEW, block_seconds
 from workbench.inverse.dynamics import inverse_dynamics
-from workbench.plant import TWO_MASS, Plant
 from workbench.record import IDENTIFICATION, VALIDATION
 from workbench.tracing import pruning, ranking, sound, tracing, weighing
-from workbench.tracing.answer import Answer
-from workbench.tracing.candidates import ADDITION, Candidate, Offer, candidates_of
+from workbench.tracing.candidates import Offer
 from workbench.tracing.judge import STANDARD
 from workbench.tracing.state import State
 from workbench.tracing.tracing import trace
@@ -88,87 +85,6 @@ def added(state: State, *names: str) -> list:
         found.append(j if j.state else replace(j, state=State(j.candidate.plant, state.inverses)))
         state = found[-1].state
     return found
-
-
-def test_of_two_laws_that_make_each_other_needless_the_simpler_stays():
-    drag = lambda v: 0.4 * v * np.abs(v)  # noqa: E731
-    declared = State(PLANT, inverse_dynamics([recorded("a", IDENTIFICATION, 1.0, drag, 6.0)], 50.0))
-    one, two = added(declared, "nonlinear_viscous_friction", "stribeck_friction")
-    reduced = State(added(declared, "stribeck_friction")[0].candidate.plant, declared.inverses)
-    answer = Answer([one, two], declared)
-    left = pruning._simpler(answer, 0, reduced, PLANT, STANDARD)
-    assert [j.candidate.effect for j in left.added] == ["nonlinear_viscous_friction"]
-    assert {e.key for e in left.last.plant.effects} == {*(e.key for e in PLANT.effects), one.candidate.key}
-    other = Answer(added(declared, "nonlinear_viscous_friction", "cable_spring"), declared)
-    assert pruning._simpler(other, 0, reduced, PLANT, STANDARD) is None  # of another class
-
-
-def joint() -> Plant:
-    plant = Plant(TWO_MASS)
-    for effect, at in (
-        ("inertia", "motor"),
-        ("inertia", "load"),
-        ("linear_stiffness", "joint"),
-        ("linear_damping", "joint"),
-    ):
-        plant = plant + find(effect)(at=at)
-    return plant
-
-
-def leaving(totals):
-    """Return a stand-in for State that leaves `totals` of the names of what a plant has beside `joint`."""
-    own = {e.key for e in joint().effects}
-
-    def state(plant, *_):
-        more = frozenset(e.key for e in plant.effects if e.key not in own)
-        return SimpleNamespace(plant=plant, errors=SimpleNamespace(total=totals[more]), power=1.0)
-
-    return state
-
-
-def one_of(plant: Plant, name: str, at: str, **values) -> Candidate:
-    """Return an effect as a candidate at a place of a plant, begun at these values."""
-    found = next(c for c in candidates_of(plant) if (c.effect, c.at, c.kind) == (name, at, ADDITION))
-    return replace(found, plant=found.plant.swap(found.plant[found.key](**values)))
-
-
-GEAR, SIDES = "kinematic_error@joint", ("cogging@motor", "cogging@load")
-
-
-@pytest.mark.parametrize(
-    ("alone", "stays"), [(0.03, False), (0.5, True)], ids=["an error of the gear", "cogging forces"]
-)
-def test_two_cogging_forces_on_either_side_of_a_joint_are_its_gear_s_error(alone, stays, monkeypatch):
-    """What a joint does to one body it does to the other: two forces of which the gear's error takes `near` are no more than that error."""
-    totals = {frozenset((GEAR, *SIDES)): 0.01, frozenset((GEAR,)): alone, frozenset(): 1.0}
-    monkeypatch.setattr(pruning, "State", leaving(totals))
-    found = []
-    for name, at in (("kinematic_error", "joint"), ("cogging", "motor"), ("cogging", "load")):
-        found.append(SimpleNamespace(candidate=one_of(found[-1].candidate.plant if found else joint(), name, at)))
-    last = SimpleNamespace(plant=found[-1].candidate.plant, errors=SimpleNamespace(total=0.01), inverses=())
-    answer = Answer(found, None, last)
-    left = pruning._of_the_joint(answer, joint(), STANDARD)
-    assert (left is answer) is stays
-    assert [j.candidate.key for j in left.added] == ([GEAR, *SIDES] if stays else [GEAR])
-    forces = Answer(found[1:], None, last)
-    assert pruning._of_the_joint(forces, joint(), STANDARD) is forces  # no wave of the joint was found
-
-
-@pytest.mark.parametrize(("soft", "same"), [(0.05, True), (0.4, False)], ids=["a gap", "two springs"])
-def test_a_spring_that_is_next_to_nothing_at_first_is_the_gap_that_it_made_needless(soft, same, monkeypatch):
-    """The flanks of a gap are rounded: two springs leave a little less, and are the gap where the first of them is next to nothing."""
-    gap = one_of(joint(), "backlash", "joint")
-    bent = one_of(gap.plant, "piecewise_stiffness", "joint", k1=soft * 800.0, k2=800.0, threshold=1e-3)
-    totals = {frozenset((gap.key,)): 0.001, frozenset((bent.key,)): 0.0004, frozenset(): 1.0}
-    monkeypatch.setattr(pruning, "State", leaving(totals))
-    motion = SimpleNamespace(counts=0.0, t=np.linspace(0.0, 1.0, 11), record=SimpleNamespace(dt=0.1))
-    reduced = leaving(totals)(bent.plant.without(gap.key))
-    reduced.inverses = [SimpleNamespace(motion=motion)]
-    last = SimpleNamespace(plant=bent.plant, inverses=())
-    answer = Answer([SimpleNamespace(candidate=c) for c in (gap, bent)], None, last)
-    found = pruning._simpler(answer, 0, reduced, joint(), replace(STANDARD, practical=1e-3))
-    assert (found is not None) is same
-    assert found is None or [j.candidate.effect for j in found.added] == ["backlash"]
 
 
 def test_a_free_form_bears_the_name_of_the_formula_that_it_makes_needless(inverses):

@@ -96,7 +96,6 @@ def test_a_root_of_speed_is_found_where_no_traced_formula_takes_anything_of_it(m
         rounds = iter(leads)
         monkeypatch.setattr(greedy, "step", lambda *_, r=rounds: next(r, []))
         monkeypatch.setattr(greedy, "free_law", lambda *_: None)
-        monkeypatch.setattr(greedy, "lives_in_places", lambda *_: False)
         steps = greedy.extended(state, state.inverses, lambda _: None, Offer(), STANDARD, lambda s: s)
         assert [s.added.candidate.effect for s in steps if s.added] == added  # of a declared model alone none is asked
 
@@ -206,39 +205,6 @@ def test_drag_in_a_part_of_the_stroke_is_no_friction_that_returns(periods, shape
     steps = greedy.extended(state, state.inverses, lambda _: None, whole, STANDARD, lambda after: after)
     assert (steps[0].added is None) == (not name)  # nor is the curve of its class a steadier law
     assert leads(fewer) == "cyclic_friction"  # beside what was found it is asked as any other wave
-
-
-def test_orders_that_hardly_return_draw_what_lives_in_two_places_and_say_no_wave(monkeypatch):
-    """Dirt in two places of a rail: a wave takes a third of what a curve does, and with further orders nearly all of it."""
-    state, judgements = asked(lambda q: 0.0 * q, PLANT, "cyclic_friction")
-    wave = next(j for j in judgements if j.candidate.effect == "cyclic_friction")
-    third, most = (SimpleNamespace(total=x * state.errors.total) for x in (0.7, 0.1))
-    beside = SimpleNamespace(plant=wave.candidate.plant)
-    monkeypatch.setattr(waves, "judged_forms", lambda *_: [SimpleNamespace(errors=most)])
-    monkeypatch.setattr(waves, "everything_free", lambda s, j, c: replace(j, refitted=SimpleNamespace(state=beside)))
-    monkeypatch.setattr(
-        waves, "judged", lambda *_: {"score": wave.score, "errors": most, "freedom": 4, "theta": np.zeros(1)}
-    )
-    poor = replace(wave, errors=third, theta=np.zeros(1))
-    for odd in (True, False):
-        monkeypatch.setattr(waves, "hardly_returns", lambda *_, odd=odd: odd)
-        assert waves.lives_in_places(state, poor, STANDARD, Offer()) is odd
-    assert not waves.lives_in_places(state, replace(poor, errors=most), STANDARD, Offer())  # it says it alone
-    monkeypatch.setattr(waves, "two_say_it", lambda *_: True)
-    assert not waves.lives_in_places(state, poor, STANDARD, Offer())  # it and another law of its class say it
-
-
-@pytest.mark.parametrize("beside", [0.0, 3.0], ids=["alone", "beside a spring"])
-def test_a_bump_at_the_joint_of_two_rails_is_no_cogging_and_a_cogging_beside_a_spring_is_one(beside):
-    """Of the bump a wave takes less than half of what a curve takes; so it does of a spring and a cogging, which two laws say."""
-
-    def over(q):
-        bump = 0.3 * np.exp(-(((q - 0.1) / 0.06) ** 2))
-        return 0.1 * np.sin(60.0 * q) + beside * q if beside else bump
-
-    state, judgements = asked(over, PLANT, "cogging")
-    wave = next(j for j in judgements if j.candidate.effect == "cogging")
-    assert waves.lives_in_places(state, wave, STANDARD, Offer()) is (not beside)
 
 
 @pytest.mark.parametrize(("turns", "rotary", "order", "seen"), [(1.07, True, 0.94, True), (1.07, True, 0.8, False), (0.98, True, 1.0, False), (1.07, False, 0.94, False), (1.07, False, 1.9, True)])  # fmt: skip
@@ -400,7 +366,6 @@ def test_what_leads_without_a_law_that_takes_nothing_now_does_not_hold_it(monkey
     leads = replace(leads, errors=second.state.errors, score=replace(other.score, gain=0.1, earns=True))
     monkeypatch.setattr(pruning, "step", lambda *_: [leads])
     monkeypatch.setattr(pruning, "_better", lambda *_: False)
-    monkeypatch.setattr(pruning, "_simpler", lambda *_: None)
     for takes, left in ((True, [first, second]), (False, [second])):
         monkeypatch.setattr(pruning, "still_earns", lambda *_, takes=takes: takes)
         found = pruning.pruned(Answer([first, second], state), PLANT, [], lambda _: None, Offer(), STANDARD)
@@ -429,7 +394,6 @@ def test_those_before_what_took_another_one_s_stead_with_less_left_are_asked_onc
     monkeypatch.setattr(pruning, "step", step)
     monkeypatch.setattr(pruning, "without", lambda plant, *_: plant)
     monkeypatch.setattr(pruning, "State", lambda *_, **__: state)
-    monkeypatch.setattr(pruning, "_of_the_joint", lambda answer, *_: answer)
     monkeypatch.setattr(pruning, "bent_gap", lambda *_: False)
     monkeypatch.setattr(pruning, "leading", lambda judgements: judgements[0])
     monkeypatch.setattr(pruning, "still_earns", lambda *_: True)
@@ -497,47 +461,6 @@ def test_a_delay_that_turns_the_fastest_of_the_band_by_less_than_practical_size_
     turn = STANDARD.practical / (2.0 * np.pi * state.inverses[0].motion.filter.bandwidth)
     late = j.candidate.plant.with_values({j.candidate.key: {"delay": share * turn}})[j.candidate.key]
     assert reducing.by_values(late, state, STANDARD) == (None if itself else "")
-
-
-@pytest.mark.parametrize(("first", "says", "gives_way"), [("clock_skew", True, True), ("clock_skew", False, False), ("cogging", True, False)])  # fmt: skip
-def test_a_wave_leads_whose_further_orders_take_most_of_what_the_leading_law_leaves(
-    monkeypatch, first, says, gives_way
-):
-    """Of a gear's three orders the first alone takes 0.78, a late encoder 0.82, all three 0.98."""
-    here = {c.effect: c for c in candidates_of(PLANT)}
-    found = [
-        SimpleNamespace(candidate=here[n], refitted=object(), score=SimpleNamespace(earns=True), errors=SimpleNamespace(total=left))
-        for n, left in ((first, 0.18), ("kinematic_error", 0.22), ("cyclic_friction", 0.5))
-    ]  # fmt: skip
-    asked_of = []
-    monkeypatch.setattr(waves, "orders_say_it", lambda s, j, most, *_: asked_of.append((j, most)) or says)
-    state = SimpleNamespace(errors=SimpleNamespace(total=1.0))
-    wave = waves.of_more_orders(state, found, found[0], STANDARD, Offer())
-    assert (wave is found[1]) == gives_way and (wave is None) != gives_way
-    assert all(j is found[1] and most == pytest.approx(0.2 * 0.18) for j, most in asked_of)
-
-
-@pytest.mark.parametrize(("loaded", "drawn"), [(0.25, True), (0.0, False)])
-def test_friction_that_a_spring_loads_is_not_made_needless_by_a_curve_over_place_that_draws_it_too(loaded, drawn):
-    """A drive's offset counts as a load in the model, so that the formula leaves a little, which a curve over place takes with all the rest."""
-
-    def rubbing(name, speed):
-        plain = recorded(name, IDENTIFICATION, speed, lambda v: 0.0 * v, 8.0, lambda q: 1.2 * q + 0.03)
-        q = plain.channels["reference"]
-        rubs = (loaded * np.abs(1.2 * q) + 0.01 * np.cos(9.0 * q)) * np.sign(np.gradient(q))
-        return replace(plain, channels={**plain.channels, "torque": plain.channels["torque"] + rubs})
-
-    plant = PLANT + find("linear_stiffness")(at="axis", stiffness=1.0) + find("constant_offset")
-    inverses = inverse_dynamics([rubbing("a", 1.0), rubbing("bb", 0.7)], 50.0)
-    state = State(plant, inverses)
-    formula = Candidate("load_dependent_friction", "axis", ADDITION, plant + find("load_dependent_friction"))
-    (form,) = free_forms.free_forms(plant, inverses, ["friction over position"], state.left_at)
-    free = replace(form.candidate, stands="cyclic_friction")
-    reduced = State(free.plant, inverses)
-    last = State(free.plant + find("load_dependent_friction"), inverses)
-    added = [SimpleNamespace(candidate=c) for c in (formula, free)]
-    assert pruning._drawn_by_a_curve(Answer(added, state, last), 0, reduced, plant, STANDARD) is drawn
-    assert not pruning._drawn_by_a_curve(Answer(added[:1], state, last), 0, reduced, plant, STANDARD)
 
 
 @pytest.mark.parametrize(("offset", "law"), [(0.05, "relieved_friction"), (0.0, "load_dependent_friction")])

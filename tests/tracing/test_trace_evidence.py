@@ -15,10 +15,9 @@ from workbench.identification.fit import fitted_on
 from workbench.identification.problem import Problem
 from workbench.inverse.dynamics import InverseDynamics, inverse_dynamics
 from workbench.plant import ONE_MASS, TWO_MASS, Geometry, Plant
-from workbench.tracing import greedy, ranking, reducing
+from workbench.tracing import ranking
 from workbench.tracing.answer import Answer
-from workbench.tracing.candidates import Candidate, Offer, brought, candidates_of, without
-from workbench.tracing.counted import quantisation_bias
+from workbench.tracing.candidates import Candidate, brought, candidates_of, without
 from workbench.tracing.decimation import decimate
 from workbench.tracing.greedy import Step, earned, promised, spent
 from workbench.tracing.judge import STANDARD, ScoredCandidate, judged
@@ -132,49 +131,6 @@ def test_an_effect_that_a_later_one_takes_the_place_of_is_no_cause():
 
 
 # --- noisy columns --------------------------------------------------------------------------------------------------------
-
-
-def test_an_inertia_set_free_explains_what_counts_leave_as_errors_in_variables_say(tmp_path):
-    """Least squares on a column with noise of a share s of its power takes s of what that noise leaves, inertia alone being
-    in question (Fuller, Measurement Error Models, 1987); fine counts leave nothing to take."""
-    shares = {}
-    for count in (COARSE, FINE):
-        campaign = made(
-            tmp_path / str(count), 303076, base="undamped", count=count, noise=2.5e-3, rate=2000, band=200.0
-        )
-        whole, decimated = searched(campaign)
-        state = State(campaign.plant, decimated)
-        s = candidate(campaign, "inertia@motor")
-        shares[count] = quantisation_bias(s, state, whole)
-        if count == COARSE:
-            taken = judged(state, s, STANDARD)["score"].gain
-            assert shares[count] == pytest.approx(taken, abs=0.05)
-    assert shares[COARSE] > 0.1 and shares[FINE] < 0.2 * shares[COARSE]
-
-
-def test_what_counts_would_have_taken_leads_no_longer_and_what_is_behind_it_is_asked(monkeypatch):
-    """A mode takes what the counts of a heavy axis make above its resonance; friction behind it takes less, and takes it of the drive."""
-    found = [
-        SimpleNamespace(score=judgement(gain, 0.01, earns=True).score, state=None, refitted=None, candidate=name)
-        for name, gain in (("mode", 0.5), ("friction", 0.33), ("wave", 0.2))
-    ]
-    for j in found:
-        j.refitted = SimpleNamespace(state=j.candidate)
-    found = [ScoredCandidate(j.candidate, j.score, None, 1, refitted=j.refitted, state=j.refitted.state) for j in found]
-    monkeypatch.setattr(
-        greedy, "pushed_back", lambda js, *_: [*js[1:], replace(js[0], score=replace(js[0].score, earns=False))]
-    )
-    monkeypatch.setattr(greedy, "led", lambda js, *_: js)
-    for spurious, leads in (
-        ({"mode": 0.45}, "friction"),
-        ({}, "mode"),
-        (dict.fromkeys(("mode", "friction", "wave"), 0.4), None),
-    ):
-        monkeypatch.setattr(greedy, "quantisation_bias", lambda c, *_, of=spurious: of.get(c, 0.0))
-        judgements, best = greedy._beyond_counts([*found], found[0], 0.15, None, (), Offer(), STANDARD)
-        assert (best.candidate if best else None) == leads
-        assert {j.candidate for j in judgements} == {"mode", "friction", "wave"}
-        assert sum(not j.score.earns for j in judgements) == (3 if leads is None else len(spurious))
 
 
 @pytest.mark.parametrize(
@@ -299,31 +255,6 @@ def test_of_equals_the_usual_effect_and_the_one_that_reads_less_lead(monkeypatch
     assert leads(drift, offset) is offset and leads(drift, delay) is drift
 
 
-@pytest.mark.parametrize(("corrected", "leads"), [(0.73, "correction"), (0.5, "addition")])
-def test_a_wrong_value_that_takes_nearly_what_a_law_of_more_values_takes_leads(monkeypatch, corrected, leads):
-    """A damper of a joint that is declared too weak looks like a part that swings (0.77 of the residual, with three values of its own)."""
-
-    def of(kind):
-        return SimpleNamespace(
-            kind=kind,
-            effect=kind,
-            yields=False,
-            family=kind,
-            key=kind,
-            plant={kind: SimpleNamespace(rare=False, reads=(), port="")},
-        )
-
-    judged = [
-        SimpleNamespace(candidate=of(kind), refitted=object(), freedom=n, errors=SimpleNamespace(total=1.0 - g),
-                        score=SimpleNamespace(effect=kind, at="joint", gain=g, scatter=0.01, earns=True))
-        for kind, n, g in (("addition", 11, 0.77), ("correction", 8, corrected))
-    ]  # fmt: skip
-    monkeypatch.setattr(ranking, "absurd", lambda j, state: False)
-    monkeypatch.setattr(ranking, "alike", lambda a, b, *_: a is b)
-    state = SimpleNamespace(power=1.0, errors=SimpleNamespace(total=1.0))
-    assert simplest_first(judged, STANDARD, state)[0].score.effect == leads
-
-
 @pytest.mark.parametrize(
     ("rare", "further", "same"), [(False, 0.006, False), (True, 0.006, True), (True, 0.012, False)]
 )
@@ -350,22 +281,6 @@ def test_a_simpler_effect_that_leaves_a_tenth_of_the_drive_more_does_not_explain
         for e in (left, left + further**2 / blocks)
     )
     assert ranking.alike(best, other, STANDARD, 1.0) == same
-
-
-def test_lugre_friction_without_presliding_and_without_a_peak_is_nothing_of_its_own():
-    motion = SimpleNamespace(counts=1e-3, t=np.array([0.0, 10.0]), record=SimpleNamespace(dt=5e-3))
-    state = SimpleNamespace(
-        plant=SimpleNamespace(kind=ONE_MASS), inverses=[SimpleNamespace(motion=motion, counts=None)]
-    )
-
-    def nothing(x0: float, ratio: float) -> bool:
-        plant = Plant(ONE_MASS) + find("lugre_friction")(sigma0=1e3, sigma1=400.0, x0=x0, ratio=ratio, speed=1e-3)
-        candidate = Candidate("lugre_friction", "axis", "addition", plant)
-        return reducing.nothing_of_its_own(
-            SimpleNamespace(candidate=candidate, refitted=SimpleNamespace(plant=plant)), state, STANDARD
-        )
-
-    assert nothing(4e-7, 0.0) and not nothing(4e-7, 0.5) and not nothing(0.02, 0.0)
 
 
 def test_values_that_no_machine_has_lead_only_where_no_plausible_effect_takes_nearly_as_much(monkeypatch):

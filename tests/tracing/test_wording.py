@@ -10,7 +10,7 @@ from workbench.tracing.evidence import ADDITION, Evidence, Explainable, Weighed
 from workbench.tracing.headline import verdict_sentence
 from workbench.tracing.reporting import Outcome
 from workbench.tracing.result import Cause
-from workbench.tracing.wording import findings_of, refinement
+from workbench.tracing.wording import findings_of
 
 BEFORE = SimpleNamespace(identification=0.75, validation=0.90)
 AFTER = SimpleNamespace(identification=0.25, validation=0.33, plant=SimpleNamespace(effects=()))
@@ -77,13 +77,6 @@ def test_without_a_validation_record_the_headline_says_so_and_gives_no_number_th
         "Gravity is missing. With it, the identification error falls from 4.31 % to 0.66 % (noise alone would leave 0.1 % or more); "
         "no validation record bears it out. With the refinements, too, it is 0.60 %."
     )
-
-
-def test_a_refinement_that_is_the_zero_between_two_encoders_says_so():
-    found = Cause("encoder_eccentricity", "sensor.load_position", "", (), 0.3, 0.3, size=0.0127)
-    assert refinement(found, of_zero=True).sentence.endswith("takes away 1.3 % of the drive's rms on the identification records. All of that is "
-        "its zero: the encoders were set to zero where the joint is not relaxed, as at a flank of a gap.")  # fmt: skip
-    assert refinement(found).sentence.endswith("on the identification records.")
 
 
 @pytest.mark.parametrize(

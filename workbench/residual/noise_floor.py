@@ -80,7 +80,7 @@ def _in_counts(x: np.ndarray, count: float) -> np.ndarray:
     return np.where(fast, x + count * spread, read)
 
 
-def read_again(inverses: InverseDynamics) -> tuple[Record, Record] | None:
+def _read_again(inverses: InverseDynamics) -> tuple[Record, Record] | None:
     """Return (a record of a motion that runs between the counts, that motion as its encoders read it); None without counts."""
     m = inverses.motion
     record = m.record
@@ -100,7 +100,7 @@ def _encoder_noise(inverses: InverseDynamics, plant: Plant) -> float:
     left with on a drive without noise. Where the drive's balance counts: at a rest that does not, friction that turns within a
     count has it flicker by its whole level.
     """
-    records = read_again(inverses)
+    records = _read_again(inverses)
     if records is None:
         return 0.0
     m = inverses.motion

@@ -8,9 +8,11 @@ from workbench.tracing.evidence import Evidence, Weighed
 
 
 def answers(evidence: Evidence, causes: list[Weighed], criteria: Criteria) -> bool:
-    """Whether the causes are the answer: they hold on validation, or leave little of what could be explained.
+    """Whether the causes are the answer: they take `held` of both roles, or leave little of what could be explained.
 
-    Beside much that nothing explains (a bench whose records are noisy, or that lacks more than one thing) it is enough that they take `held` of
+    Of 205 right answers none takes less than 0.71 of identification; a friction over place took 0.26 of what a drive's constant leaves that
+    goes with the electrical angle, and 0.53 of validation. Where nothing could be explained validation alone decides: what shows in the last second of
+    a record takes little of identification. Beside much that nothing explains (a bench whose records are noisy, or that lacks more than one thing) it is enough that they take `held` of
     identification and of what could be explained. What only an injected torque shows (a delay, a lag) is in no reference, and moves excite it
     little: then it is enough that the
     causes take as much of the identification records, by blocks that were not seen, or a level that wanders in bench time, and that nothing
@@ -19,12 +21,12 @@ def answers(evidence: Evidence, causes: list[Weighed], criteria: Criteria) -> bo
     either role none left anything there; of grease that is squeezed out at rest a Stribeck peak left 6.8 % of the drive where it took 5.3 and 6.2.
     """
     judge = VALIDATION if isfinite(evidence.declared[VALIDATION]) else IDENTIFICATION
-    if _share_of(causes, evidence, judge) >= criteria.held:
+    held, much = (_share_of(causes, evidence, r) >= criteria.held for r in (judge, IDENTIFICATION))
+    explainable = evidence.before.size >= criteria.explainable
+    if held and (much or not explainable):
         return True
     if any(a.behind and a.share(judge) >= criteria.held for a in causes):
         return True
-    explainable = evidence.before.size >= criteria.explainable
-    much = _share_of(causes, evidence, IDENTIFICATION) >= criteria.held
     if explainable and much and little_left(evidence, criteria, 1.0 - criteria.held):
         return True
     left = evidence.left_by(causes[-1])

@@ -15,14 +15,11 @@ from workbench.tracing.answer import Answer
 from workbench.tracing.candidates import ADDITION, AGAIN, Candidate, Offer, without
 from workbench.tracing.criteria import Criteria
 from workbench.tracing.discs import MEETS, count_of, on_the_shaft
-from workbench.tracing.free_forms import MEMORY
 from workbench.tracing.judge import ScoredCandidate, freedom, scored_as
 from workbench.tracing.near_law import Law, as_declared, gives_way
 from workbench.tracing.spellings import CABLE, SPRING
 from workbench.tracing.state import Refitted, State
 
-# Of friction with memory: of nine that others left out all were of this law's kind, whatever spelling came first
-COMMON = "presliding_hysteresis"
 WEIGHT = "gravity"  # that a preload may hide in, though it is none
 # rad, of a weight's phase up to which a travel that does not tell a weight from a spring is a spring's. Of 38 weights that others left out none hangs
 # at less than 0.35 rad where the encoder reads zero; a pendulum that does (0.009 and 0.025 rad, measured) swings so far that it is told. Halved or
@@ -52,7 +49,7 @@ def composed(answer: Answer, declared: Plant, criteria: Criteria, offer: Offer) 
 def decomposed(answer: Answer, declared: Plant, criteria: Criteria, laws: Sequence[Law]) -> Answer:
     """Return the answer with a composite that stands for declared dry friction under the name of the part of it that is missing: that part takes `near`
     of what the composite takes beside the free virgin curve, and without a memory it leaves less than `unaccounted` of the drive more. Every contact
-    gives way, and what the declared law is only nearly right in is no part of what is missing (`composed`). Arguments as of `plainly`."""
+    gives way, and what the declared law is only nearly right in is no part of what is missing (`composed`). laws: the declared laws that free curves may stand for."""
     return replace(answer, added=[_by_part(j, answer, declared, criteria, laws) for j in answer.added])
 
 
@@ -79,20 +76,6 @@ def _by_part(
     if not named or memory >= criteria.unaccounted**2 * last.power:
         return j
     return replace(j, candidate=replace(j.candidate, part=own[0].name))
-
-
-def plainly(answer: Answer, declared: Plant, criteria: Criteria, offer: Offer, laws: Sequence[Law]) -> Answer:
-    """Return the answer with the common law of friction with memory in the place of a rarer one that was found, where it leaves no more than what is
-    of practical size beside that: beside free virgin curves of a declared friction the common one is not asked, and a gap before friction may
-    have closed since it was found. laws: the declared laws that free curves may stand for."""
-    for i, j in enumerate(answer.added):
-        found = answer.last.plant[j.candidate.key]
-        if j.candidate.kind != ADDITION or found.family != MEMORY or found.name == COMMON or j.candidate.stands:
-            continue
-        one = _in_place(catalogue()[COMMON], [j], answer, declared, criteria, offer, laws)
-        if one is not None:
-            answer = replace(answer, added=[*answer.added[:i], one, *answer.added[i + 1 :]], pruned=one.state)
-    return answer
 
 
 def of_one_disc(answer: Answer) -> Answer:
@@ -200,7 +183,6 @@ def _in_place(
     declared: Plant,
     criteria: Criteria,
     offer: Offer,
-    laws: Sequence[Law] = (),
 ) -> ScoredCandidate | None:
     """Return the composite fitted in the place of its parts, begun at their values, beside what is declared there; None where it leaves
     plainly more."""
@@ -208,7 +190,6 @@ def _in_place(
     rest = last.plant
     for j in parts:
         rest = without(rest, j.candidate, declared)
-    rest = as_declared(rest, [law for law in laws if law.declared.at == place])
     asked = replace(offer, only={composite.name}).candidates(rest)
     same = [c for c in asked if (c.effect, c.at) == (composite.name, place)]
     # in the place of a declared law rather than beside it

@@ -1,73 +1,17 @@
-"""What an effect would explain of a machine that lacks nothing, for no reason but its encoders' counts.
+"""What a count of an encoder makes of the drive that a plant asks for: a slow axis goes from count to count."""
 
-Counts are noise in the motion, from which every column of the model is made, and least squares lean on a noisy column: an
-inertia comes out too small, and setting a fixed one free explains a part of what the counts leave (errors in variables;
-Fuller, Measurement Error Models, 1987). So the present model is made the machine: it moves between the counts, its drive is
-what the model asks for, as is what drives its load, and its encoders read counts.
-"""
-
-from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 
-from workbench.identification.solve import NoValue
-from workbench.inverse.balances import balances, predicted, required
-from workbench.inverse.dynamics import LOAD_DRIVE, InverseDynamics
+from workbench.inverse.balances import required
+from workbench.inverse.dynamics import InverseDynamics
 from workbench.motion import motion
 from workbench.plant import Plant
 from workbench.record import Record
-from workbench.residual.noise_floor import ENCODERS, read_again
-from workbench.tracing.budget import BUDGET, Budget
-from workbench.tracing.candidates import Candidate
-from workbench.tracing.decimation import thin_one
-from workbench.tracing.result import CandidateScore
-from workbench.tracing.search import fitted, within_reach
-from workbench.tracing.state import State
-from workbench.tracing.wording_search import of_counts
+from workbench.residual.noise_floor import ENCODERS
 
 NEAR = 5.0  # periods of the evaluation band about a step of an encoder, in which the filters let it show
-
-
-def _sound(inverses: Sequence[InverseDynamics], plant: Plant) -> list[InverseDynamics]:
-    """Return decimated inverse dynamics of the records that this plant would leave, without noise of the drive; none where counts are
-    unknown."""
-    found = []
-    for p in inverses:
-        records = read_again(p)
-        if records is None:
-            return []
-        band = p.motion.filter.bandwidth
-        true, read = InverseDynamics(motion(records[0], band)), records[1]
-        made = {"torque" if "torque" in read.channels else "force": predicted(true, plant)}
-        if true.rows(plant) > 1:
-            made[LOAD_DRIVE] = balances(true, plant)[1]
-        found.append(thin_one(InverseDynamics(motion(replace(read, channels={**read.channels, **made}), band))))
-    return found
-
-
-def quantisation_bias(
-    candidate: Candidate, state: State, whole: Sequence[InverseDynamics], budget: Budget = BUDGET
-) -> float:
-    """Return the power that a candidate takes away of what counts alone leave, over that of the state's residual.
-
-    whole: inverse dynamics of the identification records as they are. 0 where nothing comes of it.
-    """
-    made = _sound(whole, state.plant)
-    if not made:
-        return 0.0
-    try:
-        alone = State(within_reach(state.plant, made), made)  # whose travel is not quite that of the records
-        _, solution = fitted(candidate, alone.problem, alone.solution, alone.left_at(candidate.at), budget)
-    except NoValue:
-        return 0.0
-    taken = max(alone.solution.cost - solution.cost, 0.0)
-    return taken / state.solution.cost if state.solution.cost > 0.0 else 0.0
-
-
-def by_counts(c: CandidateScore, spurious: float) -> CandidateScore:
-    """Return a candidate that does not earn its place, because of what it would take away of the counts alone."""
-    return replace(c, earns=False, sentence=f"{c.sentence} {of_counts(spurious)}")
 
 
 def edge(p: InverseDynamics, plant: Plant) -> float:

@@ -77,9 +77,8 @@ class Weighed:
     angle; a wave that no machine has beside a spring), so that this one only bends its law. of_declared: whether it is a memory of the dry
     friction that is declared at its place, or that friction turning over a speed; in_motion: what of the drive it takes then where the balance of its body counts only while that
     moves; infinite where it was not asked. length: of such a memory, over a count of its body's encoder; infinite where that has none. foretold: what is explainable of what the larger ones leave, asked where it takes less than `held`
-    of that (`further.foretold`); infinite where it was not asked. of_zero: whether it is an angle's map of which the zero between two encoders
-    alone says all but what is of practical size, in either balance (a joint that begins at a flank of its gap). together: whether `before` and `after` have
-    all the others in place, since validation bears it out only beside one that it bears out only beside this (`in_turn.by_each_other`).
+    of that (`further.foretold`); infinite where it was not asked. beside_others: what a correction takes beside all others, where any came after it
+    (`weighing`); infinite where it was not asked.
     """
 
     effect: str
@@ -95,14 +94,13 @@ class Weighed:
     load_after: Mapping[str, float] = field(default_factory=dict)
     power_up: bool = False
     same_curve: bool = False
-    of_zero: bool = False
     of_declared: bool = False
     in_motion: float = float("inf")
     length: float = float("inf")
     outside: float = float("nan")
     outside_error: float = float("inf")
     foretold: float = float("inf")
-    together: bool = False
+    beside_others: float = float("inf")
 
     @property
     def behind(self) -> bool:

@@ -22,7 +22,7 @@ from workbench.tracing.plausible import BESIDE, RETURNS
 from workbench.tracing.ranking import absurd
 from workbench.tracing.reducing import reduced_to
 from workbench.tracing.state import State
-from workbench.tracing.waves import judged_forms, of_more_orders, orders_say_it, two_say_it
+from workbench.tracing.waves import judged_forms, orders_say_it, two_say_it
 
 
 def free_law(
@@ -33,8 +33,7 @@ def free_law(
     criteria: Criteria,
     offer: Offer = WHOLE,
 ) -> ScoredCandidate | None:
-    """Return the law that is added in the place of `best`: another spelling of it, a wave whose further orders take most of what it leaves, or
-    its class' free form; None where `best` says it as well.
+    """Return the law that is added in the place of `best`: another spelling of it, or its class' free form; None where `best` says it as well.
 
     offer: what is judged. added: before it; a formula of the class among them names the free form, which then says it all. A wave that
     hardly returns gives way to a law that may be any curve.
@@ -44,7 +43,6 @@ def free_law(
     """
     other = spellings.commoner(state, judgements, best, criteria, offer)
     other = other or spellings.better_spelled(state, best, criteria, offer, judgements)
-    other = other or of_more_orders(state, judgements, best, criteria, offer)
     judgements = spellings.no_wave(state, judgements, best, criteria)
     if other is None and best not in judgements:
         other = min(

@@ -1,23 +1,21 @@
 """The search: one effect after another, each the one that explains most of what the others leave on data not seen."""
 
 from collections.abc import Callable, Collection, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
 from workbench.inverse.dynamics import InverseDynamics
 from workbench.residual.noise_floor import noise_rms, with_stationary
 from workbench.tracing.candidates import Offer
-from workbench.tracing.counted import by_counts, quantisation_bias
 from workbench.tracing.criteria import Criteria
 from workbench.tracing.free_law import free_law, otherwise_spelled, steadier
 from workbench.tracing.judge import Progress, ScoredCandidate, lighter
 from workbench.tracing.lazy import Lazy
 from workbench.tracing.orders import any_curve
-from workbench.tracing.ranking import led, pushed_back, step
+from workbench.tracing.ranking import step
 from workbench.tracing.state import State
 from workbench.tracing.unexplained import PLAIN, noise_alone
-from workbench.tracing.waves import lives_in_places
 
 
 @dataclass(frozen=True)
@@ -43,10 +41,9 @@ def extended(
 ) -> list[Step]:
     """Add effects one after another while one earns its place. Only the last step may have added nothing.
 
-    whole: inverse dynamics of the identification records as they are. Near the floor an effect must take away a plain share, and of more than what counts alone would leave. One effect may be added
+    whole: inverse dynamics of the identification records as they are. Near the floor an effect must take away a plain share. One effect may be added
     provisionally (see `promised`): it stays where a later one earns its place, and `pruned` asks whether it earns its own.
-    Before anything was added, what may be any curve is asked for no steadier law of its class, and promises nothing; and where what leads
-    lives in places, the search ends.
+    Before anything was added, what may be any curve is asked for no steadier law of its class, and promises nothing.
     freshly: a state with its free virgin curves found anew. enough: asked of what was added, all of it certain, whether the search is to end with
     it. Where nothing is left that could be a cause, no further effect is asked.
     """
@@ -62,15 +59,11 @@ def extended(
         lazy.noted(judgements, state)
         least = criteria.plain if noise_alone(state, level, PLAIN) else 0.0
         best = leading(judgements, least)
-        if least > 0.0:
-            judgements, best = _beyond_counts(judgements, best, least, state, whole, offer, criteria)
         if (
             best is not None
             and (free := free_law(state, judgements, best, [s.added for s in found], criteria, offer)) is not None
         ):
             judgements, best = [free, *judgements], free
-        elif best is not None and not found and lives_in_places(state, best, criteria, offer):
-            judgements, best = pushed_back(judgements, criteria, state), None
         if best is None and not noise_alone(state, level, PLAIN):
             asked = [j for j in judgements if found or not any_curve(j, state, criteria, offer)]
             steady = steadier(state, _most_first(asked), criteria, offer)
@@ -86,32 +79,6 @@ def extended(
         state = freshly(best.state)
         quiet = noise_rms(whole, state.plant)
     return earned(found)
-
-
-def _beyond_counts(
-    judgements: list[ScoredCandidate],
-    best: ScoredCandidate | None,
-    least: float,
-    state: State,
-    whole: Sequence[InverseDynamics],
-    offer: Offer,
-    criteria: Criteria,
-) -> tuple[list[ScoredCandidate], ScoredCandidate | None]:
-    """Return judgements, those last that take no more than `least` beyond what counts alone would have them take, and the one that then leads, None
-    where none does. best: which led.
-
-    A mode that lets go of the inertia above its resonance takes what the counts of a heavy axis make there, and friction is behind it.
-    """
-    for _ in range(offer.budget.leading):
-        if best is None:
-            break
-        spurious = quantisation_bias(best.candidate, state, whole, offer.budget)
-        if best.score.gain - spurious > least:
-            break
-        judgements = [replace(best, score=by_counts(best.score, spurious)), *judgements[1:]]
-        judgements = led(pushed_back(judgements, criteria, state), criteria, state, offer)
-        best = leading(judgements, least)
-    return judgements, best
 
 
 def spent(state: State, first: State, quiet: Mapping[str, float], criteria: Criteria) -> bool:

@@ -113,31 +113,6 @@ def as_a_curve(choice: Choice) -> Choice:
     return choice
 
 
-def as_a_curve_alone(choice: Choice) -> Choice:
-    """Return the choice with the free form of its class alone in the place of the addition that takes most and of all others, where it leaves
-    no more than all of them together, in either role. None of these of that class: a spring and a cogging are two, though one curve takes both.
-
-    Of a drive that saturates more steeply than the formula a wrong inertia and a mode dressed what that left.
-    """
-    if choice.largest is None:
-        return choice
-    (j, _), criteria, now = choice.largest, choice.criteria, choice.confirmed.fits[-1]
-    both = zip(choice.confirmed.added, choice.confirmed.weighed, strict=True)
-    others = [(k, w) for k, w in both if k is not j]
-    if j.candidate.instead or any(of_class(j, k) for k, _ in others):
-        return choice
-    if not any(w.size(IDENTIFICATION) >= criteria.practical for _, w in others):
-        return choice
-    choice.progress(f"asking whether the law of {j.candidate.key} is all")
-    state = choice.less(j, *(k for k, _ in others))
-    for k in _fitted(state, _curves(state, j, choice), j, (), choice) if state else ():
-        kept, fits = choice.fitted_with(k, j, *(k for k, _ in others))
-        left = (getattr(fits[-1], r) ** 2 - getattr(now, r) ** 2 for r in (IDENTIFICATION, VALIDATION))
-        if len(kept) == 1 and not any(x > criteria.practical**2 for x in left):
-            return choice.taking(k, kept, fits)
-    return choice
-
-
 def _of_one_class(confirmed: Confirmed) -> tuple[ScoredCandidate, ScoredCandidate] | None:
     """Return two additions of one class at one place, the one that takes more first, where the class has another law of that one's name."""
     sizes = zip(confirmed.added, (w.size(IDENTIFICATION) for w in confirmed.weighed), strict=True)

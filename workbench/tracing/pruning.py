@@ -5,19 +5,16 @@ Greedy selection cannot take back a choice made while something else was missing
 
 from collections.abc import Sequence
 from dataclasses import replace
-from functools import reduce
-from itertools import product
 
 from workbench.identification.solve import NoValue
 from workbench.plant import Plant
 from workbench.tracing.answer import Answer
-from workbench.tracing.candidates import ADDITION, Offer, periodic, without
+from workbench.tracing.candidates import Offer, without
 from workbench.tracing.criteria import Criteria
 from workbench.tracing.greedy import leading
 from workbench.tracing.judge import Progress, ScoredCandidate, freedom, lighter, still_earns
 from workbench.tracing.near_law import gives_way
 from workbench.tracing.ranking import step
-from workbench.tracing.reducing import by_values, nothing_of_its_own
 from workbench.tracing.slack import bent_gap
 from workbench.tracing.spellings import bearing, called_as, special_cases, with_spelling
 from workbench.tracing.starting import COMPARED, FURTHER
@@ -41,11 +38,10 @@ def pruned(
 
     Each effect is taken out in turn and the search repeated
     with the others in place, among all that ever promised something; what leads then stands in its stead. looked: every step's judgements,
-    to which these are added. Of two laws of one class at one place of which either makes the other needless the simpler stays, where that
-    leaves no more than what is of practical size. What took another one's stead with less left may make those before it needless: they are
+    to which these are added. What took another one's stead with less left may make those before it needless: they are
     asked once more. Returns `answer` itself where every effect stands.
     """
-    answer = begun = _of_the_joint(answer, declared, criteria)
+    begun = answer
     instead = 0  # how many stand before the last that took another one's stead
     for i in range(len(answer.added) - 1):
         present = answer.added[i]
@@ -69,18 +65,15 @@ def pruned(
         stays = present.score.earns and still_earns(present, reduced, answer.last, criteria)
         if best is None and (stays or any(j.score.earns for j in again)):
             continue  # what earns its place is not needless, though nothing leads where the simplest of equals earns none
-        if best is None and _drawn_by_a_curve(answer, i, reduced, declared, criteria):
-            continue
         another = best is not None and best not in again
         if another and present.score.earns and not _better(best, reduced, answer.last, criteria):
-            if stays and not any(nothing_of_its_own(j, reduced, criteria) for j in again):
+            if stays:
                 continue
-            best = None  # it is nothing, or takes nothing now, and what leads in its stead leaves more: neither stays
+            best = None  # it takes nothing now, and what leads in its stead leaves more: neither stays
         if best is None:
             left = [_named_after(k, present, criteria) for k in rest]
-            fewer = _simpler(answer, i, reduced, declared, criteria) or Answer(left, answer.declared, reduced)
-            rest = fewer.added
-            return pruned(fewer, declared, looked, progress, offer, criteria) if len(rest) > 1 else fewer
+            fewer = Answer(left, answer.declared, reduced)
+            return pruned(fewer, declared, looked, progress, offer, criteria) if len(left) > 1 else fewer
         # what the declared friction is only nearly right in is weighed beside all else, of which it would take a part where it came first
         last = another and gives_way(best.candidate, declared)
         answer = Answer([*rest, best] if last else [*rest[:i], best, *rest[i:]], answer.declared, best.state).standing
@@ -107,79 +100,6 @@ def _named_after(j: ScoredCandidate, needless: ScoredCandidate, criteria: Criter
     if not free.stands or (free.family, free.at) != (formula.family, formula.at):
         return j
     return replace(j, candidate=replace(free, stands=formula.name))
-
-
-def _drawn_by_a_curve(answer: Answer, i: int, reduced: State, declared: Plant, criteria: Criteria) -> bool:
-    """Whether the i-th of an answer is a formula that a later free form of another class at its place makes needless, and that takes `near` of what
-    that one takes, with fewer values: a curve over place draws the friction of what a spring loads, too. reduced: the state without the i-th.
-    """
-    present = answer.added[i].candidate
-    for j in answer.added[i + 1 :]:
-        free = j.candidate
-        if not free.stands or free.at != present.at or free.family == present.family:
-            continue
-        try:
-            alone = State(without(answer.last.plant, free, declared), answer.last.inverses)
-            whole = State(without(reduced.plant, free, declared), answer.last.inverses).errors.total
-        except NoValue:
-            continue
-        if _says_it(alone, reduced, whole, criteria):
-            return True
-    return False
-
-
-def _says_it(alone: State, reduced: State, whole: float, criteria: Criteria) -> bool:
-    """Whether a state takes `near` of what another one takes, with fewer values. whole: held-out power that is left without either."""
-    taken, most = whole - alone.errors.total, whole - reduced.errors.total
-    return freedom(alone.plant) < freedom(reduced.plant) and taken >= criteria.near * most
-
-
-def _simpler(answer: Answer, i: int, reduced: State, declared: Plant, criteria: Criteria) -> Answer | None:
-    """Return an answer without a later law of the class and place of its i-th, where that one alone says as much with fewer values, or `near` of
-    it and the later one is what it is by its values; None where there is none. reduced: the state without the i-th.
-
-    A joint whose stiffness changes at a corner is one of two springs in series, too, with a value more for the corner's roundness. Two springs
-    of which one is next to nothing are a gap, whose flanks are rounded.
-    """
-    present = answer.added[i].candidate
-    for j in answer.added[i + 1 :]:
-        if (j.candidate.family, j.candidate.at) != (present.family, present.at):
-            continue
-        same = by_values(reduced.plant[j.candidate.key], reduced, criteria) == present.effect
-        try:
-            alone = State(without(answer.last.plant, j.candidate, declared), answer.last.inverses)
-            bare = State(without(reduced.plant, j.candidate, declared), answer.last.inverses) if same else None
-        except NoValue:
-            continue
-        fewer = freedom(alone.plant) < freedom(reduced.plant)
-        as_well = alone.errors.total - reduced.errors.total <= criteria.practical**2 * reduced.power
-        if (fewer and as_well) or (bare and _says_it(alone, reduced, bare.errors.total, criteria)):
-            return Answer([k for k in answer.added if k is not j], answer.declared, alone)
-    return None
-
-
-def _of_the_joint(answer: Answer, declared: Plant, criteria: Criteria) -> Answer:
-    """Return an answer without two waves of force, one at the motor and one at the load, beside waves of the joint that take `near` of what all
-    of these take; the answer itself where there are none.
-
-    What a joint does to one body it does to the other with the opposite sign: a gear's error is a cogging on either side of it.
-    """
-    plant, inverses = answer.last.plant, answer.last.inverses
-    waves = [j.candidate for j in answer.added if j.candidate.kind == ADDITION and periodic(plant[j.candidate.key])]
-    own = [c for c in waves if c.at == "joint"]
-    for one, other in product(waves, waves) if own else ():
-        if (one.at, other.at) != ("motor", "load") or plant[one.key].name != plant[other.key].name:
-            continue
-        fewer = without(without(plant, one, declared), other, declared)
-        none = reduce(lambda p, c: without(p, c, declared), own, fewer)
-        try:
-            alone, bare = State(fewer, inverses), State(none, inverses)
-        except NoValue:
-            continue
-        if _says_it(alone, answer.last, bare.errors.total, criteria):
-            rest = [j for j in answer.added if j.candidate not in (one, other)]
-            return Answer(rest, answer.declared, alone)
-    return answer
 
 
 def _better(other: ScoredCandidate, reduced: State, last: State, criteria: Criteria) -> bool:

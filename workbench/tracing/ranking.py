@@ -11,7 +11,7 @@ from workbench.effects.free_bank import NAME as FREE_CURVE
 from workbench.identification.cross_validation import gain
 from workbench.processes import shared
 from workbench.tracing import foreseen
-from workbench.tracing.candidates import ADDITION, WHOLE, Candidate, Offer
+from workbench.tracing.candidates import WHOLE, Candidate, Offer
 from workbench.tracing.criteria import Criteria
 from workbench.tracing.judge import (
     STANDARD,
@@ -27,7 +27,6 @@ from workbench.tracing.one_sided import one_sided
 from workbench.tracing.orders import any_curve, of_no_mechanism
 from workbench.tracing.plausible import implausible
 from workbench.tracing.reducing import reduced_to
-from workbench.tracing.slack import gap_first
 from workbench.tracing.state import State
 
 BEHIND = 0.4  # of the best one's gain, below which a candidate is not
@@ -59,13 +58,7 @@ def step(
         if more:
             fit = refit_of(state, leaders[i], *more.pop("fit"))
             judgements[judgements.index(leaders[i])] = replace(leaders[i], refitted=fit, **more)
-    judgements = gap_first(simplest_first(judgements, criteria, state), criteria, state)
-    return led(judgements, criteria, state, offer)
-
-
-def led(judgements: Sequence[ScoredCandidate], criteria: Criteria, state: State, offer: Offer) -> list[ScoredCandidate]:
-    """Return ordered judgements with the plainest first, and that one's state."""
-    judgements = _plainest_first(judgements, criteria, state, offer)
+    judgements = _plainest_first(simplest_first(judgements, criteria, state), criteria, state, offer)
     if judgements and (first := judgements[0]).refitted:
         judgements[0] = replace(first, state=first.refitted.state)
     return judgements
@@ -89,7 +82,7 @@ def simplest_first(judgements: Sequence[ScoredCandidate], criteria: Criteria, st
     judgements = _by_gain(judgements)
     if not judgements:
         return judgements
-    leader = _told(_sound(judgements, criteria, state), judgements, criteria, state)
+    leader = _sound(judgements, criteria, state)
     level = [j for j in judgements if j is leader or (j.refitted and alike(leader, j, criteria, state.power))]
     firm = {j.candidate.family for j in level if not j.candidate.yields}
     level = [j for j in level if not (j.candidate.yields and j.candidate.family in firm)]
@@ -134,26 +127,6 @@ def _sound(judgements: Sequence[ScoredCandidate], criteria: Criteria, state: Sta
     return next((j for j in others if not absurd(j, state)), first)
 
 
-def _told(
-    leader: ScoredCandidate, judgements: Sequence[ScoredCandidate], criteria: Criteria, state: State
-) -> ScoredCandidate:
-    """Return the correction of a data sheet's value that takes `near` of what an addition of more parameters does, or the leader.
-
-    A wrong value is the commoner fault, and what a law with values of its own takes beyond it dresses what else is only nearly right. Of
-    194 campaigns one has such a correction behind an addition (0.94 of what that takes), and it is the cause.
-    """
-    if leader.candidate.kind != ADDITION or not leader.score.earns:
-        return leader
-    least = criteria.near * (state.errors.total - leader.errors.total)
-    corrected = (
-        j
-        for j in judgements
-        if j.candidate.kind != ADDITION and j.refitted and j.score.earns and j.freedom < leader.freedom
-        if state.errors.total - j.errors.total >= least and not absurd(j, state)
-    )
-    return next(corrected, leader)
-
-
 def _plainest_first(
     judgements: Sequence[ScoredCandidate], criteria: Criteria, state: State, offer: Offer
 ) -> list[ScoredCandidate]:
@@ -172,7 +145,7 @@ def _plainest_first(
     for _ in range(min(offer.budget.leading, len(judgements))):
         first = judgements[0]
         if of_no_mechanism(first, state) or (first_of_all and any_curve(first, state, criteria, offer)):
-            judgements = pushed_back(judgements, criteria, state)
+            judgements = _pushed_back(judgements, criteria, state)
             continue
         name = reduced_to(first, state, criteria)
         if name is None:
@@ -183,38 +156,21 @@ def _plainest_first(
             *first.candidate.restored,
         }
         if said or (first.candidate.at in curved and "masing" in catalogue()[name].holds):
-            judgements = pushed_back(judgements, criteria, state)
+            judgements = _pushed_back(judgements, criteria, state)
             continue
         other = next((j for j in judgements if j.candidate.effect == name and j.theta is not None), None)
         if other is None:
             break
         whole = state.errors.total
         if other.score.earns and whole - other.errors.total >= criteria.near * (whole - first.errors.total):
-            other = _as_simple(
-                other if other.refitted else everything_free(state, other, criteria), judgements, criteria, state
-            )
+            other = other if other.refitted else everything_free(state, other, criteria)
             judgements = [other, *(j for j in judgements if j.candidate is not other.candidate)]
             break
-        judgements = pushed_back(judgements, criteria, state)
+        judgements = _pushed_back(judgements, criteria, state)
     return judgements
 
 
-def _as_simple(
-    first: ScoredCandidate, others: Sequence[ScoredCandidate], criteria: Criteria, state: State
-) -> ScoredCandidate:
-    """Return what explains practically the same as `first` with fewer free parameters, `first` where nothing does.
-
-    What led to `first` may take plainly more (what LuGre takes of a count, and Stribeck's friction does not), so that these two
-    were not held against each other: Stribeck's, of a speed above all that is driven, is Coulomb's.
-    """
-    for j in (j for j in others if j.score.earns and j.theta is not None and j.freedom < first.freedom):
-        fitted = j if j.refitted else everything_free(state, j, criteria)
-        if alike(first, fitted, criteria, state.power) and not absurd(fitted, state):
-            return fitted
-    return first
-
-
-def pushed_back(judgements: Sequence[ScoredCandidate], criteria: Criteria, state: State) -> list[ScoredCandidate]:
+def _pushed_back(judgements: Sequence[ScoredCandidate], criteria: Criteria, state: State) -> list[ScoredCandidate]:
     """Return judgements with the first behind all others, as one that does not earn its place."""
     first, *rest = judgements
     return [*simplest_first(rest, criteria, state), replace(first, score=replace(first.score, earns=False))]

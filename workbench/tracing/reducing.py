@@ -46,11 +46,6 @@ def _shortest(state: State | Refitted, criteria: Criteria) -> float:
     return criteria.practical / (2.0 * pi * max(p.motion.filter.bandwidth for p in state.inverses))
 
 
-def nothing_of_its_own(j: ScoredCandidate, state: State, criteria: Criteria) -> bool:
-    """Whether a fitted addition has the values of no effect at all: LuGre without presliding and without Stribeck's peak."""
-    return reduced_to(j, state, criteria) == ""
-
-
 def simpler(effect: Effect, intervals: Mapping[str, tuple[float, float]], counts: float) -> str | None:
     """Return the name of the simpler effect that this one is, "" where it is none at all, None where it is itself.
 

@@ -141,7 +141,7 @@ def _said_of_each(o: Outcome, after: Fit, progress: Progress) -> tuple[list[Caus
         )
         for i, (j, w) in enumerate(o.standing)
     }
-    refinements = [refinement(made[j.candidate.key], w.of_zero) for j, w in o.standing if o.role(j) != CAUSE]
+    refinements = [refinement(made[j.candidate.key]) for j, _ in o.standing if o.role(j) != CAUSE]
     return [_described_rivals(made[j.candidate.key], j, o, progress) for j in o.by_size], refinements
 
 

@@ -8,7 +8,7 @@ from workbench.inverse.dynamics import InverseDynamics
 from workbench.plant import Plant
 from workbench.tracing.answer import Answer
 from workbench.tracing.candidates import Offer, without
-from workbench.tracing.composing import composed, decomposed, of_one_disc, of_the_axis, plainly
+from workbench.tracing.composing import composed, decomposed, of_one_disc, of_the_axis
 from workbench.tracing.criteria import Criteria
 from workbench.tracing.evidence import CORRECTION
 from workbench.tracing.greedy import Step, extended
@@ -16,7 +16,7 @@ from workbench.tracing.judge import Progress, ScoredCandidate
 from workbench.tracing.near_law import SEEN, Law, as_declared, count_at, freed, laws, lengthened
 from workbench.tracing.pruning import pruned
 from workbench.tracing.ranking import absurd, step
-from workbench.tracing.starting import afresh, at_own_starts
+from workbench.tracing.starting import at_own_starts
 from workbench.tracing.state import State
 
 # What a free virgin curve may be: the memory of a catalogued law or, as it is a spring far short of its slips, what a stiffness lacks
@@ -83,7 +83,7 @@ def select(
         held = {e.key for e in state.plant.effects}
         here = tuple(law for law in known if {law.key, law.declared.key} & held)
         state = curved(state, here, criteria) if here else state
-        return afresh(at_own_starts(state), declared.problem.plant, known)
+        return at_own_starts(state)
 
     offer = replace(offer, stands_for={**offer.stands_for, **{law.key: law.declared for law in known}})
 
@@ -97,7 +97,6 @@ def select(
         return so_far
     if len(answer.added) > 1:
         answer = pruned(answer, base.plant, looked, progress, offer, criteria)
-    answer = plainly(answer, base.plant, criteria, offer, known)
     answer, refined = _of_declared_laws(answer, known, looked, progress, offer, criteria)
     answer = decomposed(composed(answer, base.plant, criteria, offer), base.plant, criteria, known)
     answer = of_the_axis(of_one_disc(answer), base.plant, criteria)

@@ -4,12 +4,11 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from workbench.definition import FORCE, catalogue
+from workbench.definition import FORCE
 from workbench.inverse.bodies import POSITION
 from workbench.inverse.dynamics import InverseDynamics
 from workbench.kernel.step import build
 from workbench.plant import Plant
-from workbench.tracing.criteria import Criteria
 from workbench.tracing.judge import ScoredCandidate
 from workbench.tracing.state import State
 
@@ -21,23 +20,6 @@ REACH, STEPS = (
     0.99,
     81,
 )  # quantile of the deflection up to which a joint's curve is looked at, and its points: an odd number, one at rest
-
-
-def gap_first(judgements: list[ScoredCandidate], criteria: Criteria, state: State) -> list[ScoredCandidate]:
-    """Return judgements with the gap ahead of another law of the joint's stiffness that is a gap's by its curve, where it takes `near` of
-    what that law takes."""
-    first = judgements[0] if judgements else None
-    if first is None or not first.refitted or first.candidate.at != "joint" or first.candidate.effect == GAP:
-        return judgements
-    if first.candidate.family != catalogue()[GAP].family:
-        return judgements
-    gap = next((j for j in judgements if j.candidate.effect == GAP and j.refitted and j.score.earns), None)
-    whole = state.errors.total
-    if gap is None or whole - gap.errors.total < criteria.near * (whole - first.errors.total):
-        return judgements
-    if stiffness_at_rest(first.refitted.plant, state.inverses) >= SLACK:
-        return judgements
-    return [gap, *(j for j in judgements if j is not gap)]
 
 
 def bent_gap(present: ScoredCandidate, rest: Sequence[ScoredCandidate], last: State) -> bool:

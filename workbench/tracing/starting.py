@@ -7,11 +7,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from workbench.identification.solve import NoValue
 from workbench.inverse.dynamics import InverseDynamics
-from workbench.inverse.prehistory import begun, begun_at, by_turns
+from workbench.inverse.prehistory import begun, by_turns
 from workbench.plant import Plant
-from workbench.tracing.near_law import Law, as_declared
 from workbench.tracing.state import State
 
 COMPARED = 1e-4  # relative decrease of the cost at which these fits are as good as they are compared
@@ -37,21 +35,3 @@ def at_own_starts(state: State, base: State | None = None) -> State:
         return None if found is None else freely(fit.problem.plant, found, fit.solution.theta, base or state)
 
     return by_turns(state, again, lambda fit: fit.errors.total)
-
-
-def afresh(state: State, declared: Plant, known: Sequence[Law]) -> State:
-    """Return a state whose declared laws were searched from their declared values, on records that begin relaxed, where that leaves less.
-
-    declared: as it was declared. Values and starts that were found with a model that lacked what was added since hold each other where they are.
-    """
-    if all(p.motion.record.found is None for p in state.inverses):
-        return state
-    plant = as_declared(state.plant, known)
-    for e in declared.effects:
-        if any(not p.fixed for n, p in e.parameters.items() if n in e.shape) and e.key in plant:
-            plant = plant.swap(e)
-    try:
-        other = at_own_starts(State(plant, begun_at(state.inverses, [None] * len(state.inverses))))
-    except NoValue:
-        return state
-    return other if other.errors.total < state.errors.total else state

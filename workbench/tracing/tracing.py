@@ -26,9 +26,9 @@ from workbench.tracing.evidence import CORRECTION, Evidence
 from workbench.tracing.explainable import explainable
 from workbench.tracing.foreseen import loaded
 from workbench.tracing.further import foretold
-from workbench.tracing.in_turn import by_each_other, fewer_causes, later
+from workbench.tracing.in_turn import later
 from workbench.tracing.judge import STANDARD, Progress, ScoredCandidate
-from workbench.tracing.otherwise import as_a_curve, as_a_curve_alone, in_place_of_two, otherwise
+from workbench.tracing.otherwise import as_a_curve, in_place_of_two, otherwise
 from workbench.tracing.preparing import Declared, Rest, prepared, turned_back
 from workbench.tracing.reporting import Outcome, reported
 from workbench.tracing.result import Trace
@@ -131,14 +131,12 @@ def _decided(
     """Weigh what whole records bear out of what a search selected, decide, and say so; without what is not borne out, once more."""
     inverses, first = late.inverses, True
     progress("weighing the evidence")
-    order, orders, refused, given_up, once = selected.answer.added, [], [], [], None
+    order, orders, refused, given_up = selected.answer.added, [], [], []
     while order is not None:
         if not first:
             confirmed = confirm(late, order, selected, criteria, confirmed.levels)
         choice = Choice(selected, confirmed, late, offer, criteria, progress)
-        for ask in (
-            (by_validation, soundly, otherwise, as_a_curve, in_place_of_two, as_a_curve_alone) if first else (soundly,)
-        ):
+        for ask in (by_validation, soundly, otherwise, as_a_curve, in_place_of_two) if first else (soundly,):
             choice = ask(choice)
         anew, selected, confirmed = first or choice.selected is not selected, choice.selected, choice.confirmed
         if anew:
@@ -147,15 +145,8 @@ def _decided(
         confirmed = foretold(selected, confirmed, evidence.before.size, criteria)
         evidence = replace(evidence, added=confirmed.weighed)
         verdict = decide(evidence, criteria)
-        if once and (together := by_each_other(*once, confirmed, verdict)):
-            confirmed, once, orders = together, None, []
-            evidence = replace(evidence, added=confirmed.weighed)
-            verdict = decide(evidence, criteria)
         orders = later(confirmed.added, verdict) if first else orders
-        once = (confirmed, verdict) if orders and first else once
         again, first = bool(orders) and NOT_BORNE_OUT in verdict.roles, False
-        if not again and once and fewer_causes(verdict, once[1]):
-            (confirmed, verdict), once = once, None
         order = orders.pop(0) if again else _standing(confirmed, verdict)
         orders = orders if again else []
         stands = order is None and verdict.verdict == CAUSE

@@ -1,9 +1,8 @@
-"""Waves of several orders, and what is none: what lives in a few places of a stroke is drawn by orders, too, some of which hardly return."""
+"""What a free form would say in the place of: waves of several orders, and two formulas of one class."""
 
-from collections.abc import Collection, Sequence
+from collections.abc import Collection
 from dataclasses import replace
 
-from workbench.effects.families import FREE_FORMS
 from workbench.processes import shared
 from workbench.tracing.budget import Budget
 from workbench.tracing.candidates import ADDITION, AGAIN, Candidate, Offer, periodic
@@ -13,24 +12,6 @@ from workbench.tracing.judge import ScoredCandidate, everything_free, judged
 from workbench.tracing.orders import further_orders
 from workbench.tracing.spellings import hardly_returns, spellings_in
 from workbench.tracing.state import State
-
-
-def of_more_orders(
-    state: State, judgements: Sequence[ScoredCandidate], best: ScoredCandidate, criteria: Criteria, offer: Offer
-) -> ScoredCandidate | None:
-    """Return a wave that alone takes `near` of what the leading law takes, and with further orders of its own `near` of what that leaves; None
-    where there is none. A law is judged whole, a wave of three orders by its first: a gear's was behind an encoder that is late by 11 ms."""
-    if periodic(best.candidate.plant[best.candidate.key]):
-        return None
-    whole, left = state.errors.total, best.errors.total
-    waves = [
-        j
-        for j in judgements
-        if j is not best and j.candidate.kind == ADDITION and j.refitted and j.score.earns
-        if periodic(j.candidate.plant[j.candidate.key]) and whole - j.errors.total >= criteria.near * (whole - left)
-    ]
-    found = shared(lambda j: orders_say_it(state, j, (1.0 - criteria.near) * left, criteria, offer), waves)
-    return next((j for j, says in zip(waves, found, strict=True) if says), None)
 
 
 def orders_say_it(state: State, nearest: ScoredCandidate, most: float, criteria: Criteria, offer: Offer) -> bool:
@@ -49,25 +30,6 @@ def orders_say_it(state: State, nearest: ScoredCandidate, most: float, criteria:
         if nearest is None or nearest.errors.total <= most:
             return nearest is not None and not hardly_returns(everything_free(state, nearest, criteria), state)
     return False
-
-
-def lives_in_places(state: State, best: ScoredCandidate, criteria: Criteria, offer: Offer) -> bool:
-    """Whether a wave is what lives in places: a curve of its class takes so much that neither the wave takes `resembles` of it, nor its further
-    orders say it, nor a law of the class beside it. Of dirt in two places of a rail a wave takes a third of what a curve does, of the joint of
-    two rails a quarter."""
-    family, at = best.candidate.family, best.candidate.at
-    if family not in FREE_FORMS or not periodic(best.candidate.plant[best.candidate.key]):
-        return False
-    whole = state.errors.total
-    taken = whole - best.errors.total
-    if taken >= criteria.resembles * whole:
-        return False  # whatever a curve takes
-    found = judged_forms(state, {(family, at)}, criteria, offer.budget)
-    most = max((whole - j.errors.total for j in found), default=0.0)
-    if taken >= criteria.resembles * most:
-        return False
-    least = whole - criteria.near * most
-    return not (orders_say_it(state, best, least, criteria, offer) or two_say_it(state, best, least, criteria, offer))
 
 
 def two_say_it(state: State, best: ScoredCandidate, most: float, criteria: Criteria, offer: Offer) -> bool:

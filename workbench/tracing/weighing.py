@@ -4,33 +4,31 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from math import inf
 
-import numpy as np
-
 from workbench.definition import TWO_COUNTS, Effect, catalogue
 from workbench.identification.by_record import held
 from workbench.identification.fit import identify
 from workbench.identification.result import Fit
-from workbench.inverse.balances import predicted
+from workbench.identification.solve import NoValue
 from workbench.inverse.bodies import CHANNEL
 from workbench.inverse.carrying import load_errors
 from workbench.inverse.dynamics import InverseDynamics
 from workbench.plant import ONE_MASS, TWO_MASS, Plant
 from workbench.record import IDENTIFICATION, ROLES, VALIDATION
 from workbench.residual.noise_floor import fitted, noise_rms, refuted
+from workbench.tracing.candidates import without
 from workbench.tracing.criteria import Criteria
 from workbench.tracing.evidence import ADDITION, CORRECTION, FORMULA, FREE, Weighed
 from workbench.tracing.full_rate import nested_fits
 from workbench.tracing.in_motion import in_motion
 from workbench.tracing.judge import ScoredCandidate, freedom
 from workbench.tracing.near_law import NAME, gives_way
-from workbench.tracing.offered_as import ZERO
 from workbench.tracing.outside import multiplier
 from workbench.tracing.plausible import implausible
 from workbench.tracing.power_up import calibrate, periodic
 from workbench.tracing.preparing import Declared
 from workbench.tracing.reducing import by_values
 from workbench.tracing.result import Refinement
-from workbench.tracing.selection import Selection
+from workbench.tracing.selection import Selection, size
 from workbench.tracing.smooth_turn import turns
 from workbench.tracing.state import State
 from workbench.tracing.wording_search import nearly_right
@@ -118,37 +116,31 @@ def weighed(
             in_motion=in_motion(fits[i].plant, fits[i + 1].plant, inverses, j.candidate.at) if own else inf,
             length=_counts_long(fits[i + 1].plant[key], inverses) if own and present else inf,
             implausible=implausible(last[key], last, declared, selected.declared.inverses) if present else "",
-            of_zero=present and of_zero(last, key, selected.declared.inverses, criteria),
             load_before=load[i],
             load_after=load[i + 1],
+            beside_others=_beside_others(j, selected) if j.candidate.kind == CORRECTION and j is not added[-1] else inf,
             **_outside(fits[i].plant, fits[i + 1].plant, selected.declared.inverses),
         )
         found.append(_phased(w, fits[i + 1], key, inverses) if present else w)
     return tuple(replace(w, same_curve=bends(w, found, declared.kind)) for w in found)
 
 
+def _beside_others(j: ScoredCandidate, selected: Selection) -> float:
+    """Return what a correction takes beside all that was added, on held-out blocks, over the drive's rms, of what its value within the tolerance
+    leaves; infinite where that has no value. What came first took for itself what was not there yet: of a drive that saturates a mass is
+    wrong, too."""
+    last = selected.answer.last
+    try:
+        less = State(without(last.plant, j.candidate, selected.base.plant), last.inverses)
+    except NoValue:
+        return inf
+    return size(less, last)
+
+
 def _counts_long(effect: Effect, inverses: Sequence[InverseDynamics]) -> float:
     """Return the length over which a friction gives way, over a count of its body's encoder; infinite where it has none, or none is known."""
     count = max(p.bodies.counts(CHANNEL.get(effect.at, "position")) for p in inverses)
     return effect.parameters["x0"].value / count if "x0" in effect.parameters and count > 0.0 else inf
-
-
-def of_zero(plant: Plant, key: str, inverses: Sequence[InverseDynamics], criteria: Criteria) -> bool:
-    """Whether the zero between two encoders alone says what an angle's map does: without its wave neither the drive changes by what is of
-    practical size, nor what the load's balance leaves over the joint's torque. A joint that begins at a flank of its gap is not relaxed there, and a disc's error was the only thing that could say so."""
-    effect = plant[key]
-    if ZERO not in effect.parameters or effect.parameters[ZERO].fixed:
-        return False
-    flat = plant.with_values({key: dict.fromkeys({"sine", "cosine", "amplitude"} & {*effect.parameters}, 0.0)})
-    loads = [load_errors(inverses, p).get(IDENTIFICATION, 0.0) for p in (flat, plant)]
-    if loads[0] ** 2 - loads[1] ** 2 >= criteria.practical**2:
-        return False
-    changed, whole = 0.0, 0.0
-    for p in inverses:
-        m = p.motion
-        more, drive = m.filter(np.stack([predicted(p, plant) - predicted(p, flat), m.u]))[:, m.keep]
-        changed, whole = changed + float(more @ more), whole + float(drive @ drive)
-    return changed < criteria.practical**2 * whole
 
 
 def bends(w: Weighed, found: Sequence[Weighed], kind: str) -> bool:

@@ -18,7 +18,6 @@ from workbench.tracing.judge import ScoredCandidate
 from workbench.tracing.result import CandidateScore, Cause, Refinement, physical_cause
 from workbench.tracing.smallest import Smallest
 
-TOGETHER = ", both beside all the others, without which validation does not bear it out"
 CHOSEN = (
     " By the identification records alone it was not certain, since few stretches of them show it; it was fitted to these alone, and is named "
     "because of what it explains of the validation record, which is therefore no test of the choice: another record would be."
@@ -47,7 +46,7 @@ def cause(
     was = _held(declared, score) if score.kind == CORRECTION else {}
     estimates = tuple(e for e in last.estimates if (e.effect, e.at) == (score.effect, score.at))
     identification, validation = (
-        weight.of_drive(r) if weight.together else 1.0 - (here.rms[r] / before.rms[r]) ** 2 if before.rms[r] > 0.0 else 0.0
+        1.0 - (here.rms[r] / before.rms[r]) ** 2 if before.rms[r] > 0.0 else 0.0
         for r in (IDENTIFICATION, VALIDATION)
     )  # fmt: skip
     sentence = _cause_sentence(judgement, weight, (identification, validation), provisional, also)
@@ -71,7 +70,7 @@ def _cause_sentence(
     sentence = (
         f"{capital(title(candidate.name))} at the {place(score.at)} {verb}: {physical_cause(law, candidate.name)}. It explains "
         f"{100 * shares[0]:.1f} % of the residual power on the identification records and {100 * shares[1]:.1f} % "
-        f"on the validation record{TOGETHER if weight.together else ''}."
+        f"on the validation record."
     )
     if candidate.part:
         whose = "With what is declared there it is" if law.parts else "Its law is that of"
@@ -90,13 +89,10 @@ def _cause_sentence(
     return sentence
 
 
-def refinement(c: Cause, of_zero: bool = False) -> Refinement:
-    """Return what would be a cause, were it not too small for one: nothing says that it is missing. of_zero: whether all of it is the zero of
-    one encoder against the other."""
+def refinement(c: Cause) -> Refinement:
+    """Return what would be a cause, were it not too small for one: nothing says that it is missing."""
     of = "the joint's torque in the load's balance" if c.behind else "the drive's rms"
     sentence = f"{capital(title(c.effect))} at the {place(c.at)} takes away {100 * c.size:.2g} % of {of} on the identification records."
-    if of_zero:
-        sentence += " All of that is its zero: the encoders were set to zero where the joint is not relaxed, as at a flank of a gap."
     return Refinement(c.effect, c.at, c.kind, sentence, c.parameters, c.size)
 
 

@@ -38,11 +38,6 @@ def gained(effect: str, correction: bool, gain: float, scatter: float) -> str:
     return f"{what} explains nothing on held-out blocks."
 
 
-def of_counts(share: float) -> str:
-    """Return what a candidate would take away of what counts alone would leave."""
-    return f"Of what counts alone would leave of a machine that lacks nothing it would take away {100 * share:.1f} %."
-
-
 def nearly_right(effect: str, at: str, before: float, after: float) -> str:
     """Return what a free virgin curve in the place of a declared law is worth: errors on identification, nrmse."""
     return (
