@@ -7,6 +7,7 @@ from workbench.definition import catalogue
 from workbench.finding import Finding
 from workbench.identification.result import Estimate, Fit
 from workbench.inverse.dynamics import InverseDynamics
+from workbench.record import VALIDATION
 from workbench.tracing.calibration import Calibration
 from workbench.tracing.candidates import ADDITION, Candidate, missing_part, without
 from workbench.tracing.criteria import Criteria
@@ -52,11 +53,14 @@ class Outcome:
     @property
     def standing(self) -> list[tuple[ScoredCandidate, Weighed]]:
         """What was added, with its evidence: with a cause all of it stands; where nothing is missing refinements do that take what is of
-        practical size of the validation records, and else nothing does."""
+        practical size of the validation records, of the drive or behind the joint, and else nothing does."""
         every = list(zip(self.confirmed.added, self.confirmed.weighed, strict=True))
         refines = self.verdict.verdict == NOTHING and {*self.verdict.roles} == {REFINEMENT}
         first, last = self.confirmed.fits[0].validation, self.confirmed.fits[-1].validation
-        less = refines and first**2 - last**2 >= self.criteria.practical**2
+        small = self.criteria.practical
+        less = refines and (
+            first**2 - last**2 >= small**2 or any(w.behind and w.size(VALIDATION) >= small for _, w in every)
+        )
         return every if self.verdict.verdict == CAUSE or less else []
 
     @property

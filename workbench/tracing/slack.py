@@ -14,7 +14,7 @@ from workbench.tracing.state import State
 
 GAP = "backlash"
 # Stiffness at rest over the largest, below which a joint has a gap. Of gaps the law that led had 0.21 and less, of joints that harden 0.33 and
-# more. Halved, one gap with soft flanks is a multi-body compliance; doubled none changes, as a gap takes half of what a law that hardens does
+# more. The one campaign on which it says something keeps its gap, halved or doubled
 SLACK = 0.25
 REACH, STEPS = (
     0.99,
