@@ -516,6 +516,8 @@ def test_evidence_that_was_written_decides_again():
     )
     written = json.loads(json.dumps(_plain(one_role.as_dict()), allow_nan=False))  # as trace.json holds it
     assert decide(evidence_of(written), STANDARD) == decide(one_role, STANDARD)
+    written["added"][0]["of_an_earlier_version"] = True
+    assert decide(evidence_of(written), STANDARD) == decide(one_role, STANDARD)
 
 
 def test_what_is_foretold_is_asked_of_further_causes_alone_that_take_little_of_the_drive():

@@ -11,10 +11,12 @@ from workbench.inverse.dynamics import inverse_dynamics
 from workbench.plant import ONE_MASS, TWO_MASS, Plant
 from workbench.record import IDENTIFICATION, VALIDATION
 from workbench.tracing import weighing
+from workbench.tracing.answer import Answer
 from workbench.tracing.candidates import ADDITION, CORRECTION, Candidate, candidates_of
 from workbench.tracing.criteria import Criteria
 from workbench.tracing.evidence import Weighed
 from workbench.tracing.judge import ScoredCandidate
+from workbench.tracing.selection import Selection
 from workbench.tracing.state import State
 from workbench.tracing.weighing import as_they_end, bends, refuted_by
 
@@ -65,8 +67,9 @@ def test_a_data_sheets_value_is_weighed_beside_what_came_after_it():
     declared = PLANT.swap(find("inertia")(inertia=0.0103, fixed=True))
     (wrong,) = (c for c in candidates_of(declared) if (c.effect, c.kind) == ("inertia", CORRECTION))
     last = State(wrong.plant + find("nonlinear_viscous_friction"), inverses)
-    selected = SimpleNamespace(answer=SimpleNamespace(last=last), base=State(declared, inverses))
-    taken = weighing._beside_others(ScoredCandidate(wrong, None, None, 1), selected)
+    j = ScoredCandidate(wrong, None, None, 1)
+    selected = Selection(None, State(declared, inverses), Answer([j], None, last), (), (), ())
+    taken = weighing._beside_others(j, selected)
     off = sum(np.sum((0.0003 * p.motion.filter(p.motion.a)[p.motion.keep]) ** 2) for p in inverses)
     assert taken == pytest.approx((off / last.power) ** 0.5, rel=0.2)
 

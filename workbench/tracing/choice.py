@@ -4,10 +4,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from workbench.identification.result import Fit
-from workbench.identification.solve import NoValue
 from workbench.record import IDENTIFICATION
 from workbench.tracing.answer import Answer
-from workbench.tracing.candidates import ADDITION, Offer, without
+from workbench.tracing.candidates import ADDITION, Offer
 from workbench.tracing.criteria import Criteria
 from workbench.tracing.evidence import Weighed
 from workbench.tracing.full_rate import nested_fits
@@ -40,13 +39,7 @@ class Choice:
 
     def less(self, *gone: ScoredCandidate) -> State | None:
         """Return the state that the search ended with, without some additions; None where it has no value."""
-        last, plant = self.selected.answer.last, self.selected.answer.last.plant
-        for j in gone:
-            plant = without(plant, j.candidate, self.selected.base.plant)
-        try:
-            return State(plant, last.inverses)
-        except NoValue:
-            return None
+        return self.selected.less(*gone)
 
     def judged(self, state: State, offer: Offer) -> list[ScoredCandidate]:
         """Return what is offered beside a state, judged; a free curve in it stands for the friction that is declared."""

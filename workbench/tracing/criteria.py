@@ -34,6 +34,8 @@ class Criteria:
         axes that give way within 4 to 18 counts 0.005 to 0.018 where all of the drive shows 0.10 to 0.32, of three benches that lack it 0.02 to 0.06. Halved there, one of the six is a cause.
         Right causes whose law is only nearly right leave up to 1.6 %. Halved, these are called incomplete or one more cause, and an overdamped mode,
         a wave as long as the travel or the presliding of one more complete model is a cause; doubled, no cause that is known is lost.
+        And share of the joint's torque from which what the load's balance alone shows is a cause: of four frictions behind a joint that nobody counted
+        0.013 to 0.028. Halved there, three of these are causes; doubled, none of the four.
     held: share of the residual power, of validation and of identification, that the causes must take away. Of validation right ones took 0.68 and more, what
         only dressed an unknown cause up to 0.42. Of identification right ones took 0.71 and more, one that nobody put there 0.26: halved, it is a cause. Halved, dressings are causes; doubled, nothing is a cause. On benches that lack more than
         one thing two right ones took 0.40 and 0.41 of it, with 0.73 and 0.53 of the identification records' and 0.59 and all of what could be

@@ -4,7 +4,7 @@ Sizes are rms over the rms of the filtered drive: identification records pooled,
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, fields
 from math import copysign, isfinite, sqrt
 
 from workbench.record import IDENTIFICATION, VALIDATION
@@ -222,7 +222,9 @@ def evidence_of(data: Mapping[str, object]) -> Evidence:
 
 
 def _weighed(data: Mapping[str, object]) -> Weighed:
-    known = {k: _told(v) if isinstance(v, Mapping) else v for k, v in data.items() if v is not None}
+    """Return one effect as it was weighed, without what Weighed no longer has: trace.json may be of an earlier version."""
+    names = {f.name for f in fields(Weighed)}
+    known = {k: _told(v) if isinstance(v, Mapping) else v for k, v in data.items() if v is not None and k in names}
     return Weighed(**known)
 
 

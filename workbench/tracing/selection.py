@@ -44,6 +44,16 @@ class Selection:
         """The plant that the search ended with, its free virgin curves put back to the declared laws."""
         return as_declared(self.answer.last.plant, self.laws)
 
+    def less(self, *gone: ScoredCandidate) -> State | None:
+        """Return the state that the search ended with, without some additions; None where it has no value."""
+        last, plant = self.answer.last, self.answer.last.plant
+        for j in gone:
+            plant = without(plant, j.candidate, self.base.plant)
+        try:
+            return State(plant, last.inverses)
+        except NoValue:
+            return None
+
     @property
     def dry(self) -> Plant:
         """The same, with declared friction in the place of what has a memory and was added in its stead: where an axis sticks, that dresses rest."""

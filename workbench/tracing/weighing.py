@@ -8,14 +8,12 @@ from workbench.definition import TWO_COUNTS, Effect, catalogue
 from workbench.identification.by_record import held
 from workbench.identification.fit import identify
 from workbench.identification.result import Fit
-from workbench.identification.solve import NoValue
 from workbench.inverse.bodies import CHANNEL
 from workbench.inverse.carrying import load_errors
 from workbench.inverse.dynamics import InverseDynamics
 from workbench.plant import ONE_MASS, TWO_MASS, Plant
 from workbench.record import IDENTIFICATION, ROLES, VALIDATION
 from workbench.residual.noise_floor import fitted, noise_rms, refuted
-from workbench.tracing.candidates import without
 from workbench.tracing.criteria import Criteria
 from workbench.tracing.evidence import ADDITION, CORRECTION, FORMULA, FREE, Weighed
 from workbench.tracing.full_rate import nested_fits
@@ -129,12 +127,8 @@ def _beside_others(j: ScoredCandidate, selected: Selection) -> float:
     """Return what a correction takes beside all that was added, on held-out blocks, over the drive's rms, of what its value within the tolerance
     leaves; infinite where that has no value. What came first took for itself what was not there yet: of a drive that saturates a mass is
     wrong, too."""
-    last = selected.answer.last
-    try:
-        less = State(without(last.plant, j.candidate, selected.base.plant), last.inverses)
-    except NoValue:
-        return inf
-    return size(less, last)
+    less = selected.less(j)
+    return inf if less is None else size(less, selected.answer.last)
 
 
 def _counts_long(effect: Effect, inverses: Sequence[InverseDynamics]) -> float:

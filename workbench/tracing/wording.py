@@ -70,7 +70,7 @@ def _cause_sentence(
     sentence = (
         f"{capital(title(candidate.name))} at the {place(score.at)} {verb}: {physical_cause(law, candidate.name)}. It explains "
         f"{100 * shares[0]:.1f} % of the residual power on the identification records and {100 * shares[1]:.1f} % "
-        f"on the validation record."
+        "on the validation record."
     )
     if candidate.part:
         whose = "With what is declared there it is" if law.parts else "Its law is that of"
