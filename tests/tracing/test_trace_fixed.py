@@ -90,6 +90,39 @@ def test_a_trace_moves_no_fixed_value_that_it_does_not_name(name, added):
         assert told == ({"inertia": declared} if c["effect"] == "inertia" else {})
 
 
+# --- a value that is nearly right ------------------------------------------------------------------------------------
+
+
+def turning(role: str, seed: int, force=lambda q: 0.0) -> Record:
+    """An axis of 0.01 kg*m^2 in fast and slow motion, with a little noise."""
+    t = np.arange(8000) / 1000.0
+    q = sum(a * np.sin(2 * np.pi * f * t + seed + f) for a, f in ((0.5, 0.4), (0.2, 1.7), (0.1, 4.1)))
+    v = np.gradient(q, 1e-3)
+    noise = 0.004 * np.random.default_rng(seed).normal(size=t.size)
+    drive = 0.01 * np.gradient(v, 1e-3) + 0.05 * v + force(q) + noise
+    return Record(role, role, t, {"torque": drive, "position": q}, {}, Source(Path("made"), "", "made", {}))
+
+
+@pytest.mark.parametrize(
+    ("force", "verdict", "missing"),
+    [(lambda q: 0.0, "nothing_missing", ()), (lambda q: 0.1 * np.sin(q + 0.4), "cause", ("gravity",))],
+)
+def test_a_value_that_is_off_by_little_stays_and_is_a_refinement_with_what_it_would_be(force, verdict, missing):
+    plant = Plant(ONE_MASS) + find("inertia")(inertia=0.0102, fixed=True) + find("viscous_friction")
+    records = [turning("identification", 0, force), turning("validation", 1, force)]
+    found = trace(plant, inverse_dynamics(records, 40.0))
+    assert (found.verdict, found.added) == (verdict, missing)
+    assert found.after.plant["inertia@axis"].parameters["inertia"].value == 0.0102
+    assert moved(found, plant) == {}
+    (value,) = [r for r in found.refinements if r.effect == "inertia"]
+    assert (value.kind, value.was) == (CORRECTION, {"inertia": 0.0102})
+    assert value.parameters[0].value == pytest.approx(0.01, rel=2e-3)
+    assert "in the place of 0.0102" in value.sentence
+    assert "stays as declared" in value.sentence
+    (told,) = [r for r in as_dict(found, {})["refinements"] if r["effect"] == "inertia"]
+    assert told["parameters"]["inertia"]["was"] == 0.0102
+
+
 # --- how it is said --------------------------------------------------------------------------------------------------
 
 

@@ -63,7 +63,7 @@ def _refinement(r: Refinement) -> dict:
         "kind": r.kind,
         "sentence": r.sentence,
         "size": _number(r.size),
-        "parameters": {e.parameter: estimate(e) for e in r.parameters},
+        "parameters": {e.parameter: estimate(e) | _was(r, e) for e in r.parameters},
     }
 
 
@@ -86,7 +86,7 @@ def _errors(trace: Trace, role: str) -> dict:
     return {"before": _number(before), "after": _number(after), "floor": _number(trace.floor[role])}
 
 
-def _was(c: Cause, e: Estimate) -> dict:
+def _was(c: Cause | Refinement, e: Estimate) -> dict:
     """Return the value that a corrected parameter was declared with."""
     return {"was": _number(c.was[e.parameter])} if e.parameter in c.was else {}
 

@@ -1,7 +1,7 @@
 """What a trace says: causes, refinements, the final fit and the sentences of a decision that was taken."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 from workbench.definition import catalogue
 from workbench.finding import Finding
@@ -32,7 +32,7 @@ from workbench.tracing.wording import belongs_to_one_power_up, cause, findings_o
 @dataclass(frozen=True, eq=False)
 class Outcome:
     """What a trace came to. place: that says more of the residual than what was added does, if there is one. after: the final fit, where it is
-    known."""
+    known. values: key of an effect -> its data-sheet value that would fit otherwise, and stays as declared."""
 
     late: Declared
     inverses: Sequence[InverseDynamics]
@@ -43,6 +43,7 @@ class Outcome:
     place: Unexplained | None
     criteria: Criteria
     after: Fit | None = None
+    values: Mapping[str, Refinement] = field(default_factory=dict)
 
     def role(self, j: ScoredCandidate) -> str:
         """What the decision makes of an addition."""
@@ -85,12 +86,12 @@ def reported(o: Outcome, progress: Progress) -> Trace:
     causes, refinements = _said_of_each(o, after, progress)
     refinements += curve_of(selected, o.fits[-1], after)
     refinements += late.turn.refinements(o.fits[0]) if late.turn else []
+    stays = o.values.keys() - {c.key for c in causes} if o.verdict.verdict != UNKNOWN else ()
+    refinements += [o.values[key] for key in o.values if key in stays]
     progress("looking for where the residual lives")
     lives = _residual_place(o) if o.verdict.verdict == UNKNOWN and not late.lost else None
-    first = []
-    if late.skew:
-        first = [clock(late.skew, late.before, o.fits[0])]
-        after = replace(after, estimates=_with_clock(after.estimates, late.skew))
+    first = [clock(late.skew, late.before, o.fits[0])] if late.skew else []
+    after = replace(after, estimates=_with_clock(after.estimates, late.skew)) if late.skew else after
     phases = calibrations(after.plant, causes, o.inverses, o.criteria)
     after, causes = withheld(after, causes, o.inverses), [*first, *causes]
     before = late.lost.before if late.lost else late.before or o.fits[0]

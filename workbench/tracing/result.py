@@ -48,8 +48,8 @@ class CandidateScore:
 class Refinement:
     """What is too small to be a cause, or what a declared law is only nearly right about.
 
-    kind: "addition", "correction" (within the value's tolerance: it is not moved) or "law". size: what it takes away on
-    identification, as a cause's.
+    kind: "addition", "correction" (the value stays as declared) or "law". size: what it takes away on identification, as a cause's.
+    was: parameter -> the fixed value that stays.
     """
 
     effect: str
@@ -58,6 +58,7 @@ class Refinement:
     sentence: str
     parameters: tuple[Estimate, ...] = ()
     size: float = 0.0
+    was: Mapping[str, float] = field(default_factory=dict)
 
 
 def physical_cause(law: Effect, name: str) -> str:

@@ -14,6 +14,7 @@ from workbench.plant import Plant
 from workbench.processes import shared
 from workbench.residual.noise_floor import floor as noise_floor
 from workbench.threads import one_thread
+from workbench.tracing.as_declared import as_declared, put_back
 from workbench.tracing.budget import BUDGET, Budget
 from workbench.tracing.by_validation import by_validation
 from workbench.tracing.candidates import Offer
@@ -131,7 +132,7 @@ def _decided(
     """Weigh what whole records bear out of what a search selected, decide, and say so; without what is not borne out, once more."""
     inverses, first = late.inverses, True
     progress("weighing the evidence")
-    order, orders, refused, given_up = selected.answer.added, [], [], []
+    order, orders, refused, given_up, values = selected.answer.added, [], [], [], {}
     while order is not None:
         if not first:
             confirmed = confirm(late, order, selected, criteria, confirmed.levels)
@@ -145,10 +146,11 @@ def _decided(
         confirmed = foretold(selected, confirmed, evidence.before.size, criteria)
         evidence = replace(evidence, added=confirmed.weighed)
         verdict = decide(evidence, criteria)
+        values |= as_declared(confirmed, verdict, late.plant)
         orders = later(confirmed.added, verdict) if first else orders
         again, first = bool(orders) and NOT_BORNE_OUT in verdict.roles, False
         order = orders.pop(0) if again else _standing(confirmed, verdict)
-        orders = orders if again else []
+        orders, values = (orders, {}) if again else ([], values)
         stands = order is None and verdict.verdict == CAUSE
         after = with_curves(confirmed.fits[-1], selected, inverses) if stands else None
         if after:
@@ -157,8 +159,10 @@ def _decided(
         if order is not None and len(order) < len(confirmed.added):
             # without what is not borne out, the others are weighed again: one may have been needed by it alone
             refused += [a for a, r in zip(confirmed.weighed, verdict.roles, strict=True) if r == NOT_BORNE_OUT]
+    confirmed, evidence, verdict = put_back(late, selected, confirmed, evidence, verdict, criteria)
     evidence, confirmed = replace(evidence, refused=tuple(refused)), replace(confirmed, given_up=tuple(given_up))
-    return reported(Outcome(late, inverses, selected, confirmed, evidence, verdict, place, criteria, after), progress)
+    outcome = Outcome(late, inverses, selected, confirmed, evidence, verdict, place, criteria, after, values)
+    return reported(outcome, progress)
 
 
 def _begun(late: Declared, offer: Offer, criteria: Criteria) -> tuple[State, Offer]:
