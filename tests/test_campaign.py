@@ -639,6 +639,17 @@ def test_ties_may_round_either_way(campaign):
     assert c.findings == () and np.allclose(c.records[1].time, instants, rtol=0, atol=6e-5)
 
 
+@pytest.mark.parametrize("begin", [0.0, 13.16, 38.1])
+def test_a_period_may_be_the_round_number_and_every_other_stamp_a_tie(campaign, begin):
+    """One sample in thirteen of 40 kHz, with five decimals; floating point rounds the ties of one half of a record up, and of the other down."""
+    table = rows(20.0)
+    table = np.vstack([table] * 20)
+    table[:, 0] = np.round(begin + 3.25e-4 * np.arange(len(table)), 5)
+    campaign.put("val_moves.csv", table)
+    c = campaign.load()
+    assert c.findings == () and c.records[1].dt == pytest.approx(3.25e-4, rel=1e-9)
+
+
 def test_resampling_is_straight_lines_at_the_median_step_and_is_said(campaign):
     table = np.delete(rows(20.0), [40, 41, 42, 90], axis=0)
     campaign.put("val_moves.csv", table)

@@ -110,15 +110,57 @@ def test_what_is_injected_is_logged_as_the_drive_is(tmp_path, second):
     assert "channels.injected.unit" in refused(tmp_path, both)
 
 
-@pytest.mark.parametrize("unit", ["%", "count"])
-def test_what_no_parameter_can_be_written_in_needs_its_constant(tmp_path, unit):
+@pytest.mark.parametrize(
+    ("unit", "constant", "inertia"),
+    [("%", "N*m/%", "%*s^2/rad"), ("count", "N*m/count", "count*s^2/rad"), ("1", "N*m", "s^2/rad")],
+)
+def test_a_drive_in_counts_beside_a_model_in_si_is_asked_for_its_constant(tmp_path, unit, constant, inertia):
     si = (
         TOML.replace('"A*s^2/rad"', '"kg*m^2"')
         .replace('"mA"', '"mN*m"')
         .replace('7.5, unit = "A"', '7.5, unit = "N*m"')
     )
     sentence = refused(tmp_path, si.replace('unit = "A"', f'unit = "{unit}"'))
-    assert f"'{unit}' is no torque" in sentence and "all parameters" not in sentence
+    assert f"'{unit}' is no torque" in sentence
+    assert f'unit = "{constant}"' in sentence and f"an inertia in '{inertia}'" in sentence
+
+
+@pytest.mark.parametrize(
+    ("unit", "inertia", "friction"),
+    [("%", "%*s^2/rad", "%"), ("count", "count*s^2/rad", "count"), ("1", "s^2/rad", "1")],
+)
+def test_a_model_in_counts_of_the_drive_is_read_one_for_one(tmp_path, unit, inertia, friction):
+    own = TOML.replace('"A*s^2/rad"', f'"{inertia}"').replace('"mA"', f'"{friction}"').replace('"A"', f'"{unit}"')
+    found = load(put(tmp_path, own))
+    assert found.plant["inertia@axis"].parameters["inertia"].value == pytest.approx(0.6)
+    assert found.plant["presliding_hysteresis@axis"].outside["h0"].value == pytest.approx(800.0)
+    assert found.plant["presliding_hysteresis@axis"].outside["a"].value == pytest.approx(9000.0)
+    assert found.plant.limits.drive == pytest.approx(7.5)
+    assert found.records[0].channels["torque"][100] == pytest.approx(np.sin(0.9), abs=1e-6)
+    (said,) = [f for f in found.findings if f.kind == OTHER_UNIT]
+    assert f"1 {'of it' if unit == '1' else unit} stands for 1 N*m" in said.sentence
+
+
+def test_of_a_drive_without_unit_what_divides_by_a_torque_does_so_and_a_phase_is_none(tmp_path):
+    own = TOML.replace('"A*s^2/rad"', '"s^2/rad"').replace('"mA"', '"1"').replace('"A"', '"1"')
+    more = """[[effects]]
+effect = "torque_constant_saturation"
+at = "command"
+parameters.fall = { value = 0.02, unit = "1" }
+
+[[effects]]
+effect = "gravity"
+at = "axis"
+parameters.mgl = { value = 3.0, unit = "1" }
+parameters.phase = { value = 0.2, unit = "rad" }
+
+[[records]]"""
+    plant = load(put(tmp_path, own.replace("[[records]]", more, 1))).plant
+    assert plant["torque_constant_saturation@command"].outside["fall"].value == pytest.approx(0.02)
+    weight = plant["gravity@axis"].outside
+    assert (weight["mgl"].value, weight["phase"].value) == pytest.approx((3.0, 0.2))
+    wrong = refused(tmp_path, own.replace('"s^2/rad"', '"s/rad"'))
+    assert "parameters.inertia.unit" in wrong and "1 of it stands for 1 N*m here" in wrong
 
 
 def test_a_unit_that_does_not_fit_is_refused_with_what_stands_for_what(tmp_path):

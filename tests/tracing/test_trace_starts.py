@@ -88,6 +88,16 @@ def test_the_search_keeps_orders_between_one_period_of_travel_and_what_is_resolv
     assert p.upper == p.value == pytest.approx(np.pi / COUNT)
 
 
+def test_the_search_keeps_a_joint_relaxed_within_ten_times_what_the_encoders_lie_apart():
+    given = inverse_dynamics([joint(k) for k in (1, 2)], 30.0)
+    apart = max(np.max(np.abs(r.channels["position"] - r.channels["load_position"])) for r in (joint(1), joint(2)))
+    for name, at, held in (("kinematic_error", "joint", True), ("encoder_eccentricity", "sensor.load_position", False)):
+        plant = jointed(inertia=True, viscous=True) + find(name)(at=at, zero=0.7)
+        p = within_reach(plant, given)[f"{name}@{at}"].parameters["zero"]
+        assert p.upper == (pytest.approx(10.0 * apart) if held else np.inf)
+        assert p.value == (p.upper if held else 0.7)
+
+
 # --- a study's own effects ------------------------------------------------------------------------------------------------
 
 

@@ -9,7 +9,7 @@ from workbench.errors import WorkbenchError
 from workbench.finding import Finding
 from workbench.readers import wording
 from workbench.readers.declaration import Table
-from workbench.readers.own_unit import OWN
+from workbench.readers.own_unit import NONE, OWN
 from workbench.units import effect_unit, scaled, to_si
 from workbench.units.registry import tidy
 
@@ -26,7 +26,7 @@ CHANNELS = {
     "temperature": "K",
     "normal": "N",
 }
-LOGGED = (*(name for row in OWN for name in row), "percent", "permille", "count")  # what drives log that is no torque
+LOGGED = (*(name for row in OWN for name in row), NONE)  # what drives log that is no torque
 
 
 @dataclass(frozen=True)
@@ -105,9 +105,10 @@ def _channel(one: Table, si: str) -> Channel:
         factor = value if multiplied else 1.0 / value
     if "scale" not in one and si in ("N*m", "N") and tidy(unit) in LOGGED:
         said = f"{one.path('unit')}: '{unit}' is no {'torque' if si == 'N*m' else 'force'}; give the constant that makes it one, "
-        mend = f'scale = {{ value = ..., unit = "{si}/{unit}" }}'
-        whole = f", or write all parameters in it, an inertia in '{unit}*s^2/{'rad' if si == 'N*m' else 'm'}'"
-        raise WorkbenchError(f"{said}{mend}{whole if any(tidy(unit) in row for row in OWN) else ''}.")
+        of = "" if tidy(unit) == NONE else unit
+        mend = f'scale = {{ value = ..., unit = "{si}{of and f"/{of}"}" }}'
+        whole = f", or write all parameters in it, an inertia in '{of and f'{of}*'}s^2/{'rad' if si == 'N*m' else 'm'}'"
+        raise WorkbenchError(f"{said}{mend}{whole}.")
     to_si(0.0, text, si, one.path("unit"))
     step = one.number("resolution", 0.0, above=0.0) if "resolution" in one else 0.0
     channel = Channel(column, unit, si, 0.0, text, factor, assumed)

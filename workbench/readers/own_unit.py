@@ -1,7 +1,8 @@
 """A drive that is logged in a unit of its own, with a model that is written in it too: friction in A, an inertia in A*s^2/rad.
 
 Where nobody knows the torque constant, or it does not matter, that is what an engineer has. One ampere then stands for one N*m: on the way
-in it is written so in every quantity that holds it, and a finding says so.
+in it is written so in every quantity that holds it, and a finding says so. So does a count of a PWM, or a number without any unit ("1"):
+of that it is the effect's parameter that says what holds a torque.
 """
 
 import re
@@ -9,16 +10,25 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from copy import deepcopy
 
+from workbench.definition import catalogue
 from workbench.errors import WorkbenchError
 from workbench.finding import OTHER_UNIT, Finding
 from workbench.readers.declaration import Table
 from workbench.units import holds_mass
 from workbench.units.registry import tidy
 
+NONE, DRIVE = (
+    "1",
+    "drive",
+)  # a number without unit, as of a PWM's register; and the name that it has on the way to N*m or N
 OWN = (
     ("A", "mA"),
     ("V", "mV"),
-)  # what drives log: a unit and its thousandth, of which a model may be written in either
+    ("count",),
+    ("percent",),
+    ("permille",),
+    (DRIVE,),
+)  # what drives log: a unit, and of some its thousandth, of which a model may be written in either
 EFFORT = {"torque": ("kN*m", "N*m", "mN*m"), "force": ("kN", "N", "mN")}
 NAME = re.compile(r"[A-Za-z]+")
 QUOTED = re.compile(r"'[^' ]*\b[km]?N\b[^' ]*'")  # a unit with a force in it, within a sentence
@@ -32,18 +42,22 @@ def in_effort(top: Table) -> tuple[Table, tuple[Finding, ...]]:
     """
     values = deepcopy(dict(top.values))
     drive, unit = _own(values.get("channels"))
-    row = next((r for r in OWN if tidy(unit) in r), ())
+    own = DRIVE if tidy(unit) == NONE and unit else tidy(unit)
+    row = next((r for r in OWN if own in r), ())
+    if own == DRIVE:
+        _named(values)
     told = [q for key in ("actuator_limit", "effects", "records") for q in _quantities(values.get(key), key)]
     if not any(_holds(q["unit"], row) for path, q in told if path.startswith("effect ")):
         return top, ()
     efforts = EFFORT[drive]
-    effort, first = efforts[1], 1 - row.index(tidy(unit))
+    effort, first = efforts[1], 1 - row.index(own)
+    scale = effort if own == DRIVE else f"{effort}/{unit}"
     written = dict(zip(row, efforts[first:], strict=False))
     for path, q in told:
         if not _holds(q["unit"], row) and holds_mass(q["unit"]):
             raise WorkbenchError(
                 f"{top.file}: {path}.unit: '{q['unit']}' does not go with a drive that is logged in '{unit}'; write all "
-                f'parameters in it, or give channels.{drive}.scale, such as {{ value = 1.0, unit = "{effort}/{unit}" }}.'
+                f'parameters in it, or give channels.{drive}.scale, such as {{ value = 1.0, unit = "{scale}" }}.'
             )
         q["unit"] = NAME.sub(lambda n: f"({written[n[0]]})" if n[0] in written else n[0], tidy(q["unit"]))
     for name in (drive, "injected"):
@@ -54,9 +68,9 @@ def in_effort(top: Table) -> tuple[Table, tuple[Finding, ...]]:
                     f"{top.file}: channels.{name}.unit: '{channel.get('unit', '')}' does not go with a drive that is logged in '{unit}' "
                     f"and has no scale; log both in '{unit}', or give both a scale."
                 )
-            channel["scale"] = {"value": 1.0, "unit": f"{effort}/{unit}"}
+            channel["scale"] = {"value": 1.0, "unit": scale}
     sentence = f"The drive is logged in '{unit}', and no scale turns it into '{effort}': {_stands(unit, effort)} in every number that follows."
-    mend = f'Give channels.{drive}.scale, such as {{ value = 1.0, unit = "{effort}/{unit}" }}, and parameters in SI, to have a {drive}.'
+    mend = f'Give channels.{drive}.scale, such as {{ value = 1.0, unit = "{scale}" }}, and parameters in SI, to have a {drive}.'
     return Table(values, top.file, optional=tuple(values)), (Finding(OTHER_UNIT, drive, sentence, {}, mend),)
 
 
@@ -68,12 +82,37 @@ def in_own_words(top: Table, told: Sequence[Finding]) -> Iterator[None]:
     except WorkbenchError as wrong:
         if not told or not QUOTED.search(str(wrong)):
             raise
-        effort, _, unit = top.values["channels"][told[0].subject]["scale"]["unit"].rpartition("/")
+        effort, _, unit = top.values["channels"][told[0].subject]["scale"]["unit"].partition("/")
         raise WorkbenchError(f"{wrong} {_stands(unit, effort)} here.") from None
 
 
 def _stands(unit: str, effort: str) -> str:
-    return f"1 {unit} stands for 1 {effort}"
+    return f"1 {'of it' if unit in ('', NONE) else unit} stands for 1 {effort}"
+
+
+def _named(values: dict) -> None:
+    """Write the name of a drive without unit into what holds it: the limit, and of each effect what its parameter says has a torque in it, an
+    inertia of 's^2/rad' as '(s^2/rad)*drive'."""
+    limit = values.get("actuator_limit")
+    if isinstance(limit, dict) and isinstance(limit.get("unit"), str) and tidy(limit["unit"]) == NONE:
+        limit["unit"] = DRIVE
+    effects = values.get("effects")
+    for one in effects if isinstance(effects, list) else ():
+        law = (
+            catalogue().get(one.get("effect")) if isinstance(one, dict) and isinstance(one.get("effect"), str) else None
+        )
+        given = one.get("parameters") if law else None
+        for name, q in given.items() if isinstance(given, dict) else ():
+            template = law.outside[name].unit if name in law.outside else ""
+            if (
+                not (isinstance(q, dict) and isinstance(q.get("unit"), str))
+                or "F" not in template
+                or holds_mass(q["unit"])
+            ):
+                continue
+            held = tidy(q["unit"])
+            over = "/".join([DRIVE] * template.count("/F"))
+            q["unit"] = f"({held})/{over}" if over else DRIVE if held == NONE else f"({held})*{DRIVE}"
 
 
 def _own(channels: object) -> tuple[str, str]:

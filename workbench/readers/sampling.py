@@ -16,6 +16,7 @@ LONGEST_GAP = 10  # median steps; what lies in a longer gap is not measured, and
 GAP = 1.5  # median steps, from which a sample is missing; what of it counts, the evaluation band says
 WORTH = 0.1  # of a log: what is shorter between two gaps is left out, so that no log makes more than ten records
 DECIMALS = 9  # of a second, the finest that a stamp is rounded to; a nanosecond lies within any rate's 1 %
+THIRDS = 20  # by which the step of rounded stamps is narrowed down, to a thousandth of what a digit at a record's end makes of it
 
 
 def uniform(
@@ -118,13 +119,24 @@ def unrounded(time: np.ndarray) -> np.ndarray | None:
     if digit is None:
         return None
     number = np.arange(time.size)
-    step = float(np.polynomial.Polynomial.fit(number, time, 1).convert().coef[1])
-    # of ties that round up in one half of a record and down in the other a straight line leans; a rate is a round number as a rule
-    for each in (step, 1.0 / float(f"{1.0 / step:.4g}")):
+    step = _evenest(time, digit)
+    # a rate or a period is a round number as a rule, and then it is that one
+    for each in (1.0 / float(f"{1.0 / step:.4g}"), float(f"{step:.4g}"), step):
         off = time - each * number
         if np.ptp(off) <= 1.01 * digit:
             return each * number + 0.5 * (off.min() + off.max())
     return None
+
+
+def _evenest(time: np.ndarray, digit: float) -> float:
+    """Return the step, s, whose multiples come nearest to stamps (n,) by the largest distance: a straight line of least squares leans where ties
+    round up in one half of a record and down in the other. The distance is convex in the step."""
+    number, mean = np.arange(time.size), float(np.mean(np.diff(time)))
+    low, high = (mean + way * 2.0 * digit / (time.size - 1) for way in (-1.0, 1.0))
+    for _ in range(THIRDS):
+        a, b = low + (high - low) / 3.0, high - (high - low) / 3.0
+        low, high = (low, b) if np.ptp(time - a * number) < np.ptp(time - b * number) else (a, high)
+    return 0.5 * (low + high)
 
 
 def _resampled(name, time, channels, step, off):
