@@ -105,6 +105,23 @@ def test_a_record_that_begins_with_its_joint_wound_up_has_its_encoders_zeros_nev
     assert [r.zero for r in relaxed(begun, BAND)] == pytest.approx([1e-4, -1e-4, 2e-4], abs=2e-6)
 
 
+def test_of_a_record_that_begins_in_motion_the_first_reading_is_no_zero():
+    """Its joint carries something there, and what the others agree on, which begin at rest, is its zero, too."""
+    made = [counted(r, 0) for r in recorded(elastic(), 0.0, 0.0, 0.0)]
+    apart = np.abs(made[1].channels["position"] - made[1].channels["load_position"])
+    deflected = 100 + int(np.argmax(apart[100:1200]))
+    assert apart[deflected] > 1e-4
+    moving = [made[0], counted(made[1], deflected), made[2]]
+    assert relaxed(moving, BAND) == tuple(moving)
+    made = [counted(r, 0) for r in recorded(elastic(), 1e-4, 1e-4, 1e-4)]
+    moving = [made[0], counted(made[1], deflected), made[2]]
+    assert [r.zero for r in relaxed(moving, BAND)] == pytest.approx([1e-4] * 3, abs=2e-6)
+    made = [counted(r, 0) for r in recorded(elastic(), 1e-4, -1e-4, 2e-4)]
+    moving = [made[0], counted(made[1], deflected), made[2]]
+    zeros = [r.zero for r in relaxed(moving, BAND)]
+    assert zeros[::2] == pytest.approx([1e-4, 2e-4], abs=2e-6) and zeros[1] == pytest.approx(-1e-4, abs=1e-4)
+
+
 def test_a_weight_that_winds_the_joint_up_with_place_is_no_zero():
     """An arm that leans on its joint, here this way and there that way, has a mean angle between its encoders in every record."""
 

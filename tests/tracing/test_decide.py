@@ -233,6 +233,14 @@ CASES = {
             after=Explainable(gain=0.0446),
         ), UNKNOWN, (DRESSING,),
     ),
+    "an amplifier that folds its current back is two such masses and a drift": (
+        replace(
+            evidence(weighed("inertia", (0.0901, 0.0726), (0.0923, 0.0632), CORRECTION, changed=0.132, tolerance=0.01),
+                weighed("inertia", (0.0726, 0.0669), (0.0632, 0.0604), CORRECTION, changed=0.113, tolerance=0.01),
+                weighed("friction_drift", (0.0669, 0.061), (0.0604, 0.0555)), before=0.053),
+            after=Explainable(time=0.0424, gain=0.0448),
+        ), UNKNOWN, (DRESSING, DRESSING, DRESSING),
+    ),
     "beside an effect it is something else that is missing": (
         replace(evidence(weighed("cogging", (0.0937, 0.0482), (0.0974, 0.0469)), before=0.0105), after=Explainable(gain=0.0446)), CAUSE, (CAUSE,),
     ),
@@ -400,6 +408,18 @@ CASES = {
     ),
     "values that no machine has, which leave much": (
         evidence(weighed(implausible="its order stands on its bound"), before=0.1, after=0.04), UNKNOWN, (DRESSING,),
+    ),
+    "a friction that drifts is all of what bench time foretells": (
+        replace(evidence(weighed("friction_drift", (0.0666, 0.0486), (0.0801, 0.0535))), before=Explainable(time=0.0577),
+            after=Explainable(time=0.0201)), UNKNOWN, (DRESSING,),
+    ),
+    "one that leaves little of it is a cause": (
+        replace(evidence(weighed("friction_drift", (0.0837, 0.0167), (0.1428, 0.0192))), before=Explainable(time=0.0328),
+            after=Explainable(time=0.0032)), CAUSE, (CAUSE,),
+    ),
+    "beside what takes more it says nothing of that": (
+        replace(evidence(weighed("cable_spring", (0.1435, 0.06), (0.2522, 0.06)), weighed("friction_drift", (0.06, 0.03), (0.06, 0.03))),
+            before=Explainable(time=0.1), after=Explainable(time=0.012)), CAUSE, (CAUSE, CAUSE),
     ),
     "little is left, but a line as it was": (
         replace(

@@ -27,7 +27,7 @@ def _border(*rest: str) -> Border:
     return Border(parameters=outside | {n: others[n] for n in rest}, inward=inward, outward=outward, linear=())
 
 
-ZERO = Parameter(0.0, "x", "by how much one encoder's zero is off where the joint is relaxed", scale="zero")
+ZERO = Parameter(0.0, "x", "by how much one encoder's zero is off where the joint is relaxed", scale="number")
 TURNS = Parameter(1.0, "1", "turns of the encoder per turn of the output", lower=1e-9, fixed=True, scale="number")
 AMPLITUDES = {
     "sine": Parameter(0.0, "x", "sine amplitude of the error"),

@@ -68,6 +68,7 @@ class Offer:
     free virgin curve, or of an effect whose values are free within their tolerance -> what was declared. budget: of the search.
     logged: signals that every record has beside the motion and the drive: without a temperature no law of it is asked. hinted: keys of
     effects that a search of the same records found, rest among them: where the axis moves they may be too few blocks' to be certain of.
+    zeroed: whether each record's encoders have a zero of their own, that was found.
     """
 
     only: Collection[str] | None = None
@@ -77,10 +78,11 @@ class Offer:
     budget: Budget = BUDGET
     logged: Collection[str] = ()
     hinted: Collection[str] = ()
+    zeroed: bool = False
 
     def candidates(self, plant: Plant) -> list[Candidate]:
         """Return the candidates of a plant that are judged."""
-        found = candidates_of(plant, self.own, self.declared, self.stands_for, self.logged)
+        found = candidates_of(plant, self.own, self.declared, self.stands_for, self.logged, self.zeroed)
         return [s for s in found if self.only is None or {s.effect, s.effect.partition(" ")[0]} & set(self.only)]
 
 
@@ -93,12 +95,13 @@ def candidates_of(
     declared: Collection[str] = (),
     stands_for: Mapping[str, Effect] = MappingProxyType({}),
     logged: Collection[str] = (),
+    zeroed: bool = False,
 ) -> list[Candidate]:
     """Return every candidate: maps, which take longest to judge, ahead of forces, each in the order of their names, whatever the order of
     declaration.
 
     own: effects that are offered beside those of the catalogue, and judged as they are: one that the catalogue has and does
-    not trace, or one with a parameter that the rig makes known (a ripple once a motor revolution). logged: as of `Offer`.
+    not trace, or one with a parameter that the rig makes known (a ripple once a motor revolution). logged, zeroed: as of `Offer`.
     """
     found = []
     motion = "rotary" if plant.rotary else "linear"
@@ -106,14 +109,16 @@ def candidates_of(
     for effect in (*traced, *own):
         if motion in effect.motions and {*effect.reads} <= {*OF_MOTION, *logged}:
             for place in places(plant.kind, effect, plant.rotary):
-                found += _additions(effect, place, plant, stands_for)
+                found += _additions(effect, place, plant, stands_for, zeroed)
                 if (there := on_the_motor(effect, place, plant)) is not None:
-                    found += [replace(c, yields=True) for c in _additions(there, place, plant, stands_for)]
+                    found += [replace(c, yields=True) for c in _additions(there, place, plant, stands_for, zeroed)]
     found += _corrections(plant, declared, stands_for)
     return sorted(found, key=lambda s: (s.plant[s.key].port == FORCE, s.effect, s.at, s.kind, not s.instead))
 
 
-def _additions(effect: Effect, place: str, plant: Plant, stands_for: Mapping[str, Effect]) -> list[Candidate]:
+def _additions(
+    effect: Effect, place: str, plant: Plant, stands_for: Mapping[str, Effect], zeroed: bool
+) -> list[Candidate]:
     """Return what an effect would be as an addition at a place: none, one, or one beside what it may take the place of."""
     if place in effect.stated or not _offered(effect, place, plant):
         return []
@@ -125,7 +130,7 @@ def _additions(effect: Effect, place: str, plant: Plant, stands_for: Mapping[str
         another = next((o for o in (_again(effect, place, n) for n in AGAIN) if o.key not in known), another)
     if another.key in known:
         return []
-    if (another := as_offered(another, plant)) is None:
+    if (another := as_offered(another, plant, zeroed)) is None:
         return []
     same = needless(another, plant)
     rest = plant

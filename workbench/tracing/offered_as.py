@@ -9,9 +9,15 @@ ZERO = "zero"  # parameter of a map of the angle between two encoders, which hav
 CURVE = "force_over_position"  # free form of the springs to ground, which has a bumper's place, too
 
 
-def as_offered(effect: Effect, plant: Plant) -> Effect | None:
-    """Return an effect with the parameters held that another one has, or that it has beside another one alone; None where that is all of it."""
-    if ZERO in effect.parameters and any(ZERO in e.parameters and not e.parameters[ZERO].fixed for e in plant.effects):
+def as_offered(effect: Effect, plant: Plant, zeroed: bool = False) -> Effect | None:
+    """Return an effect with the parameters held that another one has, or that it has beside another one alone; None where that is all of it.
+
+    zeroed: whether the encoders' zeros were found, record by record, so that the joint's mean torque is no reading (`inverse/zeros`). A wave's own zero
+    could be any then: at 0.7 rad a wave of nothing in the angle drew a motor's cogging by what the gear's ratio does to a preload that is
+    not there, and at 0.8 rad a joint lay so far beside its gap that this did nothing.
+    """
+    known = zeroed or any(ZERO in e.parameters and not e.parameters[ZERO].fixed for e in plant.effects)
+    if ZERO in effect.parameters and known:
         effect = _held(effect, ZERO)
     other, name = effect.beside.get(effect.at, ("", ""))
     here = {e.name for e in plant.effects if e.at == effect.at}

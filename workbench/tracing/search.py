@@ -5,7 +5,6 @@ from dataclasses import replace
 
 import numpy as np
 
-from workbench.definition import Effect
 from workbench.identification.linearised import Linearised
 from workbench.identification.problem import Problem, to_search
 from workbench.identification.solve import Solution, solve
@@ -20,15 +19,11 @@ ROUGH = 3e-3  # relative decrease of the cost at which a start has shown what it
 LEVEL = 2e-3  # relative difference of the cost within which two starts have come to the same fit
 SLOWEST = 10.0  # delay or lag over 1/(2 pi) of the evaluation band's shortest period, at most
 HOPELESS = 4e-3  # of the residual's power, that a start must explain or promise to be refined further
-# Largest angle between two encoders, within so many of which the joint is relaxed: a weight may hold it away from there. Where the encoders' zeros
-# are free the joint's mean torque is no reading, and a map's zero could be any: at 700 a wave of nothing in the angle drew a motor's cogging by what
-# the gear's ratio does to a preload that is not there. Waves that were missing had 0.09 at most: halved or doubled, no change
-RELAXED = 10.0
 WORSE = 1e-9  # relative excess of the cost over the present model's from which a start is worse than none
 
 
 def within_reach(plant: Plant, inverses: Sequence[InverseDynamics]) -> Plant:
-    """Return the plant with orders bounded by the travel and by what is resolved, times to SLOWEST, and a joint's zero to RELAXED.
+    """Return the plant with orders bounded by the travel and by what is resolved, and times to SLOWEST.
 
     A wave longer than the travel is a polynomial in disguise, and one that the encoder or the band does not resolve is a
     longer wave; a map of the command that lets almost nothing of the band pass leaves nothing to be explained.
@@ -38,25 +33,11 @@ def within_reach(plant: Plant, inverses: Sequence[InverseDynamics]) -> Plant:
         "order": (2 * np.pi / max(travel, 1e-300), resolved(inverses)),
         "time": (-np.inf, SLOWEST / (2 * np.pi * inverses[0].motion.filter.bandwidth)),
     }
-    if any(_has_zero(e) for e in plant.effects):
-        farthest = RELAXED * max(_apart(p) for p in inverses)
-        bounds["zero"] = (-farthest, farthest)
     for e in plant.effects:
         if any(p.scale in bounds and not p.fixed for p in e.parameters.values()):
             bounded = {n: _within(p, *bounds[p.scale]) if p.scale in bounds else p for n, p in e.parameters.items()}
             plant = plant.swap(replace(e, parameters=bounded))
     return plant
-
-
-def _has_zero(e: Effect) -> bool:
-    """Whether a map of the joint's angle has a zero that is to be found."""
-    return e.at == "joint" and any(p.scale == "zero" and not p.fixed for p in e.parameters.values())
-
-
-def _apart(p: InverseDynamics) -> float:
-    """Return the largest angle between the two encoders of a record."""
-    channels = p.motion.record.channels
-    return float(np.max(np.abs(channels["position"] - channels["load_position"])))
 
 
 def _within(p: Parameter, least: float, most: float) -> Parameter:

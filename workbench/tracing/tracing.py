@@ -170,7 +170,9 @@ def _begun(late: Declared, offer: Offer, criteria: Criteria) -> tuple[State, Off
     loose, told = within_tolerance(late.plant, criteria.tolerance)
     turned = late.turn.declared if late.turn else {}
     declared = [*offer.declared, *turned]
-    offered = replace(offer, only=() if late.idle else offer.only, declared=declared, stands_for=told | turned)
+    zeroed = any(p.motion.record.zero is not None for p in late.inverses)
+    only = () if late.idle else offer.only
+    offered = replace(offer, only=only, declared=declared, stands_for=told | turned, zeroed=zeroed)
     try:
         begun = State(loose, decimate(late.whole, late.plant, criteria.rate))
     except NoValue:
