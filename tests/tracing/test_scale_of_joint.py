@@ -97,7 +97,7 @@ def test_a_pinions_turn_of_which_the_travel_holds_less_than_two_leads_beside_its
     """Of both it takes less than `near`, and of what the teeth leave all; the teeth stand to it as many to one, which takes all that is left."""
     place = inverse_dynamics([geared(0.0)], BAND)[0].motion.q
     long = 1.6 * 2.0 * np.pi / np.ptp(place)
-    state = State(held(JM), inverse_dynamics([geared(2e-4, long, teeth=8e-5)], BAND))
+    state = State(held(JM), inverse_dynamics([geared(2e-4, long, teeth=9e-5)], BAND))
     offer = Offer(only={"kinematic_error", "flexible_mode"})
     turn = step(state, lambda _: None, offer)[0]
     assert turn.score.effect == "kinematic_error" and 0.5 < turn.score.gain < STANDARD.near
