@@ -118,7 +118,7 @@ def test_a_value_that_is_off_by_little_stays_and_is_a_refinement_with_what_it_wo
     assert (value.kind, value.was) == (CORRECTION, {"inertia": 0.0102})
     assert value.parameters[0].value == pytest.approx(0.01, rel=2e-3)
     assert "in the place of 0.0102" in value.sentence
-    assert "stays as declared" in value.sentence
+    assert "what lies beyond the 1 % that such a value is known to takes too little for a cause" in value.sentence
     (told,) = [r for r in as_dict(found, {})["refinements"] if r["effect"] == "inertia"]
     assert told["parameters"]["inertia"]["was"] == 0.0102
 

@@ -46,13 +46,15 @@ def _said(w: Weighed, declared: Plant, key: str, fit: Fit) -> Refinement:
     was = held(declared[key])
     found = tuple(e for e in fit.estimates if f"{e.effect}@{e.at}" == key and e.parameter in was)
     values = " and ".join(_beside(e, was[e.parameter].value) for e in found)
+    known = f"the {100 * w.tolerance:g} % that such a value is known to"
+    within = w.changed <= w.tolerance
+    why = f"that lies within {known}" if within else f"what lies beyond {known} takes too little for a cause"
     return Refinement(
         w.effect,
         w.at,
         CORRECTION,
         f"{capital(title(w.effect))} at the {place(w.at)} would fit as {values}, and leave {100 * fit.identification:.2f} % of the "
-        f"drive on the identification records; as such a value is known to {100 * w.tolerance:g} %, that is no cause, and "
-        "it stays as declared.",
+        f"drive on the identification records; {why}, and it stays as declared.",
         found,
         min(w.size(IDENTIFICATION), w.beside_others),
         {n: p.value for n, p in was.items()},
