@@ -99,10 +99,9 @@ def _rests(record: Record) -> bool:
 
 
 def _slow(q: np.ndarray, counts: float) -> bool:
+    """Whether a reading begins slowly: by the parabola of its first samples, since fine encoders see at once what starts from rest."""
     usual = float(np.sqrt(np.mean(np.diff(q) ** 2)))
-    begins = (
-        abs(-3.0 * q[0] + 4.0 * q[2] - q[4]) / 4.0
-    )  # a sample, of the parabola: fine encoders see at once what starts from rest
+    begins = abs(-3.0 * q[0] + 4.0 * q[2] - q[4]) / 4.0
     return float(np.ptp(q[:5])) <= counts or begins <= SLOW * usual
 
 

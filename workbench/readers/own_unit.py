@@ -17,18 +17,10 @@ from workbench.readers.declaration import Table
 from workbench.units import holds_mass
 from workbench.units.registry import tidy
 
-NONE, DRIVE = (
-    "1",
-    "drive",
-)  # a number without unit, as of a PWM's register; and the name that it has on the way to N*m or N
-OWN = (
-    ("A", "mA"),
-    ("V", "mV"),
-    ("count",),
-    ("percent",),
-    ("permille",),
-    (DRIVE,),
-)  # what drives log: a unit, and of some its thousandth, of which a model may be written in either
+NONE = "1"  # a number without unit, as of a PWM's register
+DRIVE = "drive"  # the name that it has on the way to N*m or N
+# what drives log: a unit, and of some its thousandth, of which a model may be written in either
+OWN = (("A", "mA"), ("V", "mV"), ("count",), ("percent",), ("permille",), (DRIVE,))
 EFFORT = {"torque": ("kN*m", "N*m", "mN*m"), "force": ("kN", "N", "mN")}
 NAME = re.compile(r"[A-Za-z]+")
 QUOTED = re.compile(r"'[^' ]*\b[km]?N\b[^' ]*'")  # a unit with a force in it, within a sentence
@@ -98,21 +90,19 @@ def _named(values: dict) -> None:
         limit["unit"] = DRIVE
     effects = values.get("effects")
     for one in effects if isinstance(effects, list) else ():
-        law = (
-            catalogue().get(one.get("effect")) if isinstance(one, dict) and isinstance(one.get("effect"), str) else None
-        )
-        given = one.get("parameters") if law else None
-        for name, q in given.items() if isinstance(given, dict) else ():
+        known, given = (one.get("effect"), one.get("parameters")) if isinstance(one, dict) else ("", None)
+        law = catalogue().get(known) if isinstance(known, str) else None
+        for name, q in given.items() if law and isinstance(given, dict) else ():
             template = law.outside[name].unit if name in law.outside else ""
-            if (
-                not (isinstance(q, dict) and isinstance(q.get("unit"), str))
-                or "F" not in template
-                or holds_mass(q["unit"])
-            ):
-                continue
-            held = tidy(q["unit"])
-            over = "/".join([DRIVE] * template.count("/F"))
-            q["unit"] = f"({held})/{over}" if over else DRIVE if held == NONE else f"({held})*{DRIVE}"
+            if "F" in template and isinstance(q, dict) and isinstance(q.get("unit"), str) and not holds_mass(q["unit"]):
+                q["unit"] = _with_drive(tidy(q["unit"]), template.count("/F"))
+
+
+def _with_drive(unit: str, below: int) -> str:
+    """Return a unit with the drive in it: once above, or so often below."""
+    if below:
+        return "/".join((f"({unit})", *[DRIVE] * below))
+    return DRIVE if unit == NONE else f"({unit})*{DRIVE}"
 
 
 def _own(channels: object) -> tuple[str, str]:

@@ -14,7 +14,6 @@ from workbench.plant import Plant
 from workbench.processes import shared
 from workbench.residual.noise_floor import floor as noise_floor
 from workbench.threads import one_thread
-from workbench.tracing.as_declared import as_declared, put_back
 from workbench.tracing.budget import BUDGET, Budget
 from workbench.tracing.by_validation import by_validation
 from workbench.tracing.candidates import Offer
@@ -29,6 +28,7 @@ from workbench.tracing.foreseen import loaded
 from workbench.tracing.further import foretold
 from workbench.tracing.in_turn import later
 from workbench.tracing.judge import STANDARD, Progress, ScoredCandidate
+from workbench.tracing.near_value import near_values, put_back
 from workbench.tracing.otherwise import as_a_curve, in_place_of_two, otherwise
 from workbench.tracing.preparing import Declared, Rest, prepared, turned_back
 from workbench.tracing.reporting import Outcome, reported
@@ -146,7 +146,7 @@ def _decided(
         confirmed = foretold(selected, confirmed, evidence.before.size, criteria)
         evidence = replace(evidence, added=confirmed.weighed)
         verdict = decide(evidence, criteria)
-        values |= as_declared(confirmed, verdict, late.plant)
+        values |= near_values(confirmed, verdict, late.plant)
         orders = later(confirmed.added, verdict) if first else orders
         again, first = bool(orders) and NOT_BORNE_OUT in verdict.roles, False
         order = orders.pop(0) if again else _standing(confirmed, verdict)

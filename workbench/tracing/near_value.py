@@ -17,7 +17,7 @@ from workbench.tracing.selection import Selection
 from workbench.tracing.weighing import Confirmed, confirm
 
 
-def as_declared(confirmed: Confirmed, verdict: Verdict, declared: Plant) -> dict[str, Refinement]:
+def near_values(confirmed: Confirmed, verdict: Verdict, declared: Plant) -> dict[str, Refinement]:
     """Return key of the effect -> what is said of a value that a decision takes for a refinement, where validation is no worse with it."""
     every = zip(confirmed.added, confirmed.weighed, verdict.roles, strict=True)
     return {
