@@ -64,10 +64,8 @@ def test_where_nothing_is_missing_what_refinements_leave_is_said_beside_what_the
 def test_where_nothing_is_missing_a_refinement_that_validation_bears_out_stands(verdict, left, stands):
     fits = [SimpleNamespace(validation=x) for x in (0.0232, left)]
     of_drive, behind = (SimpleNamespace(behind=b, size=lambda role: 0.0194) for b in (False, True))
-    for weighed, both in (
-        (of_drive, stands),
-        (behind, verdict == NOTHING),
-    ):  # a bearing's friction behind a joint is in no drive
+    # a bearing's friction behind a joint is in no drive
+    for weighed, both in ((of_drive, stands), (behind, verdict == NOTHING)):
         confirmed = SimpleNamespace(added=["hysteresis"], weighed=[weighed], fits=fits)
         found = Outcome(None, (), None, confirmed, None, Verdict(verdict, (REFINEMENT,)), None, Criteria())
         assert found.standing == ([("hysteresis", weighed)] if both else [])

@@ -30,7 +30,7 @@ from workbench.record import Record
 # have separate zeros have none.
 APART = 0.5
 # Of its usual (rms) speed, at which a record begins in motion. Of 146 axes with two encoders (649 records) 26 have other zeros for it, fifteen of which had
-# what a joint carried for one. Halved, one record has such a one again; doubled, three axes have
+# what a joint carried for one. Halved, the zero of one more record is what its motion says; doubled, three of the fifteen have a false one
 SLOW = 0.02
 STARTS = 1.5  # coarser counts between the first readings, from which they are not one: two encoders with one zero round apart by one
 

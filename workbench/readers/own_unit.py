@@ -20,7 +20,7 @@ from workbench.units.registry import tidy
 NONE = "1"  # a number without unit, as of a PWM's register
 DRIVE = "drive"  # the name that it has on the way to N*m or N
 # what drives log: a unit, and of some its thousandth, of which a model may be written in either
-OWN = (("A", "mA"), ("V", "mV"), ("count",), ("percent",), ("permille",), (DRIVE,))
+OWN = (("A", "mA"), ("V", "mV"), ("count",), ("percent",), ("permille",))
 EFFORT = {"torque": ("kN*m", "N*m", "mN*m"), "force": ("kN", "N", "mN")}
 NAME = re.compile(r"[A-Za-z]+")
 QUOTED = re.compile(r"'[^' ]*\b[km]?N\b[^' ]*'")  # a unit with a force in it, within a sentence
@@ -34,16 +34,17 @@ def in_effort(top: Table) -> tuple[Table, tuple[Finding, ...]]:
     """
     values = deepcopy(dict(top.values))
     drive, unit = _own(values.get("channels"))
-    own = DRIVE if tidy(unit) == NONE and unit else tidy(unit)
-    row = next((r for r in OWN if own in r), ())
-    if own == DRIVE:
+    bare = unit != "" and tidy(unit) == NONE
+    own = DRIVE if bare else tidy(unit)
+    row = (DRIVE,) if bare else next((r for r in OWN if own in r), ())
+    if bare:
         _named(values)
     told = [q for key in ("actuator_limit", "effects", "records") for q in _quantities(values.get(key), key)]
     if not any(_holds(q["unit"], row) for path, q in told if path.startswith("effect ")):
         return top, ()
     efforts = EFFORT[drive]
     effort, first = efforts[1], 1 - row.index(own)
-    scale = effort if own == DRIVE else f"{effort}/{unit}"
+    scale = effort if bare else f"{effort}/{unit}"
     written = dict(zip(row, efforts[first:], strict=False))
     for path, q in told:
         if not _holds(q["unit"], row) and holds_mass(q["unit"]):
@@ -79,7 +80,7 @@ def in_own_words(top: Table, told: Sequence[Finding]) -> Iterator[None]:
 
 
 def _stands(unit: str, effort: str) -> str:
-    return f"1 {'of it' if unit in ('', NONE) else unit} stands for 1 {effort}"
+    return f"1 {unit if tidy(unit) != NONE else 'of it'} stands for 1 {effort}"
 
 
 def _named(values: dict) -> None:
