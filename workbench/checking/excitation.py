@@ -28,7 +28,7 @@ def missing(seen: Seen) -> Iterator[Unexcited | NoValue]:
     if not np.isfinite(at.cost):
         yield NoValue()
         return
-    solution = Solution(theta, at.c, at.y, at.phi, at.cost, np.zeros((at.y.size, theta.size)))
+    solution = Solution(theta, at.c, at.y, at.phi, at.cost, lambda: np.zeros((at.y.size, theta.size)))
     names, covariance, t, _ = intervals.covariance(problem, solution)
     half = dict(zip(names, t * np.sqrt(np.maximum(np.diag(covariance), 0.0)), strict=True))
     yield from unexcited(problem, solution, half, _noise(problem, solution))

@@ -1,7 +1,8 @@
 """Variable projection: bounded linear least squares inside, damped Gauss-Newton over the shape parameters outside."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 from typing import NamedTuple
 
 import numpy as np
@@ -21,14 +22,20 @@ LARGEST = 1.0  # largest step of a shape parameter on its logarithmic scale
 
 @dataclass(frozen=True, eq=False)
 class Solution:
-    """theta: shape on the search scale; c: free linear; y, phi: assembled at theta; tangents: d(Phi c - y)/d theta."""
+    """theta: shape on the search scale; c: free linear; y, phi: assembled at theta. sloping: makes the tangents, once they are asked for: of
+    a search whose end alone is wanted, and of starts that led to less, nobody does."""
 
     theta: np.ndarray
     c: np.ndarray
     y: np.ndarray
     phi: np.ndarray
     cost: float
-    tangents: np.ndarray
+    sloping: Callable[[], np.ndarray]
+
+    @cached_property
+    def tangents(self) -> np.ndarray:
+        """d(Phi c - y)/d theta, (N, k)."""
+        return self.sloping()
 
     @cached_property
     def residual(self) -> np.ndarray:
@@ -98,6 +105,8 @@ def solve(
         found = _searched(problem, found.theta, tolerance, 0.0, min(most, FOLLOWING))
         if np.linalg.norm(found.phi @ (found.c - settled)) <= CARRIED * np.linalg.norm(found.y):
             break
+    if problem.follows_load:
+        _ = found.tangents  # made here: another start moves the load
     return found
 
 
@@ -119,11 +128,12 @@ def _searched(problem: Problem, theta: np.ndarray | None, tolerance: float, leas
     at = solved_at(problem, theta)
     if not np.isfinite(at.cost):
         raise NoValue
-    tangents = slopes(problem, theta, at.c, at.y, at.phi)
     damping = 1e-3
     enough = max(tolerance, least)
+    tangents = None  # where the search stands, once it has asked for them
     compared = tolerance > TOLERANCE  # only so: a fit that is reported is searched to its last digit, by every step
     for _ in range(most if theta.size else 0):
+        tangents = slopes(problem, theta, at.c, at.y, at.phi)
         moving = _moving(problem, at) if compared else np.ones(at.c.size, dtype=bool)
         g, h, sizes = _normal_equations(at, tangents, moving)
         linear = g.size - sizes.size
@@ -152,11 +162,11 @@ def _searched(problem: Problem, theta: np.ndarray | None, tolerance: float, leas
         if gained > TRUSTED * promised:  # else the next step would be as long as one that was refused
             damping = max(damping / 10, 1e-9)
         done = gained < tolerance * at.cost
-        theta, at = trial, new
-        tangents = slopes(problem, theta, at.c, at.y, at.phi)
+        theta, at, tangents = trial, new, None
         if done:
             break
-    return Solution(theta, at.c, at.y, at.phi, at.cost, tangents)
+    known = (lambda: tangents) if tangents is not None else partial(slopes, problem, theta, at.c, at.y, at.phi)
+    return Solution(theta, at.c, at.y, at.phi, at.cost, known)
 
 
 def _best_between(slope: float, rise: float) -> float:

@@ -147,18 +147,18 @@ class InverseDynamics:
         """
         more = np.zeros((self.rows(plant), self.motion.u.size))
         applied, drive = self.command.applied(plant), self.command.applied(other)
-        differs = drive is not applied
-        if differs:
+        if drive is not applied:
             more[0] += drive - applied
         for (e, before, (was, lever), key), (_, after, (path, by), new) in zip(
             self._forces(plant), self._forces(other), strict=True
         ):
-            if new == key and path == was:
-                continue
-            differs = True
-            values = np.array(linear_of(e))
-            more -= (values @ after) * by - (values @ before) * lever
-        return self.motion.filter(self.closed(plant, more, more)) if differs else more
+            if new != key or path != was:
+                values = np.array(linear_of(e))
+                more -= (values @ after) * by - (values @ before) * lever
+        more = self.closed(plant, more, more)
+        felt = more.any(axis=1)  # what moves one body alone leaves the other's balance as it is
+        more[felt] = self.motion.filter(more[felt])
+        return more
 
     def _forces(self, plant: Plant):
         """Yield (effect, outputs (columns, n), (path, lever), key), place by place, those that provide the direction first."""

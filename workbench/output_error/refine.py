@@ -143,4 +143,4 @@ def _solution(loops: Loops, x: np.ndarray, drive: np.ndarray, slopes: np.ndarray
     """The least squares about x, as that of every other fit: columns are the slopes, and the residual is the output error."""
     m = loops.linear
     c, phi, residual = x[:m], slopes[:, :m], loops.measured - drive
-    return Solution(x[m:], c, residual + phi @ c, phi, float(residual @ residual), slopes[:, m:])
+    return Solution(x[m:], c, residual + phi @ c, phi, float(residual @ residual), lambda: slopes[:, m:])
