@@ -19,7 +19,7 @@ from workbench.effects.virgin_curve import slip_of_curve
 from workbench.errors import WorkbenchError
 from workbench.kernel import step
 from workbench.plant import ONE_MASS, TWO_MASS, Plant, places
-from workbench.tracing.candidates import candidates_of
+from workbench.tracing.candidates import WHOLE
 
 NAMES = (
     "inertia viscous_friction coulomb_friction presliding_hysteresis stribeck_friction nonlinear_viscous_friction "
@@ -63,7 +63,7 @@ def test_an_effect_is_named_as_its_function():
 
 def test_other_spellings_are_no_candidates():
     plant = Plant(ONE_MASS, (find("inertia")(inertia=1.0), find("coulomb_friction")(coulomb=1.0)))
-    offered = {s.effect for s in candidates_of(plant)}
+    offered = {s.effect for s in WHOLE.candidates(plant)}
     assert {"creep", "lugre_friction", "presliding_hysteresis", "flexible_mode", "actuator_lag"} <= offered
     assert not offered & {n for n, e in catalogue().items() if not e.traced}
     # what bears another effect's name is traced under it
@@ -73,10 +73,10 @@ def test_other_spellings_are_no_candidates():
 
 def test_a_spring_to_ground_may_be_declared_as_a_stiffness_of_the_axis_and_is_offered_as_a_cable_spring():
     plant = Plant(ONE_MASS, (find("inertia")(inertia=1.0),))
-    assert {s.effect for s in candidates_of(plant)} & {"linear_stiffness", "cable_spring"} == {"cable_spring"}
+    assert {s.effect for s in WHOLE.candidates(plant)} & {"linear_stiffness", "cable_spring"} == {"cable_spring"}
     spring = plant + find("linear_stiffness")(at="axis", stiffness=3.0)
     assert spring["linear_stiffness"].at == "axis"
-    assert "cable_spring" in {s.effect for s in candidates_of(spring)}  # it may rest elsewhere
+    assert "cable_spring" in {s.effect for s in WHOLE.candidates(spring)}  # it may rest elsewhere
     x = np.linspace(-1.0, 1.0, 5)
     np.testing.assert_array_equal(output(spring["linear_stiffness"], q=x), 3.0 * x)
 
@@ -84,7 +84,7 @@ def test_a_spring_to_ground_may_be_declared_as_a_stiffness_of_the_axis_and_is_of
 def test_one_source_of_direction_is_enough():
     """A second one would change what other effects read, though its amplitude be zero."""
     plant = Plant(ONE_MASS, (find("inertia")(inertia=1.0), find("presliding_hysteresis")(h0=1.0)))
-    assert "lugre_friction" not in {s.effect for s in candidates_of(plant)}
+    assert "lugre_friction" not in {s.effect for s in WHOLE.candidates(plant)}
 
 
 def test_kinematic_error_is_in_the_joint_where_there_is_one_else_at_the_sensor():
@@ -272,7 +272,7 @@ def test_behind_a_gap_friction_is_lost_at_a_reversal_and_comes_back_only_across_
 
 def test_friction_behind_a_gap_takes_the_place_of_coulomb_friction():
     plant = Plant(ONE_MASS, (find("inertia")(inertia=1.0), find("coulomb_friction")(coulomb=1.0)))
-    found = [s for s in candidates_of(plant) if s.effect == "friction_behind_gap"]
+    found = [s for s in WHOLE.candidates(plant) if s.effect == "friction_behind_gap"]
     assert [s.instead for s in found] == [("coulomb_friction@axis",), ()]
 
 

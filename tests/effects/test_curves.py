@@ -28,7 +28,7 @@ from workbench.motion import motion
 from workbench.plant import Geometry, Plant
 from workbench.record import Record, Source
 from workbench.simulation import Loop, Scenario, simulate
-from workbench.tracing.candidates import CORRECTION, candidates_of
+from workbench.tracing.candidates import CORRECTION, WHOLE
 from workbench.tracing.free_forms import free_forms
 from workbench.tracing.reducing import simpler
 
@@ -437,7 +437,7 @@ def test_no_knot_is_offered_as_a_wrong_value():
     plant = (
         PLAIN + curves.friction_over_speed((0.1, 0.2, 0.4), PLAIN.effects) + free_maps.creep_spectrum((1.0, 2.0, 4.0))
     )
-    assert not [s for s in candidates_of(plant) if s.kind == CORRECTION]
+    assert not [s for s in WHOLE.candidates(plant) if s.kind == CORRECTION]
 
 
 # --- families and the simpler of two ------------------------------------------------------------------------------------

@@ -16,7 +16,7 @@ from workbench.parameter import Parameter
 from workbench.plant import ONE_MASS, TWO_MASS, Plant
 from workbench.record import Record, Source
 from workbench.simulation import open_loop
-from workbench.tracing.candidates import candidates_of
+from workbench.tracing.candidates import WHOLE
 
 DT, BAND = 2.5e-4, 60.0
 INERTIA, WEIGHT, MU, SHARE = 0.01, 0.6, 0.08, 0.7
@@ -133,9 +133,9 @@ def test_a_drive_along_the_motion_is_no_friction_of_its_own():
 def test_of_two_masses_the_share_is_held_and_is_no_candidate():
     assert not loaded().parameters["share"].fixed and loaded()(at="motor").parameters["share"].fixed
     assert loaded()(at="motor").free("share").parameters["share"].fixed
-    assert "load_dependent_friction@motor" not in {s.key for s in candidates_of(elastic("motor"))}
+    assert "load_dependent_friction@motor" not in {s.key for s in WHOLE.candidates(elastic("motor"))}
     assert {
-        s.at for s in candidates_of(elastic("motor").without("load_dependent_friction")) if "load_dep" in s.effect
+        s.at for s in WHOLE.candidates(elastic("motor").without("load_dependent_friction")) if "load_dep" in s.effect
     } == {
         "motor",
         "load",

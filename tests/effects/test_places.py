@@ -12,7 +12,7 @@ from workbench.identification.fit import identify
 from workbench.inverse.dynamics import inverse_dynamics
 from workbench.plant import ONE_MASS, TWO_MASS, Plant
 from workbench.record import IDENTIFICATION, Record
-from workbench.tracing.candidates import candidates_of
+from workbench.tracing.candidates import WHOLE
 
 
 @pytest.mark.parametrize(
@@ -36,13 +36,13 @@ def test_what_may_be_declared_at_a_body_is_offered_there_only_where_nothing_else
         + find("linear_stiffness")(at="joint")
     )
     assert (plant + find(name)(at=place)).effects[-1].key == f"{name}@{place}"
-    assert ((name, place) in {(c.effect, c.at) for c in candidates_of(plant)}) is offered
+    assert ((name, place) in {(c.effect, c.at) for c in WHOLE.candidates(plant)}) is offered
 
 
 def test_a_damper_of_one_mass_is_viscous_friction_and_is_declared_by_either_name():
     plant = Plant(ONE_MASS) + find("inertia") + find("linear_damping")(at="axis")
     assert ("linear_damping", "axis") not in {
-        (c.effect, c.at) for c in candidates_of(Plant(ONE_MASS) + find("inertia"))
+        (c.effect, c.at) for c in WHOLE.candidates(Plant(ONE_MASS) + find("inertia"))
     }
     assert plant.effects[-1].at == "axis"
 

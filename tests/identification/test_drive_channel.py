@@ -16,7 +16,7 @@ from workbench.inverse.balances import predicted
 from workbench.inverse.dynamics import inverse_dynamics
 from workbench.plant import ONE_MASS, TWO_MASS, Plant, places
 from workbench.record import Record, Source
-from workbench.tracing.candidates import candidates_of
+from workbench.tracing.candidates import WHOLE
 from workbench.tracing.tracing import trace
 
 DT, BAND, RATE, INERTIA = 1e-3, 30.0, 0.02, 0.01
@@ -104,7 +104,10 @@ def test_a_trend_is_offered_at_the_drive_and_at_each_encoder():
     e = find("sensor_trend")
     assert places(ONE_MASS, e) == ("sensor.position", "sensor.torque")
     assert places(TWO_MASS, e, False) == ("sensor.position", "sensor.load_position", "sensor.force")
-    assert {s.at for s in candidates_of(plant()) if s.effect == "sensor_trend"} == {"sensor.position", "sensor.torque"}
+    assert {s.at for s in WHOLE.candidates(plant()) if s.effect == "sensor_trend"} == {
+        "sensor.position",
+        "sensor.torque",
+    }
     with pytest.raises(WorkbenchError, match="cannot act at 'sensor.torque'"):
         Plant(ONE_MASS) + find("encoder_eccentricity")(at="sensor.torque")
     with pytest.raises(WorkbenchError, match="cannot act at 'sensor.force' on a plant of one mass"):

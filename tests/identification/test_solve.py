@@ -17,7 +17,7 @@ from workbench.inverse.dynamics import inverse_dynamics
 from workbench.inverse.shift import LAGRANGE, Places, between, weights
 from workbench.plant import TWO_MASS, Plant
 from workbench.record import IDENTIFICATION, Record, Source
-from workbench.tracing.candidates import candidates_of
+from workbench.tracing.candidates import WHOLE, Offer
 from workbench.tracing.decimation import decimate
 
 DT, BAND = 1e-3, 100.0
@@ -112,7 +112,7 @@ def test_what_a_force_beside_a_solved_model_comes_to_is_that_of_the_whole_proble
     base = Problem(plant(), inverses())
     solution = solve(base)
     tried = 0
-    for candidate in candidates_of(plant()):
+    for candidate in WHOLE.candidates(plant()):
         problem = Linearised(candidate.plant, base, solution)
         if not problem.beside:
             continue
@@ -144,7 +144,7 @@ def test_friction_in_the_place_of_a_curve_comes_to_what_the_whole_problem_comes_
     rest = plant().without(declared.key) + find("load_dependent_friction")(at="motor", mu=0.01)
     base = Problem(rest + curve, inverses())
     solution = solve(base)
-    places = [c for c in candidates_of(rest + curve, stands_for={curve.key: declared}) if curve.key in c.instead]
+    places = [c for c in Offer(stands_for={curve.key: declared}).candidates(rest + curve) if curve.key in c.instead]
     fast = {c.key: Linearised(c.plant, base, solution) for c in places}
     assert {key for key, problem in fast.items() if len(problem.beside) == 2} >= {"lugre_friction@motor"}
     for c in places:

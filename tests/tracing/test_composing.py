@@ -13,7 +13,7 @@ from workbench.inverse.balances import predicted
 from workbench.plant import ONE_MASS, TWO_MASS, Geometry, Plant
 from workbench.tracing import composing
 from workbench.tracing.answer import Answer
-from workbench.tracing.candidates import ADDITION, Candidate, Offer, candidates_of
+from workbench.tracing.candidates import ADDITION, WHOLE, Candidate, Offer
 from workbench.tracing.composing import composed, decomposed, of_one_disc, of_the_axis
 from workbench.tracing.discs import behind_the_gear
 from workbench.tracing.evidence import CORRECTION
@@ -40,7 +40,7 @@ def found(names, *law, declared=PLANT):
     declared = state = State(declared, inverses(lambda t, q, way: force + noise))
     added = []
     for name in names:
-        candidate = next(c for c in candidates_of(state.plant) if c.effect == name and c.at == "axis")
+        candidate = next(c for c in WHOLE.candidates(state.plant) if c.effect == name and c.at == "axis")
         j = ScoredCandidate(candidate, **judged(state, candidate, STANDARD))
         added.append(refitted_as(state, j, STANDARD))
         state = added[-1].state
@@ -78,7 +78,7 @@ def test_a_wave_that_stands_to_a_disc_as_two_to_one_is_the_disc_s_whichever_was_
     state = State(replace(PLANT, geometry=Geometry(gear_ratio=30.0)), inverses(lambda t, q, way: 0.5 * way))
     added = []
     for effect in ("kinematic_error", "encoder_eccentricity"):
-        found = (c for c in candidates_of(state.plant) if (c.effect, c.at) == (effect, "sensor.position"))
+        found = (c for c in WHOLE.candidates(state.plant) if (c.effect, c.at) == (effect, "sensor.position"))
         candidate = next(found)
         at = {"order": order} if effect == "kinematic_error" else {"turns": 20.0}
         candidate = replace(candidate, plant=candidate.plant.swap(candidate.plant[candidate.key](**at, fixed=True)))
@@ -192,7 +192,7 @@ def test_lugre_friction_in_the_place_of_dry_friction_is_a_peak_where_it_gives_wa
     """Two axes of strain wave gears with bristles of 0.1 mrad, where Coulomb friction is declared, lacked a Stribeck peak and were told of LuGre
     friction. alone, dry: what a peak leaves beside the free virgin curve, and beside the declared law, of a drive of power 100."""
     curved = PLANT.without("coulomb_friction") + find("presliding_hysteresis")
-    candidate = next(c for c in candidates_of(PLANT) if (c.effect, c.at) == ("lugre_friction", "axis") and c.instead)
+    candidate = next(c for c in WHOLE.candidates(PLANT) if (c.effect, c.at) == ("lugre_friction", "axis") and c.instead)
     last = SimpleNamespace(plant=candidate.plant, inverses=(), power=100.0, errors=SimpleNamespace(total=0.01))
 
     def state(plant, _):
@@ -223,7 +223,7 @@ def test_a_spring_that_is_relaxed_at_zero_is_the_axis_own_and_one_at_rest_elsewh
     records = inverses(lambda t, q, way: pulls * (q - rest) + 0.01 * np.random.default_rng(5).standard_normal(t.size))
     plant = PLANT + find(beside) if beside else PLANT
     declared = State(plant, records)
-    candidate = next(c for c in candidates_of(plant) if (c.effect, c.at) == ("cable_spring", "axis"))
+    candidate = next(c for c in WHOLE.candidates(plant) if (c.effect, c.at) == ("cable_spring", "axis"))
     j = ScoredCandidate(candidate, **judged(declared, candidate, STANDARD))
     answer = Answer([refitted_as(declared, j, STANDARD)], declared)
     one = of_the_axis(answer, plant, STANDARD)
@@ -238,7 +238,7 @@ def test_a_rest_that_is_certain_is_a_cable_s_however_little_it_takes():
     noise = np.random.default_rng(5).standard_normal
     records = inverses(lambda t, q, way: 0.8 * (q - 0.01) + 0.1 * noise(t.size), seconds=40.0)
     declared = State(PLANT, records)
-    candidate = next(c for c in candidates_of(PLANT) if (c.effect, c.at) == ("cable_spring", "axis"))
+    candidate = next(c for c in WHOLE.candidates(PLANT) if (c.effect, c.at) == ("cable_spring", "axis"))
     j = ScoredCandidate(candidate, **judged(declared, candidate, STANDARD))
     answer = Answer([refitted_as(declared, j, STANDARD)], declared)
     spring = PLANT + find("linear_stiffness")(at="axis", stiffness=0.8)
@@ -251,7 +251,7 @@ def test_a_rest_that_is_certain_is_a_cable_s_however_little_it_takes():
 def test_a_weight_that_hangs_at_zero_on_a_travel_that_does_not_bend_its_sine_is_a_spring(phase, noise, name):
     drawn = np.random.default_rng(5).standard_normal
     declared = State(PLANT, inverses(lambda t, q, way: 0.8 * np.sin(q + phase) + noise * drawn(t.size)))
-    candidate = next(c for c in candidates_of(PLANT) if (c.effect, c.at) == ("gravity", "axis"))
+    candidate = next(c for c in WHOLE.candidates(PLANT) if (c.effect, c.at) == ("gravity", "axis"))
     j = ScoredCandidate(candidate, **judged(declared, candidate, STANDARD))
     answer = of_the_axis(Answer([refitted_as(declared, j, STANDARD)], declared), PLANT, STANDARD)
     assert [j.candidate.name for j in answer.added] == [name]
@@ -274,7 +274,7 @@ def test_a_weight_of_which_both_numbers_would_be_wrong_is_a_spring_that_says_as_
     drawn = np.random.default_rng(5).standard_normal
     records = inverses(lambda t, q, way: np.sin(q + 0.46) + by(q) + 0.05 * drawn(t.size))
     declared = State(plant, records)
-    candidate = next(c for c in candidates_of(plant) if c.effect == "gravity" and c.kind == CORRECTION)
+    candidate = next(c for c in WHOLE.candidates(plant) if c.effect == "gravity" and c.kind == CORRECTION)
     j = ScoredCandidate(candidate, **judged(declared, candidate, STANDARD))
     answer = of_the_axis(Answer([refitted_as(declared, j, STANDARD)], declared), plant, STANDARD)
     assert [j.candidate.name for j in answer.added] == [name]

@@ -11,7 +11,7 @@ from workbench.inverse.dynamics import inverse_dynamics
 from workbench.plant import ONE_MASS, TWO_MASS, Geometry, Plant
 from workbench.record import IDENTIFICATION, Record
 from workbench.tracing import ranking
-from workbench.tracing.candidates import candidates_of
+from workbench.tracing.candidates import WHOLE
 from workbench.tracing.judge import STANDARD
 from workbench.tracing.result import physical_cause
 from workbench.tracing.tracing import trace
@@ -23,7 +23,7 @@ PLANT = PLANT + find("inertia")(at="motor") + find("inertia")(at="load") + find(
 
 def test_a_motors_encoder_in_front_of_a_gear_turns_as_often_as_the_motor():
     def turns(plant):
-        found = [c for c in candidates_of(plant) if c.effect == "encoder_eccentricity"]
+        found = [c for c in WHOLE.candidates(plant) if c.effect == "encoder_eccentricity"]
         return {(c.at, c.plant[c.key].parameters["turns"].value) for c in found}
 
     assert turns(PLANT) == {("sensor.position", 1.0), ("sensor.position", 80.0), ("sensor.load_position", 1.0)}  # fmt: skip
@@ -32,8 +32,8 @@ def test_a_motors_encoder_in_front_of_a_gear_turns_as_often_as_the_motor():
 
 def test_an_eccentricity_of_the_motors_encoder_leads_only_where_the_gear_does_not_say_as_much(monkeypatch):
     """Once a motor turn both are the same deflection; they part by what the motor's inertia feels of a reading that is wrong."""
-    (motors,) = (c for c in candidates_of(PLANT) if c.yields)
-    gears = next(c for c in candidates_of(PLANT) if c.effect == "kinematic_error")
+    (motors,) = (c for c in WHOLE.candidates(PLANT) if c.yields)
+    gears = next(c for c in WHOLE.candidates(PLANT) if c.effect == "kinematic_error")
 
     def first(gear: float) -> str:
         judged = [
@@ -55,7 +55,7 @@ def test_where_one_mass_turns_without_a_gear_every_wave_of_the_angle_is_its_enco
     """A resolver of four pole pairs errs four times a turn; with a gear in front the wave may be the gear's, and a slide has a scale."""
 
     def named(plant):
-        return [c.name for c in candidates_of(plant) if c.effect == "kinematic_error"]
+        return [c.name for c in WHOLE.candidates(plant) if c.effect == "kinematic_error"]
 
     direct = Plant(ONE_MASS) + find("inertia")
     assert named(direct) == ["encoder_eccentricity"]

@@ -12,7 +12,7 @@ from workbench.inverse.dynamics import inverse_dynamics
 from workbench.plant import ONE_MASS, Plant
 from workbench.record import IDENTIFICATION, Record, Source
 from workbench.tracing import selection
-from workbench.tracing.candidates import CORRECTION, Offer, candidates_of
+from workbench.tracing.candidates import CORRECTION, Offer
 from workbench.tracing.criteria import Criteria
 from workbench.tracing.data_sheet import within_tolerance
 from workbench.tracing.decide import Verdict
@@ -135,7 +135,7 @@ def test_a_data_sheet_value_is_searched_within_its_tolerance_and_offered_beyond_
     loose, told = within_tolerance(sheet, 0.01)
     p = loose["inertia@axis"].parameters["inertia"]
     assert not p.fixed and (p.lower, p.upper) == pytest.approx((0.0099 * 0.99, 0.0099 * 1.01)) and p.value == 0.0099
-    offered = [s for s in candidates_of(loose, (), (), told) if s.kind == CORRECTION]
+    offered = [s for s in Offer(stands_for=told).candidates(loose) if s.kind == CORRECTION]
     assert [s.key for s in offered] == ["inertia@axis"]
     free = offered[0].plant["inertia@axis"].parameters["inertia"]
     assert not free.fixed and free.upper > 1.0

@@ -14,7 +14,7 @@ from workbench.inverse.dynamics import inverse_dynamics
 from workbench.plant import ONE_MASS, Plant
 from workbench.record import IDENTIFICATION, VALIDATION, Record, Source
 from workbench.tracing import free_law, greedy, otherwise, ranking, tracing
-from workbench.tracing.candidates import Offer, candidates_of
+from workbench.tracing.candidates import WHOLE, Offer
 from workbench.tracing.evidence import CORRECTION
 from workbench.tracing.judge import STANDARD
 from workbench.tracing.spellings import spellings_of
@@ -107,7 +107,7 @@ def test_an_asymmetry_and_a_square_of_speed_are_two_effects_whatever_leads(monke
 
 @pytest.mark.parametrize("beside", ["nonlinear_viscous_friction", "cogging"])
 def test_the_curve_of_a_class_takes_no_formula_s_place_beside_another_of_its_class(monkeypatch, beside):
-    here = {c.effect: c for c in candidates_of(PLANT)}
+    here = {c.effect: c for c in WHOLE.candidates(PLANT)}
     j, k = (SimpleNamespace(candidate=here[n]) for n in ("coulomb_asymmetry", beside))
     last = SimpleNamespace(plant=here["coulomb_asymmetry"].plant)
     choice = SimpleNamespace(
@@ -121,11 +121,11 @@ def test_the_curve_of_a_class_takes_no_formula_s_place_beside_another_of_its_cla
 
 
 def test_a_composite_bears_the_name_of_the_part_that_is_missing():
-    named = {s.effect: s.name for s in candidates_of(PLANT) if s.instead}
+    named = {s.effect: s.name for s in WHOLE.candidates(PLANT) if s.instead}
     assert named["friction_behind_gap"] == "backlash"  # the friction is declared
     assert named["lugre_friction"] == "lugre_friction"  # of its parts either may be what Coulomb friction lacks
     bare = Plant(ONE_MASS) + find("inertia")(inertia=0.01)
-    assert {s.effect: s.name for s in candidates_of(bare)}["friction_behind_gap"] == "friction_behind_gap"
+    assert {s.effect: s.name for s in WHOLE.candidates(bare)}["friction_behind_gap"] == "friction_behind_gap"
 
 
 def test_friction_over_a_root_of_speed_is_no_two_laws(monkeypatch):
@@ -152,7 +152,7 @@ def test_viscous_friction_that_is_not_quite_in_proportion_to_speed_is_viscous_fr
 
 def test_a_lesser_curve_that_validation_does_not_carry_gives_way_and_a_lesser_formula_stays():
     """A curve over speed goes astray beyond the speeds that were fitted; in a formula's place it would take what is left of the greatest."""
-    here = {c.effect: c for c in candidates_of(PLANT)}
+    here = {c.effect: c for c in WHOLE.candidates(PLANT)}
     cogging, curve, spring = (
         SimpleNamespace(candidate=c)
         for c in (here["cogging"], replace(here["stribeck_friction"], stands="stribeck_friction"), here["cable_spring"])
@@ -204,8 +204,8 @@ def test_a_curve_over_place_beside_a_spring_that_is_declared_is_that_ones_stiffn
 
 
 def test_a_body_on_a_spring_may_be_counted_in_a_mass_from_a_data_sheet():
-    free = candidates_of(PLANT)
-    held = candidates_of(PLANT.swap(find("inertia")(inertia=0.01, fixed=True)))
+    free = WHOLE.candidates(PLANT)
+    held = WHOLE.candidates(PLANT.swap(find("inertia")(inertia=0.01, fixed=True)))
     assert "flexible_part" not in {s.effect for s in free}
     assert {s.name for s in held if s.effect == "flexible_part"} == {"flexible_mode"}
 
@@ -244,7 +244,7 @@ def test_a_law_that_goes_astray_from_block_to_block_gives_way_to_one_of_its_clas
 def test_a_weight_beside_a_cable_is_asked_whether_it_is_what_a_cable_stiffens_by():
     """The larger of two laws of one class need have no other spelling: the lesser one's is asked in the place of both."""
     plant = PLANT + find("gravity") + find("cable_spring")
-    here = {c.effect: c for c in candidates_of(PLANT)}
+    here = {c.effect: c for c in WHOLE.candidates(PLANT)}
     added = [SimpleNamespace(candidate=here[n]) for n in ("gravity", "cable_spring")]
     weighed = [SimpleNamespace(size=lambda _, s=s: s) for s in (0.08, 0.02)]
     larger, lesser = added
@@ -264,7 +264,7 @@ def test_a_weight_beside_a_cable_is_asked_whether_it_is_what_a_cable_stiffens_by
 
 @pytest.mark.parametrize("absurd", [False, True])
 def test_a_law_with_values_that_no_machine_has_takes_no_two_others_place(monkeypatch, absurd):
-    here = {c.effect: c for c in candidates_of(PLANT)}
+    here = {c.effect: c for c in WHOLE.candidates(PLANT)}
     two = [SimpleNamespace(candidate=here[n]) for n in ("cable_spring", "gravity")]
     last = SimpleNamespace(plant={two[0].candidate.key: find("cable_spring")})
     selected = SimpleNamespace(answer=SimpleNamespace(last=last))

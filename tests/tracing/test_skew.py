@@ -14,7 +14,7 @@ from workbench.finding import CARRIES_NOTHING
 from workbench.identification.fit import identify
 from workbench.inverse.dynamics import inverse_dynamics
 from workbench.inverse.wording import idle
-from workbench.tracing.candidates import ADDITION, CORRECTION, candidates_of
+from workbench.tracing.candidates import ADDITION, CORRECTION, Offer
 from workbench.tracing.decimation import decimate
 from workbench.tracing.skew import skew_of
 from workbench.tracing.tracing import trace
@@ -87,7 +87,7 @@ def test_a_value_that_the_angle_told_is_no_correction():
     """Only what was declared may have been declared wrong."""
     plant = jointed(**KNOWN) + find("clock_skew")(at="sensor.load_position", offset=2e-3, fixed=True)
     declared = [e.key for e in jointed(**KNOWN).effects]
-    kinds = {s.key: s.kind for s in candidates_of(plant, (), declared)}
+    kinds = {s.key: s.kind for s in Offer(declared=declared).candidates(plant)}
     assert "clock_skew@sensor.load_position" not in kinds and kinds["inertia@load"] == CORRECTION
 
 

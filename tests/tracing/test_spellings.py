@@ -25,7 +25,7 @@ from workbench.tracing import (
     waves,
 )
 from workbench.tracing.answer import Answer
-from workbench.tracing.candidates import ADDITION, Candidate, Offer, candidates_of
+from workbench.tracing.candidates import ADDITION, WHOLE, Candidate, Offer
 from workbench.tracing.judge import STANDARD, ScoredCandidate, freedom
 from workbench.tracing.state import State
 
@@ -74,9 +74,9 @@ def test_springs_of_another_power_are_offered_where_the_cubic_one_is():
     for effect, at in (("inertia", "motor"), ("inertia", "load"), ("linear_stiffness", "joint")):
         plant = plant + find(effect)(at=at)
     own = tuple(find(n) for n in ("power_law_stiffness", "slack_cable"))
-    found = {(c.effect, c.at) for c in candidates_of(plant, own) if c.effect in {e.name for e in own}}
+    found = {(c.effect, c.at) for c in Offer(own=own).candidates(plant) if c.effect in {e.name for e in own}}
     assert found == {("power_law_stiffness", "joint"), ("slack_cable", "load")}
-    assert not {"power_law_stiffness", "slack_cable"} & {c.effect for c in candidates_of(plant)}
+    assert not {"power_law_stiffness", "slack_cable"} & {c.effect for c in WHOLE.candidates(plant)}
 
 
 def test_a_root_of_speed_is_found_where_no_traced_formula_takes_anything_of_it(monkeypatch):
@@ -123,7 +123,7 @@ def test_three_slopes_of_a_data_sheet_are_a_piecewise_stiffness_and_no_other_pow
 
 
 def test_rest_is_asked_of_dry_friction_where_a_friction_with_memory_took_its_place():
-    (rigid,) = (c for c in candidates_of(PLANT) if c.effect == "lugre_friction" and c.instead)
+    (rigid,) = (c for c in WHOLE.candidates(PLANT) if c.effect == "lugre_friction" and c.instead)
     last = SimpleNamespace(plant=rigid.plant)
     found = selection.Selection(
         None, SimpleNamespace(plant=PLANT), Answer([SimpleNamespace(candidate=rigid)], None, last), (), (), ()

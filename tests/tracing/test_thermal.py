@@ -15,7 +15,7 @@ from workbench.output_error.free_run import free_run
 from workbench.record import IDENTIFICATION, VALIDATION
 from workbench.simulation import Scenario, open_loop
 from workbench.tracing import trace
-from workbench.tracing.candidates import Offer, candidates_of
+from workbench.tracing.candidates import WHOLE, Offer
 
 BEGUN = (
     ("a", IDENTIFICATION, 1.0, 18.0, 47.0),
@@ -79,7 +79,7 @@ def test_a_law_of_temperature_is_asked_where_every_record_has_one():
     for records in (with_it, without, [*with_it[:2], without[2]]):
         logged = [n for n in ("temperature",) if all(n in r.channels for r in records)]
         asked.append("thermal_friction" in {c.effect for c in Offer(logged=logged).candidates(PLANT)})
-    assert asked == [True, False, False] and "thermal_friction" not in {c.effect for c in candidates_of(PLANT)}
+    assert asked == [True, False, False] and "thermal_friction" not in {c.effect for c in WHOLE.candidates(PLANT)}
 
 
 def test_a_temperature_that_changes_nothing_is_not_missing():

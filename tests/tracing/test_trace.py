@@ -15,7 +15,7 @@ from workbench.identification.fit import identify
 from workbench.inverse.dynamics import inverse_dynamics
 from workbench.plant import ONE_MASS, TWO_MASS, Plant
 from workbench.tracing import full_rate
-from workbench.tracing.candidates import candidates_of
+from workbench.tracing.candidates import WHOLE
 from workbench.tracing.full_rate import is_confirmed
 from workbench.tracing.output import as_dict, write
 from workbench.tracing.result import CAUSE, NOTHING, UNKNOWN, Trace
@@ -185,14 +185,14 @@ def test_validation_chooses_no_effect_but_says_whether_one_is_borne_out(tmp_path
 
 def test_candidates_are_what_is_not_declared_and_what_is_held():
     plant = Plant("one mass") + find("inertia")(inertia=2e-3, fixed=True) + find("viscous_friction")
-    kinds = {s.key: s.kind for s in candidates_of(plant)}
+    kinds = {s.key: s.kind for s in WHOLE.candidates(plant)}
     assert kinds["inertia@axis"] == "correction" and "viscous_friction@axis" not in kinds
     assert kinds["stribeck_friction@axis"] == "addition" and "linear_stiffness@joint" not in kinds
-    keys = [s.key for s in candidates_of(plant)]
-    assert keys == [s.key for s in candidates_of(replace(plant, effects=plant.effects[::-1]))]
+    keys = [s.key for s in WHOLE.candidates(plant)]
+    assert keys == [s.key for s in WHOLE.candidates(replace(plant, effects=plant.effects[::-1]))]
     free = plant.swap(find("inertia")(inertia=2e-3, fixed=False))
-    assert "inertia@axis" not in [s.key for s in candidates_of(free)]
-    assert "gravity@axis" not in [s.key for s in candidates_of(replace(free, rotary=False))]
+    assert "inertia@axis" not in [s.key for s in WHOLE.candidates(free)]
+    assert "gravity@axis" not in [s.key for s in WHOLE.candidates(replace(free, rotary=False))]
 
 
 def test_a_gain_in_proportion_has_no_scatter():

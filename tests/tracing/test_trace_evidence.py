@@ -17,7 +17,7 @@ from workbench.inverse.dynamics import InverseDynamics, inverse_dynamics
 from workbench.plant import ONE_MASS, TWO_MASS, Geometry, Plant
 from workbench.tracing import ranking
 from workbench.tracing.answer import Answer
-from workbench.tracing.candidates import Candidate, brought, candidates_of, without
+from workbench.tracing.candidates import WHOLE, Candidate, brought, without
 from workbench.tracing.decimation import decimate
 from workbench.tracing.greedy import Step, earned, promised, spent
 from workbench.tracing.judge import STANDARD, ScoredCandidate, judged
@@ -42,7 +42,7 @@ def searched(campaign: Campaign) -> tuple[list[InverseDynamics], list[InverseDyn
 
 
 def candidate(campaign: Campaign, key: str) -> Candidate:
-    return next(s for s in candidates_of(campaign.plant) if s.key == key)
+    return next(s for s in WHOLE.candidates(campaign.plant) if s.key == key)
 
 
 def judgement(gain: float, scatter: float, *, earns: bool = False, state: object = True) -> ScoredCandidate:
@@ -120,8 +120,8 @@ def test_what_was_added_on_credit_goes_where_nothing_earns_its_place_after_it():
 def test_an_effect_that_a_later_one_takes_the_place_of_is_no_cause():
     """Coulomb friction comes first; once something else is in, friction with memory stands in its stead."""
     declared = Plant(ONE_MASS) + find("inertia") + find("viscous_friction")
-    first = next(s for s in candidates_of(declared) if s.key == "coulomb_friction@axis")
-    last = next(s for s in candidates_of(first.plant) if s.instead and s.effect == "presliding_hysteresis")
+    first = next(s for s in WHOLE.candidates(declared) if s.key == "coulomb_friction@axis")
+    last = next(s for s in WHOLE.candidates(first.plant) if s.instead and s.effect == "presliding_hysteresis")
     added = [replace(judgement(0.5, 0.1), candidate=s, state=SimpleNamespace(plant=s.plant)) for s in (first, last)]
     standing = Answer(added, SimpleNamespace(plant=declared)).standing
     assert standing.added == added[1:]

@@ -15,7 +15,7 @@ from workbench.plant import ONE_MASS, TWO_MASS, Plant
 from workbench.record import IDENTIFICATION, VALIDATION, Record, Source
 from workbench.tracing import search
 from workbench.tracing.budget import BUDGET, Budget
-from workbench.tracing.candidates import Offer, candidates_of
+from workbench.tracing.candidates import WHOLE, Offer
 from workbench.tracing.judge import ahead
 from workbench.tracing.search import within_reach
 from workbench.tracing.starts import lateness, resolved, starts, strokes
@@ -101,12 +101,12 @@ def test_where_the_zeros_of_encoders_were_found_no_wave_has_a_zero_of_its_own():
 
 def test_what_a_study_offers_is_a_candidate_like_any_other():
     plant = Plant(ONE_MASS, rotary=False) + find("coulomb_friction")
-    known = {s.effect for s in candidates_of(plant)}
+    known = {s.effect for s in WHOLE.candidates(plant)}
     offered = (find("presliding_length"), find("cogging")(order=7.0, label="pitch"))
-    assert {s.effect for s in candidates_of(plant, offered)} - known == {"presliding_length", "cogging pitch"}
+    assert {s.effect for s in Offer(own=offered).candidates(plant)} - known == {"presliding_length", "cogging pitch"}
     # a second source of the direction of motion at one place is not offered, whoever offers it
     held = plant + find("presliding_hysteresis")
-    assert "presliding_length" not in {s.effect for s in candidates_of(held, offered)}
+    assert "presliding_length" not in {s.effect for s in Offer(own=offered).candidates(held)}
 
 
 def test_an_offered_presliding_length_is_found_and_comes_out_right():
@@ -191,7 +191,7 @@ def test_a_gap_of_a_stiff_joint_is_begun_within_what_the_joint_gives_way():
 
 def offered(plant: Plant) -> dict[str, Plant]:
     """Return key -> plant of each candidate."""
-    return {s.key: s.plant for s in candidates_of(plant, declared=[e.key for e in plant.effects])}
+    return {s.key: s.plant for s in Offer(declared=[e.key for e in plant.effects]).candidates(plant)}
 
 
 def test_two_waves_share_the_zero_of_the_angle_between_two_encoders():
@@ -221,12 +221,12 @@ def test_what_bends_a_spring_to_ground_is_offered_beside_a_declared_one_and_a_bu
     about_zero = offered(bare)[key][key].parameters["k1"]
     assert about_zero.fixed and about_zero.value == 0.0
     # one that is met at once is a spring, and gives way to it
-    assert [[c.yields for c in candidates_of(p) if c.key == key] for p in (bare, sprung)] == [[True], [False]]
+    assert [[c.yields for c in WHOLE.candidates(p) if c.key == key] for p in (bare, sprung)] == [[True], [False]]
     assert not offered(Plant(TWO_MASS))["piecewise_stiffness@joint"]["piecewise_stiffness@joint"].parameters["k1"].fixed
 
 
 def test_a_bumper_takes_no_place_among_the_candidates_that_are_fitted_with_everything_free():
-    by = {c.key: c for c in candidates_of(Plant(ONE_MASS, rotary=False) + find("inertia"))}
+    by = {c.key: c for c in WHOLE.candidates(Plant(ONE_MASS, rotary=False) + find("inertia"))}
     keys = ("cogging@axis", "piecewise_stiffness@axis", "cable_spring@axis", "creep@axis")
     order = [SimpleNamespace(candidate=by[key]) for key in keys]
     assert [ahead(order, n) for n in (1, 2, 9)] == [order[:1], order[:3], order]

@@ -12,7 +12,7 @@ from workbench.plant import ONE_MASS, TWO_MASS, Plant
 from workbench.record import IDENTIFICATION, VALIDATION
 from workbench.tracing import weighing
 from workbench.tracing.answer import Answer
-from workbench.tracing.candidates import ADDITION, CORRECTION, Candidate, candidates_of
+from workbench.tracing.candidates import ADDITION, CORRECTION, WHOLE, Candidate
 from workbench.tracing.criteria import Criteria
 from workbench.tracing.evidence import Weighed
 from workbench.tracing.judge import ScoredCandidate
@@ -65,7 +65,7 @@ def test_a_data_sheets_value_is_weighed_beside_what_came_after_it():
     drag = lambda v: 0.5 * v * np.abs(v)  # noqa: E731
     inverses = inverse_dynamics([recorded(n, IDENTIFICATION, s, drag, 5.0) for n, s in (("a", 1.0), ("bb", 0.7))], 50.0)
     declared = PLANT.swap(find("inertia")(inertia=0.0103, fixed=True))
-    (wrong,) = (c for c in candidates_of(declared) if (c.effect, c.kind) == ("inertia", CORRECTION))
+    (wrong,) = (c for c in WHOLE.candidates(declared) if (c.effect, c.kind) == ("inertia", CORRECTION))
     last = State(wrong.plant + find("nonlinear_viscous_friction"), inverses)
     j = ScoredCandidate(wrong, None, None, 1)
     selected = Selection(None, State(declared, inverses), Answer([j], None, last), (), (), ())

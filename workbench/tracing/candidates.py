@@ -2,7 +2,6 @@
 
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field, replace
-from types import MappingProxyType
 
 from workbench.definition import CHANNELS, FORCE, SIGNALS, Effect, catalogue
 from workbench.effects.families import family_of
@@ -62,7 +61,8 @@ class Candidate:
 
 @dataclass(frozen=True)
 class Offer:
-    """only: names of the effects that are judged, all where None. own: effects offered beside those of the catalogue.
+    """only: names of the effects that are judged, all where None. own: effects offered beside those of the catalogue, and judged as they are: one that
+    it has and does not trace, or one with a parameter that the rig makes known (a ripple once a motor revolution).
 
     declared: keys of the declared effects; a periodic one of them is offered once more, at another order. stands_for: key of a
     free virgin curve, or of an effect whose values are free within their tolerance -> what was declared. budget: of the search.
@@ -81,45 +81,28 @@ class Offer:
     zeroed: bool = False
 
     def candidates(self, plant: Plant) -> list[Candidate]:
-        """Return the candidates of a plant that are judged."""
-        found = candidates_of(plant, self.own, self.declared, self.stands_for, self.logged, self.zeroed)
-        return [s for s in found if self.only is None or {s.effect, s.effect.partition(" ")[0]} & set(self.only)]
+        """Return the candidates of a plant that are judged: maps, which take longest, ahead of forces, each in the order of their names,
+        whatever the order of declaration."""
+        found = []
+        motion = "rotary" if plant.rotary else "linear"
+        traced = [e for e in catalogue().values() if e.traced]
+        for effect in (*traced, *self.own):
+            if motion in effect.motions and {*effect.reads} <= {*OF_MOTION, *self.logged}:
+                for place in places(plant.kind, effect, plant.rotary):
+                    found += _additions(effect, place, plant, self)
+                    if (there := on_the_motor(effect, place, plant)) is not None:
+                        found += [replace(c, yields=True) for c in _additions(there, place, plant, self)]
+        found += _corrections(plant, self)
+        judged = (c for c in found if self.only is None or {c.effect, c.effect.partition(" ")[0]} & {*self.only})
+        return sorted(judged, key=lambda s: (s.plant[s.key].port == FORCE, s.effect, s.at, s.kind, not s.instead))
 
 
 WHOLE = Offer()  # all of the catalogue, and nothing else
 
 
-def candidates_of(
-    plant: Plant,
-    own: Collection[Effect] = (),
-    declared: Collection[str] = (),
-    stands_for: Mapping[str, Effect] = MappingProxyType({}),
-    logged: Collection[str] = (),
-    zeroed: bool = False,
-) -> list[Candidate]:
-    """Return every candidate: maps, which take longest to judge, ahead of forces, each in the order of their names, whatever the order of
-    declaration.
-
-    own: effects that are offered beside those of the catalogue, and judged as they are: one that the catalogue has and does
-    not trace, or one with a parameter that the rig makes known (a ripple once a motor revolution). logged, zeroed: as of `Offer`.
-    """
-    found = []
-    motion = "rotary" if plant.rotary else "linear"
-    traced = [e for e in catalogue().values() if e.traced]
-    for effect in (*traced, *own):
-        if motion in effect.motions and {*effect.reads} <= {*OF_MOTION, *logged}:
-            for place in places(plant.kind, effect, plant.rotary):
-                found += _additions(effect, place, plant, stands_for, zeroed)
-                if (there := on_the_motor(effect, place, plant)) is not None:
-                    found += [replace(c, yields=True) for c in _additions(there, place, plant, stands_for, zeroed)]
-    found += _corrections(plant, declared, stands_for)
-    return sorted(found, key=lambda s: (s.plant[s.key].port == FORCE, s.effect, s.at, s.kind, not s.instead))
-
-
-def _additions(
-    effect: Effect, place: str, plant: Plant, stands_for: Mapping[str, Effect], zeroed: bool
-) -> list[Candidate]:
+def _additions(effect: Effect, place: str, plant: Plant, offer: Offer) -> list[Candidate]:
     """Return what an effect would be as an addition at a place: none, one, or one beside what it may take the place of."""
+    stands_for = offer.stands_for
     if place in effect.stated or not _offered(effect, place, plant):
         return []
     if effect.counted_in and not _held_by_data_sheet(f"{effect.counted_in}@{place}", plant, stands_for):
@@ -130,7 +113,7 @@ def _additions(
         another = next((o for o in (_again(effect, place, n) for n in AGAIN) if o.key not in known), another)
     if another.key in known:
         return []
-    if (another := as_offered(another, plant, zeroed)) is None:
+    if (another := as_offered(another, plant, offer.zeroed)) is None:
         return []
     same = needless(another, plant)
     rest = plant
@@ -153,18 +136,18 @@ def _additions(
 
 
 def _held_by_data_sheet(key: str, plant: Plant, stands_for: Mapping[str, Effect]) -> bool:
-    """Whether an effect of this key is declared with values from a data sheet. stands_for: as of `candidates_of`."""
+    """Whether an effect of this key is declared with values from a data sheet. stands_for: as of `Offer`."""
     return key in {e.key for e in plant.effects} and bool(from_data_sheet(stands_for.get(key, plant[key])))
 
 
-def _corrections(plant: Plant, declared: Collection[str], stands_for: Mapping[str, Effect]) -> list[Candidate]:
-    """Return a candidate for each effect with values from a data sheet, which would be set free. Arguments as of `candidates_of`."""
+def _corrections(plant: Plant, offer: Offer) -> list[Candidate]:
+    """Return a candidate for each effect with values from a data sheet, which would be set free."""
     found = []
     for e in plant.effects:
-        told = stands_for.get(e.key, e)  # a value within its tolerance stands for the value
+        told = offer.stands_for.get(e.key, e)  # a value within its tolerance stands for the value
         held = from_data_sheet(told)
         # what an instrument told (a clock, by the angle between encoders) was measured, and is no value from a data sheet either
-        if held and (not declared or e.key in declared):
+        if held and (not offer.declared or e.key in offer.declared):
             found.append(Candidate(e.named, e.at, CORRECTION, plant.swap(told.free(*held))))
     return found
 

@@ -15,7 +15,7 @@ from workbench.planning import Sensing, Separation, sensing_of, separate
 from workbench.planning.basis import Basis
 from workbench.plant import Plant
 from workbench.record import IDENTIFICATION
-from workbench.tracing.candidates import candidates_of
+from workbench.tracing.candidates import WHOLE
 from workbench.tracing.search import fitted
 
 
@@ -43,7 +43,7 @@ def _candidate(basis: Basis, text: str) -> tuple[Plant, Effect, float]:
     for e in plant.effects:
         if name == e.name and place in ("", e.at):
             return plant.without(e.key), e, basis.fit.rms[IDENTIFICATION]
-    known = candidates_of(plant)
+    known = WHOLE.candidates(plant)
     chosen = next((s for s in known if s.effect == name and place in ("", s.at)), None)
     if chosen is None:
         raise WorkbenchError(f"there is no candidate '{text}' for this plant; {nearest(text, _names_of(known, place))}")
