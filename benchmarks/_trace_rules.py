@@ -76,6 +76,7 @@ RULES: dict[str, Callable] = {
     "waves.two_say_it": _NO,
     # what becomes of an answer
     "pruning.pruned": _as_it_came,
+    "pruning._alone": _NONE,
     "pruning._named_after": _as_it_came,
     "judge.still_earns": _always(True),
     "slack.bent_gap": _NO,

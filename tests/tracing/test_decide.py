@@ -463,6 +463,18 @@ CASES = {
         ),
         CAUSE, (CAUSE,),
     ),
+    "unless the drive keeps a tenth, as beside an amplifier's dead time": (
+        evidence(
+            weighed(
+                "inertia", (0.1728, 0.1655), (0.1611, 0.1504), CORRECTION, "load", changed=0.152, tolerance=0.01,
+                load_before={"identification": 0.098, "validation": 0.0986},
+                load_after={"identification": 0.0131, "validation": 0.0151},
+            ),
+            weighed("piecewise_stiffness", (0.1655, 0.1471), (0.1504, 0.1209), at="joint"),
+            before=0.0562, after=0.032,
+        ),
+        UNKNOWN, (DRESSING, DRESSING),
+    ),
     "a further one that takes less than half of what the larger one leaves is none where nothing foretells that": (
         evidence(weighed(id_=(0.2, 0.05), val=(0.2, 0.05)), weighed("flexible_mode", (0.05, 0.038), (0.05, 0.04), foretold=0.0)), CAUSE,
         (CAUSE, REFINEMENT),

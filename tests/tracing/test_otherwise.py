@@ -52,6 +52,20 @@ def test_friction_that_levels_off_is_carried_to_speeds_that_were_not_fitted():
     assert {e.parameter: e.value for e in cause.parameters}["exponent"] == pytest.approx(0.5, abs=0.1)
 
 
+def test_a_weight_that_is_a_spring_over_the_stroke_that_was_fitted_is_named_by_a_longer_one():
+    """Beside a constant force a spring says as much with one value less; validation, four times as long, carries it, and a weight far better."""
+    over = lambda q: 0.1 + 0.3 * np.sin(q - 0.35)  # noqa: E731
+    still = lambda v: 0.0 * v  # noqa: E731
+    fitted, longer = (
+        recorded("a", IDENTIFICATION, 0.5, still, 6.0, over),
+        recorded("bb", VALIDATION, 2.5, still, 6.0, over),
+    )
+    plant, only = PLANT + find("constant_offset"), {"gravity", "cable_spring"}
+    assert trace(plant, inverse_dynamics([fitted], 50.0), only=only).causes[0].effect == "linear_stiffness"
+    found = trace(plant, inverse_dynamics([fitted, longer], 50.0), only=only)
+    assert [c.effect for c in found.causes] == ["gravity"] and found.extended.validation < 0.03
+
+
 def test_a_spring_and_a_cogging_are_two_effects_though_one_curve_over_place_takes_both(monkeypatch):
     over = lambda q: 0.12 * np.sin(40.0 * q + 0.4) + 0.03 * np.sin(80.0 * q) + 0.4 * (q - 0.05)  # noqa: E731
     records = [recorded(n, IDENTIFICATION, s, lambda v: 0.0 * v, over=over) for n, s in (("a", 1.0), ("bb", 0.7))]

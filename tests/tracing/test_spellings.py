@@ -356,6 +356,28 @@ def test_what_comes_to_nothing_when_it_is_asked_again_stays_by_the_state_that_ha
         assert [j.candidate.key for j in found.added] == [j.candidate.key for j in left]
 
 
+@pytest.mark.parametrize(
+    ("hardens", "corner", "stays"), [(6.0, 0.0, "cubic_stiffness"), (0.0, 9.0, "piecewise_stiffness")]
+)
+def test_of_two_laws_that_make_each_other_needless_the_simpler_stays_if_it_says_as_much_alone(
+    monkeypatch, hardens, corner, stays
+):
+    """Whichever was found first is asked, and beside the later one it takes nothing: a joint with a round corner was two parts in series."""
+    over = lambda q: 0.6 * q + hardens * q**3 + corner * np.sign(q) * np.maximum(np.abs(q) - 0.1, 0.0)  # noqa: E731
+    plant = PLANT + find("linear_stiffness")(at="axis")
+    state, judgements = asked(over, plant, "cubic_stiffness", "piecewise_stiffness")
+    cubic = next(j for j in judgements if j.candidate.effect == "cubic_stiffness")
+    first = free_law.refitted_as(state, cubic, STANDARD)
+    (again,) = ranking.step(first.state, lambda _: None, Offer(only={"piecewise_stiffness"}))
+    second = free_law.refitted_as(first.state, again, STANDARD)
+    nothing = replace(first, score=replace(first.score, gain=0.0, earns=False), refitted=None, state=None)
+    monkeypatch.setattr(pruning, "step", lambda *_: [nothing])
+    monkeypatch.setattr(pruning, "still_earns", lambda *_: False)
+    found = pruning.pruned(Answer([first, second], state), plant, [], lambda _: None, Offer(), STANDARD)
+    assert [j.candidate.effect for j in found.added] == [stays]
+    assert stays in {e.name for e in found.last.plant.effects}
+
+
 def test_what_leads_without_a_law_that_takes_nothing_now_does_not_hold_it(monkeypatch):
     """A drum's weight took nothing beside the eccentricity that had come in another one's stead; what led without it was an asymmetry, and no better."""
     state, judgements = asked(lambda q: 0.6 * (q - 0.05) + 0.12 * np.sin(40.0 * q), PLANT, "cable_spring", "cogging")
@@ -366,6 +388,7 @@ def test_what_leads_without_a_law_that_takes_nothing_now_does_not_hold_it(monkey
     leads = replace(leads, errors=second.state.errors, score=replace(other.score, gain=0.1, earns=True))
     monkeypatch.setattr(pruning, "step", lambda *_: [leads])
     monkeypatch.setattr(pruning, "_better", lambda *_: False)
+    monkeypatch.setattr(pruning, "_alone", lambda *_: None)
     for takes, left in ((True, [first, second]), (False, [second])):
         monkeypatch.setattr(pruning, "still_earns", lambda *_, takes=takes: takes)
         found = pruning.pruned(Answer([first, second], state), PLANT, [], lambda _: None, Offer(), STANDARD)

@@ -74,8 +74,13 @@ OF_THE_JOINT = {"force over position": "joint stiffness"}  # the joint's positio
 
 
 def family_of(effect: Effect) -> str:
-    """Return the family of an effect where it stands: a spring is the joint's stiffness there, a force over position elsewhere."""
-    if effect.at == "joint":
+    """Return the family of an effect where it stands."""
+    return family_at(effect, effect.at)
+
+
+def family_at(effect: Effect, place: str) -> str:
+    """Return the family that an effect has at a place: a spring is the joint's stiffness there, a force over position elsewhere."""
+    if place == "joint":
         return OF_THE_JOINT.get(effect.family, effect.family)
     return {j: f for f, j in OF_THE_JOINT.items()}.get(effect.family, effect.family)
 

@@ -57,6 +57,8 @@ class Criteria:
         most to be a refinement of the largest cause: gravity beside the offset of a robot's arm took 0.12, and is that offset doubled. And what a
         memory of the friction that is declared takes at most beside another cause, to be what that law is only nearly right in: of twenty that four
         authors left in their Coulomb friction, of 7 to 100 counts, 0.007 to 0.087, of one that was missing 0.06. Halved, five of the twenty are causes.
+        And what a drive keeps, from which no cause that shows behind its joint is the answer: beside an amplifier's dead time 0.12. On 1124 verdicts, halved
+        the same; doubled, that one is a joint's stiffness.
         And the memory of LuGre friction beside its peak in the place of dry friction, which is named after the peak: 0.006 and 0.017 of two
         axes, the same halved or doubled.
     left: share of the explainable power that may stay where the causes take less than `held` of the validation record, because

@@ -15,7 +15,7 @@
 | does a stiffness of the joint or an inertia that changes along the stroke, which no effect is, take `explainable` more of the drive than they do? | unknown |
 | has what takes most values that no machine has, or no formula, and leaves `beside` explainable? or is it a friction that drifts, and leaves `explainable` that bench time foretells? | unknown |
 | does an inertia, or a drive's constant, that changes along the stroke take `held` of what they leave, and `beside` of the drive; or, where all are data-sheet values or drifts, a drive's gain that changes in bench time? | unknown |
-| do the causes take `held` of the power in both roles (of validation alone where nothing is explainable), or of the identification power and of what is explainable, or leave little of that (and none of it where they leave more beyond noise than they take)? | cause |
+| do the causes take `held` of the power in both roles (of validation alone where nothing is explainable), or one of the balance behind a joint in which it shows, beside a drive that keeps less than `unaccounted`, or of the identification power and of what is explainable, or leave little of that (and none of it where they leave more beyond noise than they take)? | cause |
 | is more than `explainable` of the drive predictable from outside the loop (where nothing was added but what declared laws are nearly right in, of what that leaves)? | unknown |
 | does an inertia that changes along the stroke, or a drive's gain that does in bench time, take `held` of what the declared model leaves, and `explainable` of the drive? | unknown |
 | does more than `whole` of the drive stay beyond what noise may leave, in every role? | unknown |

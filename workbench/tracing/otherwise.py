@@ -6,9 +6,10 @@ levels off, until an axis moves faster. A class has other laws; which one it is 
 
 from collections.abc import Collection, Sequence
 from dataclasses import replace
+from math import inf
 
 from workbench.definition import catalogue
-from workbench.effects.families import FREE_FORMS
+from workbench.effects.families import FREE_FORMS, family_at
 from workbench.identification.result import Fit
 from workbench.record import IDENTIFICATION, VALIDATION
 from workbench.tracing.candidates import ADDITION
@@ -29,18 +30,28 @@ def otherwise(choice: Choice) -> Choice:
     would take what is left of the greatest; a curve over speed goes astray beyond the speeds that were fitted, and a formula goes on.
 
     A law takes another one's place that leaves no more on identification (in the place of a free form it takes `near` of what that took),
-    and less on validation, by what is of practical size; of several the one that leaves least there. The choice itself where there is none.
+    and less on validation, by what is of practical size; of several the one that leaves least there. Where all is carried and `beside` of the drive
+    is left there, a plausible law does that takes `held` of that power: over part of a stroke a weight is a spring. The choice itself where there is none.
+
+    Of 571 campaigns and axes 37 are asked so: a spring is a weight, which takes 0.53 of it, and a drive that saturates its free form (0.55); what else
+    leaves no more on identification took 0.21 at most. With `held` halved the same; doubled, neither.
     """
-    criteria = choice.criteria
-    j = next((j for j, w in _that_may_give_way(choice) if _doubted(w, criteria)), None)
+    criteria, best, now = choice.criteria, None, choice.confirmed.fits[-1]
+    asked = _that_may_give_way(choice)
+    j = next((j for j, w in asked if _doubted(w, criteria)), None)
+    carried = j is None and bool(asked) and now.validation >= criteria.beside
+    j = asked[0][0] if carried else j
     if j is None or j.candidate.instead:
         return choice
-    choice.progress(f"asking for another law than {j.candidate.key}, which validation does not carry")
-    best, now = None, choice.confirmed.fits[-1]
-    for k in _laws(choice, j):
+    most = (1.0 - criteria.held) * now.validation**2 if carried else inf
+    choice.progress(
+        f"asking for another law than {j.candidate.key}, which validation {'may tell' if carried else 'does not carry'}"
+    )
+    for k in _laws(choice, j, sound=carried):
         kept, fits = choice.fitted_with(k, j)
         before = choice.confirmed.fits[choice.confirmed.added.index(j)] if j.candidate.stands and best is None else None
-        if len(kept) == len(choice.confirmed.added) and _better(fits[-1], now, criteria, before):
+        enough = len(kept) == len(choice.confirmed.added) and fits[-1].validation ** 2 <= most
+        if enough and _better(fits[-1], now, criteria, before):
             now, best = fits[-1], (k, kept, fits)
     return choice if best is None else choice.taking(*best)
 
@@ -146,14 +157,15 @@ def _better(fit: Fit, than: Fit, criteria: Criteria, before: Fit | None = None) 
     return fit.identification**2 <= left and fit.validation**2 < than.validation**2 - small
 
 
-def _laws(choice: Choice, j: ScoredCandidate, *beside: ScoredCandidate) -> list[ScoredCandidate]:
+def _laws(choice: Choice, j: ScoredCandidate, *beside: ScoredCandidate, sound: bool = False) -> list[ScoredCandidate]:
     """Return the other laws of an addition's class at its place, fitted beside all else that was added, best first. beside: another
     addition, in whose place they would be as well, when those of another spelling alone are asked, and stand if a machine may have their values."""
     state, offer = choice.less(j, *beside), choice.offer
     if state is None:
         return []
     own = choice.selected.answer.last.plant[j.candidate.key]
-    same = [e for e in catalogue().values() if e.name != own.name and e.family == own.family]
+    here = (e for e in catalogue().values() if family_at(e, j.candidate.at) == j.candidate.family)
+    same = [e for e in here if e.name != own.name]
     asked = [e for e in same if e.traced and not beside and (offer.only is None or e.name in offer.only)]
     near = [e for e in spellings_of(j.candidate) if e.name != own.name]
     found: list[ScoredCandidate] = []
@@ -163,7 +175,7 @@ def _laws(choice: Choice, j: ScoredCandidate, *beside: ScoredCandidate) -> list[
     if not (beside or any(k is not j and of_class(j, k) for k in choice.confirmed.added)):
         found += _curves(state, j, choice)
     fitted = _fitted(state, found, j, {e.name for e in asked}, choice)
-    return [k for k in fitted if not (beside and absurd(k, state))]
+    return [k for k in fitted if not ((beside or sound) and absurd(k, state))]
 
 
 def _curves(state: State, j: ScoredCandidate, choice: Choice) -> list[ScoredCandidate]:

@@ -14,9 +14,9 @@ from workbench.tracing.criteria import Criteria
 from workbench.tracing.greedy import leading
 from workbench.tracing.judge import Progress, ScoredCandidate, freedom, lighter, still_earns
 from workbench.tracing.near_law import gives_way
-from workbench.tracing.ranking import step
+from workbench.tracing.ranking import alike, step
 from workbench.tracing.slack import bent_gap
-from workbench.tracing.spellings import bearing, called_as, special_cases, with_spelling
+from workbench.tracing.spellings import bearing, called_as, of_class, special_cases, with_spelling
 from workbench.tracing.starting import COMPARED, FURTHER
 from workbench.tracing.state import State
 
@@ -70,6 +70,8 @@ def pruned(
             if stays:
                 continue
             best = None  # it takes nothing now, and what leads in its stead leaves more: neither stays
+        if best is None and (alone := _alone(answer, present, reduced, declared, criteria)) is not None:
+            return pruned(alone, declared, looked, progress, offer, criteria) if len(alone.added) > 1 else alone
         if best is None:
             left = [_named_after(k, present, criteria) for k in rest]
             fewer = Answer(left, answer.declared, reduced)
@@ -83,6 +85,28 @@ def pruned(
     if instead and answer.last.errors.total < begun.last.errors.total:
         return pruned(answer, declared, looked, progress, offer, criteria)
     return answer
+
+
+def _alone(
+    answer: Answer, needless: ScoredCandidate, reduced: State, declared: Plant, criteria: Criteria
+) -> Answer | None:
+    """Return the answer with an addition that later ones made needless, without one of its class at its place that did, where it is the simpler of
+    the two and explains the same alone; None where it is not.
+
+    Either makes the other needless, and whichever came later would stay: a joint of two slopes with a round corner is one of two parts in series,
+    which has a number more. reduced: the state without the addition.
+    """
+    for k in (k for k in answer.added if k is not needless and of_class(k, needless) and not k.candidate.instead):
+        try:
+            plant = without(answer.last.plant, k.candidate, declared)
+            state = State(plant, answer.last.inverses, most=FURTHER, tolerance=COMPARED)
+        except NoValue:
+            continue
+        one = replace(needless, errors=state.errors)
+        other = replace(k, errors=reduced.errors, score=needless.score)  # its own is of what it takes beside that one
+        if freedom(state.plant) < freedom(reduced.plant) and alike(other, one, criteria, state.power):
+            return Answer([j for j in answer.added if j is not k], answer.declared, state)
+    return None
 
 
 def _named_after(j: ScoredCandidate, needless: ScoredCandidate, criteria: Criteria) -> ScoredCandidate:
