@@ -33,8 +33,8 @@ def otherwise(choice: Choice) -> Choice:
     and less on validation, by what is of practical size; of several the one that leaves least there. Where all is carried and `beside` of the drive
     is left there, a plausible law does that takes `held` of that power: over part of a stroke a weight is a spring. The choice itself where there is none.
 
-    Of 571 campaigns and axes 37 are asked so: a spring is a weight, which takes 0.53 of it, and a drive that saturates its free form (0.55); what else
-    leaves no more on identification took 0.21 at most. With `held` halved the same; doubled, neither.
+    Of 571 campaigns and axes 37 are asked so, and one says something else: a spring is a weight, which takes 0.53 of it. With none of `held` asked,
+    four more are free forms under the names that they have, and a joint of two slopes is two parts in series (0.17); doubled, the weight is a spring.
     """
     criteria, best, now = choice.criteria, None, choice.confirmed.fits[-1]
     asked = _that_may_give_way(choice)
