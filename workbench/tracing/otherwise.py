@@ -34,7 +34,7 @@ def otherwise(choice: Choice) -> Choice:
     is left there, a plausible law does that takes `held` of that power: over part of a stroke a weight is a spring. The choice itself where there is none.
 
     Of 571 campaigns and axes 37 are asked so, and one says something else: a spring is a weight, which takes 0.53 of it. With none of `held` asked,
-    four more are free forms under the names that they have, and a joint of two slopes is two parts in series (0.17); doubled, the weight is a spring.
+    a joint of two slopes is two parts in series (0.17); doubled, the weight is a spring. Free forms are not asked there: they would say no other name.
     """
     criteria, best, now = choice.criteria, None, choice.confirmed.fits[-1]
     asked = _that_may_give_way(choice)
@@ -159,7 +159,8 @@ def _better(fit: Fit, than: Fit, criteria: Criteria, before: Fit | None = None) 
 
 def _laws(choice: Choice, j: ScoredCandidate, *beside: ScoredCandidate, sound: bool = False) -> list[ScoredCandidate]:
     """Return the other laws of an addition's class at its place, fitted beside all else that was added, best first. beside: another
-    addition, in whose place they would be as well, when those of another spelling alone are asked, and stand if a machine may have their values."""
+    addition, in whose place they would be as well, when those of another spelling alone are asked, and stand if a machine may have their values.
+    sound: whether formulas alone are asked, which stand if a machine may have their values."""
     state, offer = choice.less(j, *beside), choice.offer
     if state is None:
         return []
@@ -172,7 +173,7 @@ def _laws(choice: Choice, j: ScoredCandidate, *beside: ScoredCandidate, sound: b
     if asked or near:
         found += choice.judged(state, replace(offer, only={e.name for e in (*asked, *near)}, own=(*offer.own, *near)))
     # one curve takes what two of a class are, and validation may carry the second alone
-    if not (beside or any(k is not j and of_class(j, k) for k in choice.confirmed.added)):
+    if not (beside or sound or any(k is not j and of_class(j, k) for k in choice.confirmed.added)):
         found += _curves(state, j, choice)
     fitted = _fitted(state, found, j, {e.name for e in asked}, choice)
     return [k for k in fitted if not ((beside or sound) and absurd(k, state))]

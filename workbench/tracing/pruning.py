@@ -94,9 +94,12 @@ def _alone(
     the two and explains the same alone; None where it is not.
 
     Either makes the other needless, and whichever came later would stay: a joint of two slopes with a round corner is one of two parts in series,
-    which has a number more. reduced: the state without the addition.
+    which has a number more. What bears another's name (a spelling, a free form) keeps it, and says more of the law. reduced: the state without the addition.
     """
-    for k in (k for k in answer.added if k is not needless and of_class(k, needless) and not k.candidate.instead):
+    for k in answer.added:
+        c = k.candidate
+        if k is needless or not of_class(k, needless) or c.instead or c.part or c.stands:
+            continue
         try:
             plant = without(answer.last.plant, k.candidate, declared)
             state = State(plant, answer.last.inverses, most=FURTHER, tolerance=COMPARED)
