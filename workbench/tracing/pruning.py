@@ -94,11 +94,15 @@ def _alone(
     the two and explains the same alone; None where it is not.
 
     Either makes the other needless, and whichever came later would stay: a joint of two slopes with a round corner is one of two parts in series,
-    which has a number more. What bears another's name (a spelling, a free form) keeps it, and says more of the law. reduced: the state without the addition.
+    which has a number more. What would bear that one's name (`_named_after`) says more of the same law, and stays. reduced: the state without the addition.
     """
     for k in answer.added:
-        c = k.candidate
-        if k is needless or not of_class(k, needless) or c.instead or c.part or c.stands:
+        if (
+            k is needless
+            or not of_class(k, needless)
+            or k.candidate.instead
+            or _named_after(k, needless, criteria) is not k
+        ):
             continue
         try:
             plant = without(answer.last.plant, k.candidate, declared)
