@@ -47,7 +47,8 @@ class Criteria:
         refinements still; doubled, that one is, too. And the share of what stays that an inertia along the stroke or a gain in bench time takes, to
         be what is missing, with the declared model or beside a data sheet's values: 0.62 and more where it is, 0.40 at most elsewhere. Halved, the
         same; doubled, a bell crank is "nothing" and a coil that warms up a wrong mass.
-        And the share of what validation leaves that another law of its class takes, to stand in the place of one that validation carries.
+        And the share of what validation leaves that another law of its class takes, to stand in the place of one that validation carries: a weight took
+        0.53 of what a spring leaves, no other formula more than 0.17. Halved, the same; doubled, the weight is a spring.
     whole: share of the drive's rms that may stay beyond what noise may leave, in every role, though nothing foretells it: a declared model that
         leaves more is not whole. Of 130 complete models of other authors the worst left 0.059; what acts in bench time alone (a piece that is
         carried at times, a neighbour's friction, a regulator that hunts) 0.081, 0.084 and 0.088. Of 255 campaigns and

@@ -38,9 +38,9 @@ def otherwise(choice: Choice) -> Choice:
     """
     criteria, best, now = choice.criteria, None, choice.confirmed.fits[-1]
     asked = _that_may_give_way(choice)
-    j = next((j for j, w in asked if _doubted(w, criteria)), None)
-    carried = j is None and bool(asked) and now.validation >= criteria.beside
-    j = asked[0][0] if carried else j
+    doubted = [j for j, w in asked if _doubted(w, criteria)]
+    carried = not doubted and now.validation >= criteria.beside
+    j = next(iter(doubted), asked[0][0] if asked and carried else None)
     if j is None or j.candidate.instead:
         return choice
     most = (1.0 - criteria.held) * now.validation**2 if carried else inf
