@@ -9,10 +9,11 @@ import pytest
 import rig
 
 from workbench.cli import main
-from workbench.definition import find
+from workbench.definition import Effect, find
 from workbench.identification.fit import identify
 from workbench.identification.problem import Problem
 from workbench.identification.solve import solve
+from workbench.inverse.balances import balances
 from workbench.inverse.dynamics import inverse_dynamics
 from workbench.planning import Envelope, Sensing, design, prospects, sensing_of, separate
 from workbench.planning.envelope import load_rest
@@ -151,9 +152,10 @@ def test_of_two_effects_that_show_nothing_it_is_said():
     assert not found.apart and found.sentence.startswith("Neither load dependent friction nor Coulomb asymmetry shows")
 
 
-def test_the_motor_of_two_masses_is_planned_where_the_joint_needs_it():
+@pytest.mark.parametrize("c", [0.03, 30.0], ids=["a spring", "a damper that carries four times as much"])
+def test_the_motor_of_two_masses_is_planned_where_the_joint_needs_it(c):
     """Inertia behind a spring and a damper: the deflection is that of the closed form."""
-    k, c, load = 250.0, 0.03, 0.005
+    k, load = 250.0, 0.005
     bodies = (find("inertia")(inertia=0.002, at="motor"), find("inertia")(inertia=load, at="load"))
     plant = Plant(TWO_MASS, (*bodies, find("linear_stiffness")(stiffness=k), find("linear_damping")(damping=c)))
     wave = sine(ENVELOPE, 0.1, 4.0, 1e-3, "rad", 5.0)
@@ -165,6 +167,39 @@ def test_the_motor_of_two_masses_is_planned_where_the_joint_needs_it():
     np.testing.assert_allclose(
         (channels["position"] - channels["load_position"])[inside], expected, atol=2e-3 * abs(phasor)
     )
+
+
+def gap(half_width: float, stiffness: float = 620.0) -> tuple[Plant, Effect]:
+    """An axis of two masses without its gap, and the gap."""
+    bodies = (find("inertia")(inertia=0.0021, at="motor"), find("inertia")(inertia=0.0055, at="load"))
+    friction = find("coulomb_friction")(coulomb=0.02, at="load")
+    plain = Plant(TWO_MASS, (*bodies, friction, find("linear_stiffness")(stiffness=stiffness)))
+    return freed(plain), find("backlash")(half_width=half_width)
+
+
+def test_a_motor_that_is_planned_behind_a_gap_crosses_it():
+    """The gap is forty encoder steps wide: within it nothing resists, and the motor has to pass it at each reversal."""
+    plain, lash = gap(20 * SENSING.counts)
+    channels = followed(sine(ENVELOPE, 0.1, 4.0, 1e-3, "rad", 5.0), plain + lash, SENSING).motion.record.channels
+    deflection = (channels["position"] - channels["load_position"])[1000:3000]
+    torque = 0.0055 * (10 * np.pi) ** 2 * 0.1 + 0.02
+    stiffness = plain["linear_stiffness@joint"].parameters["stiffness"].value
+    assert np.ptp(deflection) == pytest.approx(2 * (lash.parameters["half_width"].value + torque / stiffness), rel=0.1)
+
+
+def test_a_plant_explains_the_record_that_is_planned_with_it():
+    """What is smoothed of a deflection is not what the joint's law asks for; it must not part two models."""
+    plain, lash = gap(20 * SENSING.counts)
+    plant = plain + lash
+    inverse = followed(sine(ENVELOPE, 0.1, 4.0, 1e-3, "rad", 5.0), plant, SENSING)
+    left = inverse.filtered_drive(plant) - inverse.motion.filter(balances(inverse, plant))
+    assert np.abs(left).max() < 1e-9 * np.abs(inverse.motion.u).max()
+
+
+def test_a_gap_is_told_from_a_spring_that_hardens():
+    plain, lash = gap(20 * SENSING.counts)
+    found = separate(plain, lash, find("cubic_stiffness")(k3=1e9), ENVELOPE, replace(SENSING, load=0.01))
+    assert found.apart and found.deviations < 1e3
 
 
 def test_a_joint_that_does_not_resist_is_no_motion_and_no_failure():

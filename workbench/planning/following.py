@@ -6,8 +6,8 @@ from pathlib import Path
 import numpy as np
 
 from workbench.definition import Effect
-from workbench.inverse.balances import predicted
-from workbench.inverse.dynamics import InverseDynamics
+from workbench.inverse.balances import balances, predicted
+from workbench.inverse.dynamics import LOAD_DRIVE, InverseDynamics
 from workbench.motion import motion
 from workbench.planning.envelope import Sensing
 from workbench.planning.joint import deflection
@@ -21,7 +21,8 @@ SOURCE = Source(Path("planned"), "", "planned", {})
 def followed(reference: Reference, plant: Plant, sensing: Sensing) -> InverseDynamics:
     """Return the inverse dynamics over the record of a plant whose encoder reads the reference: the drive that this takes.
 
-    Of two masses the load follows the reference, and the motor is where the joint needs it. Raises WorkbenchError where an
+    Of two masses the load follows the reference, and the motor is where the joint needs it; what no deflection balances is
+    taken for a drive of the load, so that the plant explains its own record. Raises WorkbenchError where an
     effect reads a channel that a plan does not have.
     """
     given = np.array(reference.position)
@@ -34,7 +35,7 @@ def followed(reference: Reference, plant: Plant, sensing: Sensing) -> InverseDyn
             return _recorded(reference, plant, sensing, positions)
 
         inverse = make(deflection(plant, make, sensing.counts, given.size))
-    return _driven(inverse, predicted(inverse, plant))
+    return _driven(inverse, predicted(inverse, plant), balances(inverse, plant)[1:])
 
 
 def _recorded(
@@ -48,11 +49,12 @@ def _recorded(
     return InverseDynamics(motion(record, sensing.bandwidth))
 
 
-def _driven(inverse: InverseDynamics, drive: np.ndarray) -> InverseDynamics:
-    """Return the inverse dynamics over the same motion under another drive (n,)."""
+def _driven(inverse: InverseDynamics, drive: np.ndarray, of_load: np.ndarray) -> InverseDynamics:
+    """Return the inverse dynamics over the same motion under another drive (n,). of_load: that of the load, (0 or 1, n)."""
     m = inverse.motion
     channel = "torque" if "torque" in m.record.channels else "force"
-    record = replace(m.record, channels={**m.record.channels, channel: drive})
+    channels = {**m.record.channels, channel: drive, **dict(zip([LOAD_DRIVE], of_load, strict=False))}
+    record = replace(m.record, channels=channels)
     return InverseDynamics(replace(m, record=record, u=drive))
 
 
