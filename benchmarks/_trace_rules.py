@@ -106,9 +106,9 @@ RULES: dict[str, Callable] = {
     "decide._lost_most": _NO,
     "decide._lesser": _second,
     "answering._level_gone": _NO,
-    "dressing.less_than_places": _NO,
+    "dressing._less_than_places": _NO,
     "dressing.changes": _NO,
-    "dressing._doubtful": _NO,
+    "dressing.doubtful": _NO,
     "dressing._of_what_changes": _NO,
 }
 

@@ -241,6 +241,23 @@ CASES = {
             after=Explainable(time=0.0424, gain=0.0448),
         ), UNKNOWN, (DRESSING, DRESSING, DRESSING),
     ),
+    "magnets that warm up are two masses, though the gain takes less than half of what they leave": (
+        replace(
+            evidence(weighed("inertia", (0.0767, 0.0674), (0.0548, 0.0329), CORRECTION, changed=0.073, tolerance=0.01),
+                weighed("inertia", (0.0674, 0.0585), (0.0329, 0.0259), CORRECTION, changed=0.068, tolerance=0.01), before=0.0084),
+            after=Explainable(exogenous=0.0148, time=0.0165, gain=0.0365),
+        ), UNKNOWN, (DRESSING, DRESSING),
+    ),
+    "a driver that folds its current back is a mass that swings and a spring, which take half of such a gain": (
+        replace(
+            evidence(weighed("flexible_mode", (0.1069, 0.0516), (0.1034, 0.0752)), weighed("linear_stiffness", (0.0516, 0.045), (0.0752, 0.0542))),
+            before=Explainable(exogenous=0.0379, time=0.0419, gain=0.0597), after=Explainable(time=0.0212, burst=0.0147, gain=0.0317),
+        ), UNKNOWN, (DRESSING, DRESSING),
+    ),
+    "of a peak of friction, which is such a gain, too, little of it stays": (
+        replace(evidence(weighed("stribeck_friction", (0.0676, 0.015), (0.068, 0.016))),
+            before=Explainable(exogenous=0.063, gain=0.0661), after=Explainable(time=0.005, gain=0.0064)), CAUSE, (CAUSE,),
+    ),
     "beside an effect it is something else that is missing": (
         replace(evidence(weighed("cogging", (0.0937, 0.0482), (0.0974, 0.0469)), before=0.0105), after=Explainable(gain=0.0446)), CAUSE, (CAUSE,),
     ),

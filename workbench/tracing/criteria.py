@@ -44,9 +44,9 @@ class Criteria:
         is certain by `alike`, and 0.08, 0.28 and -0.5 of three that nobody put there. Halved, the first alone is refused; doubled, right ones are.
         And the share of the validation record, and of what the largest cause takes there, that makes a further effect a cause which takes less
         than `lesser` of identification: a right one took 0.85 of both, four remainders of the largest 0.44 and 0.15 at most. Halved, these are
-        refinements still; doubled, that one is, too. And the share of what stays that an inertia along the stroke or a gain in bench time takes, to
-        be what is missing, with the declared model or beside a data sheet's values: 0.62 and more where it is, 0.40 at most elsewhere. Halved, the
-        same; doubled, a bell crank is "nothing" and a coil that warms up a wrong mass.
+        refinements still; doubled, that one is, too. And the share of what stays that an inertia along the stroke, or beside the declared model a gain in bench time, takes, to
+        be what is missing: 0.62 and more where it is, 0.40 at most elsewhere. Halved, the
+        same; doubled, a bell crank is "nothing".
         And the share of what validation leaves that another law of its class takes, to stand in the place of one that validation carries: a weight took
         0.53 of what a spring leaves, no other formula more than 0.17. Halved, the same; doubled, the weight is a spring.
     whole: share of the drive's rms that may stay beyond what noise may leave, in every role, though nothing foretells it: a declared model that
@@ -64,7 +64,8 @@ class Criteria:
         And the memory of LuGre friction beside its peak in the place of dry friction, which is named after the peak: 0.006 and 0.017 of two
         axes, the same halved or doubled.
     left: share of the explainable power that may stay where the causes take less than `held` of the validation record, because
-        that record excites them little. Halved or doubled, one campaign in thirty changes.
+        that record excites them little. Halved or doubled, one campaign in thirty changes. And the share of what causes leave that a drive's gain
+        in bench time takes, whose mean they are: 0.39 and more. Of 816 axes, halved the same; doubled, four dressings of such a gain are causes.
     share: share of the residual's power that an effect must take away on held-out blocks. Halved, chance correlations with
         in-loop noise are tried more often (and refused later); doubled, second causes are lost.
     certain: standard errors over blocks by which that gain must differ from zero.

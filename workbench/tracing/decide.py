@@ -14,7 +14,7 @@
 | is what they take of a window of the stroke paid for with residual elsewhere? | unknown |
 | does a stiffness of the joint or an inertia that changes along the stroke, which no effect is, take `explainable` more of the drive than they do? | unknown |
 | has what takes most values that no machine has, or no formula, and leaves `beside` explainable? or is it a friction that drifts, and leaves `explainable` that bench time foretells? | unknown |
-| does an inertia, or a drive's constant, that changes along the stroke take `held` of what they leave, and `beside` of the drive; or, where all are data-sheet values or drifts, a drive's gain that changes in bench time? | unknown |
+| does an inertia, or a drive's constant, that changes along the stroke take `held` of what they leave, and `beside` of the drive? or does a drive's gain that changes in bench time, of which they are the mean (data-sheet values or drifts, or what takes half of it), take more than `left` of it? | unknown |
 | do the causes take `held` of the power in both roles (of validation alone where nothing is explainable), or one of the balance behind a joint in which it shows, beside a drive that keeps less than `unaccounted`, or of the identification power and of what is explainable, or leave little of that (and none of it where they leave more beyond noise than they take)? | cause |
 | is more than `explainable` of the drive predictable from outside the loop (where nothing was added but what declared laws are nearly right in, of what that leaves)? | unknown |
 | does an inertia that changes along the stroke, or a drive's gain that does in bench time, take `held` of what the declared model leaves, and `explainable` of the drive? | unknown |
@@ -30,7 +30,7 @@ from workbench.record import IDENTIFICATION, VALIDATION
 from workbench.residual.noise_floor import TOLD
 from workbench.tracing.answering import answers, little_left
 from workbench.tracing.criteria import Criteria
-from workbench.tracing.dressing import changes, dressed, largest, less_than_places
+from workbench.tracing.dressing import changes, doubtful, largest, of_a_change
 from workbench.tracing.evidence import CORRECTION, Evidence, Weighed
 
 CAUSE, NOTHING, UNKNOWN = "cause", "nothing_missing", "unknown"
@@ -69,8 +69,10 @@ def decide(evidence: Evidence, criteria: Criteria) -> Verdict:
         roles = _lesser(evidence, _but_near_laws(evidence, own, criteria), criteria)
     causes = [a for a, r in zip(evidence.added, roles, strict=True) if r == CAUSE]
     spread = evidence.traded or (evidence.place_instead and not little_left(evidence, criteria, criteria.left))
-    along = bool(causes) and less_than_places(evidence, causes, criteria)
-    if causes and (spread or along or dressed(evidence, causes, criteria) or not answers(evidence, causes, criteria)):
+    dressed = bool(causes) and of_a_change(evidence, causes, criteria)
+    if causes and (
+        spread or dressed or doubtful(evidence, causes, criteria) or not answers(evidence, causes, criteria)
+    ):
         roles = tuple(DRESSING if r == CAUSE else r for r in roles)
         causes = []
     if _lost_most(evidence, causes, criteria):
@@ -82,11 +84,11 @@ def decide(evidence: Evidence, criteria: Criteria) -> Verdict:
         ordered = sorted(causes, key=lambda a: a.order(criteria.practical), reverse=True)
         names = (*(("clock_skew",) if evidence.clock else ()), *(a.effect.partition(" ")[0] for a in ordered))
         return Verdict(CAUSE, roles, more, _alarms(evidence, roles), tuple(dict.fromkeys(names)))
-    # what only dresses a change along the stroke was borne out: something is there, though the reference may foretell none of it
+    # what only dresses a change along the stroke or in bench time was borne out: something is there, though the reference may foretell none of it
     # what a declared law is only nearly right in is no part of what is missing
     near = all(r == REFINEMENT and a.of_declared for a, r in zip(evidence.added, roles, strict=True))
     left = evidence.after if roles and near and not evidence.refused else evidence.before
-    missing = left.size >= criteria.explainable or along or changes(evidence, criteria)
+    missing = left.size >= criteria.explainable or dressed or changes(evidence, criteria)
     missing = missing or evidence.unaccounted >= criteria.whole or evidence.astray
     return Verdict(UNKNOWN if missing else NOTHING, roles, False, _alarms(evidence, roles))
 
