@@ -65,7 +65,7 @@ class Criteria:
         axes, the same halved or doubled.
     left: share of the explainable power that may stay where the causes take less than `held` of the validation record, because
         that record excites them little. Halved or doubled, one campaign in thirty changes. And the share of what causes leave that a drive's gain
-        in bench time takes, whose mean they are: 0.39 and more. Of 816 axes, halved the same; doubled, four dressings of such a gain are causes.
+        in bench time takes, whose mean they are: 0.39 and more. Of 816 axes, halved the same; doubled, three dressings of such a gain are causes.
     share: share of the residual's power that an effect must take away on held-out blocks. Halved, chance correlations with
         in-loop noise are tried more often (and refused later); doubled, second causes are lost.
     certain: standard errors over blocks by which that gain must differ from zero.
