@@ -408,6 +408,12 @@ CASES = {
             after=Explainable(level=0.0042),
         ), CAUSE, (CAUSE,),
     ),
+    "where nothing is explainable validation alone decides of what it chose": (
+        evidence(weighed("torque_constant_saturation", (0.06, 0.049), (0.11, 0.066), chosen=True), before=0.004), CAUSE, (CAUSE,),
+    ),
+    "not of what a declared friction is only nearly right in": (
+        evidence(weighed("nonlinear_viscous_friction", (0.0198, 0.0154), (0.017, 0.0105)), before=0.0088), NOTHING, (DRESSING,),
+    ),
     "one that leaves the level as it was only dresses": (
         replace(
             evidence(weighed("sensor_trend", (0.0382, 0.0277), (0.0175, 0.0170))), before=Explainable(level=0.0174),

@@ -42,7 +42,8 @@ def by_validation(choice: Choice) -> Choice:
     if best is None:
         return choice
     taken = choice.taking(*best)
-    return replace(taken, confirmed=replace(taken.confirmed, chosen=best[0].candidate.key))
+    weighed = tuple(replace(a, chosen=True) for a in taken.confirmed.weighed)
+    return replace(taken, confirmed=replace(taken.confirmed, chosen=best[0].candidate.key, weighed=weighed))
 
 
 def _carried(fits: Sequence[Fit], choice: Choice) -> bool:

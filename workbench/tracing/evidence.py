@@ -78,7 +78,7 @@ class Weighed:
     friction that is declared at its place, or that friction turning over a speed; in_motion: what of the drive it takes then where the balance of its body counts only while that
     moves; infinite where it was not asked. length: of such a memory, over a count of its body's encoder; infinite where that has none. foretold: what is explainable of what the larger ones leave, asked where it takes less than `held`
     of that (`further.foretold`); infinite where it was not asked. beside_others: what a correction takes beside all others, where any came after it
-    (`weighing`); infinite where it was not asked.
+    (`weighing`); infinite where it was not asked. chosen: whether no blocks of identification make it certain, and validation chose it (`by_validation`).
     """
 
     effect: str
@@ -101,6 +101,7 @@ class Weighed:
     outside_error: float = float("inf")
     foretold: float = float("inf")
     beside_others: float = float("inf")
+    chosen: bool = False
 
     @property
     def behind(self) -> bool:
