@@ -53,7 +53,9 @@ def _driven(inverse: InverseDynamics, drive: np.ndarray, of_load: np.ndarray) ->
     """Return the inverse dynamics over the same motion under another drive (n,). of_load: that of the load, (0 or 1, n)."""
     m = inverse.motion
     channel = "torque" if "torque" in m.record.channels else "force"
-    channels = {**m.record.channels, channel: drive, **dict(zip([LOAD_DRIVE], of_load, strict=False))}
+    channels = {**m.record.channels, channel: drive}
+    if len(of_load):
+        channels[LOAD_DRIVE] = of_load[0]
     record = replace(m.record, channels=channels)
     return InverseDynamics(replace(m, record=record, u=drive))
 

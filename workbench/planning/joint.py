@@ -7,6 +7,7 @@ damping, without which the steps grow where the motion is fast.
 
 from collections.abc import Callable
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 
@@ -20,7 +21,7 @@ FASTER = 0.7  # of what was left: a step that leaves more than this of it brings
 OPEN = 0.1  # of the load's torque, rms: where more is left, no deflection balances it
 NUDGE = 2.0  # counts by which the deflection is moved for its slope
 WIDER = 4.0  # by which a nudge grows that meets no resistance: it has to pass the gap that it is in
-WIDEST = 6  # times that it grows: what does not resist within eight thousand counts is no joint
+WIDEST = 6  # times that it grows: what does not resist within two thousand counts is no joint
 LEAST = 0.3  # of the median slope: inside lost motion there is none
 SHAKEN = 0.1  # of the evaluation bandwidth: the frequency at which the deflection is moved for its damping
 
@@ -67,7 +68,7 @@ def deflection(plant: Plant, make: Callable[[np.ndarray], InverseDynamics], coun
 
 def _stalled(sizes: list[float]) -> bool:
     """Whether the last step brought nothing, of those that balance, or the last two: the first may go too far, and the next come back."""
-    steps = [b > FASTER * a for a, b in zip(sizes, sizes[1:], strict=False)]
+    steps = [b > FASTER * a for a, b in pairwise(sizes)]
     return steps[-1:] == [True] and (sizes[-1] <= OPEN * sizes[0] or steps[-2:] == [True, True])
 
 

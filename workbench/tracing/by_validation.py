@@ -43,7 +43,7 @@ def by_validation(choice: Choice) -> Choice:
         return choice
     taken = choice.taking(*best)
     weighed = tuple(replace(a, chosen=True) for a in taken.confirmed.weighed)
-    return replace(taken, confirmed=replace(taken.confirmed, chosen=best[0].candidate.key, weighed=weighed))
+    return replace(taken, confirmed=replace(taken.confirmed, weighed=weighed))
 
 
 def _carried(fits: Sequence[Fit], choice: Choice) -> bool:

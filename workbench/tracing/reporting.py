@@ -141,7 +141,7 @@ def _said_of_each(o: Outcome, after: Fit, progress: Progress) -> tuple[list[Caus
             after,
             o.late.plant,
             provisional=j.candidate.key in o.selected.provisional,
-            chosen=o.confirmed.chosen == j.candidate.key,
+            chosen=w.chosen,
             also=_also(j.candidate, after, o),
         )
         for i, (j, w) in enumerate(o.standing)

@@ -39,14 +39,13 @@ ONE_CURVE = ("joint stiffness", "friction with memory")
 class Confirmed:
     """added: what whole records bear out. fits: of the declared plant and with one more of these each. levels: record -> rms
     that noise and counts alone would leave. weighed: what whole records say of each addition. given_up: what led, and gave way to one of
-    these. chosen: key of the one that no blocks make certain, and validation decided."""
+    these."""
 
     added: Sequence[ScoredCandidate]
     fits: Sequence[Fit]
     levels: Mapping[str, float]
     weighed: tuple[Weighed, ...]
     given_up: tuple[Weighed, ...] = ()
-    chosen: str = ""
 
 
 def confirm(
