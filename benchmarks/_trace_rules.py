@@ -93,7 +93,6 @@ RULES: dict[str, Callable] = {
     "further.foretold": _second,
     "in_turn.later": lambda added, verdict: [],
     "weighing.as_they_end": lambda added, *_: list(added),
-    "weighing.bends": _NO,
     "weighing._phased": _as_it_came,
     # the decision
     "unexplained.traded": _NONE,
@@ -105,11 +104,8 @@ RULES: dict[str, Callable] = {
     "decide._but_near_laws": _second,
     "decide._lost_most": _NO,
     "decide._lesser": _second,
-    "answering._level_gone": _NO,
-    "dressing._less_than_places": _NO,
+    "dressing.less_than_places": _NO,
     "dressing.changes": _NO,
-    "dressing.doubtful": _NO,
-    "dressing._of_what_changes": _NO,
 }
 
 

@@ -1,4 +1,4 @@
-"""Which additions only bend the law of a larger one, so that they are no further cause, and what additions come to beside each other."""
+"""What additions come to beside each other, and what of a noise floor stands."""
 
 from types import SimpleNamespace
 
@@ -14,50 +14,10 @@ from workbench.tracing import weighing
 from workbench.tracing.answer import Answer
 from workbench.tracing.candidates import ADDITION, CORRECTION, WHOLE, Candidate
 from workbench.tracing.criteria import Criteria
-from workbench.tracing.evidence import Weighed
 from workbench.tracing.judge import ScoredCandidate
 from workbench.tracing.selection import Selection
 from workbench.tracing.state import State
-from workbench.tracing.weighing import as_they_end, bends, refuted_by
-
-
-@pytest.mark.parametrize(
-    ("larger", "lesser", "kind", "same"),
-    [
-        (("actuator_lag", "command"), ("clock_skew", "sensor.position"), ONE_MASS, True),  # what is late is one thing
-        (("actuator_lag", "command"), ("clock_skew", "sensor.load_position"), TWO_MASS, False),
-        (("cubic_stiffness", "joint"), ("piecewise_stiffness", "joint"), TWO_MASS, True),
-        (("gravity", "axis"), ("cogging", "axis"), ONE_MASS, False),
-        (("presliding_hysteresis", "motor"), ("fading_memory", "load"), TWO_MASS, False),
-    ],
-)
-def test_of_one_curve_a_place_has_one_law(larger, lesser, kind, same):
-    sizes = ((0.3, 0.1), (0.1, 0.05))
-    pair = [
-        Weighed(effect, at, ADDITION, *({"identification": x, "validation": x} for x in size))
-        for (effect, at), size in zip((larger, lesser), sizes, strict=True)
-    ]
-    assert bends(pair[1], pair, kind) is same
-    assert not bends(pair[0], pair, kind)
-
-
-def test_a_corrected_value_bends_no_law():
-    errors = {"identification": 0.3, "validation": 0.3}, {"identification": 0.1, "validation": 0.1}
-    less = {"identification": 0.05, "validation": 0.05}
-    added = Weighed("presliding_hysteresis", "axis", ADDITION, *errors)
-    corrected = Weighed("presliding_hysteresis", "axis", CORRECTION, errors[1], less)
-    assert not bends(corrected, [added, corrected], ONE_MASS)
-
-
-@pytest.mark.parametrize(("other", "same"), [("coulomb_asymmetry", False), ("stribeck_friction", True)])
-def test_a_difference_between_the_directions_bends_no_law_that_is_the_same_in_both(other, same):
-    """A cable in its sheath drags with the root of speed, and more one way: the root's shape stood on its bound, and the asymmetry took more."""
-    errors = [{"identification": x, "validation": x} for x in (0.3, 0.1, 0.05)]
-    larger = Weighed(other, "axis", ADDITION, *errors[:2])
-    odd = Weighed(
-        "nonlinear_viscous_friction", "axis", ADDITION, *errors[1:], implausible="its shape stands on its bound"
-    )
-    assert bends(odd, [larger, odd], ONE_MASS) == same
+from workbench.tracing.weighing import as_they_end, refuted_by
 
 
 def test_a_data_sheets_value_is_weighed_beside_what_came_after_it():

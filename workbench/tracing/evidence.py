@@ -55,6 +55,11 @@ class Explainable:
         return max(self.sizes)
 
     @property
+    def most(self) -> float:
+        """The largest of these and of what changes though no effect does: an inertia along the stroke, a drive's gain in bench time."""
+        return max(self.size, self.inertia, self.gain)
+
+    @property
     def kind(self) -> str:
         """Which of them is the largest."""
         return max(KINDS, key=lambda n: getattr(self, n))
@@ -73,10 +78,8 @@ class Weighed:
     no machine's, "" where they may be. load_before, load_after: of two masses, error of the load's balance over the joint's torque;
     what acts behind the joint shows there, and need not show in the drive. outside, outside_error: its multiplier by what is outside
     the loop, and that one's standard error (`outside.multiplier`). power_up: whether its phase on validation is one of its
-    own, with which `after` is then. same_curve: whether a larger addition says the same curve (a joint has one of torque over
-    angle; a wave that no machine has beside a spring), so that this one only bends its law. of_declared: whether it is a memory of the dry
-    friction that is declared at its place, or that friction turning over a speed; in_motion: what of the drive it takes then where the balance of its body counts only while that
-    moves; infinite where it was not asked. length: of such a memory, over a count of its body's encoder; infinite where that has none. foretold: what is explainable of what the larger ones leave, asked where it takes less than `held`
+    own, with which `after` is then. of_declared: whether it is a memory of the dry
+    friction that is declared at its place, or that friction turning over a speed. foretold: what is explainable of what the larger ones leave, asked where it takes less than `held`
     of that (`further.foretold`); infinite where it was not asked. beside_others: what a correction takes beside all others, where any came after it
     (`weighing`); infinite where it was not asked. chosen: whether no blocks of identification make it certain, and validation chose it (`by_validation`).
     """
@@ -93,10 +96,7 @@ class Weighed:
     load_before: Mapping[str, float] = field(default_factory=dict)
     load_after: Mapping[str, float] = field(default_factory=dict)
     power_up: bool = False
-    same_curve: bool = False
     of_declared: bool = False
-    in_motion: float = float("inf")
-    length: float = float("inf")
     outside: float = float("nan")
     outside_error: float = float("inf")
     foretold: float = float("inf")
@@ -141,10 +141,6 @@ class Weighed:
     def in_drive(self, role: str) -> float:
         """Return what it takes away over the rms of the drive, wherever it shows most; 0 where the error grows."""
         return sqrt(max(self.before[role] ** 2 - self.after[role] ** 2, 0.0))
-
-    def of_drive(self, role: str) -> float:
-        """Return the share of the drive's residual power that it takes away, wherever it shows most."""
-        return self._share(self.before, self.after, role)
 
     def came_back(self, held: float, errors: float, near: float) -> bool:
         """Whether what is outside the loop bears out less than `held` of what it takes, by so many standard errors: noise that came back through

@@ -112,7 +112,7 @@ def part(p: InverseDynamics, residual: np.ndarray, ratio: float, *, stops: bool 
     turn = 2.0 * np.pi / max(ratio, 1e-12)
     features = [q, v, a, way, np.log(_travelled(q, way) + 1e-3 * np.ptp(q) + 1e-300), np.abs(v)]
     features += [np.roll(a, near), np.roll(a, -near), np.roll(v, far), np.mod(q, turn)]
-    moves = moving(m.v, m.dt, keep) if stops else np.ones(m.v.size, dtype=bool)
+    moves = _moving(m.v, m.dt, keep) if stops else np.ones(m.v.size, dtype=bool)
     if p.counts is not None:  # where the balance does not count nothing is left, and what is usual there is no measure
         moves &= p.counts[0]
     return Part(
@@ -137,7 +137,7 @@ def _travelled(q: np.ndarray, way: np.ndarray) -> np.ndarray:
     return distance - np.maximum.accumulate(mark)
 
 
-def moving(v: np.ndarray, dt: float, keep: slice) -> np.ndarray:
+def _moving(v: np.ndarray, dt: float, keep: slice) -> np.ndarray:
     """Return where (n,) the axis is neither at rest nor just turned: there friction is a matter of counts."""
     moves = np.abs(v) > STILL * np.sqrt(np.mean(v[keep] ** 2))
     turned = np.concatenate([[0], np.cumsum(np.diff(np.sign(v)) != 0)])

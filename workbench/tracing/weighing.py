@@ -4,20 +4,18 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from math import inf
 
-from workbench.definition import TWO_COUNTS, Effect, catalogue
+from workbench.definition import TWO_COUNTS
 from workbench.identification.by_record import held
 from workbench.identification.fit import identify
 from workbench.identification.result import Fit
-from workbench.inverse.bodies import CHANNEL
 from workbench.inverse.carrying import load_errors
 from workbench.inverse.dynamics import InverseDynamics
-from workbench.plant import ONE_MASS, TWO_MASS, Plant
-from workbench.record import IDENTIFICATION, ROLES, VALIDATION
+from workbench.plant import TWO_MASS, Plant
+from workbench.record import ROLES, VALIDATION
 from workbench.residual.noise_floor import fitted, noise_rms, refuted
 from workbench.tracing.criteria import Criteria
 from workbench.tracing.evidence import ADDITION, CORRECTION, FORMULA, FREE, Weighed
 from workbench.tracing.full_rate import nested_fits
-from workbench.tracing.in_motion import in_motion
 from workbench.tracing.judge import ScoredCandidate, freedom
 from workbench.tracing.near_law import NAME, gives_way
 from workbench.tracing.outside import multiplier
@@ -30,9 +28,6 @@ from workbench.tracing.selection import Selection, size
 from workbench.tracing.smooth_turn import turns
 from workbench.tracing.state import State
 from workbench.tracing.wording_search import nearly_right
-
-# families of which a place has one curve, whatever laws make it up
-ONE_CURVE = ("joint stiffness", "friction with memory")
 
 
 @dataclass(frozen=True, eq=False)
@@ -110,8 +105,6 @@ def weighed(
             tolerance=criteria.tolerance,
             law=FREE if j.candidate.stands else FORMULA,
             of_declared=own,
-            in_motion=in_motion(fits[i].plant, fits[i + 1].plant, inverses, j.candidate.at) if own else inf,
-            length=_counts_long(fits[i + 1].plant[key], inverses) if own and present else inf,
             implausible=implausible(last[key], last, declared, selected.declared.inverses) if present else "",
             load_before=load[i],
             load_after=load[i + 1],
@@ -119,7 +112,7 @@ def weighed(
             **_outside(fits[i].plant, fits[i + 1].plant, selected.declared.inverses),
         )
         found.append(_phased(w, fits[i + 1], key, inverses) if present else w)
-    return tuple(replace(w, same_curve=bends(w, found, declared.kind)) for w in found)
+    return tuple(found)
 
 
 def _beside_others(j: ScoredCandidate, selected: Selection) -> float:
@@ -128,32 +121,6 @@ def _beside_others(j: ScoredCandidate, selected: Selection) -> float:
     wrong, too."""
     less = selected.less(j)
     return inf if less is None else size(less, selected.answer.last)
-
-
-def _counts_long(effect: Effect, inverses: Sequence[InverseDynamics]) -> float:
-    """Return the length over which a friction gives way, over a count of its body's encoder; infinite where it has none, or none is known."""
-    count = max(p.bodies.counts(CHANNEL.get(effect.at, "position")) for p in inverses)
-    return effect.parameters["x0"].value / count if "x0" in effect.parameters and count > 0.0 else inf
-
-
-def bends(w: Weighed, found: Sequence[Weighed], kind: str) -> bool:
-    """Whether an addition only bends the law of a larger one: both are of a family of which a place has one curve, or it has values that
-    no machine has (a wave as long as the travel, beside a hose that pulls not quite as a spring does). Of one mass what is late is one
-    thing, wherever: an actuator of two time constants is no lag beside a late encoder. A difference between the directions bends no law that
-    is the same in both. kind: of the plant."""
-
-    def law(x: Weighed) -> tuple[str, bool]:
-        effect = catalogue()[x.effect.partition(" ")[0]]
-        return (effect.family, "even" in effect.holds) if x.kind == ADDITION else ("", False)
-
-    own, _ = law(w)
-    anywhere = kind == ONE_MASS and own == "time"
-    larger = (
-        x
-        for x in found
-        if x is not w and (anywhere or x.at == w.at) and x.size(IDENTIFICATION) >= w.size(IDENTIFICATION)
-    )
-    return bool(anywhere or own in ONE_CURVE or w.implausible) and any(law(x) == law(w) for x in larger)
 
 
 def _outside(before: Plant, after: Plant, inverses: Sequence[InverseDynamics]) -> dict[str, float]:
