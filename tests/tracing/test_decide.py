@@ -382,6 +382,12 @@ CASES = {
         replace(evidence(weighed("gravity", (0.7662, 0.2481), (0.8811, 0.3283)), weighed("cyclic_friction", (0.2481, 0.2408), (0.3283, 0.3267))),
             before=Explainable(), after=Explainable(time=0.0181)), CAUSE, (CAUSE, REFINEMENT),
     ),
+    "a large cogging that is right leaves a hundredth of what could be explained to the friction that turns over a little speed": (
+        evidence(weighed("cogging", (0.1678, 0.0859), (0.1678, 0.0859)), before=0.1381, after=0.0151), CAUSE, (CAUSE,),
+    ),
+    "what takes a tenth of the residual and hardly anything of what could be explained is no answer": (
+        evidence(weighed("cogging", (0.05, 0.0475), (0.05, 0.0475)), before=0.0108, after=0.0095), UNKNOWN, (DRESSING,),
+    ),
     "what a gain that changes leaves beside half of it is no cause": (
         replace(evidence(weighed("cogging", (0.0937, 0.0482), (0.0974, 0.0469)), before=0.0105), after=Explainable(gain=0.0446)), UNKNOWN,
         (DRESSING,),

@@ -1,11 +1,12 @@
 """What the verdict's sentence says."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import pytest
 
 from workbench.tracing.criteria import Criteria
-from workbench.tracing.decide import CAUSE, NOT_BORNE_OUT, NOTHING, REFINEMENT, UNKNOWN, Verdict
+from workbench.tracing.decide import CAUSE, DRESSING, NOT_BORNE_OUT, NOTHING, REFINEMENT, UNKNOWN, Verdict, decide
 from workbench.tracing.evidence import ADDITION, Evidence, Explainable, Weighed
 from workbench.tracing.headline import verdict_sentence
 from workbench.tracing.reporting import Outcome
@@ -93,3 +94,20 @@ def test_what_bears_a_cause_s_name_and_is_not_borne_out_is_said_to_be_a_second_o
     verdict = Verdict(CAUSE, (CAUSE, NOT_BORNE_OUT), added=("cable_spring",))
     (found,) = findings_of(verdict, evidence, (), None, Criteria())
     assert found.sentence.startswith(f"{begins} explains 0 %")
+
+
+def test_what_leaves_much_is_said_to_be_no_cause_for_what_stays_and_not_for_a_place():
+    """A weight that slides on its rod: one that dresses it takes three quarters of validation, and lives nowhere in particular."""
+    before, after = (dict.fromkeys(("identification", "validation"), x) for x in (0.06, 0.03))
+    dresses = Weighed("cogging", "axis", ADDITION, before, after)
+    evidence = Evidence(
+        before, dict.fromkeys(before, 1e-3), Explainable(time=0.0504), Explainable(time=0.0132), (dresses,)
+    )
+    verdict = decide(evidence, Criteria())
+    (found,) = findings_of(verdict, evidence, (), None, Criteria())
+    assert (
+        verdict.roles == (DRESSING,)
+        and "explains 75 % of what validation leaves: 1.3 % of the drive's rms stays" in found.sentence
+    )
+    (there,) = findings_of(verdict, replace(evidence, after=Explainable(), place_instead=True), (), None, Criteria())
+    assert "what lives in one place" in there.sentence

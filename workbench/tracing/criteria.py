@@ -23,7 +23,7 @@ class Criteria:
         draws two take less. Of 816 campaigns and axes, halved, fifteen effects that nobody put there are causes; doubled, fourteen right ones are refinements.
     explainable: share of the drive's rms, predictable from outside the loop, from which something is missing. Complete models
         left up to 0.44 %, unknown causes 1.4 % and more. And the share that may stay so beside causes that take less than `near` of the residual: of 816
-        campaigns and axes 25 dressings of what no effect is left 1.1 % and more and took 0.74 of both roles at most. Halved, four of the complete models lack something,
+        campaigns and axes 25 dressings of what no effect is left 1.1 % and more and took 0.74 of one of the roles at most. Halved, four of the complete models lack something,
         and one friction that builds up at rest is no drift any more; doubled, three dressings are causes and three weak unknown ones "nothing is missing".
         Also what an effect with values that no machine has (a wave as long as the travel) takes away at least, to be a
         cause nevertheless; and what is left at least, beside what was found, for spellings of every law to be asked: halved or doubled

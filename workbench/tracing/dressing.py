@@ -1,4 +1,4 @@
-"""Whether causes only dress what no effect of the catalogue is: what changes along the stroke or in bench time, and what no machine has."""
+"""Whether something changes along the stroke or in bench time that no effect of the catalogue is, and causes only dress it."""
 
 from workbench.record import IDENTIFICATION
 from workbench.tracing.criteria import Criteria

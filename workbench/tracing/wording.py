@@ -9,10 +9,11 @@ from workbench.identification.by_record import held
 from workbench.identification.result import Fit
 from workbench.plant import Plant
 from workbench.record import IDENTIFICATION, VALIDATION
+from workbench.tracing.answering import much_stays
 from workbench.tracing.calibration import Calibration
 from workbench.tracing.criteria import Criteria
 from workbench.tracing.decide import CAUSE, DRESSING, NOT_BORNE_OUT, Verdict
-from workbench.tracing.evidence import ADDITION, CORRECTION, FORMULA, Evidence, Explainable, Weighed
+from workbench.tracing.evidence import ADDITION, CORRECTION, Evidence, Weighed
 from workbench.tracing.headline import FROM
 from workbench.tracing.judge import ScoredCandidate
 from workbench.tracing.result import CandidateScore, Cause, Refinement, physical_cause
@@ -127,8 +128,7 @@ def findings_of(verdict: Verdict, evidence: Evidence, causes: Sequence[Cause], p
     weighed = [*zip(evidence.added, verdict.roles, strict=True)]
     stands = {(a.effect, a.at) for a, role in weighed if role == CAUSE}
     for a, role in (*refused, *weighed):
-        along = max(evidence.before.joint, evidence.before.inertia)
-        yield from _of_addition(a, role, along, evidence.after, criteria, again=(a.effect, a.at) in stands)
+        yield from _of_addition(a, role, evidence, criteria, again=(a.effect, a.at) in stands)
     if verdict.something_else:
         yield Finding(
             SOMETHING_ELSE, evidence.after.kind,
@@ -151,9 +151,8 @@ def gave_way(w: Weighed) -> Finding:
     )  # fmt: skip
 
 
-def _of_addition(a: Weighed, role: str, along: float, stays: Explainable, criteria: Criteria, *, again: bool):
-    """Yield a finding of an addition that stands as no cause. along: share of the drive that what changes along the stroke would take. stays:
-    what is explainable of what the additions leave. again: whether a cause bears its name, and it was one more of its class."""
+def _of_addition(a: Weighed, role: str, evidence: Evidence, criteria: Criteria, *, again: bool):
+    """Yield a finding of an addition that stands as no cause. again: whether a cause bears its name, and it was one more of its class."""
     name = f"{capital(f'a second {title(a.effect)}' if again else title(a.effect))} at the {place(a.at)}"
     if role == NOT_BORNE_OUT:
         why = f"on validation it explains {100 * max(a.share(VALIDATION), 0.0):.0f} %"
@@ -172,13 +171,14 @@ def _of_addition(a: Weighed, role: str, along: float, stays: Explainable, criter
     elif role == DRESSING:
         yield Finding(
             DRESSING, a.effect,
-            f"{name} was tried and explains {100 * max(a.share(VALIDATION), 0.0):.0f} % of what validation leaves: {_why_not(a, along, stays, criteria)}.",
+            f"{name} was tried and explains {100 * max(a.share(VALIDATION), 0.0):.0f} % of what validation leaves: {_why_not(a, evidence, criteria)}.",
             {"identification": a.share(IDENTIFICATION), "validation": a.share(VALIDATION)},
         )  # fmt: skip
 
 
-def _why_not(a: Weighed, along: float, stays: Explainable, criteria: Criteria) -> str:
+def _why_not(a: Weighed, evidence: Evidence, criteria: Criteria) -> str:
     """Return why an addition that takes something is no cause, as a clause."""
+    along, stays = max(evidence.before.joint, evidence.before.inertia), evidence.after
     if along > a.size(IDENTIFICATION):
         return (
             f"it takes {100 * a.size(IDENTIFICATION):.1f} % of the drive on identification where what changes along the stroke would take "
@@ -191,10 +191,10 @@ def _why_not(a: Weighed, along: float, stays: Explainable, criteria: Criteria) -
             f"of what it leaves, a drive whose gain changes slowly in bench time would take {100 * stays.gain:.1f} % of the drive's rms, and the "
             "mean of such a gain is a value that was declared wrong"
         )
-    if a.law != FORMULA and stays.size >= criteria.beside:
+    if much_stays(evidence, criteria):
         return (
-            f"any law of its class is in its curve, and {100 * stays.size:.1f} % of the drive's rms stays predictable beside it, so that it only "
-            "dresses what is of none"
+            f"{100 * stays.most:.1f} % of the drive's rms stays to be explained beside what was added, and causes that leave so much would have "
+            f"taken {100 * criteria.near:.0f} % of the residual in both roles"
         )
     if a.implausible:
         return f"but {a.implausible}, as no machine's would"
