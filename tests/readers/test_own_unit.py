@@ -61,6 +61,37 @@ def refused(folder, toml: str) -> str:
     return str(caught.value)
 
 
+@pytest.mark.parametrize("unit", ["A", "%", "1"])
+def test_a_drive_of_a_slide_in_its_own_unit_is_a_force_though_it_is_called_a_torque(tmp_path, unit):
+    """An injection unit's screw, its drive in per cent of what is rated: the position's millimetres say that nothing turns."""
+    slide = (
+        TOML.replace('"deg"', '"mm"')
+        .replace('"1/rad"', '"1/mm"')
+        .replace("A*s^2/rad", "A*s^2/mm")
+        .replace('"mA"', '"A"')
+    )
+    if unit == "1":
+        slide = slide.replace('"A*s^2/mm"', '"s^2/mm"')
+    found = load(put(tmp_path, slide.replace('"A', f'"{unit}')))
+    assert not found.plant.rotary and found.plant["inertia@axis"].parameters["inertia"].value == pytest.approx(600.0)
+    assert found.records[0].channels["force"][100] == pytest.approx(np.sin(0.9), abs=1e-6)
+    (said,) = [f for f in found.findings if f.kind == OTHER_UNIT]
+    assert (
+        f"1 {'of it' if unit == '1' else unit} stands for 1 N " in f"{said.sentence} "
+        and "channels.force.scale" in said.remedy
+    )
+
+
+def test_a_torque_of_a_slide_is_refused_still(tmp_path):
+    slide = (
+        TOML.replace('unit = "deg"', 'unit = "mm"')
+        .replace('unit = "A"', 'unit = "N*m"')
+        .replace("A*s^2/rad", "kg*m^2")
+        .replace('"mA"', '"mN*m"')
+    )
+    assert "an angle is needed" in refused(tmp_path, slide)
+
+
 @pytest.mark.parametrize("unit", ["A", "mA", "V"])
 def test_a_model_in_the_drives_own_unit_is_read_one_for_one_and_said_to_be(tmp_path, unit):
     own = TOML.replace('"mA"', '"A"').replace('"A', f'"{unit}')

@@ -2,7 +2,8 @@
 
 Where nobody knows the torque constant, or it does not matter, that is what an engineer has. One ampere then stands for one N*m: on the way
 in it is written so in every quantity that holds it, and a finding says so. So does a count of a PWM, or a number without any unit ("1"):
-of that it is the effect's parameter that says what holds a torque.
+of that it is the effect's parameter that says what holds a torque. An ampere is as much a force's as a torque's: where the position is a
+length, a drive that is called a torque is the force of a slide.
 """
 
 import re
@@ -14,7 +15,7 @@ from workbench.definition import catalogue
 from workbench.errors import WorkbenchError
 from workbench.finding import OTHER_UNIT, Finding
 from workbench.readers.declaration import Table
-from workbench.units import holds_mass
+from workbench.units import holds_mass, to_si
 from workbench.units.registry import tidy
 
 NONE = "1"  # a number without unit, as of a PWM's register
@@ -42,6 +43,9 @@ def in_effort(top: Table) -> tuple[Table, tuple[Finding, ...]]:
     told = [q for key in ("actuator_limit", "effects", "records") for q in _quantities(values.get(key), key)]
     if not any(_holds(q["unit"], row) for path, q in told if path.startswith("effect ")):
         return top, ()
+    if drive == "torque" and _straight(values["channels"]):
+        drive = "force"
+        values["channels"] = {drive if name == "torque" else name: one for name, one in values["channels"].items()}
     efforts = EFFORT[drive]
     effort, first = efforts[1], 1 - row.index(own)
     scale = effort if bare else f"{effort}/{unit}"
@@ -113,6 +117,18 @@ def _own(channels: object) -> tuple[str, str]:
         if isinstance(one, dict) and "scale" not in one and isinstance(one.get("unit"), str):
             return name, one["unit"]
     return "", ""
+
+
+def _straight(channels: dict) -> bool:
+    """Return whether the position is a length, by its unit; of one with a scale that says nothing."""
+    one = channels.get("position")
+    if not isinstance(one, dict) or "scale" in one or not isinstance(one.get("unit"), str):
+        return False
+    try:
+        to_si(1.0, one["unit"], "m", "")
+    except WorkbenchError:
+        return False
+    return True
 
 
 def _holds(unit: str, names: tuple[str, ...]) -> bool:
