@@ -369,16 +369,15 @@ CASES = {
     "what is paid for with residual outside a window of the stroke": (
         evidence(weighed(), before=0.07, after=0.03, traded=True), UNKNOWN, (DRESSING,),
     ),
-    "what leaves a hundredth of the drive that is foretold, and takes less than four fifths in one role, dresses it: a weight that slides on its rod": (
-        replace(evidence(weighed("cyclic_friction", (0.061, 0.0493), (0.0643, 0.0606)),
-            weighed("load_dependent_friction", (0.0493, 0.0454), (0.0606, 0.0477)), weighed("cogging", (0.0454, 0.0213), (0.0477, 0.0343))),
-            before=Explainable(time=0.0504), after=Explainable(time=0.0132)), UNKNOWN, (DRESSING, DRESSING, DRESSING),
+    "three effects that leave a hundredth are causes, though they take three quarters: a screw's friction, measured (EMPS)": (
+        evidence(weighed("viscous_asymmetry", (0.0393, 0.0292), (0.0563, 0.0496)), weighed("actuator_lag", (0.0292, 0.0275), (0.0496, 0.0396)),
+            weighed("film_friction", (0.0275, 0.0195), (0.0396, 0.0272)), before=0.0341, after=0.0139), CAUSE, (CAUSE, CAUSE, CAUSE),
     ),
     "a rail of two joints is no weight beside a friction over place": (
         evidence(weighed("cyclic_friction", (0.2298, 0.1941), (0.147, 0.1042)), weighed("gravity", (0.1941, 0.1192), (0.1042, 0.0574)),
             before=0.1845, after=0.0598), UNKNOWN, (DRESSING, DRESSING),
     ),
-    "what takes nearly all in both roles is a cause, though two hundredths of the drive stay: a servo's weight": (
+    "what takes nearly all in both roles is a cause, though nearly two hundredths of the drive stay: a servo's weight": (
         replace(evidence(weighed("gravity", (0.7662, 0.2481), (0.8811, 0.3283)), weighed("cyclic_friction", (0.2481, 0.2408), (0.3283, 0.3267))),
             before=Explainable(), after=Explainable(time=0.0181)), CAUSE, (CAUSE, REFINEMENT),
     ),
@@ -387,6 +386,9 @@ CASES = {
     ),
     "what takes a tenth of the residual and hardly anything of what could be explained is no answer": (
         evidence(weighed("cogging", (0.05, 0.0475), (0.05, 0.0475)), before=0.0108, after=0.0095), UNKNOWN, (DRESSING,),
+    ),
+    "and though more stays: an actuator's gap (BRFD)": (
+        evidence(weighed("backlash", (0.7038, 0.1061), (0.7485, 0.1419)), before=0.3649, after=0.0484), CAUSE, (CAUSE,),
     ),
     "what a gain that changes leaves beside half of it is no cause": (
         replace(evidence(weighed("cogging", (0.0937, 0.0482), (0.0974, 0.0469)), before=0.0105), after=Explainable(gain=0.0446)), UNKNOWN,

@@ -13,8 +13,8 @@
 | a further one that takes `held` of what the larger ones leave in neither role, of which less than `explainable` is foretold? | refinement |
 | does one place of the records say more than the causes do, or do they pay for a window of the stroke with residual elsewhere? | unknown |
 | does a stiffness of the joint or an inertia that changes along the stroke, which no effect is, take `explainable` more of the drive than they do? | unknown |
-| do the causes take `held` of the residual's power in both roles (of validation alone where nothing is explainable and that chose them), and `near` of it where `explainable` stays beside them? | cause |
-| or, of a model that keeps less than `unaccounted` beyond noise, `held` of what was explainable, of a load's balance, or of identification where nothing was explainable? | cause |
+| do the causes take `held` of the residual's power in both roles (of validation alone where nothing is explainable and that chose them), and `near` of it where `beside` stays explainable with them? | cause |
+| or, of a model that keeps less than `unaccounted` beyond noise, `held` of a load's balance, or of identification where nothing was explainable, or leave less than `explainable` of what was, and at most half? | cause |
 | is more than `explainable` of the drive predictable from outside the loop (beside what declared laws are nearly right in, and beside causes that are no answer)? | unknown |
 | does an inertia that changes along the stroke, or a drive's gain that does in bench time, take `held` of what the declared model leaves, and `explainable` of the drive? | unknown |
 | does more than `whole` of the drive stay beyond what noise may leave, in every role? | unknown |
