@@ -13,6 +13,7 @@ from workbench.finding import SAMPLING_RATE, Finding
 from workbench.plant import KINDS, TWO_MASS, Plant
 from workbench.readers import declaration
 from workbench.readers.channels import assumptions, channels
+from workbench.readers.of_stroke import in_length
 from workbench.readers.own_unit import in_effort, in_own_words
 from workbench.readers.plant import declared_plant
 from workbench.readers.records import records
@@ -61,6 +62,7 @@ def load(folder: Path | str, *, resample: bool = False) -> Campaign:
         ("title", "plant", "evaluation_bandwidth", "channels", "records"),
         ("actuator_limit", "speed_limit", "geometry", "initial_condition", "effects", "resample", "tolerance"),
     )
+    top, placed = in_length(top)
     top, told = in_effort(top)
     notes = {"initial_condition": top.text("initial_condition")}
     kind = top.choice("plant", KINDS, "plant")
@@ -87,7 +89,7 @@ def load(folder: Path | str, *, resample: bool = False) -> Campaign:
         plant,
         frozen,
         bandwidth,
-        (*told, *assumed, *findings),
+        (*placed, *told, *assumed, *findings),
         {k: n for k, n in notes.items() if n},
         tolerance,
     )
