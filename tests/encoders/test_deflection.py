@@ -1,5 +1,7 @@
 """Two encoders as an angle measurement: lateness of one, zeros, compliance, and what may pass for lateness."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from conftest import measured
@@ -51,6 +53,19 @@ def test_dry_friction_that_nobody_declared_hides_no_lateness():
     assert found.channel == "load_position" and found.seconds.low < 3e-3 < found.seconds.high
     on_time = [joint(1, coulomb=6000.0), joint(2, coulomb=6000.0, zero=1e-3)]
     assert late_clock(raw(on_time, BAND), jointed()) is None
+
+
+def test_a_drive_that_tells_no_inertia_leaves_the_declared_one_to_the_angle():
+    """A balancer that nobody declared: by the drive's balance alone the bodies have less than no inertia, as a slow robot's have."""
+
+    def balanced(record):
+        u = record.channels["torque"] + 1e4 * record.channels["position"]
+        return replace(record, channels={**record.channels, "torque": u})
+
+    late = [balanced(joint(k, late=3e-3)) for k in (1, 2)]
+    found = late_clock(raw(late, BAND), jointed())
+    assert found.channel == "load_position" and found.seconds.low < 3e-3 < found.seconds.high
+    assert late_clock(raw([balanced(joint(k)) for k in (1, 2)], BAND), jointed()) is None
 
 
 def test_a_clock_that_gains_is_told_from_one_that_is_late():
@@ -136,3 +151,17 @@ def test_the_link_encoder_of_a_robot_is_stamped_three_milliseconds_late(name):
     if "axis1" in name:
         degrees = [np.rad2deg(found.zeros[f"axis1_{r}"].value) for r in "ABC"]
         assert degrees == pytest.approx([0.081, 0.085, -0.059], abs=0.005)
+
+
+@pytest.mark.parametrize("half", [slice(0, 1250), slice(1250, None)], ids=["first", "second"])
+def test_five_seconds_of_a_slow_robot_say_it_too(half):
+    """The drive's balance alone gives its bodies -3500 and -300 kg*m^2 there."""
+    campaign = load(measured("measured", "kr300_axis3"))
+
+    def part(record):
+        return replace(record, time=record.time[half], channels={n: x[half] for n, x in record.channels.items()})
+
+    records = [part(r) for r in campaign.records if r.role == "identification"]
+    found = late_clock(raw(records, campaign.bandwidth), campaign.plant)
+    assert found.channel == "load_position" and found.seconds.low < 2.82e-3 < found.seconds.high
+    assert found.seconds.value == pytest.approx(2.82e-3, rel=0.1)

@@ -108,12 +108,17 @@ def _stacked(records: Sequence[Angle], rows: Sequence[Sequence[np.ndarray]]) -> 
     return np.concatenate(tables)
 
 
-def _drive_of(records: Sequence[Angle], late: float = 0.0) -> Drive:
-    """Return the drive's balance. late: s by which the drive is later than the encoders."""
+def _drive_of(records: Sequence[Angle], declared: float, late: float = 0.0) -> Drive:
+    """Return the drive's balance. declared: inertia of both bodies, which stands where the balance tells none (a slow motion's comes out below
+    zero; a viscous friction below zero beside it is none). late: s by which the drive is later than the encoders."""
     columns = _stacked(records, [(*a.momentum, *a.forces.T) for a in records])
     drives = [shifted(a.drive, -late, a.dt) if late else a.drive for a in records]
     y = np.concatenate(drives)
-    w = Blocks(columns, y, [slice(0, y.size)]).solved()
+    balance = Blocks(columns, y, [slice(0, y.size)])
+    if (w := balance.solved())[0] <= 0.0:
+        w = balance.solved(held={0: declared})
+        if w[1] < 0.0:
+            w = balance.solved(held={0: declared, 1: 0.0})
     forces = w[3 : 3 + records[0].forces.shape[1]]
     left = np.split(y - columns @ w, np.cumsum([a.apart.size for a in records])[:-1])
     lost = [w[1] * a.speed + a.forces[:, a.dissipative] @ forces[a.dissipative] for a in records]
@@ -129,13 +134,13 @@ def _loops(records: Sequence[Angle], torque: Sequence[np.ndarray]) -> list[list[
 def _deflection(
     records: Sequence[Angle], bodies: Ends, undone: float = 0.0, restarted: bool = False
 ) -> Deflection | None:
-    """Return what the angles of records tell; None where there are none, or the drive feels no inertia.
+    """Return what the angles of records tell; None where there are none, or no inertia is declared behind the joint.
 
     undone: s of the load's lateness that the angles are without. restarted: whether a clock that gains is set anew where each record begins. Intervals are by the jackknife over blocks of the records.
     """
-    drive = _drive_of(records) if records else None
-    if drive is None or drive.inertia <= 0.0 or bodies.inertia[1] <= 0.0:
+    if not records or bodies.inertia[1] <= 0.0:
         return None
+    drive = _drive_of(records, sum(bodies.inertia))
     rates = bodies.rates(drive.inertia, drive.viscous)
     parts, of = _parted(records)
     y = np.concatenate([a.apart for a in records])
@@ -156,10 +161,13 @@ def _deflection(
         )
 
     plain, full, static = of_columns(common, more), of_columns(common, more, looped), of_columns(common, passed)
-    return replace(_told(records, drive, rates, of, (plain, full, static), middle, undone, since), restarted=restarted)
+    told = _told(records, drive, rates, of, (plain, full, static), middle, undone, since, sum(bodies.inertia))
+    return replace(told, restarted=restarted)
 
 
-def _told(records, drive: Drive, rates: Rates, of: np.ndarray, fits, middle: float, undone: float, since) -> Deflection:
+def _told(
+    records, drive: Drive, rates: Rates, of: np.ndarray, fits, middle: float, undone: float, since, declared: float
+) -> Deflection:
     plain, full, static = fits
     (inertial,) = _measured(plain, slice(2, 3))
     (compliance,) = _measured(static, slice(3, 4), {2: 0.0})
@@ -185,7 +193,7 @@ def _told(records, drive: Drive, rates: Rates, of: np.ndarray, fits, middle: flo
         dict(zip(names, _measured(plain, slice(-len(names), None)), strict=True)),
         inertial, compliance, friction, 1.0 - squares / max(without, 1e-300), left, left / count if count else float("nan"),
         wound / max(_rms([a.drive for a in records]), 1e-300),
-        _drive_of(records, late.value).error / max(drive.error, 1e-300),
+        _drive_of(records, declared, late.value).error / max(drive.error, 1e-300),
     )  # fmt: skip
 
 
