@@ -4,7 +4,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from conftest import measured
 
+from workbench.campaign import load
 from workbench.definition import find
 from workbench.identification.fit import identify
 from workbench.inverse.dynamics import inverse_dynamics
@@ -13,7 +15,8 @@ from workbench.plant import ONE_MASS, Plant
 from workbench.record import IDENTIFICATION, VALIDATION, Record
 from workbench.tracing import preparing
 from workbench.tracing import sticking as sticking_module
-from workbench.tracing.sticking import sticking
+from workbench.tracing.of_campaign import trace_campaign
+from workbench.tracing.sticking import holds_a_load, sticking
 from workbench.tracing.tracing import trace
 
 DT, BAND, COUNT = 2e-3, 50.0, 1e-6
@@ -113,6 +116,25 @@ def pulled(record: Record, stiffness: float) -> Record:
         {**record.channels, "force": drive},
         resolution=record.resolution,
     )
+
+
+@pytest.mark.parametrize("stop", [0.15, 0.2])
+def test_what_a_load_holds_at_rest_is_no_frictions(stop):
+    """An axis that stands most of its time between two stops, with a spring that nobody declared, and without: friction then holds there, always
+    the same way, what a spring would, and in motion it does not."""
+    stuck = [recorded(n, r, p, stop=stop) for n, r, p in (("a", IDENTIFICATION, 0.6), ("b", VALIDATION, 0.8))]
+    assert not holds_a_load(declared(), inverse_dynamics(stuck, BAND))
+    assert holds_a_load(declared(), inverse_dynamics([pulled(r, 3000.0) for r in stuck], BAND))
+
+
+@pytest.mark.parametrize("bandwidth", [7.0, 9.0])
+def test_a_servo_that_stands_most_of_the_time_shows_the_arm_that_it_holds(bandwidth):
+    """Where it moves alone, in 15 % of its samples, a weight and a spring are one."""
+    campaign = load(measured("measured", "xl330"))
+    found = trace_campaign(replace(campaign, bandwidth=bandwidth))
+    assert [c.effect for c in found.causes] == ["gravity"]
+    mgl = next(p.value for p in found.causes[0].parameters if p.parameter == "mgl")
+    assert 0.45 < mgl < 0.49
 
 
 def test_what_is_missing_may_hide_that_an_axis_sticks_and_a_search_begins_anew_beside_it():

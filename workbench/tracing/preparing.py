@@ -22,7 +22,7 @@ from workbench.tracing.mending import Mended, mended
 from workbench.tracing.skew import Skew, skew_of
 from workbench.tracing.slow_log import SlowLog, slow_log
 from workbench.tracing.smooth_turn import SmoothTurn, smooth_turn
-from workbench.tracing.sticking import Sticking, sticking
+from workbench.tracing.sticking import Sticking, holds_a_load, sticking
 
 Only = Collection[str] | None
 
@@ -54,6 +54,11 @@ class Declared:
     def whole(self) -> Sequence[InverseDynamics]:
         """The identification records."""
         return fitted_on(self.begun or self.inverses)
+
+    @cached_property
+    def holds_a_load(self) -> bool:
+        """Whether rest, which is most of what the declared model leaves, tells of a load."""
+        return holds_a_load(self.plant, self.inverses)
 
     @cached_property
     def decimated(self) -> Sequence[InverseDynamics]:
@@ -93,7 +98,7 @@ class Rest:
     def _without(self, found: Plant) -> Declared | None:
         d = self.declared
         sticks = None if d.sticks else sticking(found, d.inverses)
-        if sticks is None:
+        if sticks is None or d.holds_a_load:
             return None
         before = identify(d.declared, sticks.inverses) if d.before else None
         fit, started = _fit(d.plant, sticks.inverses)
@@ -113,7 +118,7 @@ def _turn_between(d: Declared, only: Only, criteria: Criteria) -> Declared:
 
 def _leave_rest_out(d: Declared, only: Only, criteria: Criteria) -> Declared:
     sticks = sticking(d.plant, d.inverses)
-    return replace(d, inverses=sticks.inverses, sticks=sticks) if sticks else d
+    return replace(d, inverses=sticks.inverses, sticks=sticks) if sticks and not d.holds_a_load else d
 
 
 def _hold_late_clock(d: Declared, only: Only, criteria: Criteria) -> Declared:
