@@ -15,7 +15,7 @@ class Parameter:
     value: SI. unit: a template in which F stands for the effort (N*m or N) and x for the displacement (rad or m).
     lower, upper: physical bounds, inclusive. fixed: known, not fitted (a fixed value can still be wrong).
     scale: how data gives a start for a shape parameter: "" (none needed: linear), "speed", "stroke", "place", "load", "time",
-    "drift", "rate", "resonance", "settling", "order", "exponent", "number"; starts are derived from the records by that word.
+    "drift", "rate", "resonance", "settling", "order", "exponent", "number"; "begin" of one held where the first record begins; starts are derived from the records by that word.
     """
 
     value: float

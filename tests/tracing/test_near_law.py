@@ -130,6 +130,23 @@ def test_a_drift_that_settles_is_found_with_its_rate():
     assert told["settling"] == pytest.approx(0.05, rel=0.1) and told["rate"] == pytest.approx(0.01, rel=0.1)
 
 
+@pytest.mark.parametrize("begun", [5000.0, 1.7e9])
+def test_a_drift_is_found_on_a_bench_clock_that_does_not_begin_at_zero(begun):
+    """Of a clock that stands at an hour, or at the seconds since 1970, exp(-t/20 s) is nothing: an antenna whose grease warms up was "unknown"."""
+    rng = np.random.default_rng(4)
+
+    def warms(t, q, way):
+        return (0.3 - 0.1 * (1.0 - np.exp(-(t - begun) / 20.0))) * way + 0.003 * rng.normal(size=t.size)
+
+    seen = [p for s in (0.0, 15.0, 40.0) for p in inverses(warms, begun + s)]
+    found = trace(PLANT, seen, only={"friction_drift", "stribeck_friction", "sensor_trend"})
+    (cause,) = found.causes
+    values = {e.parameter: e.value for e in cause.parameters}
+    assert (found.verdict, cause.effect) == ("cause", "friction_drift")
+    assert values["settling"] == pytest.approx(0.05, rel=0.1) and values["rate"] == pytest.approx(-0.005, rel=0.1)
+    assert found.extended.plant["friction_drift@axis"].parameters["since"].value == begun
+
+
 def test_a_data_sheet_value_is_searched_within_its_tolerance_and_offered_beyond_it():
     sheet = PLANT.swap(find("inertia")(inertia=0.0099, fixed=True))
     loose, told = within_tolerance(sheet, 0.01)

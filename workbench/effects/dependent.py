@@ -5,7 +5,7 @@ from types import MappingProxyType
 
 from workbench.definition import FORCE, Effect, effect
 from workbench.effects.elementary import absolute, exp, expm1, where
-from workbench.effects.settling import going_over, gone_over
+from workbench.effects.settling import SINCE, counted, going_over, gone_over
 from workbench.parameter import ROOM, Parameter
 
 BEND = 1e-4  # 1/K: over 100 K half a per cent from a straight line
@@ -76,22 +76,22 @@ def _rubbing(more: Mapping[str, Parameter] = MappingProxyType({}), **own) -> Eff
 
 @effect
 def friction_drift() -> Effect:
-    """T = r (1 - exp(-e t))/e dir: Coulomb friction that goes over to another level, t on the bench clock that runs on from
+    """T = r (1 - exp(-e (t - t0)))/e dir: Coulomb friction that goes over to another level, t on the bench clock that runs on from
     record to record.
 
-    r is its rate at t = 0, r/e what it comes to in the end; e -> 0 is a steady change. A bearing's or a gear's temperature settles
+    r is its rate at t0 (`since`), r/e what it comes to in the end; e -> 0 is a steady change. A bearing's or a gear's temperature settles
     as exp(-e t), and friction follows it.
     """
 
     def step(s, z, p):
-        return {}, gone_over(p.rate, s.t, p.settling) * s.dir
+        return {}, gone_over(p.rate, counted(s.t, p.since), p.settling) * s.dir
 
     return _drifting(
         name="friction_drift",
         cause="friction that drifts while the axis is measured: it warms up, or its grease is spread",
-        formula="T = r (1 - exp(-e t))/e dir",
+        formula="T = r (1 - exp(-e (t - t0)))/e dir",
         source="Simoni, Beschi, Legnani, Visioli 2015 (friction and temperature)",
-        parameters=_of_time(1e-3),
+        parameters=_of_time(1e-3) | SINCE,
         linear=("rate",),
         reads=("t", "dir"),
         step=step,
@@ -127,21 +127,22 @@ def friction_run_in() -> Effect:
 
 @effect
 def warming_friction() -> Effect:
-    """T = (r dir + w v) (1 - exp(-e t))/e: Coulomb and viscous friction that go over to other levels together, t on the bench clock.
+    """T = (r dir + w v) (1 - exp(-e (t - t0)))/e: Coulomb and viscous friction that go over to other levels together, t on the bench clock.
 
     A lubricant's viscosity falls faster with temperature than what rubs dry does: r and w are rates of their own, e is the housing's.
     """
 
     def step(s, z, p):
-        return {}, gone_over(p.rate * s.dir + p.viscous_rate * s.v, s.t, p.settling)
+        return {}, gone_over(p.rate * s.dir + p.viscous_rate * s.v, counted(s.t, p.since), p.settling)
 
     return _drifting(
         name="warming_friction",
         cause="friction that warms up while the axis is measured: its lubricant thins, and what rubs dry changes by another share",
-        formula="T = (r dir + w v) (1 - exp(-e t))/e",
+        formula="T = (r dir + w v) (1 - exp(-e (t - t0)))/e",
         source="Bittencourt and Gunnarsson 2012; Simoni, Beschi, Legnani, Visioli 2015 (friction and temperature)",
         parameters=_of_time(1e-3)
-        | {"viscous_rate": Parameter(0.0, "F/x", "change of viscous friction per time at first")},
+        | {"viscous_rate": Parameter(0.0, "F/x", "change of viscous friction per time at first")}
+        | SINCE,
         linear=("rate", "viscous_rate"),
         reads=("t", "dir", "v"),
         step=step,

@@ -1,26 +1,26 @@
 """What a channel does beside measuring: it drifts, or its clock is another one."""
 
 from workbench.definition import SENSOR, TIME, Effect, effect
-from workbench.effects.settling import going_over, gone_over
+from workbench.effects.settling import SINCE, counted, going_over, gone_over
 from workbench.parameter import Parameter
 
 
 @effect
 def sensor_trend() -> Effect:
-    """y = q + r t, t on the bench clock. At the drive's channel q is the torque or force that it reports."""
+    """y = q + r (t - t0), t on the bench clock. At the drive's channel q is the torque or force that it reports."""
 
     def step(s, z, p):
-        return {}, s.q + p.rate * s.t
+        return {}, s.q + p.rate * counted(s.t, p.since)
 
     return Effect(
         name="sensor_trend",
         cause="a reading that drifts: the mount of a scale warms up, or an analogue channel has an offset that moves",
-        formula="y = q + r t",
+        formula="y = q + r (t - t0)",
         source="measurement practice",
         port=SENSOR,
         family="reading over time",
         reduces={"rate": (0.0, "")},
-        parameters={"rate": Parameter(0.0, "x/s", "drift of the reading")},
+        parameters={"rate": Parameter(0.0, "x/s", "drift of the reading")} | SINCE,
         reads=("q", "t"),
         step=step,
         places=("sensor", "drive"),
@@ -30,22 +30,22 @@ def sensor_trend() -> Effect:
 
 @effect
 def sensor_settling() -> Effect:
-    """y = q + r (1 - exp(-e t))/e, t on the bench clock: a drift of rate r at first, that settles. With e = 0 it is a `sensor_trend`."""
+    """y = q + r (1 - exp(-e (t - t0)))/e, t on the bench clock: a drift of rate r at first, that settles. With e = 0 it is a `sensor_trend`."""
 
     def step(s, z, p):
-        return {}, s.q + gone_over(p.rate, s.t, p.settling)
+        return {}, s.q + gone_over(p.rate, counted(s.t, p.since), p.settling)
 
     return Effect(
         name="sensor_settling",
         cause="a reading that drifts until a mount, a scale or an amplifier is warm",
-        formula="y = q + r (1 - exp(-e t))/e",
+        formula="y = q + r (1 - exp(-e (t - t0)))/e",
         source="measurement practice; lumped heating of one time constant",
         port=SENSOR,
         family="reading over time",
         traced=False,
         nearest="sensor_trend",
         reduces={"rate": (0.0, "")},
-        parameters=going_over("x/s", "drift of the reading at first", 1e-2),
+        parameters=going_over("x/s", "drift of the reading at first", 1e-2) | SINCE,
         reads=("q", "t"),
         step=step,
         places=("sensor", "drive"),

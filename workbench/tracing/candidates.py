@@ -11,7 +11,7 @@ from workbench.tracing.budget import BUDGET, Budget
 from workbench.tracing.data_sheet import from_data_sheet
 from workbench.tracing.discs import of_the_disc, on_the_motor
 from workbench.tracing.evidence import ADDITION, CORRECTION
-from workbench.tracing.offered_as import as_offered, bare
+from workbench.tracing.offered_as import as_offered, bare, counted_from
 
 __all__ = ["ADDITION", "CORRECTION"]
 # labels of a periodic effect's further orders; more of them would dress anything that lives in position
@@ -68,7 +68,7 @@ class Offer:
     free virgin curve, or of an effect whose values are free within their tolerance -> what was declared. budget: of the search.
     logged: signals that every record has beside the motion and the drive: without a temperature no law of it is asked. hinted: keys of
     effects that a search of the same records found, rest among them: where the axis moves they may be too few blocks' to be certain of.
-    zeroed: whether each record's encoders have a zero of their own, that was found.
+    zeroed: whether each record's encoders have a zero of their own, that was found. begin: bench clock where the first record begins, s.
     """
 
     only: Collection[str] | None = None
@@ -79,6 +79,7 @@ class Offer:
     logged: Collection[str] = ()
     hinted: Collection[str] = ()
     zeroed: bool = False
+    begin: float = 0.0
 
     def candidates(self, plant: Plant) -> list[Candidate]:
         """Return the candidates of a plant that are judged: maps, which take longest, ahead of forces, each in the order of their names,
@@ -107,7 +108,7 @@ def _additions(effect: Effect, place: str, plant: Plant, offer: Offer) -> list[C
         return []
     if effect.counted_in and not _held_by_data_sheet(f"{effect.counted_in}@{place}", plant, stands_for):
         return []
-    another = effect(at=place)
+    another = counted_from(effect(at=place), offer.begin)
     known = {e.key for e in (*plant.effects, *stands_for.values())}
     if another.key in known and periodic(effect):
         another = next((o for o in (_again(effect, place, n) for n in AGAIN) if o.key not in known), another)

@@ -26,6 +26,11 @@ def as_offered(effect: Effect, plant: Plant, zeroed: bool = False) -> Effect | N
     return _held(effect, name) if name and CURVE not in here else None
 
 
+def counted_from(effect: Effect, begin: float) -> Effect:
+    """Return an effect of the bench clock that counts from an instant, s: where the first record begins."""
+    return effect(**{n: begin for n, p in effect.parameters.items() if p.scale == "begin"})
+
+
 def bare(effect: Effect) -> bool:
     """Whether an effect is without the parameter that it has beside another one alone."""
     name = effect.beside.get(effect.at, ("", ""))[1]

@@ -76,7 +76,8 @@ def trace(
     criteria = criteria if most is None else replace(criteria, steps=most)
     progress("fitting the declared model")
     logged = [n for n in CHANNELS if all(n in p.motion.record.channels for p in inverses)]
-    offer = Offer(only, own, [e.key for e in plant.effects], budget=budget, logged=logged)
+    begin = min((float(p.motion.t[0]) for p in inverses), default=0.0)
+    offer = Offer(only, own, [e.key for e in plant.effects], budget=budget, logged=logged, begin=begin)
     try:
         late = prepared(plant, inverses, only, criteria)
     except NoValue:
